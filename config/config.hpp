@@ -1,0 +1,76 @@
+/// The daemon's configuration: one struct a module, every key with a default. `{}` is valid.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/optics/geometry.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/port/camera.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+struct CameraConfig {
+  std::string driver = "aravis";
+  std::string id = "127.0.0.1";  ///< GenICam id, or address
+  CameraSettings settings;
+  int packet_size_bytes = 9000;
+  double transfer_ms = 10.0;  ///< longest time from the end of an exposure to the frame's arrival
+};
+
+struct SlmConfig {
+  std::string driver = "sdl";
+  std::string display = "DUMMY1";  ///< output name, e.g. "HDMI-1"
+  SlmGeometry geometry;            ///< keys width, height, pitch_um
+  std::optional<std::string> lut;  ///< file: 256 grey levels, one a line, for equal steps of phase
+  std::optional<std::string> flatness;  ///< file: see config/README.md
+  double settle_ms = 20.0;
+  bool allow_primary = false;
+};
+
+struct StreamConfig {
+  std::string endpoint = "tcp://127.0.0.1:7701";
+  std::string image_endpoint = "tcp://127.0.0.1:7703";
+  double image_rate_hz = 10.0;
+};
+
+struct ControlConfig {
+  std::string endpoint = "tcp://127.0.0.1:7702";
+};
+
+enum class RealtimePolicy {
+  enforce,  ///< a missing privilege is a start-up error
+  ignore,   ///< a missing privilege is a warning
+};
+
+struct RealtimeConfig {
+  RealtimePolicy policy = RealtimePolicy::ignore;
+  int workers = 0;  ///< tracker threads; 0: the frame path runs inline in one thread
+};
+
+struct LogConfig {
+  std::string level = "info";  ///< trace, debug, info, warn, error
+};
+
+struct Config {
+  CameraConfig camera;
+  SlmConfig slm;
+  OpticsConfig optics;
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  StreamConfig stream;
+  ControlConfig control;
+  RealtimeConfig realtime;
+  LogConfig log;
+};
+
+/// Strict: unknown keys, wrong types and values out of range are errors that name the dotted path
+/// and, for unknown keys, the nearest known one. Comments (// and /* */) are allowed in the text.
+Result<Config> parse_config(const std::string& json_text);
+/// Reads and parses a file; the error's reason names the file.
+Result<Config> load_config(const std::string& path);
+/// All keys, defaults included; parse_config(dump_config(c)) gives c again.
+std::string dump_config(const Config& config);
+
+}  // namespace ovws

@@ -1,0 +1,43 @@
+/// The camera's noise, stage by stage (after Konnik and Welsh, "High-level numerical simulations of
+/// noise in CCD and CMOS photosensors", 2014).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/image.hpp"
+
+namespace ovws {
+
+struct DetectorConfig {
+  double quantum_efficiency = 0.6;  ///< electrons per photon, 0 .. 1
+  double prnu = 0.005;              ///< photo-response non-uniformity, relative RMS, fixed pattern
+  bool shot_noise = true;
+  double dark_current_e_per_s = 5.0;
+  double read_noise_e = 5.0;     ///< electrons RMS
+  double full_well_e = 10000.0;  ///< electrons at which a pixel saturates
+  double black_level_dn = 2.0;   ///< added before quantisation, DN of the output
+  int bits = 8;                  ///< of the output: full_well_e at 0 dB reaches 2^bits - 1
+  std::uint64_t seed = 1;
+};
+
+/// photons -> PRNU -> shot noise -> dark signal -> full well -> read noise -> gain -> black level
+/// -> quantise -> clip.
+class Detector {
+ public:
+  Detector(const DetectorConfig& config, int width, int height);
+
+  /// `photons`: mean photons per pixel and exposure. Each call is a new realisation; the same seed
+  /// gives the same sequence. `gain_db`: 20 log10 of the amplitude gain.
+  void expose(const Image<float>& photons, double exposure_us, double gain_db,
+              Image<std::uint16_t>& dn);
+
+ private:
+  DetectorConfig config_;
+  int width_;
+  int height_;
+  std::vector<float> response_;
+  std::uint64_t realisation_ = 0;
+};
+
+}  // namespace ovws

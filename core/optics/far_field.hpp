@@ -1,0 +1,45 @@
+/// The far field of the SLM in the window that the camera sees.
+#pragma once
+
+#include <complex>
+#include <memory>
+
+#include "core/base/image.hpp"
+#include "core/optics/geometry.hpp"
+
+namespace ovws {
+
+/// A camera window in the far field: pixel (c, r) looks at the frequency origin + step * (c, r).
+struct FarFieldWindow {
+  int cols = 0;
+  int rows = 0;
+  Vec2 origin_cpp;        ///< cycles per SLM pixel at camera pixel (0, 0)
+  double step_cpp = 0.0;  ///< per camera pixel: 1 / camera_px_per_cycle
+};
+
+/// The window of an ROI-sized image whose base spot (frequency grooves / SLM size) falls on
+/// base_spot_px.
+FarFieldWindow far_field_window(const SensorConfig& sensor, const SlmGeometry& slm,
+                                const OpticsConfig& optics, int image_cols, int image_rows);
+
+/// F(u, v) = sum A(x, y) exp(-2 pi i (u x + v y)), x and y from the pupil's centre, by the chirp-z
+/// transform: any window, any step, no full-size FFT. Prepared once per geometry; `propagate` is
+/// for one thread at a time.
+class FarField {
+ public:
+  FarField(SlmGeometry slm, FarFieldWindow window);
+  ~FarField();
+  FarField(FarField&&) noexcept;
+  FarField& operator=(FarField&&) noexcept;
+  FarField(const FarField&) = delete;
+  FarField& operator=(const FarField&) = delete;
+
+  /// `field`: width x height of the SLM. Result: cols x rows of the window.
+  void propagate(const Image<std::complex<float>>& field, Image<std::complex<float>>& out);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,65 @@
+/// The hologram: phase -> + aberration - correction -> + flatness -> wrap -> LUT -> grey levels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/lattice.hpp"
+#include "core/optics/zernike.hpp"
+
+namespace ovws {
+
+/// Grey level to show for each of 256 equal steps of phase over [0, 2 pi): grey = lut[round-down
+/// step].
+using PhaseLut = std::array<std::uint8_t, 256>;
+PhaseLut linear_lut();
+
+enum class HologramKind {
+  sensor,    ///< subapertures with their gratings and vortices
+  grating,   ///< base grating and correction only, over the whole SLM: the corrected beam
+  flat,      ///< flatness map only
+  identify,  ///< a picture that a person recognises: which screen is the SLM
+};
+
+/// What the hologram is made of. All phases in waves.
+struct HologramConfig {
+  SlmGeometry slm;
+  SensorConfig sensor;
+  PhaseLut lut = linear_lut();
+  /// Phase to add at each SLM pixel so that the SLM becomes flat, waves; empty: none. Size width x
+  /// height.
+  std::shared_ptr<const Image<float>> flatness_waves;
+};
+
+/// Immutable after construction (which takes milliseconds); `render` is thread-safe and meant for
+/// the prepare thread. Outside the subapertures the sensor's phase is 0 (plus flatness).
+class HologramRenderer {
+ public:
+  static Result<HologramRenderer> make(const HologramConfig& config);
+
+  const Lattice& lattice() const { return lattice_; }
+
+  /// Grey levels of `width x height`. `modes` is the wavefront to add (aberration - correction),
+  /// over the pupil's circle and continued outside it.
+  void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
+
+  /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase
+  /// (gratings and `modes`) would exceed half a cycle per SLM pixel in x or y: the SLM cannot
+  /// sample it.
+  Result<void> check_sampling(std::span<const Mode> modes) const;
+
+ private:
+  HologramRenderer() = default;
+  HologramConfig config_;
+  Lattice lattice_;
+  std::vector<std::uint16_t>
+      base_phase_;  ///< sensor phase and flatness, 2 pi = 65536: wraps by itself
+};
+
+}  // namespace ovws

@@ -1,0 +1,36 @@
+/// The lattice of subapertures in the pupil, and the grating frequency that each one gets.
+#pragma once
+
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/optics/geometry.hpp"
+
+namespace ovws {
+
+struct Subaperture {
+  Vec2 centre_px;      ///< V_i: SLM pixels from the pupil's centre
+  Vec2 frequency_cpp;  ///< cycles per SLM pixel: ((n_x + s V_ix)/p_x, (n_y + s V_iy)/p_y), paper
+                       ///< eq. 3
+};
+
+struct Lattice {
+  double diameter_px = 0.0;  ///< of one subaperture: D / M
+  std::vector<Subaperture>
+      subapertures;  ///< by rows of increasing V_y, then V_x; whole circles in the pupil
+};
+
+/// Errors (Errc::invalid, field "sensor.…"): pupil larger than the SLM's height or width; fewer
+/// than 3 subapertures; more than kMaxSubapertures; a frequency beyond the SLM's Nyquist limit of
+/// 0.5 cycles per pixel.
+Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
+
+constexpr int kMaxSubapertures = 1024;
+
+/// Where each subaperture's spot falls for a flat wavefront: base + S (f_i - f_base), camera
+/// pixels.
+std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,
+                                 const SlmGeometry& slm, const OpticsConfig& optics, int image_cols,
+                                 int image_rows);
+
+}  // namespace ovws

@@ -1,0 +1,62 @@
+/// One frame on its way through the pipeline, and what was measured of it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/pipeline/plan.hpp"
+#include "core/port/camera.hpp"
+#include "core/tracking/spot.hpp"
+#include "core/wavefront/reconstructor.hpp"
+
+namespace ovws {
+
+/// What the SLM showed, as the frame path needs it. Written by the display's thread.
+struct ShownHologram {
+  struct One {
+    std::uint64_t hologram_id = 0;       ///< 0: none
+    std::uint64_t sensor_epoch = 0;      ///< 0: not a sensor hologram, nothing to measure
+    std::int64_t t_begin_mono_ns = 0;    ///< before the call that presents it
+    std::int64_t t_settled_mono_ns = 0;  ///< presented + settle time
+  };
+  One current;
+  One previous;
+  bool healthy = false;  ///< false: the display is at fault, nothing is known to be shown
+};
+
+/// The settings that changed last; a frame whose exposure straddles the change belongs to neither.
+struct AppliedSettings {
+  double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
+  double previous_gain_db = 0.0, previous_exposure_us = 0.0;
+  std::int64_t t_write_begin_mono_ns = 0;
+  std::int64_t t_write_end_mono_ns = 0;
+  std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival, by configuration
+};
+
+/// Preallocated and reused: vectors are sized for kMaxSubapertures and kMaxModes once, `…_count`
+/// says how much is used.
+struct FrameRecord {
+  GrabbedFrame frame;
+  const MeasurementPlan* plan =
+      nullptr;            ///< lives until the publisher has seen a record of a newer plan
+  std::uint64_t gap = 0;  ///< frames lost since the record before
+  std::uint64_t hologram_id = 0;
+  bool settled = false;
+  bool settings_known = false;  ///< gain and exposure are of this very frame
+  double gain_db = 0.0, exposure_us = 0.0;
+
+  std::vector<SpotFix> spots;
+  int spot_count = 0;
+  int tracked = 0;
+  float saturated_fraction = 0.0F;  ///< of the spots
+  std::vector<float>
+      coefficients;  ///< RMS-normalised waves, order of plan->reconstructor->modes_j()
+  int mode_count = 0;
+  Reconstruction reconstruction;
+  bool valid = false;  ///< settled, referenced, and the modes are determined
+
+  std::int64_t t_tracked_mono_ns = 0;
+  std::int64_t t_reconstructed_mono_ns = 0;
+};
+
+}  // namespace ovws

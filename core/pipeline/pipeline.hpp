@@ -1,0 +1,77 @@
+/// The frame path: grab -> track -> reconstruct -> out, as agents that the thread table runs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/pipeline/frame_record.hpp"
+#include "core/port/camera.hpp"
+#include "core/rt/agent.hpp"
+#include "core/rt/counters.hpp"
+#include "core/rt/latency_histogram.hpp"
+#include "core/rt/latest_value.hpp"
+
+namespace ovws {
+
+struct PipelineConfig {
+  int workers = 0;   ///< tracker threads; 0: all stages run inside the acquisition agent ("inline")
+  int records = 64;  ///< frames that may be on their way at once, a power of two
+};
+
+struct PipelineDeps {
+  Counters& counters;
+  LatestValue<ShownHologram>& shown;       ///< written by the display's thread
+  LatestValue<AppliedSettings>& settings;  ///< written by the camera's thread
+};
+
+/// Owns the stages, the records and the rings between them. Inline and threaded give identical
+/// numbers.
+class Pipeline {
+ public:
+  Pipeline(const PipelineConfig& config, const PipelineDeps& deps);
+  ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  // Agents, one thread each. tracker(k): k = 0 .. workers-1. With workers = 0 only acquisition()
+  // has work.
+  Agent& acquisition();
+  Agent& tracker(int k);
+  Agent& reconstruction();
+
+  // Control side; thread-safe among each other.
+  /// From the next frame edge on, frames are measured with `plan`. The caller keeps every plan
+  /// alive until `oldest_plan_in_use` has passed its id.
+  void use_plan(const MeasurementPlan* plan);
+  /// Smallest plan id that the frame path or the publisher may still touch.
+  std::uint64_t oldest_plan_in_use() const;
+  /// Gives the acquisition agent a camera that streams, or takes it away: returns when the agent
+  /// has let go of it and all its frames were released (bounded by the agent's wait, 50 ms, and by
+  /// the frames on their way).
+  void attach(Camera& camera);
+  void detach();
+  /// CLOCK_MONOTONIC ns of the last complete frame; 0: none since attach. Thread-safe.
+  std::int64_t last_frame_mono_ns() const;
+
+  // Publisher thread: the next finished record, in frame order, or nullptr after `timeout_us`; give
+  // it back with release.
+  FrameRecord* next(int timeout_us);
+  void release(FrameRecord* record);
+
+  /// Asks for one more frame's pixels: the next measured frame's record keeps its image lent until
+  /// release_image.
+  // Image thread.
+  void request_image();
+  FrameRecord* next_image(int timeout_us);
+  void release_image(FrameRecord* record);
+
+  /// Latency since grab, one histogram a stage; read and reset by the status thread.
+  LatencyHistogram& tracked_latency();
+  LatencyHistogram& reconstructed_latency();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,36 @@
+/// Everything that a frame is measured with, prepared off the frame path and swapped whole at a
+/// frame edge.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/vec2.hpp"
+#include "core/tracking/tracker.hpp"
+#include "core/wavefront/reconstructor.hpp"
+
+namespace ovws {
+
+/// Immutable once published.
+struct MeasurementPlan {
+  std::uint64_t id = 0;  ///< increases with each plan
+  std::uint64_t sensor_epoch =
+      0;  ///< changes when spots of older holograms no longer fit (charge, lattice, ROI)
+  int charge = 1;
+  TrackerKind tracker_kind = TrackerKind::lg;
+  SpotModel spots;
+  int image_width = 0, image_height = 0;  ///< what a frame must be
+  PixelFormat format = PixelFormat::mono8;
+  /// Where each spot should be: reference, else model, moved by the aberration shown on purpose.
+  std::vector<Vec2> predicted_px;
+  std::vector<Vec2> reference_px;  ///< what displacements count from; empty: no reference
+  std::unique_ptr<const SpotTracker> tracker;
+  std::unique_ptr<const Reconstructor> reconstructor;
+
+  int subapertures() const { return int(predicted_px.size()); }
+  bool referenced() const { return !reference_px.empty(); }
+};
+
+}  // namespace ovws

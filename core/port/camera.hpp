@@ -1,0 +1,84 @@
+/// The port of a camera: what the core needs of one, and what a driver promises.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+struct Roi {
+  int x = 0, y = 0, width = 512, height = 512;  ///< sensor pixels
+  friend bool operator==(const Roi&, const Roi&) = default;
+};
+
+struct CameraSettings {
+  double gain_db = 0.0;
+  double exposure_us = 2000.0;
+  double frame_rate_hz = 100.0;
+  PixelFormat pixel_format = PixelFormat::mono8;
+  Roi roi;
+  friend bool operator==(const CameraSettings&, const CameraSettings&) = default;
+};
+
+template <class T>
+struct Range {
+  T min{}, max{}, increment{};  ///< increment 0: continuous
+};
+
+struct CameraLimits {
+  Range<double> gain_db, exposure_us, frame_rate_hz;
+  Range<int> roi_width, roi_height;
+  int sensor_width = 0, sensor_height = 0;
+  std::vector<PixelFormat> pixel_formats;
+};
+
+struct CameraInfo {
+  std::string vendor, model, serial, address;
+};
+
+/// A frame lent by the driver until `release`. All stamps in ns; mono = CLOCK_MONOTONIC.
+struct GrabbedFrame {
+  ImageView image;
+  std::uint64_t frame_id =
+      0;  ///< camera's number, unwrapped to 64 bits: consecutive frames differ by 1
+  std::int64_t t_device_ns = 0;   ///< as the camera gives it
+  std::int64_t t_arrival_ns = 0;  ///< frame complete in this host, UNIX epoch UTC
+  std::int64_t t_arrival_mono_ns = 0;
+  int slot = -1;  ///< driver's own buffer number, 0 .. buffer_count()-1
+};
+
+enum class GrabStatus { frame, timeout, incomplete };
+
+/// One opened camera. Device calls come from one thread (the camera thread), stream calls from one
+/// other (the acquisition thread); `start`, `stop` and `apply` are called only while nobody is in a
+/// stream call. An object whose `alive` is false never recovers: destroy it and open a new one.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+
+  // Camera thread. May block for the device's time-out.
+  virtual const CameraInfo& info() const = 0;
+  virtual Result<CameraLimits> limits() = 0;
+  /// Applies those settings that differ, reads all back, and returns what the camera really uses.
+  /// While streaming only gain, exposure and frame rate may differ; roi and pixel_format need
+  /// `stop` first.
+  virtual Result<CameraSettings> apply(const CameraSettings& wanted) = 0;
+  virtual Result<void>
+  start() = 0;                     ///< allocates buffers for the current payload, begins to stream
+  virtual void stop() = 0;         ///< all lent frames must have been released
+  virtual bool alive() const = 0;  ///< false once control was lost. Thread-safe.
+
+  // Acquisition thread.
+  virtual int buffer_count() const = 0;
+  /// Waits at most `timeout`. Incomplete frames are released inside and only reported.
+  virtual GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) = 0;
+  virtual void release(int slot) OVWS_NONBLOCKING = 0;
+};
+
+}  // namespace ovws

@@ -1,0 +1,23 @@
+/// The clocks of this code: never mix them, never subtract one from the other.
+#pragma once
+
+#include <cstdint>
+#include <ctime>
+
+namespace ovws {
+
+/// ns of CLOCK_MONOTONIC: for every interval and deadline. RT-safe.
+inline std::int64_t monotonic_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+/// ns since the UNIX epoch, UTC: for stamps that people and files keep. RT-safe.
+inline std::int64_t utc_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace ovws

@@ -1,0 +1,47 @@
+/// Faults and events of the frame path, as counters: one enum names them all.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+
+namespace ovws {
+
+enum class Counter : std::uint8_t {
+  frames_grabbed,     ///< complete frames taken from the camera
+  frames_lost,        ///< gaps in the camera's frame numbers
+  frames_incomplete,  ///< delivered with missing packets, not tracked
+  frames_unexpected,  ///< size or format is not the plan's, not tracked
+  frames_dropped,     ///< no free record or full ring: the pipeline was behind
+  frames_unsettled,   ///< exposed while the hologram changed
+  frames_invalid,     ///< published with valid = false
+  frames_published,   ///< left the pipeline
+  spots_lost,         ///< sum over frames of subapertures not found
+  acquisitions,       ///< whole-image searches
+  messages_dropped,   ///< a stream's queue was full in this daemon
+  deadline_missed,    ///< frames that took longer than one frame period from grab to publish ring
+  camera_reconnects,
+  display_faults,
+  requests,
+  requests_refused,
+  count_,
+};
+
+std::string_view counter_name(Counter counter);
+
+/// Thread-safe, RT-safe, relaxed.
+class Counters {
+ public:
+  void add(Counter counter, std::uint64_t n = 1) {
+    values_[std::size_t(counter)].fetch_add(n, std::memory_order_relaxed);
+  }
+  std::uint64_t get(Counter counter) const {
+    return values_[std::size_t(counter)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  std::array<std::atomic<std::uint64_t>, std::size_t(Counter::count_)> values_{};
+};
+
+}  // namespace ovws

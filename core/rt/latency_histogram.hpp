@@ -1,0 +1,32 @@
+/// Always-on latency statistics: log-linear buckets, recorded without waiting.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "core/base/realtime.hpp"
+
+namespace ovws {
+
+struct LatencySummary {
+  std::uint64_t count = 0;
+  double p50_us = 0.0, p99_us = 0.0, p999_us = 0.0, max_us = 0.0;
+};
+
+/// Buckets of 1/16 of an octave from 64 ns to 64 s (values outside count in the first or last):
+/// percentiles are right to 6.25 %. One or more recording threads, one reading thread.
+class LatencyHistogram {
+ public:
+  void record(std::int64_t latency_ns) OVWS_NONBLOCKING;  ///< RT-safe
+  /// Percentiles of all that was recorded since the last call, and starts anew.
+  LatencySummary take();
+
+ private:
+  static constexpr int kSubBuckets = 16;
+  static constexpr int kOctaves = 30;
+  std::array<std::atomic<std::uint32_t>, kSubBuckets * kOctaves> buckets_{};
+  std::atomic<std::int64_t> max_ns_{0};
+};
+
+}  // namespace ovws

@@ -1,0 +1,35 @@
+/// What a tracker finds of one spot, and which trackers there are.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+namespace ovws {
+
+/// One spot of one frame, in camera pixels of the ROI. A lost spot has NaN coordinates and quality
+/// 0.
+struct SpotFix {
+  float x = std::numeric_limits<float>::quiet_NaN();
+  float y = std::numeric_limits<float>::quiet_NaN();
+  float peak = 0.0F;     ///< brightest pixel of the spot's window, camera units (DN)
+  float quality = 0.0F;  ///< [0,1]: contrast of the spot against its surroundings; 0 = lost
+
+  bool found() const { return !std::isnan(x); }
+};
+
+enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg };
+
+std::string_view tracker_name(TrackerKind kind);
+std::optional<TrackerKind> tracker_from_name(std::string_view name);
+
+struct TrackingConfig {
+  TrackerKind tracker = TrackerKind::lg;
+  double kernel_radius = 0.4;  ///< LG kernel's 1/e radius w in units of lambda/d on the camera
+
+  friend bool operator==(const TrackingConfig&, const TrackingConfig&) = default;
+};
+
+}  // namespace ovws

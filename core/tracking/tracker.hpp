@@ -1,0 +1,48 @@
+/// The interface of a spot tracker: one spot of one frame, from a start position.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/base/result.hpp"
+#include "core/base/vec2.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+/// What a tracker must know of the spots. Lengths in camera pixels.
+struct SpotModel {
+  int charge = 1;
+  double lambda_d_px = 12.55;  ///< diffraction width of one subaperture on the camera
+};
+
+/// Working memory of one tracking thread, sized once: `track` never allocates.
+struct TrackScratch {
+  std::vector<float> samples;
+  std::vector<float> sums;
+};
+
+/// Immutable after construction; one object serves all threads, each with a scratch of its own.
+class SpotTracker {
+ public:
+  virtual ~SpotTracker() = default;
+
+  /// Half-width of the square of pixels read around the start position, camera pixels.
+  virtual int window_half_px() const = 0;
+  virtual TrackScratch make_scratch() const = 0;
+
+  /// Finds the spot near `start_px`. Lost (see SpotFix) if what is there does not look like the
+  /// spot: no guess is ever returned. The window is clipped at the image's edge; a spot too near
+  /// the edge is lost. RT-safe.
+  virtual SpotFix track(const ImageView& image, Vec2 start_px,
+                        TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
+};
+
+/// Errors (Errc::invalid, field "tracking.…"): kernel_radius outside [0.1, 2]; a tracker that makes
+/// no sense for the charge (any lg on charge 0 follows the bright spot's maximum and is allowed).
+Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
+                                                        const SpotModel& spots);
+
+}  // namespace ovws

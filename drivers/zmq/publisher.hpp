@@ -1,0 +1,32 @@
+/// A PUB socket: multipart messages, small queues, never waits.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// One thread at a time.
+class Publisher {
+ public:
+  /// `send_queue` messages per subscriber; a slow one loses its own. Errors: Errc::unavailable
+  /// (port in use, said with the endpoint), Errc::invalid (endpoint not understood).
+  static Result<Publisher> bind(const std::string& endpoint, int send_queue);
+  Publisher(Publisher&&) noexcept;
+  Publisher& operator=(Publisher&&) noexcept;
+  ~Publisher();
+
+  /// [topic][json][binary, if not empty]. False if this process's own queue was full.
+  bool send(std::string_view topic, std::string_view json, std::span<const std::byte> binary = {});
+
+ private:
+  struct Impl;
+  explicit Publisher(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,90 @@
+/// Strict reading of JSON objects into structs: each fault is an Error that names the dotted path.
+#pragma once
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// The name among `known` nearest to `name` by edit distance, if near enough to be a slip of the
+/// pen.
+std::optional<std::string> nearest_name(std::string_view name,
+                                        const std::vector<std::string>& known);
+
+/// Reads one JSON object key by key. Keys that are absent leave the target as it is. The first
+/// fault is kept, all later reads do nothing; `finish` returns it, or the first key that nobody
+/// asked for, with its nearest known name.
+///
+///     ObjectReader r(json, "camera");
+///     r.number("gain_db", c.gain_db, -100, 100);
+///     if (auto e = r.finish(); !e) return fail(e.error());
+class ObjectReader {
+ public:
+  ObjectReader(const nlohmann::json& json, std::string path);
+
+  bool has(const char* key) const;  ///< present (null counts as present)
+  void require(const char* key);    ///< a fault if absent
+
+  void number(const char* key, double& out, double min,
+              double max);                                    ///< finite, min <= value <= max
+  void integer(const char* key, int& out, int min, int max);  ///< no fraction
+  void boolean(const char* key, bool& out);
+  void string(const char* key, std::string& out);
+  void optional_string(const char* key, std::optional<std::string>& out);  ///< null or string
+  /// One of `names`; `out` is its position. The error names the nearest.
+  void choice(const char* key, int& out, const std::vector<std::string>& names);
+  void numbers(const char* key, std::vector<double>& out, std::size_t min_size,
+               std::size_t max_size, double min, double max);
+  /// A nested object: calls read(ObjectReader&) with the path extended; its unknown keys are faults
+  /// too.
+  template <class Read>
+  void object(const char* key, Read read);
+  /// An array of objects: calls read(ObjectReader&, index) for each.
+  template <class Read>
+  void objects(const char* key, std::size_t max_size, Read read);
+  /// Marks a key as known without reading it; for values with a shape of their own.
+  const nlohmann::json* raw(const char* key);
+
+  void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller
+  Result<void> finish();
+
+ private:
+  const nlohmann::json* take(const char* key);
+  std::string path_of(std::string_view key) const;
+
+  const nlohmann::json& json_;
+  std::string path_;
+  std::vector<std::string> known_;
+  std::optional<Error> error_;
+};
+
+template <class Read>
+void ObjectReader::object(const char* key, Read read) {
+  const nlohmann::json* value = take(key);
+  if (value == nullptr || error_) return;
+  ObjectReader inner(*value, path_of(key));
+  read(inner);
+  if (auto done = inner.finish(); !done) error_ = done.error();
+}
+
+template <class Read>
+void ObjectReader::objects(const char* key, std::size_t max_size, Read read) {
+  const nlohmann::json* value = take(key);
+  if (value == nullptr || error_) return;
+  if (!value->is_array() || value->size() > max_size) {
+    return fault(key, "must be an array of at most " + std::to_string(max_size) + " objects");
+  }
+  for (std::size_t i = 0; i < value->size() && !error_; ++i) {
+    ObjectReader inner((*value)[i], path_of(key) + "[" + std::to_string(i) + "]");
+    read(inner, i);
+    if (auto done = inner.finish(); !done) error_ = done.error();
+  }
+}
+
+}  // namespace ovws

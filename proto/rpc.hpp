@@ -1,0 +1,56 @@
+/// JSON-RPC 2.0 over one frame: from bytes to calls, from results to bytes. No sockets here.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxRequestBytes = 64 * 1024;
+
+/// The standard codes, and the daemon's own from -32000 on (one per Errc).
+enum class RpcCode : int {
+  parse = -32700,
+  request = -32600,
+  method = -32601,
+  params = -32602,
+  internal = -32603,
+  refused = -32000,
+  unavailable = -32001,
+  device = -32002,
+};
+RpcCode rpc_code(Errc code);
+
+/// An answer to a method: its result, or an Error. `data` of the error reply is {field, reason,
+/// …extra}.
+struct RpcFailure {
+  RpcCode code = RpcCode::internal;
+  std::string message;
+  Json data = Json::object();
+};
+RpcFailure rpc_failure(const Error& error);
+using RpcAnswer = tl::expected<Json, RpcFailure>;
+
+/// Called exactly once, from any thread.
+using RpcReply = std::function<void(RpcAnswer)>;
+/// What the daemon does with one call. The call is well-formed; `params` is an object (empty if
+/// none was sent).
+using RpcDispatch =
+    std::function<void(const std::string& method, const Json& params, RpcReply reply)>;
+/// Receives the one reply frame of a request frame, from any thread; empty if the frame held
+/// notifications only.
+using RpcSend = std::function<void(std::string)>;
+
+/// Handles one request frame, single or batch: strict UTF-8 and JSON, size cap, JSON-RPC shape;
+/// every member with an id gets exactly one response. Never throws, whatever the bytes are.
+void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send);
+
+}  // namespace ovws
