@@ -44,11 +44,6 @@ enum class RealtimePolicy {
   ignore,   ///< a missing privilege is a warning
 };
 
-struct RealtimeConfig {
-  RealtimePolicy policy = RealtimePolicy::ignore;
-  int workers = 0;  ///< tracker threads; 0: the frame path runs inline in one thread
-};
-
 struct LogConfig {
   std::string level = "info";  ///< trace, debug, info, warn, error
 };
@@ -61,7 +56,8 @@ struct Config {
   TrackingConfig tracking;
   StreamConfig stream;
   ControlConfig control;
-  RealtimeConfig realtime;
+  RealtimePolicy realtime = RealtimePolicy::ignore;
+  PipelineConfig pipeline;
   LogConfig log;
 };
 

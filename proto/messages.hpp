@@ -6,16 +6,22 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/port/camera.hpp"
+#include "core/port/display.hpp"
+#include "core/rt/latency_histogram.hpp"
 #include "core/tracking/spot.hpp"
 
 namespace ovws {
 
-/// `ovws.wavefront/1`. Spans are borrowed until the message is encoded.
-struct WavefrontMessage {
+/// What `wavefront` and `spots` both say of the frame that they were measured in. Strings and spans
+/// in messages are borrowed until the message is encoded.
+struct FrameMessage {
   std::uint64_t seq = 0, frame_id = 0, gap = 0;
   std::int64_t t_device_ns = 0, t_arrival_ns = 0, t_publish_ns = 0;
   double latency_us = 0.0;
@@ -26,22 +32,24 @@ struct WavefrontMessage {
   int subapertures = 0, tracked = 0;
   bool valid = false;
   double wavelength_nm = 632.0;
-  std::span<const int> j;
-  std::span<const float>
-      coefficients;  ///< waves, RMS-normalised; each null in the message if not valid
-  std::optional<double> rms_waves, fit_residual_px;
+  std::optional<double> rms_waves,
+      fit_residual_px;                         ///< rms_waves is null in the message if not valid
   std::optional<double> gain_db, exposure_us;  ///< none: not known for this very frame
   double saturated = 0.0;
   bool loop_closed = false;
 };
 
+/// `ovws.wavefront/1`.
+struct WavefrontMessage : FrameMessage {
+  std::span<const int> j;
+  /// waves, RMS-normalised, as many as `j`; each null in the message if not valid
+  std::span<const float> coefficients;
+};
+
 /// `ovws.spots/1`: the binary part is N x 6 float32.
-struct SpotsMessage {
-  std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
-  std::int64_t t_arrival_ns = 0;
-  bool settled = false;
+struct SpotsMessage : FrameMessage {
   std::span<const SpotFix> spots;
-  std::span<const Vec2> reference_px;  ///< empty: NaN in the binary part
+  std::span<const Vec2> reference_px;  ///< as many as `spots`; empty: NaN in the binary part
 };
 
 /// `ovws.image/1` and `ovws.phase/1`: the binary part is the rows of the picture.
@@ -54,7 +62,57 @@ struct PhaseMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0;
   bool valid = false;
+  double wavelength_nm = 632.0;
   const Image<float>* waves = nullptr;  ///< NaN outside the pupil
+};
+
+enum class Severity { info, warning, error };
+
+/// `ovws.event/1`; its `data` is given to the encoder as JSON.
+struct EventMessage {
+  std::uint64_t seq = 0;
+  std::int64_t t_ns = 0;
+  std::string kind;  ///< "state", "camera", "slm", "job", "config", …
+  Severity severity = Severity::info;
+  std::string text;  ///< one sentence for a person
+};
+
+/// `ovws.status/1` and the result of `system.status`.
+struct StatusMessage {
+  std::uint64_t seq = 0;
+  std::int64_t t_ns = 0;
+  double uptime_s = 0.0;
+  std::string state;                 ///< the state machine's name of it
+  std::optional<std::string> fault;  ///< why the state is a fault, and the way out
+
+  struct CameraPart {
+    bool connected = false, streaming = false;
+    std::optional<CameraInfo> info;
+    CameraSettings settings;           ///< in use; if not connected, those that will be applied
+    std::optional<std::string> fault;  ///< why it is not there
+  } camera;
+  struct SlmPart {
+    bool connected = false;
+    std::optional<DisplayInfo> info;
+    std::string pattern = "sensor";
+    std::uint64_t hologram_id = 0;  ///< shown now; 0: none
+    bool settled = false;
+    std::optional<std::string> fault;
+  } slm;
+  struct SensorPart {
+    SensorConfig config;
+    TrackerKind tracker = TrackerKind::lg;
+    int subapertures = 0, modes = 0;
+    bool referenced = false;
+  } sensor;
+  bool loop_closed = false;
+
+  struct Rates {
+    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
+  } rates;
+  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< since start, every one
+  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage, since the last status
+  std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
 };
 
 }  // namespace ovws

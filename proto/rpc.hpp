@@ -49,8 +49,16 @@ using RpcDispatch =
 /// notifications only.
 using RpcSend = std::function<void(std::string)>;
 
+constexpr int kMaxRequestDepth = 32;   ///< of nested objects and arrays
+constexpr int kMaxBatchMembers = 100;  ///< more are refused with one error
+
+/// The reply to a request frame larger than kMaxRequestBytes, which nobody has to read for it.
+std::string oversize_reply();
+
 /// Handles one request frame, single or batch: strict UTF-8 and JSON, size cap, JSON-RPC shape;
-/// every member with an id gets exactly one response. Never throws, whatever the bytes are.
+/// every member with an id gets exactly one response. Never throws, whatever the bytes are. A
+/// dispatcher that throws, or that lets go of its reply without calling it, becomes an internal
+/// error; a second call of a reply does nothing. `params` and `method` are borrowed for the call.
 void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send);
 
 }  // namespace ovws

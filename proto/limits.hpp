@@ -1,0 +1,49 @@
+/// The ranges of every number that a person can set: the wire, the configuration and the JSON
+/// Schemas state the same ones (a test compares them). A device may allow less.
+#pragma once
+
+#include <cstddef>
+
+namespace ovws::limits {
+
+struct Numbers {
+  double min, max;
+};
+struct Integers {
+  int min, max;
+};
+
+constexpr Numbers kGainDb{-100.0, 100.0};
+constexpr Numbers kExposureUs{0.1, 60e6};
+constexpr Numbers kFrameRateHz{0.001, 100e3};
+constexpr Integers kRoiOffset{0, 65535};
+constexpr Integers kRoiSize{1, 65535};
+constexpr Integers kPacketSizeBytes{576, 65000};
+constexpr Numbers kTransferMs{0.0, 10e3};
+
+constexpr Integers kSlmSizePx{16, 16384};
+constexpr Numbers kSlmPitchUm{0.1, 1000.0};
+constexpr Numbers kSettleMs{0.0, 10e3};
+
+constexpr Numbers kWavelengthNm{100.0, 20e3};
+constexpr Numbers kFocalLengthMm{1.0, 100e3};
+constexpr Numbers kMagnification{0.001, 1000.0};
+constexpr Numbers kCameraPitchUm{0.1, 100.0};
+constexpr Numbers kCentrePx{-65535.0, 65535.0};
+
+constexpr Integers kCharge{-8, 8};
+constexpr Integers kSubaperturesAcross{1, 31};
+constexpr Numbers kPupilDiameterPx{8.0, 16384.0};
+constexpr Numbers kGrooves{-8192.0, 8192.0};
+constexpr Numbers kSpacing{0.001, 16.0};
+constexpr Numbers kKernelRadius{0.1, 2.0};
+
+constexpr Numbers kModeWaves{-1000.0, 1000.0};
+constexpr Integers kReferenceFrames{1, 100000};
+constexpr Integers kJob{1, 2147483647};
+
+constexpr Numbers kImageRateHz{0.0, 1000.0};
+constexpr Integers kWorkers{0, 16};
+constexpr Integers kRecords{8, 4096};  ///< and a power of two
+
+}  // namespace ovws::limits

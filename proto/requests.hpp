@@ -1,0 +1,59 @@
+/// Typed decoding of each method's params: strict, and all or nothing.
+///
+/// Every error is Errc::invalid with the dotted path of the key at fault. Ranges are those of
+/// limits.hpp; with `"clamp": true` a number out of range becomes the nearest limit instead.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/port/camera.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+/// `camera.set`: what is absent stays as it is. The device's own limits are the daemon's to check.
+struct CameraSet {
+  std::optional<double> gain_db, exposure_us, frame_rate_hz;
+  std::optional<PixelFormat> pixel_format;
+  std::optional<Roi> roi;
+  bool clamp = false;
+
+  CameraSettings applied_to(CameraSettings settings) const;
+};
+
+/// `sensor.set`: what is absent stays as it is.
+struct SensorSet {
+  std::optional<int> charge;
+  std::optional<Grid> grid;
+  std::optional<int> subapertures_across;
+  std::optional<double> pupil_diameter_px;
+  std::optional<std::array<double, 2>> grooves;
+  std::optional<double> spacing;
+  std::optional<TrackerKind> tracker;
+  bool clamp = false;
+
+  SensorConfig applied_to(SensorConfig sensor) const;
+  TrackingConfig applied_to(TrackingConfig tracking) const;
+};
+
+Result<CameraSet> decode_camera_set(const nlohmann::json& params);
+Result<SensorSet> decode_sensor_set(const nlohmann::json& params);
+/// `aberration.set`: the modes in RMS normalisation whatever `norm` was, in the order given; no
+/// mode twice.
+Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);
+/// `reference.take`: how many frames to average.
+Result<int> decode_reference_take(const nlohmann::json& params);
+Result<HologramKind> decode_slm_show(const nlohmann::json& params);
+/// `job.get` and `job.cancel`: the job's number.
+Result<int> decode_job(const nlohmann::json& params);
+/// Methods that take no params: an error for any key.
+Result<void> decode_nothing(const nlohmann::json& params);
+
+}  // namespace ovws

@@ -1,0 +1,79 @@
+/// Typed encoding of what methods answer; the shapes are those of the JSON Schemas.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/base/vec2.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/port/camera.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+std::string_view grid_name(Grid grid);
+std::string_view pattern_name(HologramKind kind);
+
+nlohmann::json to_json(const Roi& roi);
+nlohmann::json to_json(const CameraSettings& settings);
+nlohmann::json to_json(const CameraLimits& limits);
+nlohmann::json to_json(const CameraInfo& info);
+nlohmann::json to_json(const SensorConfig& sensor);
+
+/// `camera.get`; `info` and `limits` are none while no camera is connected.
+nlohmann::json camera_get_result(const std::optional<CameraInfo>& info,
+                                 const CameraSettings& settings,
+                                 const std::optional<CameraLimits>& limits);
+/// `camera.set`: `params` as received; `applied` holds every setting as read back; `limits` none
+/// while no camera is connected (the settings are then applied when it is).
+nlohmann::json camera_set_result(const nlohmann::json& params, const CameraSettings& applied,
+                                 const std::optional<CameraLimits>& limits);
+
+struct SensorReport {
+  SensorConfig config;
+  TrackerKind tracker = TrackerKind::lg;
+  int subapertures = 0;
+  std::vector<int> modes_j;
+  std::uint64_t hologram_id = 0;
+};
+nlohmann::json sensor_get_result(const SensorReport& report);
+nlohmann::json sensor_set_result(const nlohmann::json& params, const SensorReport& applied);
+
+/// `aberration.get`, `.set` and `.clear`: RMS-normalised waves.
+nlohmann::json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id);
+
+/// `reference.get`.
+struct ReferenceReport {
+  int frames = 0;
+  int charge = 1;
+  TrackerKind tracker = TrackerKind::lg;
+  std::int64_t t_taken_ns = 0;
+  std::vector<Vec2> positions_px;       ///< camera pixels of the ROI, by subaperture
+  std::vector<Vec2> standard_error_px;  ///< of positions_px, by x and y
+};
+nlohmann::json reference_result(const std::optional<ReferenceReport>& reference);
+
+nlohmann::json slm_show_result(HologramKind pattern, std::uint64_t hologram_id);
+
+enum class JobState { running, done, failed, cancelled };
+struct JobReport {
+  int job = 0;
+  std::string kind;  ///< the method that started it
+  JobState state = JobState::running;
+  double progress = 0.0;       ///< 0..1
+  nlohmann::json result;       ///< null unless done
+  std::optional<Error> error;  ///< of a failed job
+};
+nlohmann::json to_json(const JobReport& job);
+/// A method that started a job.
+nlohmann::json job_started_result(int job);
+
+}  // namespace ovws
