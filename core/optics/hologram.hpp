@@ -56,6 +56,9 @@ class HologramRenderer {
 
  private:
   HologramRenderer() = default;
+  /// Pattern and flatness of row y, `width` pixels, 2 pi = 65536.
+  void pattern_row(HologramKind kind, int y, std::uint16_t* phase) const;
+
   HologramConfig config_;
   Lattice lattice_;
   std::vector<std::uint16_t>

@@ -1,0 +1,20 @@
+#include "core/optics/geometry.hpp"
+
+namespace ovws {
+
+double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
+  // lambda f M / (p_slm p_cam), all in micrometres: nm * 1e-3 * mm * 1e3.
+  return optics.wavelength_nm * optics.focal_length_mm * optics.magnification /
+         (slm.pitch_um * optics.camera_pitch_um);
+}
+
+double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor) {
+  const double diameter_px = sensor.pupil_diameter_px / sensor.subapertures_across;
+  return camera_px_per_cycle(optics, slm) / diameter_px;
+}
+
+Vec2 base_spot_px(const OpticsConfig& optics, int image_cols, int image_rows) {
+  return optics.centre_px.value_or(Vec2{0.5 * (image_cols - 1), 0.5 * (image_rows - 1)});
+}
+
+}  // namespace ovws

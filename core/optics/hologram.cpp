@@ -1,0 +1,214 @@
+#include "core/optics/hologram.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "core/optics/identify_picture.hpp"
+#include "core/optics/wavefront_rows.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kNyquistCpp = 0.5;
+constexpr double kMostWaves = 1e6;  ///< more is a mistake, and would cost the phase its digits
+
+/// Waves to 16-bit phase, to the nearest 1/65536 (a tie to the even one); whole waves overflow
+/// away. Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the double: no branch, and
+/// no undefined conversion however large the value.
+std::uint16_t phase16(double waves) {
+  constexpr double kRounder = 6755399441055744.0;
+  return static_cast<std::uint16_t>(std::bit_cast<std::uint64_t>(waves * 65536.0 + kRounder));
+}
+
+Vec2 pupil_centre(const SlmGeometry& slm) {
+  return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
+}
+
+/// The columns of row y whose pixel centres lie in a circle: [begin, end).
+struct Columns {
+  int begin = 0;
+  int end = 0;
+};
+Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) {
+  const double dy = y - centre_px.y;
+  const double half_squared = 0.25 * diameter_px * diameter_px - dy * dy;
+  if (half_squared < 0.0) return {};
+  const double half = std::sqrt(half_squared);
+  return {std::max(0, static_cast<int>(std::ceil(centre_px.x - half))),
+          std::min(width, static_cast<int>(std::floor(centre_px.x + half)) + 1)};
+}
+
+/// The sensor's phase along row y, waves (paper eq. 4): x and y from the pupil's centre, the angle
+/// about the subaperture's own.
+void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
+                std::span<double> waves) {
+  std::fill(waves.begin(), waves.end(), 0.0);
+  const Vec2 pupil = pupil_centre(config.slm);
+  for (const Subaperture& s : lattice.subapertures) {
+    const Vec2 centre = pupil + s.centre_px;
+    const Columns columns = columns_in_circle(centre, lattice.diameter_px, y, config.slm.width_px);
+    for (int x = columns.begin; x < columns.end; ++x) {
+      const double turns = std::atan2(y - centre.y, x - centre.x) / (2.0 * std::numbers::pi);
+      waves[x] = config.sensor.charge * turns + s.frequency_cpp.x * (x - pupil.x) +
+                 s.frequency_cpp.y * (y - pupil.y);
+    }
+  }
+}
+
+void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
+  const Vec2 pupil = pupil_centre(config.slm);
+  const double fx = config.sensor.grooves[0] / config.slm.width_px;
+  const double fy = config.sensor.grooves[1] / config.slm.height_px;
+  for (std::size_t x = 0; x < waves.size(); ++x) {
+    waves[x] = fx * (static_cast<double>(x) - pupil.x) + fy * (y - pupil.y);
+  }
+}
+
+/// Pattern and flatness together, rounded once.
+void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double> waves,
+                           std::uint16_t* phase) {
+  const float* flatness = config.flatness_waves ? config.flatness_waves->row(y) : nullptr;
+  for (std::size_t x = 0; x < waves.size(); ++x) {
+    phase[x] = phase16(waves[x] + (flatness ? static_cast<double>(flatness[x]) : 0.0));
+  }
+}
+
+Result<void> check_flatness(const HologramConfig& config) {
+  if (!config.flatness_waves) return {};
+  const Image<float>& map = *config.flatness_waves;
+  if (map.width != config.slm.width_px || map.height != config.slm.height_px) {
+    return fail(Errc::invalid, "slm.flatness",
+                "the flatness map is " + std::to_string(map.width) + " x " +
+                    std::to_string(map.height) + ", the SLM " +
+                    std::to_string(config.slm.width_px) + " x " +
+                    std::to_string(config.slm.height_px) + ": they must be equal");
+  }
+  if (!std::all_of(map.pixels.begin(), map.pixels.end(),
+                   [](float v) { return std::isfinite(v); })) {
+    return fail(Errc::invalid, "slm.flatness",
+                "the flatness map holds a value that is no number: give a phase for every pixel");
+  }
+  return {};
+}
+
+Result<void> check_modes(std::span<const Mode> modes) {
+  for (const Mode& mode : modes) {
+    if (mode.j < 0 || mode.j > kMaxZernikeIndex) {
+      return fail(Errc::invalid, "modes",
+                  "mode j = " + std::to_string(mode.j) + " is not known: use 0 to " +
+                      std::to_string(kMaxZernikeIndex));
+    }
+    if (!(std::abs(mode.waves) <= kMostWaves)) {
+      return fail(Errc::invalid, "modes",
+                  "the coefficient of mode j = " + std::to_string(mode.j) +
+                      " is no number between -1e6 and 1e6 waves");
+    }
+  }
+  return {};
+}
+
+double largest(std::span<const double> slopes, double carrier_cpp) {
+  double most = 0.0;
+  for (const double slope : slopes) most = std::max(most, std::abs(slope + carrier_cpp));
+  return most;
+}
+
+/// The steepest |d phase / dx| and |d phase / dy| at the subaperture's pixels, cycles per pixel.
+/// The vortex's own slope, charge / (2 pi r), is left out: it exceeds any limit at its centre, and
+/// no neighbour of the centre needs it sampled.
+Vec2 steepest(const WavefrontRows& modes, const Subaperture& s, const Lattice& lattice,
+              const SlmGeometry& slm) {
+  const Vec2 centre = pupil_centre(slm) + s.centre_px;
+  const double radius = 0.5 * lattice.diameter_px;
+  std::vector<double> slopes;
+  Vec2 most;
+  const int last = std::min(slm.height_px - 1, static_cast<int>(std::floor(centre.y + radius)));
+  for (int y = std::max(0, static_cast<int>(std::ceil(centre.y - radius))); y <= last; ++y) {
+    const Columns columns = columns_in_circle(centre, lattice.diameter_px, y, slm.width_px);
+    if (columns.begin >= columns.end) continue;
+    slopes.resize(columns.end - columns.begin);
+    modes.slopes_x(y, columns.begin, slopes);
+    most.x = std::max(most.x, largest(slopes, s.frequency_cpp.x));
+    modes.slopes_y(y, columns.begin, slopes);
+    most.y = std::max(most.y, largest(slopes, s.frequency_cpp.y));
+  }
+  return most;
+}
+
+}  // namespace
+
+PhaseLut linear_lut() {
+  PhaseLut lut{};
+  for (std::size_t k = 0; k < lut.size(); ++k) lut[k] = static_cast<std::uint8_t>(k);
+  return lut;
+}
+
+Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
+  auto lattice = make_lattice(config.sensor, config.slm);
+  if (!lattice) return fail(lattice.error());
+  if (auto ok = check_flatness(config); !ok) return fail(ok.error());
+  HologramRenderer renderer;
+  renderer.config_ = config;
+  renderer.lattice_ = std::move(*lattice);
+  renderer.base_phase_.resize(std::size_t(config.slm.width_px) * config.slm.height_px);
+  for (int y = 0; y < config.slm.height_px; ++y) {
+    renderer.pattern_row(HologramKind::sensor, y,
+                         &renderer.base_phase_[std::size_t(y) * config.slm.width_px]);
+  }
+  return renderer;
+}
+
+void HologramRenderer::pattern_row(HologramKind kind, int y, std::uint16_t* phase) const {
+  std::vector<double> waves(config_.slm.width_px, 0.0);
+  if (kind == HologramKind::sensor) sensor_row(config_, lattice_, y, waves);
+  if (kind == HologramKind::grating) grating_row(config_, y, waves);
+  add_flatness_and_wrap(config_, y, waves, phase);
+}
+
+void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
+                              Image<std::uint8_t>& grey) const {
+  const int width = config_.slm.width_px;
+  grey.width = width;
+  grey.height = config_.slm.height_px;
+  grey.pixels.resize(std::size_t(width) * grey.height);
+  if (kind == HologramKind::identify) return draw_identify_picture(grey);
+  if (kind == HologramKind::flat) modes = {};
+  const WavefrontRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px);
+  std::vector<double> waves(width);
+  std::vector<std::uint16_t> pattern(width);
+  for (int y = 0; y < grey.height; ++y) {
+    const std::uint16_t* base = &base_phase_[std::size_t(y) * width];
+    if (kind != HologramKind::sensor) {
+      pattern_row(kind, y, pattern.data());
+      base = pattern.data();
+    }
+    added.waves(y, 0, waves);
+    std::uint8_t* out = grey.row(y);
+    for (int x = 0; x < width; ++x) {
+      const auto phase = static_cast<std::uint16_t>(base[x] + phase16(waves[x]));
+      out[x] = config_.lut[phase >> 8];
+    }
+  }
+}
+
+Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const {
+  if (auto ok = check_modes(modes); !ok) return ok;
+  const WavefrontRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px);
+  for (std::size_t i = 0; i < lattice_.subapertures.size(); ++i) {
+    const Subaperture& s = lattice_.subapertures[i];
+    const Vec2 most = steepest(added, s, lattice_, config_.slm);
+    if (most.x <= kNyquistCpp && most.y <= kNyquistCpp) continue;
+    return fail(Errc::invalid, "modes",
+                "too steep for the SLM: subaperture " + std::to_string(i) + " would need " +
+                    std::to_string(most.x) + " x " + std::to_string(most.y) +
+                    " cycles per SLM pixel, of which its grating takes " +
+                    std::to_string(s.frequency_cpp.x) + " x " + std::to_string(s.frequency_cpp.y) +
+                    "; the SLM shows at most 0.5: lower the aberration or the grating");
+  }
+  return {};
+}
+
+}  // namespace ovws

@@ -1,0 +1,101 @@
+#include "core/optics/lattice.hpp"
+
+#include <string>
+
+namespace ovws {
+namespace {
+
+constexpr double kNyquistCpp = 0.5;
+/// Relative slack, so that rounding does not drop a subaperture that touches the pupil's edge.
+constexpr double kTouch = 1e-9;
+
+/// Rows of increasing y, then x; the base subaperture lies on the pupil's centre.
+std::vector<Vec2> centres(const SensorConfig& sensor, double diameter_px) {
+  const bool hexagonal = sensor.grid == Grid::hexagonal;
+  const double row_pitch = diameter_px * (hexagonal ? std::sqrt(0.75) : 1.0);
+  const double reach = 0.5 * (sensor.pupil_diameter_px - diameter_px) * (1.0 + kTouch);
+  const int rows = static_cast<int>(reach / row_pitch);
+  const int cols = static_cast<int>(reach / diameter_px) + 1;
+  std::vector<Vec2> found;
+  for (int row = -rows; row <= rows; ++row) {
+    const double shift = hexagonal && row % 2 != 0 ? 0.5 : 0.0;
+    for (int col = -cols; col <= cols; ++col) {
+      const Vec2 centre{(col + shift) * diameter_px, row * row_pitch};
+      if (norm(centre) <= reach) found.push_back(centre);
+    }
+  }
+  return found;
+}
+
+Vec2 frequency(Vec2 centre_px, const SensorConfig& sensor, const SlmGeometry& slm) {
+  return {(sensor.grooves[0] + sensor.spacing * centre_px.x) / slm.width_px,
+          (sensor.grooves[1] + sensor.spacing * centre_px.y) / slm.height_px};
+}
+
+Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
+  if (slm.width_px < 1 || slm.height_px < 1) {
+    return fail(Errc::invalid, "slm.width", "the SLM needs at least one pixel each way");
+  }
+  const int fits = std::min(slm.width_px, slm.height_px);
+  if (!(sensor.pupil_diameter_px > 0.0 && sensor.pupil_diameter_px <= fits)) {
+    return fail(Errc::invalid, "sensor.pupil_diameter_px",
+                "the pupil must fit on the SLM: more than 0 and at most " + std::to_string(fits) +
+                    " pixels");
+  }
+  if (sensor.subapertures_across < 1 || sensor.subapertures_across > kMaxSubapertures) {
+    return fail(Errc::invalid, "sensor.subapertures_across",
+                "must be from 1 to " + std::to_string(kMaxSubapertures));
+  }
+  return {};
+}
+
+Result<void> check_count(std::size_t count) {
+  if (count < 3) {
+    return fail(Errc::invalid, "sensor.subapertures_across",
+                "only " + std::to_string(count) +
+                    " subapertures fit in the pupil, the sensor needs 3: ask for more across");
+  }
+  if (count > kMaxSubapertures) {
+    return fail(Errc::invalid, "sensor.subapertures_across",
+                std::to_string(count) + " subapertures are more than the " +
+                    std::to_string(kMaxSubapertures) + " possible: ask for fewer across");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm) {
+  if (auto ok = check_pupil(sensor, slm); !ok) return fail(ok.error());
+  Lattice lattice;
+  lattice.diameter_px = sensor.pupil_diameter_px / sensor.subapertures_across;
+  const auto found = centres(sensor, lattice.diameter_px);
+  if (auto ok = check_count(found.size()); !ok) return fail(ok.error());
+  for (const Vec2 centre : found) {
+    const Vec2 f = frequency(centre, sensor, slm);
+    if (!(std::abs(f.x) <= kNyquistCpp && std::abs(f.y) <= kNyquistCpp)) {
+      return fail(Errc::invalid, "sensor.grooves",
+                  "the grating of subaperture " + std::to_string(lattice.subapertures.size()) +
+                      " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
+                      " cycles per SLM pixel, the SLM shows at most 0.5: lower grooves or spacing");
+    }
+    lattice.subapertures.push_back({centre, f});
+  }
+  return lattice;
+}
+
+std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,
+                                 const SlmGeometry& slm, const OpticsConfig& optics, int image_cols,
+                                 int image_rows) {
+  const Vec2 base_px = base_spot_px(optics, image_cols, image_rows);
+  const Vec2 base_cpp = frequency({0.0, 0.0}, sensor, slm);
+  const double scale = camera_px_per_cycle(optics, slm);
+  std::vector<Vec2> spots;
+  spots.reserve(lattice.subapertures.size());
+  for (const Subaperture& s : lattice.subapertures) {
+    spots.push_back(base_px + scale * (s.frequency_cpp - base_cpp));
+  }
+  return spots;
+}
+
+}  // namespace ovws

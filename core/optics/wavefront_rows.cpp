@@ -1,0 +1,102 @@
+#include "core/optics/wavefront_rows.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/optics/zernike_terms.hpp"
+
+namespace ovws {
+namespace {
+
+double binomial(int n, int k) {
+  double value = 1.0;
+  for (int i = 1; i <= k; ++i) value = value * (n - k + i) / i;
+  return value;
+}
+
+/// The sign of x^(m-b) y^b in Re or Im of (x + i y)^m: i^b's real or imaginary part.
+double turn_sign(int b, bool imaginary) {
+  if ((b % 2 != 0) != imaginary) return 0.0;
+  return b % 4 < 2 ? 1.0 : -1.0;
+}
+
+double horner(const double* by_rising_power, int count, double at) {
+  double value = 0.0;
+  for (int k = count - 1; k >= 0; --k) value = value * at + by_rising_power[k];
+  return value;
+}
+
+/// Adds one mode's x^a y^b terms to terms[a * stride + b].
+void add_mode(const ZernikeTerms& mode, double waves, int stride, std::vector<double>& terms) {
+  const int m = std::abs(mode.m);
+  for (int k = 0; k < mode.count; ++k) {
+    for (int c = 0; c <= k; ++c) {  // s^k = sum over c of binomial(k, c) x^(2k-2c) y^(2c)
+      for (int b = 0; b <= m; ++b) {
+        const double turn = turn_sign(b, mode.m < 0) * binomial(m, b);
+        const int x_power = 2 * (k - c) + m - b;
+        const int y_power = 2 * c + b;
+        terms[x_power * stride + y_power] += waves * mode.radial[k] * binomial(k, c) * turn;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+WavefrontRows::WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px)
+    : centre_px_(centre_px), radius_px_(0.5 * diameter_px) {
+  for (const Mode& mode : modes) degree_ = std::max(degree_, zernike_terms(mode.j).n);
+  const int stride = degree_ + 1;
+  terms_.assign(stride * stride, 0.0);
+  for (const Mode& mode : modes) add_mode(zernike_terms(mode.j), mode.waves, stride, terms_);
+}
+
+WavefrontRows::Polynomial WavefrontRows::along_row(double y) const {
+  Polynomial p(degree_ + 1);
+  for (int a = 0; a <= degree_; ++a) {
+    p[a] = horner(&terms_[a * (degree_ + 1)], degree_ + 1 - a, y);
+  }
+  return p;
+}
+
+WavefrontRows::Polynomial WavefrontRows::slope_along_row(double y) const {
+  Polynomial p(degree_ + 1, 0.0);
+  Polynomial derived(degree_ + 1);
+  for (int a = 0; a < degree_; ++a) {
+    for (int b = 1; b <= degree_ - a; ++b) derived[b - 1] = b * terms_[a * (degree_ + 1) + b];
+    p[a] = horner(derived.data(), degree_ - a, y);
+  }
+  return p;
+}
+
+void WavefrontRows::evaluate(const Polynomial& p, int first_x, std::span<double> out) const {
+  const auto n = static_cast<Eigen::Index>(out.size());
+  const double x0 = (first_x - centre_px_.x) / radius_px_;
+  const double x1 = (first_x + static_cast<double>(n - 1) - centre_px_.x) / radius_px_;
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, x0, x1);
+  Eigen::Map<Eigen::ArrayXd> sum(out.data(), n);
+  sum.setConstant(p.back());
+  for (std::size_t k = p.size() - 1; k-- > 0;) sum = sum * x + p[k];
+}
+
+void WavefrontRows::waves(int y, int first_x, std::span<double> out) const {
+  evaluate(along_row((y - centre_px_.y) / radius_px_), first_x, out);
+}
+
+void WavefrontRows::slopes_x(int y, int first_x, std::span<double> out) const {
+  const Polynomial p = along_row((y - centre_px_.y) / radius_px_);
+  Polynomial derived(std::max<std::size_t>(p.size() - 1, 1), 0.0);
+  for (std::size_t a = 1; a < p.size(); ++a) {
+    derived[a - 1] = static_cast<double>(a) * p[a] / radius_px_;
+  }
+  evaluate(derived, first_x, out);
+}
+
+void WavefrontRows::slopes_y(int y, int first_x, std::span<double> out) const {
+  Polynomial p = slope_along_row((y - centre_px_.y) / radius_px_);
+  for (double& term : p) term /= radius_px_;
+  evaluate(p, first_x, out);
+}
+
+}  // namespace ovws

@@ -1,0 +1,36 @@
+/// A sum of modes over a pixel grid, fast: along one row it is a polynomial in x, so that a pixel
+/// costs a few multiply-adds however many modes there are.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/optics/zernike.hpp"
+
+namespace ovws {
+
+class WavefrontRows {
+ public:
+  /// Over a pupil of `diameter_px` centred on `centre_px`. Requires valid mode indices.
+  WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px);
+
+  /// Waves at the pixels (first_x + k, y), k = 0 .. out.size() - 1; inside the pupil and continued
+  /// outside it. Thread-safe, as all below.
+  void waves(int y, int first_x, std::span<double> out) const;
+  /// The same for the slopes along x and y, waves per pixel.
+  void slopes_x(int y, int first_x, std::span<double> out) const;
+  void slopes_y(int y, int first_x, std::span<double> out) const;
+
+ private:
+  using Polynomial = std::vector<double>;  ///< by rising power
+  Polynomial along_row(double y) const;    ///< in x, pupil radii
+  Polynomial slope_along_row(double y) const;
+  void evaluate(const Polynomial& p, int first_x, std::span<double> out) const;
+
+  Vec2 centre_px_;
+  double radius_px_;
+  int degree_ = 0;
+  std::vector<double> terms_;  ///< of x^a y^b at [a * (degree + 1) + b], pupil radii
+};
+
+}  // namespace ovws

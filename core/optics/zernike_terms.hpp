@@ -1,0 +1,19 @@
+/// The polynomial terms of each Zernike mode, computed once: Z = q(x^2 + y^2) Re or Im (x + i
+/// y)^|m|, which has no angle and no singular centre.
+#pragma once
+
+#include <array>
+
+namespace ovws {
+
+struct ZernikeTerms {
+  int n = 0;
+  int m = 0;                        ///< m < 0: the imaginary part (sine), else the real (cosine)
+  int count = 0;                    ///< terms in use: (n - |m|)/2 + 1
+  std::array<double, 11> radial{};  ///< q(s) = sum radial[k] s^k, RMS factor included
+};
+
+/// Requires 0 <= j <= kMaxZernikeIndex. Thread-safe.
+const ZernikeTerms& zernike_terms(int j);
+
+}  // namespace ovws
