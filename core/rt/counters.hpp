@@ -1,4 +1,5 @@
-/// Faults and events of the frame path, as counters: one enum names them all.
+/// Faults and events of the frame path, as counters: one enum names them all. Once all frames on
+/// their way have arrived, grabbed = unplanned + unexpected + dropped + published.
 #pragma once
 
 #include <array>
@@ -10,10 +11,11 @@ namespace ovws {
 
 enum class Counter : std::uint8_t {
   frames_grabbed,     ///< complete frames taken from the camera
-  frames_lost,        ///< gaps in the camera's frame numbers
+  frames_lost,        ///< gaps in the camera's frame numbers, incomplete frames not counted again
   frames_incomplete,  ///< delivered with missing packets, not tracked
+  frames_unplanned,   ///< there was no plan to measure them with
   frames_unexpected,  ///< size or format is not the plan's, not tracked
-  frames_dropped,     ///< no free record or full ring: the pipeline was behind
+  frames_dropped,     ///< no free record, or the publisher holds too many: somebody was behind
   frames_unsettled,   ///< exposed while the hologram changed
   frames_invalid,     ///< published with valid = false
   frames_published,   ///< left the pipeline

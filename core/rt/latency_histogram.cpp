@@ -1,0 +1,62 @@
+/// Which bucket a latency falls in, and percentiles from the buckets.
+#include "core/rt/latency_histogram.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+constexpr int kFirstOctaveBit = 6;  // the first bucket begins at 2^6 ns
+constexpr int kSubBits = 4;         // 16 buckets an octave
+
+std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
+  const auto ns = std::uint64_t(std::max<std::int64_t>(latency_ns, 1 << kFirstOctaveBit));
+  const int top_bit = int(std::bit_width(ns)) - 1;
+  const std::uint64_t sub = (ns >> (top_bit - kSubBits)) & ((1U << kSubBits) - 1U);
+  const std::size_t bucket = (std::size_t(top_bit - kFirstOctaveBit) << kSubBits) + sub;
+  return std::min(bucket, bucket_count - 1);
+}
+
+/// The middle of a bucket, so that a percentile is off by at most half its width.
+double bucket_middle_us(std::size_t bucket) {
+  const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
+  const double sub = double(bucket & ((1U << kSubBits) - 1U)) + 0.5;
+  return octave * (1.0 + sub / double(1U << kSubBits)) * 1e-3;
+}
+
+}  // namespace
+
+void LatencyHistogram::record(std::int64_t latency_ns) OVWS_NONBLOCKING {
+  buckets_[bucket_of(latency_ns, buckets_.size())].fetch_add(1, std::memory_order_relaxed);
+  std::int64_t seen = max_ns_.load(std::memory_order_relaxed);
+  while (latency_ns > seen &&
+         !max_ns_.compare_exchange_weak(seen, latency_ns, std::memory_order_relaxed)) {
+  }
+}
+
+LatencySummary LatencyHistogram::take() {
+  std::array<std::uint32_t, kSubBuckets * kOctaves> counts{};
+  LatencySummary summary;
+  for (std::size_t b = 0; b < counts.size(); ++b) {
+    counts[b] = buckets_[b].exchange(0, std::memory_order_relaxed);
+    summary.count += counts[b];
+  }
+  summary.max_us = double(max_ns_.exchange(0, std::memory_order_relaxed)) * 1e-3;
+  if (summary.count == 0) return summary;
+
+  const auto percentile_us = [&](double fraction) {
+    const auto rank = std::uint64_t(std::ceil(fraction * double(summary.count)));
+    std::uint64_t seen = 0;
+    std::size_t bucket = 0;
+    while (bucket + 1 < counts.size() && (seen += counts[bucket]) < rank) ++bucket;
+    return std::min(bucket_middle_us(bucket), summary.max_us);
+  };
+  summary.p50_us = percentile_us(0.5);
+  summary.p99_us = percentile_us(0.99);
+  summary.p999_us = percentile_us(0.999);
+  return summary;
+}
+
+}  // namespace ovws

@@ -1,0 +1,65 @@
+/// A bounded queue from one thread to one other, over moodycamel's circular buffer.
+#pragma once
+
+#include <readerwriterqueue/readerwritercircularbuffer.h>
+#include <semaphore.h>
+
+#include <chrono>
+#include <cstddef>
+#include <ctime>
+
+#include "core/base/realtime.hpp"
+#include "core/port/clock.hpp"
+
+namespace ovws {
+
+/// One pushing and one popping thread at a time; a role may pass to another thread if that is
+/// synchronised by other means. Memory is allocated by the constructor only.
+template <class T>
+class SpscRing {
+ public:
+  explicit SpscRing(std::size_t capacity) : buffer_(capacity) { sem_init(&pushed_, 0, 0); }
+  ~SpscRing() { sem_destroy(&pushed_); }
+  SpscRing(const SpscRing&) = delete;
+  SpscRing& operator=(const SpscRing&) = delete;
+
+  /// False if the ring is full: nothing was pushed. RT-safe.
+  [[nodiscard]] bool try_push(const T& item) OVWS_NONBLOCKING {
+    if (!buffer_.try_enqueue(item)) return false;
+    sem_post(&pushed_);
+    return true;
+  }
+
+  /// False if the ring is empty. RT-safe.
+  [[nodiscard]] bool try_pop(T& item) OVWS_NONBLOCKING {
+    if (!buffer_.try_dequeue(item)) return false;
+    sem_trywait(&pushed_);  // else posts would pile up while the ring never runs empty
+    return true;
+  }
+
+  /// Waits for an item, but not longer than `timeout`.
+  [[nodiscard]] bool pop(T& item, std::chrono::microseconds timeout) {
+    if (try_pop(item)) return true;
+    const timespec until = after(timeout);
+    // The buffer's own timed wait follows CLOCK_REALTIME: a clock set back would hang the thread.
+    // A post that came after its item was popped only makes this loop once more.
+    while (sem_clockwait(&pushed_, CLOCK_MONOTONIC, &until) == 0) {
+      if (try_pop(item)) return true;
+    }
+    return try_pop(item);
+  }
+
+  std::size_t size_approx() const { return buffer_.size_approx(); }
+
+ private:
+  static timespec after(std::chrono::microseconds timeout) {
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
+    return {std::time_t(until / kSecond), long(until % kSecond)};
+  }
+
+  moodycamel::BlockingReaderWriterCircularBuffer<T> buffer_;
+  sem_t pushed_{};
+};
+
+}  // namespace ovws
