@@ -1,7 +1,6 @@
 /// Strict reading of JSON objects into structs: each fault is an Error that names the dotted path.
 #pragma once
 
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -26,7 +25,11 @@ std::optional<std::string> nearest_name(std::string_view name,
 ///     if (auto e = r.finish(); !e) return fail(e.error());
 class ObjectReader {
  public:
+  /// `json` is borrowed. An empty path means that fields have no prefix.
   ObjectReader(const nlohmann::json& json, std::string path);
+
+  /// From now on a number out of range becomes the nearest limit instead of a fault.
+  void clamp(bool on) { clamp_ = on; }
 
   bool has(const char* key) const;  ///< present (null counts as present)
   void require(const char* key);    ///< a fault if absent
@@ -52,16 +55,20 @@ class ObjectReader {
   const nlohmann::json* raw(const char* key);
 
   void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller
+  bool failed() const { return error_.has_value(); }
   Result<void> finish();
 
  private:
   const nlohmann::json* take(const char* key);
+  std::optional<double> number_in(const std::string& field, const nlohmann::json& value, double min,
+                                  double max, bool whole);
   std::string path_of(std::string_view key) const;
 
   const nlohmann::json& json_;
   std::string path_;
   std::vector<std::string> known_;
   std::optional<Error> error_;
+  bool clamp_ = false;
 };
 
 template <class Read>
@@ -69,6 +76,7 @@ void ObjectReader::object(const char* key, Read read) {
   const nlohmann::json* value = take(key);
   if (value == nullptr || error_) return;
   ObjectReader inner(*value, path_of(key));
+  inner.clamp(clamp_);
   read(inner);
   if (auto done = inner.finish(); !done) error_ = done.error();
 }
@@ -82,6 +90,7 @@ void ObjectReader::objects(const char* key, std::size_t max_size, Read read) {
   }
   for (std::size_t i = 0; i < value->size() && !error_; ++i) {
     ObjectReader inner((*value)[i], path_of(key) + "[" + std::to_string(i) + "]");
+    inner.clamp(clamp_);
     read(inner, i);
     if (auto done = inner.finish(); !done) error_ = done.error();
   }

@@ -19,9 +19,6 @@
 
 namespace ovws {
 
-std::string_view grid_name(Grid grid);
-std::string_view pattern_name(HologramKind kind);
-
 nlohmann::json to_json(const Roi& roi);
 nlohmann::json to_json(const CameraSettings& settings);
 nlohmann::json to_json(const CameraLimits& limits);

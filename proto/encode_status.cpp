@@ -1,0 +1,111 @@
+#include "proto/encode.hpp"
+#include "proto/names.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+std::string text_of(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+json or_null(const std::optional<std::string>& text) {
+  return text ? json(*text) : json(nullptr);
+}
+
+json camera_part(const StatusMessage::CameraPart& camera) {
+  return {{"connected", camera.connected},
+          {"streaming", camera.streaming},
+          {"info", camera.info ? to_json(*camera.info) : json(nullptr)},
+          {"settings", to_json(camera.settings)},
+          {"fault", or_null(camera.fault)}};
+}
+
+json slm_part(const StatusMessage::SlmPart& slm) {
+  json info = nullptr;
+  if (slm.info) {
+    info = {{"output", slm.info->output},
+            {"driver", slm.info->driver},
+            {"width", slm.info->width},
+            {"height", slm.info->height},
+            {"refresh_hz", slm.info->refresh_hz}};
+  }
+  return {{"connected", slm.connected}, {"info", info},
+          {"pattern", slm.pattern},     {"hologram_id", slm.hologram_id},
+          {"settled", slm.settled},     {"fault", or_null(slm.fault)}};
+}
+
+json sensor_part(const StatusMessage::SensorPart& sensor) {
+  json out = to_json(sensor.config);
+  out["tracker"] = tracker_name(sensor.tracker);
+  out["subapertures"] = sensor.subapertures;
+  out["modes"] = sensor.modes;
+  out["referenced"] = sensor.referenced;
+  return out;
+}
+
+json latency_part(const LatencySummary& latency) {
+  return {{"count", latency.count},
+          {"p50_us", latency.p50_us},
+          {"p99_us", latency.p99_us},
+          {"p999_us", latency.p999_us},
+          {"max_us", latency.max_us}};
+}
+
+std::string_view severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::info:
+      return "info";
+    case Severity::warning:
+      return "warning";
+    case Severity::error:
+      return "error";
+  }
+  return "error";
+}
+
+}  // namespace
+
+json status_body(const StatusMessage& message) {
+  json out{{"t_ns", message.t_ns},
+           {"uptime_s", message.uptime_s},
+           {"state", message.state},
+           {"fault", or_null(message.fault)},
+           {"camera", camera_part(message.camera)},
+           {"slm", slm_part(message.slm)},
+           {"sensor", sensor_part(message.sensor)},
+           {"loop", message.loop_closed ? "closed" : "open"},
+           {"rates",
+            {{"grabbed_hz", message.rates.grabbed_hz},
+             {"published_hz", message.rates.published_hz},
+             {"images_hz", message.rates.images_hz}}},
+           {"counters", json::object()},
+           {"latency", json::object()},
+           {"versions", json::object()}};
+  for (const auto& [name, count] : message.counters) out["counters"][name] = count;
+  for (const auto& [stage, latency] : message.latency)
+    out["latency"][stage] = latency_part(latency);
+  for (const auto& [name, version] : message.versions) out["versions"][name] = version;
+  return out;
+}
+
+std::string encode(const StatusMessage& message) {
+  json out = status_body(message);
+  out["schema"] = "ovws.status/1";
+  out["seq"] = message.seq;
+  return text_of(out);
+}
+
+std::string encode(const EventMessage& message, const json& data) {
+  return text_of({{"schema", "ovws.event/1"},
+                  {"seq", message.seq},
+                  {"t_ns", message.t_ns},
+                  {"kind", message.kind},
+                  {"severity", severity_name(message.severity)},
+                  {"text", message.text},
+                  {"data", data}});
+}
+
+}  // namespace ovws

@@ -1,0 +1,51 @@
+#include "proto/names.hpp"
+
+#include "core/base/image.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+const std::vector<std::string>& grid_names() {
+  static const std::vector<std::string> names{"hexagonal", "square"};
+  return names;
+}
+
+const std::vector<std::string>& pattern_names() {
+  static const std::vector<std::string> names{"sensor", "grating", "flat", "identify"};
+  return names;
+}
+
+const std::vector<std::string>& norm_names() {
+  static const std::vector<std::string> names{"rms", "unit"};
+  return names;
+}
+
+const std::vector<std::string>& pixel_format_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (int k = 0; k <= int(PixelFormat::mono16); ++k) {
+      all.emplace_back(pixel_format_name(PixelFormat(k)));
+    }
+    return all;
+  }();
+  return names;
+}
+
+const std::vector<std::string>& tracker_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (int k = 0; k <= int(TrackerKind::lg); ++k) all.emplace_back(tracker_name(TrackerKind(k)));
+    return all;
+  }();
+  return names;
+}
+
+std::string_view grid_name(Grid grid) {
+  return grid_names()[std::size_t(grid)];
+}
+
+std::string_view pattern_name(HologramKind kind) {
+  return pattern_names()[std::size_t(kind)];
+}
+
+}  // namespace ovws

@@ -1,0 +1,23 @@
+/// The names that enumerations have on the wire and in the configuration, in the enumerations'
+/// own order.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/optics/geometry.hpp"
+#include "core/optics/hologram.hpp"
+
+namespace ovws {
+
+const std::vector<std::string>& grid_names();
+const std::vector<std::string>& pattern_names();
+const std::vector<std::string>& norm_names();
+const std::vector<std::string>& pixel_format_names();
+const std::vector<std::string>& tracker_names();
+
+std::string_view grid_name(Grid grid);
+std::string_view pattern_name(HologramKind kind);
+
+}  // namespace ovws

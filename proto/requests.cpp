@@ -1,0 +1,193 @@
+#include "proto/requests.hpp"
+
+#include <set>
+#include <string>
+
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+#include "proto/reader.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+void read_number(ObjectReader& reader, const char* key, std::optional<double>& out,
+                 limits::Numbers range) {
+  double value = 0.0;
+  reader.number(key, value, range.min, range.max);
+  if (reader.has(key)) out = value;
+}
+
+void read_integer(ObjectReader& reader, const char* key, std::optional<int>& out,
+                  limits::Integers range) {
+  int value = 0;
+  reader.integer(key, value, range.min, range.max);
+  if (reader.has(key)) out = value;
+}
+
+/// One of an enumeration whose values count from 0 in the order of `names`.
+template <class Enum>
+void read_choice(ObjectReader& reader, const char* key, std::optional<Enum>& out,
+                 const std::vector<std::string>& names) {
+  int value = 0;
+  reader.choice(key, value, names);
+  if (reader.has(key)) out = Enum(value);
+}
+
+/// `clamp` comes first, because it changes how the others are read.
+bool read_clamp(ObjectReader& reader) {
+  bool clamp = false;
+  reader.boolean("clamp", clamp);
+  reader.clamp(clamp);
+  return clamp;
+}
+
+void read_roi(ObjectReader& reader, std::optional<Roi>& out) {
+  reader.object("roi", [&out](ObjectReader& r) {
+    Roi roi;
+    for (const char* key : {"x", "y", "width", "height"}) r.require(key);
+    r.integer("x", roi.x, limits::kRoiOffset.min, limits::kRoiOffset.max);
+    r.integer("y", roi.y, limits::kRoiOffset.min, limits::kRoiOffset.max);
+    r.integer("width", roi.width, limits::kRoiSize.min, limits::kRoiSize.max);
+    r.integer("height", roi.height, limits::kRoiSize.min, limits::kRoiSize.max);
+    out = roi;
+  });
+}
+
+/// The mode's OSA index, from `j` or from `n` and `m`.
+int read_mode_index(ObjectReader& reader) {
+  int j = 0, n = 0, m = 0;
+  const bool by_j = reader.has("j");
+  reader.integer("j", j, 0, kMaxZernikeIndex);
+  if (!by_j) {
+    reader.require("n");
+    reader.require("m");
+  }
+  reader.integer("n", n, 0, 1000);
+  reader.integer("m", m, -1000, 1000);
+  if (reader.failed()) return 0;
+  if (by_j && (reader.has("n") || reader.has("m"))) {
+    reader.fault("j", "give either j, or n and m, not both");
+  }
+  if (by_j) return j;
+  const auto index = checked_osa_index(n, m);
+  if (!index) {
+    reader.fault("n",
+                 "there is no mode with n = " + std::to_string(n) + ", m = " + std::to_string(m) +
+                     ": |m| <= n, n - |m| even, and j at most " + std::to_string(kMaxZernikeIndex));
+  }
+  return index.value_or(0);
+}
+
+}  // namespace
+
+CameraSettings CameraSet::applied_to(CameraSettings settings) const {
+  settings.gain_db = gain_db.value_or(settings.gain_db);
+  settings.exposure_us = exposure_us.value_or(settings.exposure_us);
+  settings.frame_rate_hz = frame_rate_hz.value_or(settings.frame_rate_hz);
+  settings.pixel_format = pixel_format.value_or(settings.pixel_format);
+  settings.roi = roi.value_or(settings.roi);
+  return settings;
+}
+
+SensorConfig SensorSet::applied_to(SensorConfig sensor) const {
+  sensor.charge = charge.value_or(sensor.charge);
+  sensor.grid = grid.value_or(sensor.grid);
+  sensor.subapertures_across = subapertures_across.value_or(sensor.subapertures_across);
+  sensor.pupil_diameter_px = pupil_diameter_px.value_or(sensor.pupil_diameter_px);
+  sensor.grooves = grooves.value_or(sensor.grooves);
+  sensor.spacing = spacing.value_or(sensor.spacing);
+  return sensor;
+}
+
+TrackingConfig SensorSet::applied_to(TrackingConfig tracking) const {
+  tracking.tracker = tracker.value_or(tracking.tracker);
+  return tracking;
+}
+
+Result<CameraSet> decode_camera_set(const json& params) {
+  CameraSet set;
+  ObjectReader reader(params, "");
+  set.clamp = read_clamp(reader);
+  read_number(reader, "gain_db", set.gain_db, limits::kGainDb);
+  read_number(reader, "exposure_us", set.exposure_us, limits::kExposureUs);
+  read_number(reader, "frame_rate_hz", set.frame_rate_hz, limits::kFrameRateHz);
+  read_choice(reader, "pixel_format", set.pixel_format, pixel_format_names());
+  read_roi(reader, set.roi);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return set;
+}
+
+Result<SensorSet> decode_sensor_set(const json& params) {
+  SensorSet set;
+  ObjectReader reader(params, "");
+  set.clamp = read_clamp(reader);
+  read_integer(reader, "charge", set.charge, limits::kCharge);
+  read_choice(reader, "grid", set.grid, grid_names());
+  read_integer(reader, "subapertures_across", set.subapertures_across, limits::kSubaperturesAcross);
+  read_number(reader, "pupil_diameter_px", set.pupil_diameter_px, limits::kPupilDiameterPx);
+  std::vector<double> grooves;
+  reader.numbers("grooves", grooves, 2, 2, limits::kGrooves.min, limits::kGrooves.max);
+  if (grooves.size() == 2) set.grooves = {grooves[0], grooves[1]};
+  read_number(reader, "spacing", set.spacing, limits::kSpacing);
+  read_choice(reader, "tracker", set.tracker, tracker_names());
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return set;
+}
+
+Result<std::vector<Mode>> decode_aberration_set(const json& params) {
+  std::vector<Mode> modes;
+  std::set<int> given;
+  ObjectReader reader(params, "");
+  int norm = 0;
+  reader.choice("norm", norm, norm_names());
+  reader.require("modes");
+  reader.objects("modes", kMaxZernikeIndex + 1, [&](ObjectReader& r, std::size_t) {
+    Mode mode;
+    mode.j = read_mode_index(r);
+    r.require("waves");
+    r.number("waves", mode.waves, limits::kModeWaves.min, limits::kModeWaves.max);
+    if (r.failed()) return;
+    if (!given.insert(mode.j).second) {
+      r.fault("", "the mode j = " + std::to_string(mode.j) + " is given twice");
+    }
+    // a Z_unit = (a / factor) Z_rms
+    if (ZernikeNorm(norm) == ZernikeNorm::unit) mode.waves /= zernike_rms_factor(mode.j);
+    modes.push_back(mode);
+  });
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return modes;
+}
+
+Result<int> decode_reference_take(const json& params) {
+  int frames = 100;
+  ObjectReader reader(params, "");
+  reader.integer("frames", frames, limits::kReferenceFrames.min, limits::kReferenceFrames.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return frames;
+}
+
+Result<HologramKind> decode_slm_show(const json& params) {
+  std::optional<HologramKind> pattern;
+  ObjectReader reader(params, "");
+  reader.require("pattern");
+  read_choice(reader, "pattern", pattern, pattern_names());
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return *pattern;
+}
+
+Result<int> decode_job(const json& params) {
+  int job = 0;
+  ObjectReader reader(params, "");
+  reader.require("job");
+  reader.integer("job", job, limits::kJob.min, limits::kJob.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return job;
+}
+
+Result<void> decode_nothing(const json& params) {
+  return ObjectReader(params, "").finish();
+}
+
+}  // namespace ovws

@@ -1,0 +1,164 @@
+#include "proto/results.hpp"
+
+#include <array>
+
+#include "proto/names.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+json range(const Range<T>& r) {
+  return {{"min", r.min}, {"max", r.max}, {"increment", r.increment}};
+}
+
+/// The params of a set without what only says how to set.
+json requested(json params) {
+  params.erase("clamp");
+  return params;
+}
+
+json points(std::span<const Vec2> all) {
+  json out = json::array();
+  for (const Vec2& point : all) out.push_back({point.x, point.y});
+  return out;
+}
+
+json sensor_settings(const SensorReport& report) {
+  json out = to_json(report.config);
+  out["tracker"] = tracker_name(report.tracker);
+  return out;
+}
+
+std::string_view state_name(JobState state) {
+  constexpr std::array<std::string_view, 4> kNames{"running", "done", "failed", "cancelled"};
+  return kNames[std::size_t(state)];
+}
+
+}  // namespace
+
+json to_json(const Roi& roi) {
+  return {{"x", roi.x}, {"y", roi.y}, {"width", roi.width}, {"height", roi.height}};
+}
+
+json to_json(const CameraSettings& settings) {
+  return {{"gain_db", settings.gain_db},
+          {"exposure_us", settings.exposure_us},
+          {"frame_rate_hz", settings.frame_rate_hz},
+          {"pixel_format", pixel_format_name(settings.pixel_format)},
+          {"roi", to_json(settings.roi)}};
+}
+
+json to_json(const CameraLimits& limits) {
+  json formats = json::array();
+  for (const PixelFormat format : limits.pixel_formats)
+    formats.push_back(pixel_format_name(format));
+  return {{"gain_db", range(limits.gain_db)},
+          {"exposure_us", range(limits.exposure_us)},
+          {"frame_rate_hz", range(limits.frame_rate_hz)},
+          {"roi_width", range(limits.roi_width)},
+          {"roi_height", range(limits.roi_height)},
+          {"sensor_width", limits.sensor_width},
+          {"sensor_height", limits.sensor_height},
+          {"pixel_formats", formats}};
+}
+
+json to_json(const CameraInfo& info) {
+  return {{"vendor", info.vendor},
+          {"model", info.model},
+          {"serial", info.serial},
+          {"address", info.address}};
+}
+
+json to_json(const SensorConfig& sensor) {
+  return {{"charge", sensor.charge},
+          {"grid", grid_name(sensor.grid)},
+          {"subapertures_across", sensor.subapertures_across},
+          {"pupil_diameter_px", sensor.pupil_diameter_px},
+          {"grooves", sensor.grooves},
+          {"spacing", sensor.spacing}};
+}
+
+json camera_get_result(const std::optional<CameraInfo>& info, const CameraSettings& settings,
+                       const std::optional<CameraLimits>& limits) {
+  return {{"connected", info.has_value()},
+          {"info", info ? to_json(*info) : json(nullptr)},
+          {"settings", to_json(settings)},
+          {"limits", limits ? to_json(*limits) : json(nullptr)}};
+}
+
+json camera_set_result(const json& params, const CameraSettings& applied,
+                       const std::optional<CameraLimits>& limits) {
+  return {{"requested", requested(params)},
+          {"applied", to_json(applied)},
+          {"limits", limits ? to_json(*limits) : json(nullptr)}};
+}
+
+json sensor_get_result(const SensorReport& report) {
+  json out = sensor_settings(report);
+  out["subapertures"] = report.subapertures;
+  out["modes_j"] = report.modes_j;
+  out["hologram_id"] = report.hologram_id;
+  return out;
+}
+
+json sensor_set_result(const json& params, const SensorReport& applied) {
+  return {{"requested", requested(params)},
+          {"applied", sensor_settings(applied)},
+          {"hologram_id", applied.hologram_id}};
+}
+
+json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id) {
+  json list = json::array();
+  for (const Mode& mode : modes) {
+    const ZernikeIndex index = zernike_index(mode.j);
+    list.push_back({{"j", mode.j},
+                    {"n", index.n},
+                    {"m", index.m},
+                    {"name", zernike_name(mode.j)},
+                    {"waves", mode.waves}});
+  }
+  return {{"modes", list}, {"norm", "rms"}, {"hologram_id", hologram_id}};
+}
+
+json reference_result(const std::optional<ReferenceReport>& reference) {
+  if (!reference) {
+    return {{"taken", false},
+            {"frames", nullptr},
+            {"charge", nullptr},
+            {"tracker", nullptr},
+            {"t_taken_ns", nullptr},
+            {"positions_px", nullptr},
+            {"standard_error_px", nullptr}};
+  }
+  return {{"taken", true},
+          {"frames", reference->frames},
+          {"charge", reference->charge},
+          {"tracker", tracker_name(reference->tracker)},
+          {"t_taken_ns", reference->t_taken_ns},
+          {"positions_px", points(reference->positions_px)},
+          {"standard_error_px", points(reference->standard_error_px)}};
+}
+
+json slm_show_result(HologramKind pattern, std::uint64_t hologram_id) {
+  return {{"pattern", pattern_name(pattern)}, {"hologram_id", hologram_id}};
+}
+
+json to_json(const JobReport& job) {
+  json error = nullptr;
+  if (job.error) {
+    const RpcFailure failure = rpc_failure(*job.error);
+    error = {{"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
+  }
+  return {{"job", job.job},           {"kind", job.kind},     {"state", state_name(job.state)},
+          {"progress", job.progress}, {"result", job.result}, {"error", error}};
+}
+
+json job_started_result(int job) {
+  return {{"job", job}};
+}
+
+}  // namespace ovws

@@ -1,0 +1,202 @@
+#include "proto/rpc.hpp"
+
+#include <atomic>
+#include <mutex>
+#include <utility>
+
+#include "proto/reader.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json response(const Json& id, const RpcAnswer& answer) {
+  Json out{{"jsonrpc", "2.0"}, {"id", id}};
+  if (answer) {
+    out["result"] = *answer;
+  } else {
+    const RpcFailure& failure = answer.error();
+    out["error"] = {
+        {"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
+  }
+  return out;
+}
+
+RpcFailure failure(RpcCode code, std::string field, std::string reason) {
+  RpcFailure out{code, field.empty() ? reason : field + ": " + reason, Json::object()};
+  out.data = {{"field", std::move(field)}, {"reason", std::move(reason)}};
+  return out;
+}
+
+/// The responses of one frame, gathered from any thread and sent once, when the last is there.
+class Gathering {
+ public:
+  Gathering(std::size_t members, bool batch, RpcSend send)
+      : responses_(members), missing_(members), batch_(batch), send_(std::move(send)) {}
+
+  /// Member `k` is answered; an empty text for a notification.
+  void put(std::size_t k, std::string text) {
+    {
+      const std::lock_guard lock(mutex_);
+      responses_[k] = std::move(text);
+      if (--missing_ > 0) return;
+    }
+    send_(whole());
+  }
+
+ private:
+  std::string whole() const {
+    if (!batch_) return responses_[0];
+    std::string text;
+    for (const auto& one : responses_) {
+      if (!one.empty()) text += (text.empty() ? "[" : ",") + one;
+    }
+    return text.empty() ? text : text + "]";
+  }
+
+  std::mutex mutex_;
+  std::vector<std::string> responses_;
+  std::size_t missing_;
+  bool batch_;
+  RpcSend send_;
+};
+
+/// One member of a frame until it is answered. Destroyed unanswered, it answers with an error.
+class PendingCall {
+ public:
+  PendingCall(std::shared_ptr<Gathering> gathering, std::size_t k)
+      : gathering_(std::move(gathering)), k_(k) {}
+  PendingCall(const PendingCall&) = delete;
+  PendingCall& operator=(const PendingCall&) = delete;
+  ~PendingCall() {
+    try {
+      answer(tl::make_unexpected(failure(RpcCode::internal, "", "the daemon gave no answer")));
+    } catch (...) {  // out of memory: there is nobody left to tell
+    }
+  }
+
+  void is_request(Json id) { id_ = std::move(id); }
+  void is_notification() { silent_ = true; }
+
+  void answer(const RpcAnswer& answer) {
+    if (answered_.exchange(true)) return;
+    gathering_->put(k_, silent_ ? std::string() : text_of(response(id_, answer)));
+  }
+
+ private:
+  std::shared_ptr<Gathering> gathering_;
+  std::size_t k_;
+  Json id_;  // null until it is known
+  bool silent_ = false;
+  std::atomic<bool> answered_{false};
+};
+
+/// The envelope of one call. An id that is there and right is echoed even if the rest is wrong.
+Result<std::string> read_envelope(const Json& member, PendingCall& call) {
+  ObjectReader reader(member, "");
+  const Json* id = reader.raw("id");
+  const bool id_is_right = id != nullptr && (id->is_string() || id->is_number() || id->is_null());
+  if (id_is_right) call.is_request(*id);
+  if (id != nullptr && !id_is_right) reader.fault("id", "must be a string, a number or null");
+  std::string version, method;
+  reader.require("jsonrpc");
+  reader.string("jsonrpc", version);
+  if (version != "2.0") reader.fault("jsonrpc", "must be \"2.0\"");
+  reader.require("method");
+  reader.string("method", method);
+  reader.raw("params");
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  if (id == nullptr) call.is_notification();
+  return method;
+}
+
+void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
+              const RpcDispatch& dispatch) {
+  const auto method = read_envelope(member, *call);
+  if (!method) {
+    auto refusal = rpc_failure(method.error());
+    refusal.code = RpcCode::request;
+    return call->answer(tl::make_unexpected(std::move(refusal)));
+  }
+  static const Json kNoParams = Json::object();
+  const auto params = member.find("params");
+  if (params != member.end() && !params->is_object()) {
+    return call->answer(tl::make_unexpected(
+        failure(RpcCode::params, "params",
+                params->is_array()
+                    ? "must be an object with named keys; values by position are not accepted"
+                    : "must be an object, or left out")));
+  }
+  try {
+    dispatch(*method, params == member.end() ? kNoParams : *params,
+             [call](const RpcAnswer& answer) { call->answer(answer); });
+  } catch (const std::exception& error) {
+    call->answer(tl::make_unexpected(
+        failure(RpcCode::internal, "", std::string("internal error: ") + error.what())));
+  } catch (...) {
+    call->answer(tl::make_unexpected(failure(RpcCode::internal, "", "internal error")));
+  }
+}
+
+std::string error_frame(RpcCode code, std::string reason) {
+  return text_of(response(nullptr, tl::make_unexpected(failure(code, "", std::move(reason)))));
+}
+
+}  // namespace
+
+RpcCode rpc_code(Errc code) {
+  switch (code) {
+    case Errc::invalid:
+      return RpcCode::params;
+    case Errc::refused:
+      return RpcCode::refused;
+    case Errc::unavailable:
+      return RpcCode::unavailable;
+    case Errc::device:
+      return RpcCode::device;
+    case Errc::internal:
+      return RpcCode::internal;
+  }
+  return RpcCode::internal;
+}
+
+RpcFailure rpc_failure(const Error& error) {
+  auto out = failure(rpc_code(error.code), error.field, error.reason);
+  if (error.min) out.data["min"] = *error.min;
+  if (error.max) out.data["max"] = *error.max;
+  if (!error.nearest.empty()) out.data["nearest"] = error.nearest;
+  return out;
+}
+
+std::string oversize_reply() {
+  return error_frame(RpcCode::request,
+                     "the request is larger than " + std::to_string(kMaxRequestBytes) + " bytes");
+}
+
+void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send) {
+  if (bytes.size() > kMaxRequestBytes) return send(oversize_reply());
+  const auto json = parse_strict_json(bytes, kMaxRequestDepth, JsonComments::refused);
+  if (!json) {
+    const auto code = json.error().malformed ? RpcCode::parse : RpcCode::request;
+    return send(error_frame(code, json.error().reason));
+  }
+  if (!json->is_array()) {
+    auto gathering = std::make_shared<Gathering>(1, false, std::move(send));
+    return run_call(*json, std::make_shared<PendingCall>(std::move(gathering), 0), dispatch);
+  }
+  if (json->empty()) return send(error_frame(RpcCode::request, "an empty batch asks for nothing"));
+  if (json->size() > kMaxBatchMembers) {
+    return send(error_frame(RpcCode::request, "a batch may hold at most " +
+                                                  std::to_string(kMaxBatchMembers) + " requests"));
+  }
+  auto gathering = std::make_shared<Gathering>(json->size(), true, std::move(send));
+  for (std::size_t k = 0; k < json->size(); ++k) {
+    run_call((*json)[k], std::make_shared<PendingCall>(gathering, k), dispatch);
+  }
+}
+
+}  // namespace ovws
