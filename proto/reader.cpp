@@ -54,7 +54,7 @@ bool ObjectReader::has(const char* key) const {
 }
 
 const json* ObjectReader::take(const char* key) {
-  known_.emplace_back(key);
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   if (error_) return nullptr;
   const auto found = json_.find(key);
   return found == json_.end() ? nullptr : &*found;

@@ -1,0 +1,83 @@
+#include <nlohmann/json.hpp>
+
+#include "config/config.hpp"
+#include "proto/names.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json or_null(const std::optional<std::string>& text) {
+  return text ? ordered_json(*text) : ordered_json(nullptr);
+}
+
+ordered_json camera_json(const CameraConfig& camera) {
+  const CameraSettings& settings = camera.settings;
+  return {{"driver", camera.driver},
+          {"id", camera.id},
+          {"pixel_format", pixel_format_name(settings.pixel_format)},
+          {"exposure_us", settings.exposure_us},
+          {"gain_db", settings.gain_db},
+          {"frame_rate_hz", settings.frame_rate_hz},
+          {"roi",
+           {{"x", settings.roi.x},
+            {"y", settings.roi.y},
+            {"width", settings.roi.width},
+            {"height", settings.roi.height}}},
+          {"packet_size_bytes", camera.packet_size_bytes},
+          {"transfer_ms", camera.transfer_ms}};
+}
+
+ordered_json slm_json(const SlmConfig& slm) {
+  return {{"driver", slm.driver},
+          {"display", slm.display},
+          {"width", slm.geometry.width_px},
+          {"height", slm.geometry.height_px},
+          {"pitch_um", slm.geometry.pitch_um},
+          {"lut", or_null(slm.lut)},
+          {"flatness", or_null(slm.flatness)},
+          {"settle_ms", slm.settle_ms},
+          {"allow_primary", slm.allow_primary}};
+}
+
+ordered_json optics_json(const OpticsConfig& optics) {
+  ordered_json centre = nullptr;
+  if (optics.centre_px) centre = {optics.centre_px->x, optics.centre_px->y};
+  return {{"wavelength_nm", optics.wavelength_nm},
+          {"focal_length_mm", optics.focal_length_mm},
+          {"magnification", optics.magnification},
+          {"camera_pitch_um", optics.camera_pitch_um},
+          {"centre_px", centre}};
+}
+
+ordered_json sensor_json(const SensorConfig& sensor) {
+  return {{"charge", sensor.charge},
+          {"grid", grid_name(sensor.grid)},
+          {"subapertures_across", sensor.subapertures_across},
+          {"pupil_diameter_px", sensor.pupil_diameter_px},
+          {"grooves", sensor.grooves},
+          {"spacing", sensor.spacing}};
+}
+
+}  // namespace
+
+std::string dump_config(const Config& config) {
+  ordered_json out;
+  out["camera"] = camera_json(config.camera);
+  out["slm"] = slm_json(config.slm);
+  out["optics"] = optics_json(config.optics);
+  out["sensor"] = sensor_json(config.sensor);
+  out["tracking"] = {{"tracker", tracker_name(config.tracking.tracker)},
+                     {"kernel_radius", config.tracking.kernel_radius}};
+  out["stream"] = {{"endpoint", config.stream.endpoint},
+                   {"image_endpoint", config.stream.image_endpoint},
+                   {"image_rate_hz", config.stream.image_rate_hz}};
+  out["control"] = {{"endpoint", config.control.endpoint}};
+  out["realtime"] = config.realtime == RealtimePolicy::enforce ? "enforce" : "ignore";
+  out["pipeline"] = {{"workers", config.pipeline.workers}, {"records", config.pipeline.records}};
+  out["log"] = {{"level", config.log.level}};
+  return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace ovws

@@ -1,0 +1,185 @@
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "config/config.hpp"
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+#include "proto/reader.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMaxDepth = 16;
+constexpr std::size_t kMaxFileBytes = 1024 * 1024;
+
+void number(ObjectReader& r, const char* key, double& out, limits::Numbers range) {
+  r.number(key, out, range.min, range.max);
+}
+
+void integer(ObjectReader& r, const char* key, int& out, limits::Integers range) {
+  r.integer(key, out, range.min, range.max);
+}
+
+template <class Enum>
+void choice(ObjectReader& r, const char* key, Enum& out, const std::vector<std::string>& names) {
+  int value = int(out);
+  r.choice(key, value, names);
+  out = Enum(value);
+}
+
+/// A text that must say something.
+void text(ObjectReader& r, const char* key, std::string& out) {
+  r.string(key, out);
+  if (out.empty()) r.fault(key, "must not be empty");
+}
+
+void endpoint(ObjectReader& r, const char* key, std::string& out) {
+  r.string(key, out);
+  if (out.rfind("tcp://", 0) != 0 && out.rfind("ipc://", 0) != 0) {
+    r.fault(key,
+            "must be a ZeroMQ endpoint, tcp://ADDRESS:PORT or ipc://PATH, not \"" + out + "\"");
+  }
+}
+
+void read_camera(ObjectReader& r, CameraConfig& camera) {
+  CameraSettings& settings = camera.settings;
+  text(r, "driver", camera.driver);
+  text(r, "id", camera.id);
+  choice(r, "pixel_format", settings.pixel_format, pixel_format_names());
+  number(r, "exposure_us", settings.exposure_us, limits::kExposureUs);
+  number(r, "gain_db", settings.gain_db, limits::kGainDb);
+  number(r, "frame_rate_hz", settings.frame_rate_hz, limits::kFrameRateHz);
+  r.object("roi", [&settings](ObjectReader& roi) {
+    integer(roi, "x", settings.roi.x, limits::kRoiOffset);
+    integer(roi, "y", settings.roi.y, limits::kRoiOffset);
+    integer(roi, "width", settings.roi.width, limits::kRoiSize);
+    integer(roi, "height", settings.roi.height, limits::kRoiSize);
+  });
+  integer(r, "packet_size_bytes", camera.packet_size_bytes, limits::kPacketSizeBytes);
+  number(r, "transfer_ms", camera.transfer_ms, limits::kTransferMs);
+}
+
+void read_slm(ObjectReader& r, SlmConfig& slm) {
+  text(r, "driver", slm.driver);
+  text(r, "display", slm.display);
+  integer(r, "width", slm.geometry.width_px, limits::kSlmSizePx);
+  integer(r, "height", slm.geometry.height_px, limits::kSlmSizePx);
+  number(r, "pitch_um", slm.geometry.pitch_um, limits::kSlmPitchUm);
+  r.optional_string("lut", slm.lut);
+  r.optional_string("flatness", slm.flatness);
+  number(r, "settle_ms", slm.settle_ms, limits::kSettleMs);
+  r.boolean("allow_primary", slm.allow_primary);
+}
+
+void read_centre(ObjectReader& r, std::optional<Vec2>& centre_px) {
+  const auto* value = r.raw("centre_px");
+  if (value == nullptr) return;
+  if (value->is_null()) return centre_px.reset();
+  std::vector<double> xy;
+  r.numbers("centre_px", xy, 2, 2, limits::kCentrePx.min, limits::kCentrePx.max);
+  if (xy.size() == 2) centre_px = Vec2{xy[0], xy[1]};
+}
+
+void read_optics(ObjectReader& r, OpticsConfig& optics) {
+  number(r, "wavelength_nm", optics.wavelength_nm, limits::kWavelengthNm);
+  number(r, "focal_length_mm", optics.focal_length_mm, limits::kFocalLengthMm);
+  number(r, "magnification", optics.magnification, limits::kMagnification);
+  number(r, "camera_pitch_um", optics.camera_pitch_um, limits::kCameraPitchUm);
+  read_centre(r, optics.centre_px);
+}
+
+void read_sensor(ObjectReader& r, SensorConfig& sensor) {
+  integer(r, "charge", sensor.charge, limits::kCharge);
+  choice(r, "grid", sensor.grid, grid_names());
+  integer(r, "subapertures_across", sensor.subapertures_across, limits::kSubaperturesAcross);
+  number(r, "pupil_diameter_px", sensor.pupil_diameter_px, limits::kPupilDiameterPx);
+  std::vector<double> grooves;
+  r.numbers("grooves", grooves, 2, 2, limits::kGrooves.min, limits::kGrooves.max);
+  if (grooves.size() == 2) sensor.grooves = {grooves[0], grooves[1]};
+  number(r, "spacing", sensor.spacing, limits::kSpacing);
+}
+
+void read_tracking(ObjectReader& r, TrackingConfig& tracking) {
+  choice(r, "tracker", tracking.tracker, tracker_names());
+  number(r, "kernel_radius", tracking.kernel_radius, limits::kKernelRadius);
+}
+
+void read_stream(ObjectReader& r, StreamConfig& stream) {
+  endpoint(r, "endpoint", stream.endpoint);
+  endpoint(r, "image_endpoint", stream.image_endpoint);
+  number(r, "image_rate_hz", stream.image_rate_hz, limits::kImageRateHz);
+}
+
+void read_pipeline(ObjectReader& r, PipelineConfig& pipeline) {
+  integer(r, "workers", pipeline.workers, limits::kWorkers);
+  integer(r, "records", pipeline.records, limits::kRecords);
+  if ((pipeline.records & (pipeline.records - 1)) != 0) {
+    r.fault("records", "must be a power of two, not " + std::to_string(pipeline.records));
+  }
+}
+
+void read_log(ObjectReader& r, LogConfig& log) {
+  static const std::vector<std::string> names{"trace", "debug", "info", "warn", "error"};
+  int level = -1;
+  r.choice("level", level, names);
+  if (level >= 0) log.level = names[std::size_t(level)];
+}
+
+/// Two sockets cannot have one address; said here, where the keys are known.
+void check_endpoints(ObjectReader& r, const Config& config) {
+  if (config.stream.endpoint == config.stream.image_endpoint) {
+    r.fault("stream.image_endpoint", "must differ from stream.endpoint");
+  }
+  if (config.control.endpoint == config.stream.endpoint ||
+      config.control.endpoint == config.stream.image_endpoint) {
+    r.fault("control.endpoint", "must differ from the endpoints of stream");
+  }
+}
+
+Result<Config> read_config(const nlohmann::json& json) {
+  Config config;
+  ObjectReader r(json, "");
+  r.object("camera", [&config](ObjectReader& o) { read_camera(o, config.camera); });
+  r.object("slm", [&config](ObjectReader& o) { read_slm(o, config.slm); });
+  r.object("optics", [&config](ObjectReader& o) { read_optics(o, config.optics); });
+  r.object("sensor", [&config](ObjectReader& o) { read_sensor(o, config.sensor); });
+  r.object("tracking", [&config](ObjectReader& o) { read_tracking(o, config.tracking); });
+  r.object("stream", [&config](ObjectReader& o) { read_stream(o, config.stream); });
+  r.object("control", [&](ObjectReader& o) { endpoint(o, "endpoint", config.control.endpoint); });
+  choice(r, "realtime", config.realtime, {"enforce", "ignore"});
+  r.object("pipeline", [&config](ObjectReader& o) { read_pipeline(o, config.pipeline); });
+  r.object("log", [&config](ObjectReader& o) { read_log(o, config.log); });
+  check_endpoints(r, config);
+  if (auto done = r.finish(); !done) return fail(done.error());
+  return config;
+}
+
+}  // namespace
+
+Result<Config> parse_config(const std::string& json_text) {
+  const auto json = parse_strict_json(json_text, kMaxDepth, JsonComments::allowed);
+  if (!json) return fail(Errc::invalid, "", json.error().reason);
+  return read_config(*json);
+}
+
+Result<Config> load_config(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMaxFileBytes + 1, '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (file.bad() || !file.eof()) {
+    const bool large = file.good();
+    return fail(Errc::unavailable, "",
+                path + (large ? ": larger than 1 MiB, so not a configuration"
+                              : ": cannot be read; is the path right, and are its permissions?"));
+  }
+  text.resize(std::size_t(file.gcount()));
+  auto config = parse_config(text);
+  if (config) return config;
+  Error error = config.error();
+  error.reason = path + ": " + error.reason;
+  return fail(std::move(error));
+}
+
+}  // namespace ovws
