@@ -1,4 +1,8 @@
 /// The hologram: phase -> + aberration - correction -> + flatness -> wrap -> LUT -> grey levels.
+///
+/// Rounding, exactly: pattern and flatness together, and the sum of the modes, are each rounded to
+/// the nearest 1/65536 wave (a tie to the even one), added modulo one wave, and the top 8 bits of
+/// the 16 index the LUT.
 #pragma once
 
 #include <array>
@@ -16,7 +20,7 @@
 namespace ovws {
 
 /// Grey level to show for each of 256 equal steps of phase over [0, 2 pi): grey = lut[round-down
-/// step].
+/// step]. The linear one shows step k as grey k.
 using PhaseLut = std::array<std::uint8_t, 256>;
 PhaseLut linear_lut();
 
@@ -46,7 +50,8 @@ class HologramRenderer {
   const Lattice& lattice() const { return lattice_; }
 
   /// Grey levels of `width x height`. `modes` is the wavefront to add (aberration - correction),
-  /// over the pupil's circle and continued outside it.
+  /// over the pupil's circle and continued outside it, which `check_sampling` must accept; `flat`
+  /// and `identify` leave it out. Milliseconds, however many modes.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
 
   /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase

@@ -1,0 +1,38 @@
+/// The Fourier sum of a short line at any equally spaced frequencies (chirp-z, Bluestein).
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <vector>
+
+namespace ovws {
+
+/// out[k] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), by three FFTs of which
+/// one is prepared; single precision, chirps computed in double. Movable; `transform` is for one
+/// thread at a time.
+class ChirpZ {
+ public:
+  struct Axis {
+    int inputs = 0;
+    int outputs = 0;
+    double centre = 0.0;
+    double first = 0.0;  ///< cycles per sample
+    double step = 0.0;
+  };
+
+  explicit ChirpZ(const Axis& axis);
+  ~ChirpZ();
+  ChirpZ(ChirpZ&&) noexcept;
+  ChirpZ& operator=(ChirpZ&&) noexcept;
+  ChirpZ(const ChirpZ&) = delete;
+  ChirpZ& operator=(const ChirpZ&) = delete;
+
+  /// `in`: axis.inputs values. The result, axis.outputs values, is valid until the next call.
+  const std::complex<float>* transform(const std::complex<float>* in);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ovws
