@@ -1,0 +1,108 @@
+/// The camera port on top of device, features and stream.
+#include "drivers/aravis/aravis_camera.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "drivers/aravis/discovery.hpp"
+#include "drivers/aravis/features.hpp"
+#include "drivers/aravis/frame_id.hpp"
+#include "drivers/aravis/genicam_device.hpp"
+#include "drivers/aravis/stream.hpp"
+
+namespace ovws {
+
+namespace {
+
+class AravisCamera final : public Camera {
+ public:
+  AravisCamera(const AravisConfig& config, FoundDevice found)
+      : config_(config), device_(std::move(found.device)), ids_(id_width(device_)) {
+    info_.address = std::move(found.address);
+  }
+  ~AravisCamera() override { AravisCamera::stop(); }
+
+  /// Everything between the opened device and a camera ready to start.
+  Result<void> set_up() {
+    // A client that crashed may have left it running: then a new start would give no frames.
+    if (auto stopped = device_.execute("AcquisitionStop"); !stopped) return stopped;
+    auto features = CameraFeatures::find(device_);
+    if (!features) return fail(features.error());
+    features_.emplace(*features);
+    if (auto done = features_->prepare(); !done) return done;
+    if (auto done = prepare_transport(device_, config_); !done) return done;
+    auto current = features_->read();
+    if (!current) return fail(current.error());
+    current_ = *current;
+    info_ = features_->info(info_.address);
+    return {};
+  }
+
+  const CameraInfo& info() const override { return info_; }
+  Result<CameraLimits> limits() override { return features_->limits(); }
+
+  Result<CameraSettings> apply(const CameraSettings& wanted) override {
+    auto applied = features_->apply(wanted, current_, stream_ != nullptr);
+    if (applied) current_ = *applied;
+    return applied;
+  }
+
+  Result<void> start() override {
+    if (stream_) return fail(Errc::refused, "", "the camera is streaming already");
+    ids_.restart();
+    const FrameShape shape{current_.roi.width, current_.roi.height, current_.pixel_format};
+    auto stream = AravisStream::open(device_, config_, shape, ids_);
+    if (!stream) return fail(stream.error());
+    if (auto started = device_.execute("AcquisitionStart"); !started) return started;
+    stream_ = std::move(*stream);
+    return {};
+  }
+
+  void stop() override {
+    if (!stream_) return;
+    // Nothing can be done about a camera that refuses; start and apply will say so.
+    (void)device_.execute("AcquisitionStop");
+    stream_.reset();
+  }
+
+  bool alive() const override { return device_.alive(); }
+  int buffer_count() const override { return config_.buffers; }
+
+  GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) override {
+    return stream_ ? stream_->grab(out, timeout) : GrabStatus::timeout;
+  }
+  void release(int slot) OVWS_NONBLOCKING override {
+    if (stream_) stream_->release(slot);
+  }
+
+ private:
+  static FrameIdUnwrapper::Width id_width(GenicamDevice& device) {
+    using Width = FrameIdUnwrapper::Width;
+    if (!device.is_gige()) return Width::bits64;
+    const char* mode = "GevGVSPExtendedIDMode";
+    return device.has(mode) && device.text(mode).value_or("") == "On" ? Width::bits64
+                                                                      : Width::bits16;
+  }
+
+  AravisConfig config_;
+  CameraInfo info_;
+  GenicamDevice device_;
+  std::optional<CameraFeatures> features_;
+  CameraSettings current_;
+  FrameIdUnwrapper ids_;
+  std::unique_ptr<AravisStream> stream_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_aravis_camera(const AravisConfig& config) {
+  if (config.buffers < 2)
+    return fail(Errc::invalid, "camera.buffers", "at least 2 buffers are needed");
+  auto found = find_device(config.id);
+  if (!found) return fail(found.error());
+  auto camera = std::make_unique<AravisCamera>(config, std::move(*found));
+  if (auto ready = camera->set_up(); !ready) return fail(ready.error());
+  return camera;
+}
+
+}  // namespace ovws

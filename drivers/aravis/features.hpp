@@ -1,0 +1,54 @@
+/// The settings and limits of the camera port as GenICam features, old and new names alike.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/port/camera.hpp"
+#include "drivers/aravis/genicam_device.hpp"
+#include "drivers/aravis/settings_check.hpp"
+
+namespace ovws {
+
+/// Camera thread only. The device must outlive it. A camera that knows gain only as GainRaw has it
+/// in steps of its own, not in dB: gain_db then holds these steps.
+class CameraFeatures {
+ public:
+  /// Finds the names that this camera uses. Errc::device, naming the feature, if it has none of
+  /// them.
+  static Result<CameraFeatures> find(GenicamDevice& device);
+
+  /// Free running, all automatic functions off, pixel format one of ours.
+  Result<void> prepare();
+  CameraInfo info(const std::string& address);
+  Result<CameraLimits> limits();
+  Result<CameraSettings> read();
+
+  /// Brings the camera from `current` to `wanted`, and reads back. All or nothing: after an error
+  /// the camera has `current` again (unless it does not answer any more).
+  Result<CameraSettings> apply(const CameraSettings& wanted, const CameraSettings& current,
+                               bool streaming);
+
+ private:
+  explicit CameraFeatures(GenicamDevice& device) : device_(&device) {}
+  using Undo = std::vector<std::function<void()>>;
+
+  Result<void> turn_triggers_off();
+  Result<void> choose_a_known_pixel_format();
+  Result<RoiSteps> roi_steps();
+  Result<CameraSettings> fit(const CameraSettings& wanted, const CameraSettings& current);
+  Result<void> write(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
+  Result<void> write_roi(const Roi& roi);
+  Result<void> write_exposure(const CameraSettings& wanted, const CameraSettings& current,
+                              Undo& undo);
+  Result<void> write_rate(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
+
+  GenicamDevice* device_;
+  const char* gain_ = nullptr;
+  const char* exposure_ = nullptr;
+  const char* rate_ = nullptr;
+  const char* sensor_width_ = nullptr;
+  const char* sensor_height_ = nullptr;
+};
+
+}  // namespace ovws

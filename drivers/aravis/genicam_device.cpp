@@ -1,0 +1,152 @@
+/// Feature access through Aravis, with every answer checked.
+#include "drivers/aravis/genicam_device.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace ovws {
+
+namespace {
+
+void on_control_lost(ArvDevice*, gpointer alive) {
+  static_cast<std::atomic<bool>*>(alive)->store(false, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+GenicamDevice::GenicamDevice(GRef<ArvDevice> device) : device_(std::move(device)) {
+  control_lost_ =
+      g_signal_connect(device_.get(), "control-lost", G_CALLBACK(on_control_lost), &alive_);
+}
+
+GenicamDevice::~GenicamDevice() {
+  g_signal_handler_disconnect(device_.get(), control_lost_);
+}
+
+template <class Call>
+auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
+    -> Result<decltype(call(static_cast<GError**>(nullptr)))> {
+  if (!alive()) return fail(Errc::device, "", "the camera does not answer any more; open it again");
+  GErrorSlot error;
+  auto answer = call(error.out());
+  if (!error) return answer;
+  if (error.is_silence()) alive_.store(false, std::memory_order_relaxed);
+  return fail(error.to_error(Errc::device, std::string(verb) + " " + feature));
+}
+
+bool GenicamDevice::has(const char* feature) {
+  return ask("looking for", feature,
+             [&](GError** error) {
+               return arv_device_is_feature_available(device_.get(), feature, error) != FALSE;
+             })
+      .value_or(false);
+}
+
+bool GenicamDevice::has_number(const char* feature) {
+  ArvGcNode* node = arv_device_get_feature(device_.get(), feature);
+  return (ARV_IS_GC_FLOAT(node) || ARV_IS_GC_INTEGER(node)) && has(feature);
+}
+
+Result<double> GenicamDevice::number(const char* feature) {
+  const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
+  return ask("reading", feature, [&](GError** error) {
+    return real ? arv_device_get_float_feature_value(device_.get(), feature, error)
+                : double(arv_device_get_integer_feature_value(device_.get(), feature, error));
+  });
+}
+
+Result<Range<double>> GenicamDevice::range(const char* feature) {
+  const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
+  Range<double> range;
+  auto bounds = ask("reading the limits of", feature, [&](GError** error) {
+    if (real) {
+      arv_device_get_float_feature_bounds(device_.get(), feature, &range.min, &range.max, error);
+    } else {
+      gint64 min = 0;
+      gint64 max = 0;
+      arv_device_get_integer_feature_bounds(device_.get(), feature, &min, &max, error);
+      range.min = double(min);
+      range.max = double(max);
+    }
+    return true;
+  });
+  if (!bounds) return fail(bounds.error());
+  // A missing increment is not an error here: floats mostly have none.
+  if (real) {
+    const double step = arv_device_get_float_feature_increment(device_.get(), feature, nullptr);
+    range.increment = step > G_MINDOUBLE ? step : 0.0;
+  } else {
+    range.increment =
+        double(arv_device_get_integer_feature_increment(device_.get(), feature, nullptr));
+  }
+  return range;
+}
+
+Result<void> GenicamDevice::set_number(const char* feature, double value) {
+  const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
+  auto done = ask("setting", feature, [&](GError** error) {
+    if (real)
+      arv_device_set_float_feature_value(device_.get(), feature, value, error);
+    else
+      arv_device_set_integer_feature_value(device_.get(), feature, std::llround(value), error);
+    return true;
+  });
+  return done.map([](bool) {});
+}
+
+Result<std::string> GenicamDevice::text(const char* feature) {
+  return ask("reading", feature, [&](GError** error) {
+    const char* value = arv_device_get_string_feature_value(device_.get(), feature, error);
+    return std::string(value ? value : "");
+  });
+}
+
+Result<std::vector<std::string>> GenicamDevice::choices(const char* feature) {
+  return ask("reading the choices of", feature, [&](GError** error) {
+    guint count = 0;
+    const std::unique_ptr<const char*, GFree> names(
+        arv_device_dup_available_enumeration_feature_values_as_strings(device_.get(), feature,
+                                                                       &count, error));
+    return names ? std::vector<std::string>(names.get(), names.get() + count)
+                 : std::vector<std::string>();
+  });
+}
+
+Result<void> GenicamDevice::set_text(const char* feature, const char* value) {
+  auto done = ask("setting", feature, [&](GError** error) {
+    arv_device_set_string_feature_value(device_.get(), feature, value, error);
+    return true;
+  });
+  return done.map([](bool) {});
+}
+
+Result<void> GenicamDevice::choose_if_offered(const char* feature, const char* choice) {
+  if (!ARV_IS_GC_ENUMERATION(arv_device_get_feature(device_.get(), feature))) return {};
+  auto offered = ask("reading the choices of", feature, [&](GError** error) {
+    return arv_device_is_enumeration_entry_available(device_.get(), feature, choice, error) !=
+           FALSE;
+  });
+  if (!offered) return fail(offered.error());
+  if (!*offered) return {};
+  return set_text(feature, choice);
+}
+
+Result<void> GenicamDevice::switch_if_there(const char* feature, bool on) {
+  if (!ARV_IS_GC_BOOLEAN(arv_device_get_feature(device_.get(), feature)) || !has(feature))
+    return {};
+  auto done = ask("switching", feature, [&](GError** error) {
+    arv_device_set_boolean_feature_value(device_.get(), feature, on ? TRUE : FALSE, error);
+    return true;
+  });
+  return done.map([](bool) {});
+}
+
+Result<void> GenicamDevice::execute(const char* command) {
+  auto done = ask("executing", command, [&](GError** error) {
+    arv_device_execute_command(device_.get(), command, error);
+    return true;
+  });
+  return done.map([](bool) {});
+}
+
+}  // namespace ovws

@@ -1,0 +1,136 @@
+/// Buffers, their way round, and the transport's settings.
+#include "drivers/aravis/stream.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+
+namespace {
+
+std::size_t round_up(std::size_t size, std::size_t unit) {
+  return (size + unit - 1) / unit * unit;
+}
+
+}  // namespace
+
+Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config) {
+  if (ARV_IS_UV_DEVICE(device.raw()))
+    arv_uv_device_set_usb_mode(ARV_UV_DEVICE(device.raw()), ARV_UV_USB_MODE_ASYNC);
+  if (!device.is_gige() || config.packet_size_bytes == 0) return {};
+  // Aravis itself tries a test packet of this size when the first stream is made, and takes a
+  // smaller size if it does not come through, on cameras that can send one.
+  auto sizes = device.range("GevSCPSPacketSize");
+  if (!sizes) return fail(sizes.error());
+  if (config.packet_size_bytes < sizes->min)
+    return fail(Errc::invalid, "camera.packet_size_bytes",
+                "a packet needs at least " + std::to_string(int(sizes->min)) + " bytes");
+  const double step = std::max(sizes->increment, 1.0);
+  const double capped = std::min(double(config.packet_size_bytes), sizes->max);
+  return device.set_number("ArvGevSCPSPacketSize",
+                           sizes->min + std::floor((capped - sizes->min) / step) * step);
+}
+
+Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
+                                                         const AravisConfig& config,
+                                                         const FrameShape& shape,
+                                                         FrameIdUnwrapper& ids) {
+  auto payload = device.number("PayloadSize");
+  if (!payload) return fail(payload.error());
+  GErrorSlot error;
+  GRef<ArvStream> stream(arv_device_create_stream(device.raw(), nullptr, nullptr, error.out()));
+  if (!stream) return fail(error.to_error(Errc::device, "opening the stream"));
+  // Without CAP_NET_RAW frames come through this socket, and its default size loses all of them.
+  // Lost packets are asked for again wherever the camera can send them again: Aravis's default.
+  if (ARV_IS_GV_STREAM(stream.get()))
+    g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", config.socket_buffer_bytes, nullptr);
+
+  std::unique_ptr<AravisStream> self(new AravisStream(std::move(stream), shape, ids));
+  if (!self->allocate(std::size_t(*payload), config.buffers))
+    return fail(Errc::unavailable, "camera.roi",
+                "there is no memory for " + std::to_string(config.buffers) + " frames of " +
+                    std::to_string(std::size_t(*payload)) + " bytes; make the region smaller");
+  return self;
+}
+
+AravisStream::AravisStream(GRef<ArvStream> stream, const FrameShape& shape, FrameIdUnwrapper& ids)
+    : shape_(shape), ids_(&ids), stream_(std::move(stream)) {}
+
+AravisStream::~AravisStream() {
+  requeue_released();
+}
+
+bool AravisStream::allocate(std::size_t payload_bytes, int count) {
+  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  const std::size_t pitch = round_up(payload_bytes, page);
+  if (pitch == 0) return false;
+  const std::size_t total = pitch * std::size_t(count);
+  memory_.reset(static_cast<std::byte*>(std::aligned_alloc(page, total)));
+  if (!memory_) return false;
+  // Touched now, so that no page fault waits in the receive path.
+  std::memset(memory_.get(), 0, total);
+  lent_.assign(std::size_t(count), nullptr);
+  released_.reserve(std::size_t(count));
+  for (int slot = 0; slot < count; ++slot)
+    arv_stream_push_buffer(stream_.get(),
+                           arv_buffer_new_full(payload_bytes, memory_.get() + pitch * slot,
+                                               GINT_TO_POINTER(slot), nullptr));
+  return true;
+}
+
+void AravisStream::requeue_released() {
+  for (ArvBuffer* buffer : released_) arv_stream_push_buffer(stream_.get(), buffer);
+  released_.clear();
+}
+
+bool AravisStream::view_image(ArvBuffer* buffer, ImageView& image) const {
+  if (arv_buffer_get_payload_type(buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE) return false;
+  gint width = 0;
+  gint height = 0;
+  arv_buffer_get_image_region(buffer, nullptr, nullptr, &width, &height);
+  if (width != shape_.width || height != shape_.height) return false;
+  gint padding = 0;
+  arv_buffer_get_image_padding(buffer, &padding, nullptr);
+  std::size_t size = 0;
+  image.data = static_cast<const std::byte*>(arv_buffer_get_image_data(buffer, &size));
+  image.width = width;
+  image.height = height;
+  image.stride_bytes = std::ptrdiff_t(width) * bytes_per_pixel(shape_.format) + padding;
+  image.format = shape_.format;
+  return size >= std::size_t(image.stride_bytes) * std::size_t(height) - std::size_t(padding);
+}
+
+GrabStatus AravisStream::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
+  requeue_released();
+  ArvBuffer* buffer = timeout.count() > 0 ? arv_stream_timeout_pop_buffer(
+                                                stream_.get(), std::uint64_t(timeout.count()))
+                                          : arv_stream_try_pop_buffer(stream_.get());
+  if (!buffer) return GrabStatus::timeout;
+  out.t_arrival_mono_ns = monotonic_ns();
+  out.t_arrival_ns = utc_ns();
+  if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
+      !view_image(buffer, out.image)) {
+    arv_stream_push_buffer(stream_.get(), buffer);
+    return GrabStatus::incomplete;
+  }
+  out.frame_id = ids_->next(arv_buffer_get_frame_id(buffer));
+  out.t_device_ns = std::int64_t(arv_buffer_get_timestamp(buffer));
+  out.slot = GPOINTER_TO_INT(arv_buffer_get_user_data(buffer));
+  lent_[std::size_t(out.slot)] = buffer;
+  return GrabStatus::frame;
+}
+
+void AravisStream::release(int slot) OVWS_NONBLOCKING {
+  ArvBuffer* const buffer = std::exchange(lent_[std::size_t(slot)], nullptr);
+  if (buffer) released_.push_back(buffer);
+}
+
+}  // namespace ovws
