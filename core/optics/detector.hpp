@@ -21,8 +21,12 @@ struct DetectorConfig {
   std::uint64_t seed = 1;
 };
 
+/// DN per electron: full_well_e at 0 dB spans the whole range of 2^bits - 1, the black level is
+/// added on top.
+double dn_per_electron(const DetectorConfig& config, double gain_db);
+
 /// photons -> PRNU -> shot noise -> dark signal -> full well -> read noise -> gain -> black level
-/// -> quantise -> clip.
+/// -> quantise -> clip. Shot noise covers the dark signal too: both are counts of electrons.
 class Detector {
  public:
   Detector(const DetectorConfig& config, int width, int height);
