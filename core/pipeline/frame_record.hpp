@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
@@ -11,7 +13,11 @@
 
 namespace ovws {
 
-/// What the SLM showed, as the frame path needs it. Written by the display's thread.
+constexpr int kMaxModes = kMaxZernikeIndex;  ///< j = 1 .. kMaxZernikeIndex
+
+/// What the SLM showed, as the frame path needs it. The display's thread writes it twice a change:
+/// before the call that presents, with t_settled_mono_ns = kNever, and again when it has presented;
+/// else a frame exposed meanwhile would pass for one of the hologram before.
 struct ShownHologram {
   struct One {
     std::uint64_t hologram_id = 0;       ///< 0: none
@@ -19,12 +25,15 @@ struct ShownHologram {
     std::int64_t t_begin_mono_ns = 0;    ///< before the call that presents it
     std::int64_t t_settled_mono_ns = 0;  ///< presented + settle time
   };
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   One current;
   One previous;
   bool healthy = false;  ///< false: the display is at fault, nothing is known to be shown
 };
 
 /// The settings that changed last; a frame whose exposure straddles the change belongs to neither.
+/// The camera's thread writes it twice a change: before the device is written, with
+/// t_write_end_mono_ns = ShownHologram::kNever, and again when it has been.
 struct AppliedSettings {
   double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
   double previous_gain_db = 0.0, previous_exposure_us = 0.0;
@@ -36,10 +45,10 @@ struct AppliedSettings {
 /// Preallocated and reused: vectors are sized for kMaxSubapertures and kMaxModes once, `…_count`
 /// says how much is used.
 struct FrameRecord {
-  GrabbedFrame frame;
+  GrabbedFrame frame;  ///< its pixels are lent only to who asked for the image
   const MeasurementPlan* plan =
       nullptr;            ///< lives until the publisher has seen a record of a newer plan
-  std::uint64_t gap = 0;  ///< frames lost since the record before
+  std::uint64_t gap = 0;  ///< frames of this stream missing since the published record before
   std::uint64_t hologram_id = 0;
   bool settled = false;
   bool settings_known = false;  ///< gain and exposure are of this very frame

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/result.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/port/camera.hpp"
 #include "core/rt/agent.hpp"
@@ -15,7 +16,7 @@ namespace ovws {
 
 struct PipelineConfig {
   int workers = 0;   ///< tracker threads; 0: all stages run inside the acquisition agent ("inline")
-  int records = 64;  ///< frames that may be on their way at once, a power of two
+  int records = 64;  ///< frames that may be on their way at once, at least 4
 };
 
 struct PipelineDeps {
@@ -40,16 +41,19 @@ class Pipeline {
   Agent& reconstruction();
 
   // Control side; thread-safe among each other.
-  /// From the next frame edge on, frames are measured with `plan`. The caller keeps every plan
-  /// alive until `oldest_plan_in_use` has passed its id.
+  /// From the next frame edge on, frames are measured with `plan`; nullptr: with none. The caller
+  /// keeps every plan alive until `oldest_plan_in_use` has passed its id. Before a hologram is
+  /// shown, its plan is to be in use. May take milliseconds: working memory is made here.
   void use_plan(const MeasurementPlan* plan);
   /// Smallest plan id that the frame path or the publisher may still touch.
   std::uint64_t oldest_plan_in_use() const;
   /// Gives the acquisition agent a camera that streams, or takes it away: returns when the agent
-  /// has let go of it and all its frames were released (bounded by the agent's wait, 50 ms, and by
-  /// the frames on their way).
-  void attach(Camera& camera);
-  void detach();
+  /// has let go of the camera before and all its frames were released (bounded by the agent's wait,
+  /// 20 ms, and by the frames on their way). While nobody turns the agent, or somebody keeps an
+  /// image, they give up after 2 s with Errc::unavailable: the request stands, and only a detach
+  /// that succeeds says that a camera may be destroyed. Detach before the agents' threads end.
+  Result<void> attach(Camera& camera);
+  Result<void> detach();
   /// CLOCK_MONOTONIC ns of the last complete frame; 0: none since attach. Thread-safe.
   std::int64_t last_frame_mono_ns() const;
 
@@ -65,7 +69,7 @@ class Pipeline {
   FrameRecord* next_image(int timeout_us);
   void release_image(FrameRecord* record);
 
-  /// Latency since grab, one histogram a stage; read and reset by the status thread.
+  /// Latency since the frame's arrival, one histogram a stage; read and reset by the status thread.
   LatencyHistogram& tracked_latency();
   LatencyHistogram& reconstructed_latency();
 

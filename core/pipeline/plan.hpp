@@ -18,6 +18,10 @@ struct MeasurementPlan {
   std::uint64_t id = 0;  ///< increases with each plan
   std::uint64_t sensor_epoch =
       0;  ///< changes when spots of older holograms no longer fit (charge, lattice, ROI)
+  /// The hologram that predicted_px belongs to; 0: not said. Said, it lets the tracks follow a
+  /// change of hologram exactly even if predictions changed for another reason (a reference)
+  /// before.
+  std::uint64_t hologram_id = 0;
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
   SpotModel spots;

@@ -1,0 +1,49 @@
+/// The rules of frame_rules.hpp, as comparisons of times.
+#include "core/pipeline/frame_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
+                            std::int64_t arrival_mono_ns) {
+  return arrival_mono_ns - std::llround(exposure_us * 1e3) - settings.transfer_ns;
+}
+
+}  // namespace
+
+SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns) {
+  const double longer_us = std::max(settings.exposure_us, settings.previous_exposure_us);
+  const std::int64_t earliest = exposure_begin(settings, longer_us, arrival_mono_ns);
+  // A frame of the previous, longer exposure may have begun before the write although one of the
+  // new exposure would not have: only the longer of the two proves that the values are the new.
+  if (settings.exposure_us > 0.0 && earliest >= settings.t_write_end_mono_ns) {
+    return {true, settings.gain_db, settings.exposure_us,
+            exposure_begin(settings, settings.exposure_us, arrival_mono_ns)};
+  }
+  if (settings.previous_exposure_us > 0.0 && arrival_mono_ns <= settings.t_write_begin_mono_ns) {
+    return {true, settings.previous_gain_db, settings.previous_exposure_us,
+            exposure_begin(settings, settings.previous_exposure_us, arrival_mono_ns)};
+  }
+  return {false, settings.gain_db, settings.exposure_us, earliest};
+}
+
+HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,
+                               std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns) {
+  const auto of = [&](const ShownHologram::One& one) {
+    const bool fits = one.sensor_epoch != 0 && one.sensor_epoch == plan_sensor_epoch;
+    return HologramVerdict{one.hologram_id, fits};
+  };
+  if (shown.healthy && exposure_begin_mono_ns >= shown.current.t_settled_mono_ns) {
+    return of(shown.current);
+  }
+  if (shown.healthy && arrival_mono_ns <= shown.current.t_begin_mono_ns &&
+      exposure_begin_mono_ns >= shown.previous.t_settled_mono_ns) {
+    return of(shown.previous);
+  }
+  return {shown.current.hologram_id, false};
+}
+
+}  // namespace ovws

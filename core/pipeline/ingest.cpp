@@ -1,0 +1,135 @@
+/// Grab, count, refuse what the plan cannot measure, stamp the rest.
+#include "core/pipeline/ingest.hpp"
+
+#include <cmath>
+#include <thread>
+
+#include "core/pipeline/frame_rules.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::microseconds kFrameWait = 20ms;
+constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: look again soon
+constexpr std::chrono::microseconds kIdleWait = 2ms;
+
+bool fits(const MeasurementPlan& plan, const ImageView& image) {
+  return image.width == plan.image_width && image.height == plan.image_height &&
+         image.format == plan.format;
+}
+
+}  // namespace
+
+void Ingest::give_back() OVWS_NONBLOCKING {
+  Camera* const camera = deps_.cameras.camera();
+  if (camera != nullptr) {
+    deps_.pool.reclaim(*camera);
+  } else {
+    deps_.pool.reclaim();
+  }
+}
+
+bool Ingest::serve_camera() OVWS_NONBLOCKING {
+  give_back();
+  if (deps_.cameras.serve(deps_.pool.lent())) {
+    ++stream_;
+    any_frame_ = false;
+    last_frame_mono_ns_.store(0, std::memory_order_relaxed);
+  }
+  return deps_.cameras.streaming();
+}
+
+Entry* Ingest::turn(bool& waited_in_vain) {
+  waited_in_vain = true;
+  if (!serve_camera()) {
+    deps_.plans.adopt();  // so that old plans come out of use without a camera, too
+    std::this_thread::sleep_for(kIdleWait);
+    return nullptr;
+  }
+  Camera& camera = *deps_.cameras.camera();
+  const bool starved = deps_.pool.lent() >= camera.buffer_count();
+  GrabbedFrame frame;
+  switch (camera.grab(frame, starved ? kStarvedWait : kFrameWait)) {
+    case GrabStatus::timeout:
+      deps_.plans.adopt();
+      return nullptr;
+    case GrabStatus::incomplete:
+      waited_in_vain = false;
+      deps_.counters.add(Counter::frames_incomplete);
+      ++incomplete_since_;
+      return nullptr;
+    case GrabStatus::frame:
+      break;
+  }
+  waited_in_vain = false;
+  return accept(frame);
+}
+
+Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
+  deps_.counters.add(Counter::frames_grabbed);
+  last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
+  count_lost(frame.frame_id);
+  Entry* const entry = measurable(frame);
+  if (entry == nullptr) {
+    deps_.cameras.camera()->release(frame.slot);
+    return nullptr;
+  }
+  stamp(*entry);
+  return entry;
+}
+
+Entry* Ingest::measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING {
+  Measurement* const measurement = deps_.plans.adopt();
+  if (measurement == nullptr) {
+    deps_.counters.add(Counter::frames_unplanned);
+    return nullptr;
+  }
+  if (!fits(measurement->plan, frame.image)) {
+    deps_.counters.add(Counter::frames_unexpected);
+    return nullptr;
+  }
+  const bool image_wanted = image_requested_.load(std::memory_order_relaxed);
+  Entry* const entry = deps_.pool.take(frame, measurement->plan, image_wanted);
+  if (entry == nullptr) {
+    deps_.counters.add(Counter::frames_dropped);
+    return nullptr;
+  }
+  if (image_wanted) image_requested_.store(false, std::memory_order_relaxed);
+  entry->measurement = measurement;
+  entry->stream = stream_;
+  return entry;
+}
+
+/// A frame number that does not go up is a stream begun anew, not a loss.
+void Ingest::count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING {
+  if (any_frame_ && frame_id > last_frame_id_) {
+    const std::uint64_t missing = frame_id - last_frame_id_ - 1;
+    if (missing > incomplete_since_) {
+      deps_.counters.add(Counter::frames_lost, missing - incomplete_since_);
+    }
+  }
+  any_frame_ = true;
+  last_frame_id_ = frame_id;
+  incomplete_since_ = 0;
+}
+
+void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
+  deps_.shown.update();
+  deps_.settings.update();
+  const AppliedSettings& applied = deps_.settings.value();
+  const std::int64_t arrival = entry.frame.t_arrival_mono_ns;
+  const SettingsVerdict settings = judge_settings(applied, arrival);
+  entry.settings_known = settings.known;
+  entry.gain_db = settings.gain_db;
+  entry.exposure_us = settings.exposure_us;
+  const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
+                                                  settings.exposure_begin_mono_ns, arrival);
+  entry.hologram_id = hologram.hologram_id;
+  entry.settled = hologram.settled;
+  entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
+  if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);
+}
+
+}  // namespace ovws

@@ -1,0 +1,60 @@
+/// The first stage: takes frames from the camera and stamps them with what is known of each.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+#include "core/base/realtime.hpp"
+#include "core/pipeline/camera_exchange.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/pipeline/plan_exchange.hpp"
+#include "core/pipeline/record_pool.hpp"
+
+namespace ovws {
+
+/// Acquisition thread, unless said.
+class Ingest {
+ public:
+  struct Deps {
+    Counters& counters;
+    LatestValue<ShownHologram>& shown;
+    LatestValue<AppliedSettings>& settings;
+    CameraExchange& cameras;
+    PlanExchange& plans;
+    RecordPool& pool;
+  };
+
+  explicit Ingest(const Deps& deps) : deps_(deps) {}
+
+  /// One turn: gives back buffers, serves camera requests, waits at most 20 ms for a frame. Returns
+  /// a record to be measured, or nullptr. `waited_in_vain` tells whether nothing happened at all.
+  Entry* turn(bool& waited_in_vain);
+
+  /// Gives buffers and records back that nobody holds any more.
+  void give_back() OVWS_NONBLOCKING;
+
+  /// Any thread: the next measured frame's record is to keep its pixels for the image thread.
+  void request_image() { image_requested_.store(true, std::memory_order_relaxed); }
+  /// Any thread.
+  std::int64_t last_frame_mono_ns() const {
+    return last_frame_mono_ns_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  bool serve_camera() OVWS_NONBLOCKING;
+  Entry* accept(const GrabbedFrame& frame) OVWS_NONBLOCKING;
+  Entry* measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING;
+  void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
+  void stamp(Entry& entry) OVWS_NONBLOCKING;
+
+  Deps deps_;
+  std::uint64_t stream_ = 0;
+  bool any_frame_ = false;
+  std::uint64_t last_frame_id_ = 0;
+  std::uint64_t incomplete_since_ = 0;
+  std::atomic<bool> image_requested_{false};
+  std::atomic<std::int64_t> last_frame_mono_ns_{0};
+};
+
+}  // namespace ovws

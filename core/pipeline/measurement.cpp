@@ -1,0 +1,38 @@
+/// Makes the working memory of a plan.
+#include "core/pipeline/measurement.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/optics/lattice.hpp"
+#include "core/pipeline/frame_record.hpp"
+
+namespace ovws {
+namespace {
+
+const MeasurementPlan& checked(const MeasurementPlan& plan) {
+  const auto demand = [](bool holds, const char* what) {
+    if (!holds) throw std::logic_error(what);
+  };
+  demand(plan.tracker != nullptr, "measurement plan without a tracker");
+  demand(plan.reconstructor != nullptr, "measurement plan without a reconstructor");
+  demand(plan.subapertures() <= kMaxSubapertures, "measurement plan with too many subapertures");
+  demand(plan.reconstructor->modes_j().size() <= std::size_t(kMaxModes),
+         "measurement plan with too many modes");
+  return plan;
+}
+
+}  // namespace
+
+Measurement::Measurement(const MeasurementPlan& measured_plan, int workers)
+    : plan(checked(measured_plan)),
+      plan_id(plan.id),
+      acquisition(plan.spots, plan.predicted_px, plan.image_width, plan.image_height),
+      neighbourhood(plan.predicted_px),
+      reconstruct_scratch(plan.reconstructor->make_scratch()) {
+  for (int k = 0; k < std::max(workers, 1); ++k) {
+    track_scratch.push_back(plan.tracker->make_scratch());
+  }
+}
+
+}  // namespace ovws

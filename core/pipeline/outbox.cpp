@@ -1,0 +1,71 @@
+/// Gaps, drops and holds of records that leave the pipeline.
+#include "core/pipeline/outbox.hpp"
+
+#include <chrono>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+
+Outbox::Outbox(int records, Counters& counters)
+    : most_published_(records - records / 4),
+      counters_(counters),
+      published_(std::size_t(records)),
+      images_(std::size_t(records)) {}
+
+void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
+  const bool publish = with_publisher_.load(std::memory_order_acquire) < most_published_;
+  if (publish) {
+    link(entry);
+    count(entry);
+    with_publisher_.fetch_add(1, std::memory_order_relaxed);
+  }
+  // The rings hold as many as there are records: neither push can fail. This stage's own hold
+  // keeps the entry while the image thread may already be done with it.
+  if (entry.image_wanted && !images_.try_push(&entry)) release_image(entry);
+  if (!publish) {
+    counters_.add(Counter::frames_dropped);
+    entry.release();
+  } else if (!published_.try_push(&entry)) {
+    release(entry);
+  }
+}
+
+void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
+  const std::uint64_t id = entry.frame.frame_id;
+  const bool goes_on = entry.stream == last_stream_ && id > last_frame_id_;
+  entry.gap = goes_on ? id - last_frame_id_ - 1 : 0;
+  last_stream_ = entry.stream;
+  last_frame_id_ = id;
+}
+
+void Outbox::count(const Entry& entry) OVWS_NONBLOCKING {
+  counters_.add(Counter::frames_published);
+  if (!entry.valid) counters_.add(Counter::frames_invalid);
+  const std::int64_t taken_ns = monotonic_ns() - entry.frame.t_arrival_mono_ns;
+  if (entry.period_ns > 0 && taken_ns > entry.period_ns) {
+    counters_.add(Counter::deadline_missed);
+  }
+}
+
+Entry* Outbox::next(int timeout_us) {
+  Entry* entry = nullptr;
+  return published_.pop(entry, std::chrono::microseconds(timeout_us)) ? entry : nullptr;
+}
+
+void Outbox::release(Entry& entry) OVWS_NONBLOCKING {
+  entry.release();
+  with_publisher_.fetch_sub(1, std::memory_order_release);
+}
+
+Entry* Outbox::next_image(int timeout_us) {
+  Entry* entry = nullptr;
+  return images_.pop(entry, std::chrono::microseconds(timeout_us)) ? entry : nullptr;
+}
+
+void Outbox::release_image(Entry& entry) OVWS_NONBLOCKING {
+  entry.release_pixels();
+  entry.release();
+}
+
+}  // namespace ovws

@@ -1,0 +1,43 @@
+/// The way out: finished records for the publisher, and those with pixels for the image thread.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "core/base/realtime.hpp"
+#include "core/pipeline/record_pool.hpp"
+#include "core/rt/counters.hpp"
+#include "core/rt/spsc_ring.hpp"
+
+namespace ovws {
+
+class Outbox {
+ public:
+  /// The publisher may hold three quarters of all records and no more, so that frames can still be
+  /// tracked, and history goes on, while it is behind.
+  Outbox(int records, Counters& counters);
+
+  /// Thread of the last stage: hands the record on, or drops it and counts. Not to be touched
+  /// after.
+  void put(Entry& entry) OVWS_NONBLOCKING;
+
+  Entry* next(int timeout_us);                  ///< publisher thread
+  void release(Entry& entry) OVWS_NONBLOCKING;  ///< publisher thread
+
+  Entry* next_image(int timeout_us);                  ///< image thread
+  void release_image(Entry& entry) OVWS_NONBLOCKING;  ///< image thread
+
+ private:
+  void link(Entry& entry) OVWS_NONBLOCKING;
+  void count(const Entry& entry) OVWS_NONBLOCKING;
+
+  const int most_published_;
+  Counters& counters_;
+  SpscRing<Entry*> published_;
+  SpscRing<Entry*> images_;
+  std::atomic<int> with_publisher_{0};
+  std::uint64_t last_stream_ = 0;    ///< last stage's thread
+  std::uint64_t last_frame_id_ = 0;  ///< last stage's thread
+};
+
+}  // namespace ovws

@@ -1,0 +1,42 @@
+/// Hands plans from the control side to the frame path, and tells which ones it may still touch.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/base/realtime.hpp"
+#include "core/pipeline/measurement.hpp"
+#include "core/pipeline/record_pool.hpp"
+
+namespace ovws {
+
+class PlanExchange {
+ public:
+  PlanExchange(const RecordPool& pool, int workers) : pool_(pool), workers_(workers) {}
+
+  // Control side; thread-safe among each other.
+  /// Makes the plan's working memory, frees that of plans out of use, and offers the plan. nullptr:
+  /// nothing is measured. Throws std::logic_error if the plan's id does not increase.
+  void offer(const MeasurementPlan* plan);
+  std::uint64_t oldest_in_use() const;
+
+  /// Acquisition thread, at a frame edge: the plan offered last, or nullptr.
+  Measurement* adopt() OVWS_NONBLOCKING;
+
+ private:
+  const RecordPool& pool_;
+  const int workers_;
+  std::mutex control_;
+  std::vector<std::unique_ptr<Measurement>> measurements_;  ///< guarded by control_
+  std::uint64_t next_id_ = 0;                               ///< guarded by control_
+  std::atomic<Measurement*> offered_{nullptr};
+  Measurement* adopted_ = nullptr;  ///< acquisition thread
+  /// All plans below are out of the acquisition thread's hands. It is written before an adopted
+  /// plan is used, so that what control reads is never too new.
+  std::atomic<std::uint64_t> adopted_id_{0};
+};
+
+}  // namespace ovws

@@ -1,0 +1,24 @@
+/// Calls the plan's reconstructor on the frame's spots.
+#include "core/pipeline/reconstruct_stage.hpp"
+
+#include <span>
+
+#include "core/pipeline/measurement.hpp"
+#include "core/port/clock.hpp"
+
+namespace ovws {
+
+void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
+  const MeasurementPlan& plan = *entry.plan;
+  entry.mode_count = int(plan.reconstructor->modes_j().size());
+  entry.reconstruction = plan.reconstructor->solve(
+      std::span<const SpotFix>{entry.spots.data(), std::size_t(entry.spot_count)},
+      entry.measurement->reconstruct_scratch,
+      std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)});
+  entry.valid = entry.settled && entry.reconstruction.determined && plan.referenced();
+  entry.t_reconstructed_mono_ns = monotonic_ns();
+  deps_.latency.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
+  deps_.outbox.put(entry);
+}
+
+}  // namespace ovws

@@ -1,0 +1,68 @@
+/// Records come and go by hold counts; only the acquisition thread changes who owns them.
+#include "core/pipeline/record_pool.hpp"
+
+#include <algorithm>
+
+#include "core/optics/lattice.hpp"
+
+namespace ovws {
+
+RecordPool::RecordPool(int records) : size_(records), entries_(new Entry[std::size_t(records)]) {
+  free_.reserve(std::size_t(records));
+  for (int i = 0; i < records; ++i) {
+    entries_[i].spots.resize(kMaxSubapertures);
+    entries_[i].coefficients.resize(kMaxModes);
+    free_.push_back(&entries_[i]);
+  }
+}
+
+Entry* RecordPool::take(const GrabbedFrame& frame, const MeasurementPlan& plan,
+                        bool image_wanted) OVWS_NONBLOCKING {
+  if (free_.empty()) return nullptr;
+  Entry& entry = *free_.back();
+  free_.pop_back();
+  entry.frame = frame;
+  entry.plan = &plan;
+  entry.image_wanted = image_wanted;
+  entry.lent_slot_ = frame.slot;
+  ++lent_;
+  const int holds = image_wanted ? 2 : 1;
+  entry.pixel_holds_.store(holds, std::memory_order_relaxed);
+  entry.holds_.store(holds, std::memory_order_relaxed);
+  entry.plan_id_.store(plan.id, std::memory_order_release);
+  return &entry;
+}
+
+void RecordPool::reclaim(Camera& camera) OVWS_NONBLOCKING {
+  for (int i = 0; i < size_ && lent_ > 0; ++i) {
+    Entry& entry = entries_[i];
+    if (entry.lent_slot_ < 0 || entry.pixel_holds_.load(std::memory_order_acquire) > 0) continue;
+    camera.release(entry.lent_slot_);
+    entry.lent_slot_ = -1;
+    --lent_;
+  }
+  reclaim();
+}
+
+void RecordPool::reclaim() OVWS_NONBLOCKING {
+  if (int(free_.size()) == size_) return;
+  for (int i = 0; i < size_; ++i) free_if_unheld(entries_[i]);
+}
+
+void RecordPool::free_if_unheld(Entry& entry) OVWS_NONBLOCKING {
+  const bool in_use = entry.plan_id_.load(std::memory_order_relaxed) != Entry::kFree;
+  if (!in_use || entry.lent_slot_ >= 0) return;
+  if (entry.holds_.load(std::memory_order_acquire) > 0) return;
+  entry.plan_id_.store(Entry::kFree, std::memory_order_release);
+  free_.push_back(&entry);
+}
+
+std::uint64_t RecordPool::oldest_plan_id() const {
+  std::uint64_t oldest = Entry::kFree;
+  for (int i = 0; i < size_; ++i) {
+    oldest = std::min(oldest, entries_[i].plan_id_.load(std::memory_order_acquire));
+  }
+  return oldest;
+}
+
+}  // namespace ovws

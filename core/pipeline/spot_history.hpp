@@ -1,0 +1,48 @@
+/// Where the spots were last, and from that, where to look for them in the next frame.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/realtime.hpp"
+#include "core/pipeline/frame_record.hpp"
+
+namespace ovws {
+
+/// Learns from settled frames only. One thread at a time; allocates in the constructor only.
+class SpotHistory {
+ public:
+  SpotHistory();
+
+  /// Forgets everything if `plan` measures other spots (sensor epoch, count or image size) than
+  /// before.
+  void fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
+
+  /// False: nothing is known of any spot, a whole-image search is needed.
+  bool live() const { return live_; }
+
+  /// Where to look for each spot in `record`: the last settled position, moved by what the plan
+  /// predicts of a change of hologram. NaN for a spot that was not found last time.
+  void starts(const FrameRecord& record, std::span<Vec2> starts_px) const OVWS_NONBLOCKING;
+
+  /// Takes over what was found in a settled frame.
+  void learn(const FrameRecord& record) OVWS_NONBLOCKING;
+
+ private:
+  struct Track {
+    Vec2 position_px;
+    Vec2 expected_px;  ///< what the plan predicted for hologram_id_
+    bool found = false;
+  };
+
+  std::vector<Track> tracks_;
+  int count_ = 0;
+  bool live_ = false;
+  std::uint64_t hologram_id_ = 0;
+  std::uint64_t plan_id_ = 0;
+  std::uint64_t sensor_epoch_ = 0;
+  int image_width_ = 0, image_height_ = 0;
+};
+
+}  // namespace ovws
