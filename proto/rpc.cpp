@@ -173,8 +173,8 @@ RpcFailure rpc_failure(const Error& error) {
 }
 
 std::string oversize_reply() {
-  return error_frame(RpcCode::request,
-                     "the request is larger than " + std::to_string(kMaxRequestBytes) + " bytes");
+  return error_frame(RpcCode::request, "a request must be one frame of at most " +
+                                           std::to_string(kMaxRequestBytes) + " bytes");
 }
 
 void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send) {

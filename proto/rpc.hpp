@@ -52,7 +52,8 @@ using RpcSend = std::function<void(std::string)>;
 constexpr int kMaxRequestDepth = 32;   ///< of nested objects and arrays
 constexpr int kMaxBatchMembers = 100;  ///< more are refused with one error
 
-/// The reply to a request frame larger than kMaxRequestBytes, which nobody has to read for it.
+/// The reply to a request that is larger than kMaxRequestBytes or came in several frames; nobody
+/// has to read it for that.
 std::string oversize_reply();
 
 /// Handles one request frame, single or batch: strict UTF-8 and JSON, size cap, JSON-RPC shape;

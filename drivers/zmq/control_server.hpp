@@ -20,8 +20,9 @@ using ControlHandler =
 /// ms.
 class ControlServer : public Agent {
  public:
-  /// `max_request_bytes`: larger requests are answered by `oversize_reply` and never held in memory
-  /// (ZMQ_MAXMSGSIZE closes far larger ones).
+  /// Requests larger than `max_request_bytes`, or of several frames, are answered by
+  /// `oversize_reply` and not handed on (above 16 MiB libzmq ends the connection). At most 1024
+  /// requests are pending; more wait in the sockets. Errors as of Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      std::size_t max_request_bytes,
                                                      std::string oversize_reply,

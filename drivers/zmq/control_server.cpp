@@ -1,0 +1,126 @@
+#include "drivers/zmq/control_server.hpp"
+
+#include <array>
+#include <zmq.hpp>
+
+#include "drivers/zmq/endpoint.hpp"
+#include "drivers/zmq/reply_box.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr long kWaitMs = 50;
+constexpr int kTurn = 64;                  // requests taken before replies are looked at
+constexpr std::size_t kMaxPending = 1024;  // beyond, requests wait in the sockets
+constexpr std::int64_t kMaxFrameBytes = 16 * 1024 * 1024;  // beyond, libzmq ends the connection
+constexpr int kReceiveQueue = 32;                          // requests held for one client
+constexpr std::size_t kMaxParts = 16;                      // of one request, its envelope included
+
+/// One multipart request. Parts beyond kMaxParts are counted and not kept.
+struct Incoming {
+  std::vector<zmq::message_t> parts;
+  std::size_t count = 0;
+};
+
+/// The envelope ends with the first empty frame before the last; a DEALER may leave that out, and
+/// then it is the routing id alone.
+std::size_t envelope_size(const Incoming& in) {
+  for (std::size_t k = 1; k + 1 < in.parts.size(); ++k) {
+    if (in.parts[k].size() == 0) return k + 1;
+  }
+  return 1;
+}
+
+}  // namespace
+
+struct ControlServer::Impl {
+  zmq::context_t context{1};
+  zmq::socket_t socket{context, zmq::socket_type::router};
+  std::shared_ptr<ReplyBox> box = std::make_shared<ReplyBox>();
+  std::size_t max_request_bytes = 0;
+  std::string oversize_reply;
+  ControlHandler handler;
+
+  bool wait();
+  bool send_replies();
+  bool take_request();
+  void serve(const Incoming& in);
+};
+
+/// Until something is to be done, at most kWaitMs. Too many requests pending: new ones are left
+/// where they are.
+bool ControlServer::Impl::wait() {
+  const bool room = box->pending() < kMaxPending;
+  std::array<zmq_pollitem_t, 2> items{
+      {{nullptr, box->wake_fd(), ZMQ_POLLIN, 0}, {socket.handle(), 0, ZMQ_POLLIN, 0}}};
+  return zmq_poll(items.data(), room ? 2 : 1, kWaitMs) > 0;  // an interrupted wait is a short one
+}
+
+bool ControlServer::Impl::send_replies() {
+  const auto replies = box->collect();
+  for (const auto& [envelope, bytes] : replies) {
+    // To a client that is gone, or that does not read its replies, ROUTER drops: its own loss.
+    for (const auto& frame : envelope) {
+      (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
+    }
+    (void)socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
+  }
+  return !replies.empty();
+}
+
+bool ControlServer::Impl::take_request() {
+  Incoming in;
+  bool more = true;
+  while (more) {
+    zmq::message_t part;
+    if (!socket.recv(part, zmq::recv_flags::dontwait)) return false;  // parts come all or none
+    more = part.more();
+    ++in.count;
+    if (in.parts.size() < kMaxParts) in.parts.push_back(std::move(part));
+  }
+  serve(in);
+  return true;
+}
+
+void ControlServer::Impl::serve(const Incoming& in) {
+  const std::size_t size = envelope_size(in);
+  Envelope envelope;
+  for (std::size_t k = 0; k < size; ++k) envelope.push_back(in.parts[k].to_string());
+  const auto reply = box->reply_to(std::move(envelope));
+  if (in.count == 1) return;  // a routing id alone asks for nothing and has nowhere to go
+  const bool one_frame = in.count == size + 1;
+  if (!one_frame || in.parts[size].size() > max_request_bytes) return reply(oversize_reply);
+  handler(in.parts[size].to_string_view(), reply);
+}
+
+ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ControlServer::~ControlServer() = default;
+
+Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& endpoint,
+                                                           std::size_t max_request_bytes,
+                                                           std::string oversize_reply,
+                                                           ControlHandler handler) {
+  auto impl = std::make_unique<Impl>();
+  impl->max_request_bytes = max_request_bytes;
+  impl->oversize_reply = std::move(oversize_reply);
+  impl->handler = std::move(handler);
+  impl->socket.set(zmq::sockopt::linger, 0);
+  impl->socket.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
+  impl->socket.set(zmq::sockopt::rcvhwm, kReceiveQueue);
+  if (auto bound = bind_endpoint(impl->socket.handle(), endpoint); !bound) {
+    return fail(bound.error());
+  }
+  return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
+}
+
+bool ControlServer::do_work() {
+  impl_->wait();
+  bool worked = impl_->send_replies();
+  for (int k = 0; k < kTurn && impl_->box->pending() < kMaxPending; ++k) {
+    if (!impl_->take_request()) break;
+    worked = true;
+  }
+  return impl_->send_replies() || worked;
+}
+
+}  // namespace ovws

@@ -1,0 +1,70 @@
+#include "drivers/zmq/endpoint.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace ovws {
+namespace {
+
+constexpr const char* kIpc = "ipc://";
+
+tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
+  const std::string text = "endpoint " + endpoint;
+  switch (error) {
+    case EADDRINUSE:
+      return fail(
+          Errc::unavailable, "",
+          text + " is in use by another program; end that one, or configure another endpoint");
+    case EADDRNOTAVAIL:
+    case ENODEV:
+      return fail(Errc::unavailable, "", text + ": this machine has no such address");
+    case EACCES:
+    case EPERM:
+      return fail(Errc::unavailable, "",
+                  text + ": not permitted; choose a port above 1023 or a path of your own");
+    case EINVAL:
+    case EPROTONOSUPPORT:
+      return fail(Errc::invalid, "",
+                  text + " is not understood; use tcp://ADDRESS:PORT or ipc://PATH");
+    default:
+      return fail(Errc::unavailable, "", text + ": " + zmq_strerror(error));
+  }
+}
+
+/// libzmq removes the file of an ipc endpoint before it binds, and so would take it from a program
+/// that is alive.
+bool somebody_listens(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return false;
+  std::memcpy(address.sun_path, path.c_str(), path.size());
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) return false;
+  const bool answered =
+      ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+      errno == EAGAIN;
+  ::close(fd);
+  return answered;
+}
+
+}  // namespace
+
+Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
+  if (endpoint.rfind(kIpc, 0) == 0 && somebody_listens(endpoint.substr(std::strlen(kIpc)))) {
+    return refusal(EADDRINUSE, endpoint);
+  }
+  if (zmq_bind(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
+  return {};
+}
+
+Result<void> connect_endpoint(void* socket, const std::string& endpoint) {
+  if (zmq_connect(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
+  return {};
+}
+
+}  // namespace ovws

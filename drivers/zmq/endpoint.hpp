@@ -1,0 +1,17 @@
+/// Binding and connecting ZeroMQ sockets with errors that a person understands. Private to this
+/// driver; `socket` is a libzmq socket handle.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// Errors: Errc::unavailable (in use, no such address, no permission), Errc::invalid (not
+/// understood); both name the endpoint.
+Result<void> bind_endpoint(void* socket, const std::string& endpoint);
+/// Errors: Errc::invalid. That nobody answers there shows only later.
+Result<void> connect_endpoint(void* socket, const std::string& endpoint);
+
+}  // namespace ovws
