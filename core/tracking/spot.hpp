@@ -32,4 +32,9 @@ struct TrackingConfig {
   friend bool operator==(const TrackingConfig&, const TrackingConfig&) = default;
 };
 
+/// The LG kernel's 1/e radius that is used for a charge, units of lambda/d: kernel_radius
+/// sqrt(max(1, |l|)). A charge-l core splits into |l| under aberration; the wider kernel keeps one
+/// minimum, at their mean.
+double lg_kernel_radius(const TrackingConfig& config, int charge);
+
 }  // namespace ovws

@@ -19,8 +19,14 @@ struct Reconstruction {
 };
 
 /// Immutable after construction. The reference is folded into the product: a = P m - P ref.
+///
+/// Determined means: the whole lattice tells the modes (condition number of the slopes below 1000),
+/// and with the spots that are there no mode's noise is more than kMaxNoiseGrowth times what it
+/// would be with all spots. A reference position that is not a number makes its spot always lost.
 class Reconstructor {
  public:
+  static constexpr double kMaxNoiseGrowth = 5.0;
+
   /// Working memory of one thread, so that `solve` never allocates.
   struct Scratch {
     Eigen::VectorXd measured;
@@ -37,14 +43,26 @@ class Reconstructor {
   const std::vector<int>& modes_j() const { return modes_j_; }
   Scratch make_scratch() const;
 
-  /// Writes modes_j().size() coefficients, RMS-normalised waves. With all spots found it is one
-  /// prepared matrix product; with lost spots the normal equations are reduced by their rows and
-  /// solved anew. RT-safe.
+  /// Writes modes_j().size() coefficients, RMS-normalised waves; all NaN if not determined. With
+  /// all spots found it is one prepared matrix product; with lost spots the normal equations are
+  /// reduced by their rows and solved anew. `spots` holds N. RT-safe.
   Reconstruction solve(std::span<const SpotFix> spots, Scratch& scratch,
                        std::span<float> coefficients) const OVWS_NONBLOCKING;
 
  private:
+  bool usable(const SpotFix& spot, std::size_t i) const;
+  bool solve_reduced(std::span<const SpotFix> spots, Scratch& scratch) const;
+  double residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const;
+
   std::vector<int> modes_j_;
+  std::vector<Vec2> reference_px_;
+  Eigen::MatrixXd slopes_;     ///< rows of spots without a reference are 0
+  Eigen::MatrixXd inverse_;    ///< P: Z x 2N
+  Eigen::VectorXd offset_;     ///< P ref
+  Eigen::MatrixXd normal_;     ///< slopes^T slopes
+  Eigen::VectorXd variances_;  ///< diagonal of the inverse of `normal_`
+  int referenced_ = 0;         ///< spots with a reference
+  bool determined_ = false;    ///< with all of them
 };
 
 }  // namespace ovws

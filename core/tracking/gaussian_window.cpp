@@ -1,0 +1,84 @@
+#include "core/tracking/gaussian_window.hpp"
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+constexpr double kReach = 3.0;  // in units of w: exp(-9) of a flat background is left over
+using Block = Eigen::Array<float, kPatchSlack, 1>;
+
+}  // namespace
+
+GaussianWindow::GaussianWindow(double radius_px)
+    : radius_(radius_px),
+      half_(int(std::ceil(kReach * radius_px))),
+      blocks_((2 * half_ + kPatchSlack) / kPatchSlack),
+      table_(std::size_t(half_) + 1) {
+  for (int k = 0; k <= half_; ++k) table_[k] = float(std::exp(-(k * k) / (radius_ * radius_)));
+}
+
+int GaussianWindow::scratch_floats() const {
+  return 5 * blocks_ * kPatchSlack;
+}
+
+// exp(-(k-f)^2/w^2) = exp(-k^2/w^2) exp(2f/w^2)^k exp(-f^2/w^2): three exponentials an axis.
+void GaussianWindow::axis(double c, int first, float* g) const {
+  const int mid = first + half_;
+  const double f = c - mid;
+  const double up = std::exp(2.0 * f / (radius_ * radius_));
+  const double down = 1.0 / up;
+  double right = std::exp(-f * f / (radius_ * radius_));
+  double left = right;
+  for (int k = 0; k <= half_; ++k, right *= up, left *= down) {
+    g[half_ + k] = table_[k] * float(right);
+    g[half_ - k] = table_[k] * float(left);
+  }
+}
+
+Moments GaussianWindow::at(const Patch& patch, Vec2 c, std::span<float> scratch) const {
+  const int width = blocks_ * kPatchSlack;
+  const int count = 2 * half_ + 1;
+  const int left = int(std::lround(c.x)) - half_, top = int(std::lround(c.y)) - half_;
+  float* gx = scratch.data();
+  float* gy = gx + width;
+  float* columns = gy + width;  // three rows: sums over y of g I, g dy I, g dy^2 I
+  axis(c.x, left, gx);
+  axis(c.y, top, gy);
+
+  const float* first = patch.at(left, top);
+  for (int b = 0; b < blocks_; ++b) {
+    Block s0 = Block::Zero(), s1 = Block::Zero(), s2 = Block::Zero();
+    const float* p = first + b * kPatchSlack;
+    for (int k = 0; k < count; ++k, p += patch.side) {
+      const Block pixels = Eigen::Map<const Block>(p) * gy[k];
+      const float dy = float(top + k - c.y);
+      s0 += pixels;
+      s1 += dy * pixels;
+      s2 += (dy * dy) * pixels;
+    }
+    Eigen::Map<Block>(columns + b * kPatchSlack) = s0;
+    Eigen::Map<Block>(columns + width + b * kPatchSlack) = s1;
+    Eigen::Map<Block>(columns + 2 * width + b * kPatchSlack) = s2;
+  }
+
+  Moments m;
+  double sum_gx = 0.0, sum_gy = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const double dx = left + k - c.x, g = gx[k];
+    const double a = g * columns[k], b = g * columns[width + k];
+    m.one += a;
+    m.x += dx * a;
+    m.xx += dx * dx * a;
+    m.y += b;
+    m.xy += dx * b;
+    m.yy += g * columns[2 * width + k];
+    sum_gx += g;
+    sum_gy += gy[k];
+  }
+  m.weight = sum_gx * sum_gy;
+  return m;
+}
+
+}  // namespace ovws

@@ -1,0 +1,56 @@
+/// Sums of a patch under a Gaussian: the LG kernel's Psi, its Hessian, and the Gaussian centroid.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/realtime.hpp"
+#include "core/base/vec2.hpp"
+#include "core/tracking/patch.hpp"
+
+namespace ovws {
+
+/// Sums over the pixels p of g I, g dx I, … with (dx, dy) = p - c and g = exp(-|p - c|^2 / w^2).
+/// (x, y) is Psi of the LG kernel up to a constant, and w^2/2 times the gradient of the smoothed
+/// image.
+struct Moments {
+  double one = 0.0;
+  double x = 0.0, y = 0.0;
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  double weight = 0.0;  ///< sum of g
+
+  /// d(x, y)/dc, symmetric: w^2/2 times the Hessian of the smoothed image.
+  struct Hessian {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+    double det() const { return xx * yy - xy * xy; }
+    double trace() const { return xx + yy; }
+  };
+  Hessian hessian(double w) const {
+    const double k = 2.0 / (w * w);
+    return {k * xx - one, k * xy, k * yy - one};
+  }
+};
+
+class GaussianWindow {
+ public:
+  explicit GaussianWindow(double radius_px);
+
+  double radius_px() const { return radius_; }
+  /// Half-width of the square that is summed: 3 w, so that a flat background cancels.
+  int half_px() const { return half_; }
+  /// Floats that `at` needs.
+  int scratch_floats() const;
+
+  /// The patch must reach half_px() + 1 around `c`. RT-safe.
+  Moments at(const Patch& patch, Vec2 c, std::span<float> scratch) const OVWS_NONBLOCKING;
+
+ private:
+  void axis(double c, int first, float* g) const;
+
+  double radius_;
+  int half_;
+  int blocks_;
+  std::vector<float> table_;  ///< exp(-k^2/w^2), k = 0 .. half
+};
+
+}  // namespace ovws

@@ -1,0 +1,59 @@
+#include "core/tracking/lg.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+constexpr int kMaxSteps = 20;
+constexpr double kConverged_px = 2e-3;  // Newton squares it: the position is right to 1e-5
+constexpr double kMaxStep = 0.5;        // in units of w
+constexpr double kMinCurvature = 0.1;   // in units of the smoothed light: a flat place is no guide
+
+/// One step towards a minimum (sign = 1) or a maximum (sign = -1): Newton's, with the curvatures
+/// along the Hessian's own axes made positive, so that a saddle repels instead of attracting.
+Vec2 step_of(const Moments& m, const Moments::Hessian& h, double light, double sign) {
+  const double mean = 0.5 * h.trace();
+  const double half_gap = std::hypot(0.5 * (h.xx - h.yy), h.xy);
+  const double angle = 0.5 * std::atan2(h.xy, 0.5 * (h.xx - h.yy));
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double least = kMinCurvature * light;
+  const double e1 = std::max(std::abs(mean + half_gap), least);
+  const double e2 = std::max(std::abs(mean - half_gap), least);
+  const double a = (c * m.x + s * m.y) / e1, b = (-s * m.x + c * m.y) / e2;
+  return {-sign * (c * a - s * b), -sign * (s * a + c * b)};
+}
+
+}  // namespace
+
+LgTracker::LgTracker(const SpotModel& spots, double kernel_radius_px)
+    : PatchTracker(spots, GaussianWindow(kernel_radius_px).half_px(),
+                   GaussianWindow(kernel_radius_px).scratch_floats()),
+      window_(kernel_radius_px) {}
+
+std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 start,
+                                                   TrackScratch& scratch) const {
+  const double w = window_.radius_px();
+  const double sign = spots().charge != 0 ? 1.0 : -1.0;
+  Vec2 at = start;
+  for (int k = 0; k < kMaxSteps; ++k) {
+    const Moments m = window_.at(patch, at, scratch.sums);
+    const double light = m.one - double(patch.darkest) * m.weight;
+    if (!(light > 0.0)) return std::nullopt;
+    const Moments::Hessian h = m.hessian(w);
+    Vec2 step = step_of(m, h, light, sign);
+    const double length = norm(step);
+    if (length > kMaxStep * w) step = (kMaxStep * w / length) * step;
+    at = at + step;
+    if (norm(at - start) > capture_px()) return std::nullopt;
+    if (length > kConverged_px) continue;
+    if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
+    const SpotCheck::Verdict verdict = check().look(patch, at);
+    if (!verdict.passed) return std::nullopt;
+    return Found{at, verdict.quality};
+  }
+  return std::nullopt;
+}
+
+}  // namespace ovws

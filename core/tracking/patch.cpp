@@ -1,0 +1,72 @@
+#include "core/tracking/patch.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace ovws {
+namespace {
+
+// A constant number of pixels a turn lets the compiler use its vector instructions.
+constexpr int kBlock = 16;
+
+template <class T>
+void convert(const T* in, int count, float* out) {
+  int k = 0;
+  for (; k + kBlock <= count; k += kBlock) {
+    for (int i = 0; i < kBlock; ++i) out[k + i] = float(in[k + i]);
+  }
+  for (; k < count; ++k) out[k] = float(in[k]);
+}
+
+template <class T>
+void load_rows(const ImageView& image, const Patch& patch, float* out) {
+  const int first = std::max(patch.x0, 0);
+  const int last = std::min(patch.x0 + patch.side, image.width);  // one past
+  for (int k = 0; k < patch.side; ++k, out += patch.side) {
+    const T* row = image.row<T>(std::clamp(patch.y0 + k, 0, image.height - 1));
+    std::fill(out, out + (first - patch.x0), float(row[0]));
+    convert(row + first, last - first, out + (first - patch.x0));
+    std::fill(out + (last - patch.x0), out + patch.side, float(row[image.width - 1]));
+  }
+  std::fill(out, out + kPatchSlack, 0.0F);
+}
+
+}  // namespace
+
+float Patch::brightest(Vec2 centre, int half) const {
+  const int cx = int(std::lround(centre.x)), cy = int(std::lround(centre.y));
+  const int left = std::max(cx - half, x0), right = std::min(cx + half + 1, x0 + side);
+  const int top = std::max(cy - half, y0), bottom = std::min(cy + half + 1, y0 + side);
+  float most = 0.0F;
+  for (int y = top; y < bottom && left < right; ++y) {
+    most = std::max(most, Eigen::Map<const Eigen::ArrayXf>(at(left, y), right - left).maxCoeff());
+  }
+  return most;
+}
+
+bool Patch::holds(Vec2 at, double margin) const {
+  return at.x - margin >= 0.0 && at.y - margin >= 0.0 && at.x + margin <= image_width - 1.0 &&
+         at.y + margin <= image_height - 1.0;
+}
+
+Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<float> samples) {
+  Patch patch;
+  patch.pixels = samples.data();
+  patch.x0 = cx - half;
+  patch.y0 = cy - half;
+  patch.side = 2 * half + 1;
+  patch.image_width = image.width;
+  patch.image_height = image.height;
+  if (bytes_per_pixel(image.format) == 1) {
+    load_rows<std::uint8_t>(image, patch, samples.data());
+  } else {
+    load_rows<std::uint16_t>(image, patch, samples.data());
+  }
+  patch.darkest =
+      Eigen::Map<const Eigen::ArrayXf>(patch.pixels, patch.side * patch.side).minCoeff();
+  return patch;
+}
+
+}  // namespace ovws

@@ -1,0 +1,40 @@
+/// A square of camera pixels around a start position, as floats: what every tracker computes on.
+#pragma once
+
+#include <span>
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/base/vec2.hpp"
+
+namespace ovws {
+
+/// Borrowed from a TrackScratch. Positions are image pixels; those outside the image repeat its
+/// edge.
+struct Patch {
+  const float* pixels = nullptr;
+  int x0 = 0, y0 = 0;  ///< image pixel of pixels[0]
+  int side = 0;        ///< rows, columns, and floats from row to row
+  int image_width = 0, image_height = 0;
+  float darkest = 0.0F;
+
+  const float* at(int x, int y) const { return pixels + (y - y0) * side + (x - x0); }
+  /// Brightest pixel of the square of half-width `half` around `centre`, clipped at the patch.
+  float brightest(Vec2 centre, int half) const OVWS_NONBLOCKING;
+  /// Whether the image holds every pixel within `margin` of `at`.
+  bool holds(Vec2 at, double margin) const OVWS_NONBLOCKING;
+};
+
+/// Rows may be read this many floats past a patch's end, in blocks of this length.
+constexpr int kPatchSlack = 8;
+
+/// Floats that a patch of this half-width needs.
+constexpr int patch_floats(int half) {
+  return (2 * half + 1) * (2 * half + 1) + kPatchSlack;
+}
+
+/// Reads the square of half-width `half` around the pixel (cx, cy), which must be in the image.
+Patch load_patch(const ImageView& image, int cx, int cy, int half,
+                 std::span<float> samples) OVWS_NONBLOCKING;
+
+}  // namespace ovws

@@ -1,0 +1,50 @@
+#include "core/tracking/patch_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
+               double capture_px) {
+  // One pixel more on either side: positions are rounded twice, at the start and where found.
+  return int(std::ceil(capture_px)) +
+         std::max(kernel_half_px, SpotCheck::reach_px(spots, geometry)) + 2;
+}
+
+}  // namespace
+
+PatchTracker::PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats)
+    : spots_(spots),
+      geometry_(spot_geometry(spots.charge)),
+      kernel_half_(kernel_half_px),
+      half_(patch_half(spots_, geometry_, kernel_half_px, kCapture * spots.lambda_d_px)),
+      sum_floats_(sum_floats),
+      check_(spots_, geometry_, half_) {}
+
+TrackScratch PatchTracker::make_scratch() const {
+  return {std::vector<float>(std::size_t(patch_floats(half_))),
+          std::vector<float>(std::size_t(sum_floats_))};
+}
+
+SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch) const {
+  SpotFix fix;
+  const bool inside = start_px.x >= 0.0 && start_px.y >= 0.0 && start_px.x <= image.width - 1.0 &&
+                      start_px.y <= image.height - 1.0;
+  if (!inside) return fix;  // a start that is not a number, too
+  const Patch patch = load_patch(image, int(std::lround(start_px.x)), int(std::lround(start_px.y)),
+                                 half_, scratch.samples);
+  const double spot_half = SpotCheck::spot_half_px(spots_, geometry_);
+  const std::optional<Found> found = find(patch, start_px, scratch);
+  const bool good = found && norm(found->at - start_px) <= capture_px() &&
+                    patch.holds(found->at, std::max(double(kernel_half_), spot_half));
+  fix.peak = patch.brightest(good ? found->at : start_px, int(std::ceil(spot_half)));
+  if (!good) return fix;
+  fix.x = float(found->at.x);
+  fix.y = float(found->at.y);
+  fix.quality = float(found->quality);
+  return fix;
+}
+
+}  // namespace ovws

@@ -1,0 +1,167 @@
+#include "core/tracking/spot_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace ovws {
+namespace {
+
+// Radii in units of those of SpotGeometry, and limits. How far true cores and false zeros lie from
+// these limits is measured in tests/unit/tracking.
+constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc
+constexpr double kCoreOfHalfWidth = 0.6;   // a bright spot's disc
+constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
+constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
+constexpr double kMinWeakestOfRing = 0.25;  // (weakest sector - core) / (mean ring - core)
+constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
+constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
+constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
+constexpr int kNoiseRowStep = 6;            // every 6th row tells the noise well enough
+
+int outer_limit_px(const SpotModel& spots, const SpotGeometry& geometry) {
+  return int(std::ceil(kOuterTo * geometry.dark * spots.lambda_d_px)) + 1;
+}
+
+/// RMS of the pixel noise from fourth differences along rows: 1 -4 6 -4 1 has the norm sqrt(70) and
+/// leaves nothing of a diffraction-limited spot.
+double noise_of(const Patch& patch) {
+  double sum = 0.0;
+  int count = 0;
+  for (int k = 0; k < patch.side; k += kNoiseRowStep) {
+    const float* p = patch.pixels + k * patch.side;
+    for (int i = 2; i + 2 < patch.side; ++i) {
+      const float d = p[i - 2] + p[i + 2] - 4.0F * (p[i - 1] + p[i + 1]) + 6.0F * p[i];
+      sum += double(d * d);
+      ++count;
+    }
+  }
+  return count == 0 ? 0.0 : std::sqrt(sum / (70.0 * count) + kQuantisation);
+}
+
+double mean_at(const float* centre, const std::vector<int>& offsets) {
+  double sum = 0.0;
+  for (const int offset : offsets) sum += double(centre[offset]);
+  return sum / double(offsets.size());
+}
+
+const float* centre_of(const Patch& patch, Vec2 at) {
+  return patch.at(int(std::lround(at.x)), int(std::lround(at.y)));
+}
+
+double mean_of(const auto& means) {
+  return std::accumulate(means.begin(), means.end(), 0.0) / double(means.size());
+}
+
+std::vector<int> disc(double radius_px, int side) {
+  std::vector<int> offsets;
+  const int reach = int(std::floor(radius_px));
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      if (dx * dx + dy * dy <= radius_px * radius_px) offsets.push_back(dy * side + dx);
+    }
+  }
+  return offsets;
+}
+
+}  // namespace
+
+SpotCheck::Annulus SpotCheck::annulus(double inner_px, double outer_px, int side) {
+  std::array<std::vector<int>, kSectors> sectors;
+  const int reach = int(std::ceil(outer_px));
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const double r = std::hypot(dx, dy);
+      if (r < inner_px || r > outer_px) continue;
+      const double turn = std::atan2(dy, dx) / (2.0 * std::numbers::pi) + 1.0;
+      sectors[std::size_t(std::lround(turn * kSectors)) % kSectors].push_back(dy * side + dx);
+    }
+  }
+  Annulus a;
+  for (int k = 0; k < kSectors; ++k) {
+    a.offsets.insert(a.offsets.end(), sectors[k].begin(), sectors[k].end());
+    a.begin[k + 1] = int(a.offsets.size());
+  }
+  return a;
+}
+
+SpotCheck::Means SpotCheck::Annulus::means(const float* centre) const {
+  Means means{};
+  double last = double(*centre);
+  for (int k = 0; k < kSectors; ++k) {
+    double sum = 0.0;
+    for (int i = begin[k]; i < begin[k + 1]; ++i) sum += double(centre[offsets[i]]);
+    // A sector without a pixel (spots of few pixels) repeats its neighbour.
+    last = begin[k + 1] > begin[k] ? sum / (begin[k + 1] - begin[k]) : last;
+    means[k] = last;
+  }
+  return means;
+}
+
+int SpotCheck::reach_px(const SpotModel& spots, const SpotGeometry& geometry) {
+  return outer_limit_px(spots, geometry);
+}
+
+double SpotCheck::spot_half_px(const SpotModel& spots, const SpotGeometry& geometry) {
+  return geometry.ring_outer * spots.lambda_d_px;
+}
+
+SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int patch_half)
+    : charge_(spots.charge) {
+  const double px = spots.lambda_d_px;
+  const int side = 2 * patch_half + 1;
+  const double core = charge_ != 0 ? kCoreOfRingInner * geometry.ring_inner
+                                   : kCoreOfHalfWidth * geometry.ring_outer;
+  core_ = disc(std::max(1.0, core * px), side);
+  // At least two pixels wide, so that no sector is empty.
+  const double from = kOuterFrom * geometry.dark * px;
+  outer_ = annulus(from, std::max(from + 2.0, kOuterTo * geometry.dark * px), side);
+  around_ =
+      charge_ != 0 ? annulus(geometry.ring_inner * px, geometry.ring_outer * px, side) : outer_;
+}
+
+double SpotCheck::background(const Patch& patch, Vec2 at) const {
+  Means means = outer_.means(centre_of(patch, at));
+  const auto half = means.begin() + kSectors / 2;
+  std::nth_element(means.begin(), half, means.end());
+  return std::accumulate(means.begin(), half, 0.0) / (kSectors / 2);
+}
+
+SpotCheck::Verdict SpotCheck::look(const Patch& patch, Vec2 at) const {
+  const float* centre = centre_of(patch, at);
+  const double core = mean_at(centre, core_);
+  const Means around = around_.means(centre);
+  const double floor = background(patch, at);
+  const double noise = noise_of(patch);
+  return charge_ != 0 ? vortex(core, around, floor, noise) : bright(core, around, floor, noise);
+}
+
+double SpotCheck::significance(std::size_t around) const {
+  return kSignificance * std::sqrt(1.0 / double(core_.size()) + 1.0 / double(around));
+}
+
+SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, double background,
+                                     double noise) const {
+  const double mean = mean_of(ring);
+  const double weakest = *std::min_element(ring.begin(), ring.end());
+  const double above = mean - core;
+  const double height = mean - background;
+  const bool stands_out = above > noise * significance(around_.offsets.size());
+  const bool closed = weakest - core > kMinWeakestOfRing * above;
+  const bool dark = core - background < kMaxCoreOfRing * height;
+  if (!stands_out || !closed || !dark || height <= 0.0) return {};
+  return {true, std::clamp(1.0 - (core - background) / height, 0.0, 1.0)};
+}
+
+SpotCheck::Verdict SpotCheck::bright(double core, const Means& surround, double background,
+                                     double noise) const {
+  const double brightest = *std::max_element(surround.begin(), surround.end());
+  const double height = core - background;
+  const bool stands_out = core - mean_of(surround) > noise * significance(around_.offsets.size());
+  const bool alone = brightest - background < kMaxSurroundOfCore * height;
+  if (!stands_out || !alone) return {};
+  return {true, std::clamp(1.0 - (brightest - background) / height, 0.0, 1.0)};
+}
+
+}  // namespace ovws

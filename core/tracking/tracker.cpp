@@ -1,0 +1,91 @@
+#include "core/tracking/tracker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/tracking/centroid.hpp"
+#include "core/tracking/lg.hpp"
+#include "core/tracking/lg_contour.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::array<std::pair<TrackerKind, std::string_view>, 5> kNames{
+    {{TrackerKind::centroid, "centroid"},
+     {TrackerKind::thresholded, "thresholded"},
+     {TrackerKind::weighted, "weighted"},
+     {TrackerKind::lg_contour, "lg_contour"},
+     {TrackerKind::lg, "lg"}}};
+
+constexpr double kMinKernel = 0.1, kMaxKernel = 2.0;
+constexpr double kMinSpot_px = 3.0, kMaxSpot_px = 200.0;
+constexpr int kMaxCharge = 8;
+
+bool follows_bright_spot(TrackerKind kind) {
+  return kind != TrackerKind::lg && kind != TrackerKind::lg_contour;
+}
+
+Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
+  if (!(config.kernel_radius >= kMinKernel && config.kernel_radius <= kMaxKernel)) {
+    return fail(Errc::invalid, "tracking.kernel_radius",
+                "must be from 0.1 to 2 in units of lambda/d");
+  }
+  if (!(spots.lambda_d_px >= kMinSpot_px && spots.lambda_d_px <= kMaxSpot_px)) {
+    return fail(Errc::invalid, "optics",
+                "lambda/d on the camera must be from 3 to 200 pixels for a spot to be tracked: "
+                "change the optics or the number of subapertures");
+  }
+  if (std::abs(spots.charge) > kMaxCharge) {
+    return fail(Errc::invalid, "sensor.charge", "must be from -8 to 8 to be tracked");
+  }
+  if (spots.charge != 0 && follows_bright_spot(config.tracker)) {
+    return fail(Errc::invalid, "tracking.tracker",
+                "'" + std::string(tracker_name(config.tracker)) +
+                    "' follows a bright spot and a vortex has none: use lg, or charge 0");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view tracker_name(TrackerKind kind) {
+  for (const auto& [known, name] : kNames) {
+    if (known == kind) return name;
+  }
+  return "";
+}
+
+std::optional<TrackerKind> tracker_from_name(std::string_view name) {
+  for (const auto& [kind, known] : kNames) {
+    if (known == name) return kind;
+  }
+  return std::nullopt;
+}
+
+double lg_kernel_radius(const TrackingConfig& config, int charge) {
+  return config.kernel_radius * std::sqrt(std::max(1, std::abs(charge)));
+}
+
+Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
+                                                        const SpotModel& spots) {
+  if (auto ok = check(config, spots); !ok) return fail(ok.error());
+  const double kernel = lg_kernel_radius(config, spots.charge) * spots.lambda_d_px;
+  switch (config.tracker) {
+    case TrackerKind::centroid:
+      return std::make_unique<CentroidTracker>(spots);
+    case TrackerKind::thresholded:
+      return std::make_unique<ThresholdedTracker>(spots);
+    case TrackerKind::weighted:
+      return std::make_unique<WeightedTracker>(spots);
+    case TrackerKind::lg_contour:
+      return std::make_unique<LgContourTracker>(spots, kernel);
+    case TrackerKind::lg:
+      return std::make_unique<LgTracker>(spots, kernel);
+  }
+  return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
+}
+
+}  // namespace ovws

@@ -1,0 +1,30 @@
+/// The wavefront as a picture of the pupil.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/base/image.hpp"
+
+namespace ovws {
+
+/// Prepared modes on a grid: one matrix product a picture. Immutable after construction.
+class PhaseMap {
+ public:
+  /// A square of size_px x size_px pixels; the pupil's circle touches its edges: pixel (c, r) shows
+  /// the pupil point ((2c + 1)/size - 1, (2r + 1)/size - 1) in units of the pupil's radius.
+  PhaseMap(std::span<const int> modes_j, int size_px);
+
+  int size_px() const { return size_; }
+  /// `coefficients` in the modes' order, RMS-normalised waves. Writes waves, NaN outside the pupil.
+  /// Thread-safe.
+  void render(std::span<const float> coefficients, Image<float>& waves) const;
+
+ private:
+  int size_;
+  std::vector<int> inside_;  ///< pixel numbers in the pupil
+  Eigen::MatrixXf basis_;    ///< inside_.size() x modes
+};
+
+}  // namespace ovws

@@ -1,0 +1,22 @@
+/// The radial weight with which a tracker sees the phase inside a subaperture.
+#pragma once
+
+#include <vector>
+
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws {
+
+/// Quadrature nodes on the radius: integral_0^1 f(r) q(r) r dr = sum weight_k f(r_k).
+struct RadialNode {
+  double r = 0.0;
+  double weight = 0.0;
+};
+
+/// Exact for polynomials f up to degree 24 (kernel_tilt: to rounding, q being analytic).
+std::vector<RadialNode> radial_nodes(const SlopeModel& model);
+
+/// Gauss-Legendre nodes and weights on [0, 1].
+std::vector<RadialNode> gauss_legendre(int count);
+
+}  // namespace ovws

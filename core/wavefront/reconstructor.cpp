@@ -1,0 +1,160 @@
+#include "core/wavefront/reconstructor.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr double kMaxCondition = 1000.0;
+
+/// Cholesky factor in place of the lower triangle; false if the matrix is not positive definite.
+/// Our own because Eigen's may take memory for larger matrices.
+bool factorise(Eigen::MatrixXd& a) {
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    const double before = a(j, j);
+    for (Eigen::Index k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k);
+    // What rounding leaves of an exactly singular pivot is not a pivot.
+    if (!(a(j, j) > 1e-12 * before)) return false;
+    a(j, j) = std::sqrt(a(j, j));
+    for (Eigen::Index i = j + 1; i < a.rows(); ++i) {
+      for (Eigen::Index k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k);
+      a(i, j) /= a(j, j);
+    }
+  }
+  return true;
+}
+
+void invert_lower(Eigen::MatrixXd& l) {
+  for (Eigen::Index j = 0; j < l.cols(); ++j) {
+    l(j, j) = 1.0 / l(j, j);
+    for (Eigen::Index i = j + 1; i < l.rows(); ++i) {
+      double sum = 0.0;
+      for (Eigen::Index k = j; k < i; ++k) sum += l(i, k) * l(k, j);
+      l(i, j) = -sum / l(i, i);
+    }
+  }
+}
+
+}  // namespace
+
+Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
+                             std::vector<Vec2> reference_px)
+    : modes_j_(std::move(modes_j)), reference_px_(std::move(reference_px)), slopes_(slopes) {
+  reference_px_.resize(std::size_t(slopes.rows() / 2), Vec2{NAN, NAN});
+  Eigen::VectorXd reference = Eigen::VectorXd::Zero(slopes.rows());
+  for (std::size_t i = 0; i < reference_px_.size(); ++i) {
+    if (!std::isfinite(reference_px_[i].x) || !std::isfinite(reference_px_[i].y)) {
+      slopes_.middleRows(2 * i, 2).setZero();
+      continue;
+    }
+    reference(2 * i) = reference_px_[i].x;
+    reference(2 * i + 1) = reference_px_[i].y;
+    ++referenced_;
+  }
+  if (2 * referenced_ < slopes_.cols()) return;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes_, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto& s = svd.singularValues();
+  determined_ = s.size() > 0 && s(s.size() - 1) * kMaxCondition > s(0);
+  if (!determined_) return;
+  inverse_ = svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
+  offset_ = inverse_ * reference;
+  normal_ = slopes_.transpose() * slopes_;
+  variances_ = inverse_.rowwise().squaredNorm();
+}
+
+Reconstructor::Scratch Reconstructor::make_scratch() const {
+  return {Eigen::VectorXd::Zero(slopes_.rows()), Eigen::VectorXd::Zero(slopes_.cols()),
+          Eigen::MatrixXd::Zero(slopes_.cols(), slopes_.cols()),
+          Eigen::VectorXd::Zero(slopes_.cols())};
+}
+
+bool Reconstructor::usable(const SpotFix& spot, std::size_t i) const {
+  return spot.found() && std::isfinite(reference_px_[i].x) && std::isfinite(reference_px_[i].y);
+}
+
+Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scratch,
+                                    std::span<float> coefficients) const {
+  Reconstruction result;
+  std::fill(coefficients.begin(), coefficients.end(), std::numeric_limits<float>::quiet_NaN());
+  int found = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const bool there = usable(spots[i], i);
+    found += there ? 1 : 0;
+    scratch.measured(2 * i) = there ? double(spots[i].x) : 0.0;
+    scratch.measured(2 * i + 1) = there ? double(spots[i].y) : 0.0;
+  }
+  if (!determined_ || 2 * found < slopes_.cols()) return result;
+  if (found == referenced_) {
+    scratch.modes.noalias() = inverse_ * scratch.measured;
+    scratch.modes -= offset_;
+  } else if (!solve_reduced(spots, scratch)) {
+    return result;
+  }
+  result.determined = true;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < modes_j_.size(); ++k) {
+    coefficients[k] = float(scratch.modes(k));
+    if (modes_j_[k] > 2) sum += scratch.modes(k) * scratch.modes(k);
+  }
+  result.rms_waves = std::sqrt(sum);
+  result.fit_residual_px = residual_px(spots, scratch);
+  return result;
+}
+
+bool Reconstructor::solve_reduced(std::span<const SpotFix> spots, Scratch& scratch) const {
+  const Eigen::Index modes = slopes_.cols();
+  scratch.normal = normal_;
+  scratch.rhs.setZero();
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const auto x = slopes_.row(2 * i), y = slopes_.row(2 * i + 1);
+    if (usable(spots[i], i)) {
+      const double dx = scratch.measured(2 * i) - reference_px_[i].x;
+      const double dy = scratch.measured(2 * i + 1) - reference_px_[i].y;
+      for (Eigen::Index k = 0; k < modes; ++k) scratch.rhs(k) += x(k) * dx + y(k) * dy;
+    } else {
+      for (Eigen::Index k = 0; k < modes; ++k) {
+        for (Eigen::Index j = k; j < modes; ++j) {
+          scratch.normal(j, k) -= x(j) * x(k) + y(j) * y(k);
+        }
+      }
+    }
+  }
+  if (!factorise(scratch.normal)) return false;
+  invert_lower(scratch.normal);  // L^-1: the solution is L^-T (L^-1 rhs)
+  for (Eigen::Index k = modes - 1; k >= 0; --k) {
+    double sum = 0.0;
+    for (Eigen::Index j = 0; j <= k; ++j) sum += scratch.normal(k, j) * scratch.rhs(j);
+    scratch.rhs(k) = sum;
+  }
+  for (Eigen::Index k = 0; k < modes; ++k) {
+    double sum = 0.0, variance = 0.0;
+    for (Eigen::Index j = k; j < modes; ++j) {
+      sum += scratch.normal(j, k) * scratch.rhs(j);
+      variance += scratch.normal(j, k) * scratch.normal(j, k);
+    }
+    if (variance > kMaxNoiseGrowth * kMaxNoiseGrowth * variances_(k)) return false;
+    scratch.modes(k) = sum;
+  }
+  return true;
+}
+
+double Reconstructor::residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (!usable(spots[i], i)) continue;
+    const double x = scratch.measured(2 * i) - reference_px_[i].x;
+    const double y = scratch.measured(2 * i + 1) - reference_px_[i].y;
+    const double ex = x - slopes_.row(2 * i).dot(scratch.modes);
+    const double ey = y - slopes_.row(2 * i + 1).dot(scratch.modes);
+    sum += ex * ex + ey * ey;
+    count += 2;
+  }
+  return count == 0 ? 0.0 : std::sqrt(sum / count);
+}
+
+}  // namespace ovws
