@@ -1,0 +1,192 @@
+/// Every state with every event, and every state with every action, against what a person expects.
+#include "core/control/state_machine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kEventCount = std::size_t(DaemonEvent::count_);
+constexpr std::size_t kActionCount = std::size_t(Action::count_);
+constexpr std::size_t kStateCount = std::size_t(DaemonState::count_);
+
+std::vector<Conditions> all_conditions() {
+  std::vector<Conditions> all;
+  for (unsigned bits = 0; bits < 64; ++bits) {
+    const auto bit = [bits](unsigned n) { return ((bits >> n) & 1U) != 0; };
+    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)});
+  }
+  return all;
+}
+
+Conditions by(std::initializer_list<DaemonEvent> events) {
+  Conditions conditions;
+  for (const DaemonEvent event : events) conditions = after(conditions, event);
+  return conditions;
+}
+
+Conditions up() {
+  return by({DaemonEvent::started, DaemonEvent::camera_connected, DaemonEvent::display_connected});
+}
+
+/// One set of conditions for each state, with everything else in order.
+Conditions example(DaemonState state) {
+  switch (state) {
+    case DaemonState::stopping:
+      return after(up(), DaemonEvent::stop_requested);
+    case DaemonState::starting:
+      return {};
+    case DaemonState::fault:
+      return after(up(), DaemonEvent::fault_raised);
+    case DaemonState::waiting_for_camera:
+      return after(up(), DaemonEvent::camera_lost);
+    case DaemonState::waiting_for_display:
+      return after(up(), DaemonEvent::display_lost);
+    case DaemonState::job_running:
+      return after(up(), DaemonEvent::job_begun);
+    case DaemonState::running:
+    case DaemonState::count_:
+      break;
+  }
+  return up();
+}
+
+bool allowed(DaemonState state, Action action) {
+  return permit(example(state), action).has_value();
+}
+
+TEST(StateMachine, EveryStateHasANameOfItsOwnAndCanBeReached) {
+  std::set<std::string_view> names;
+  for (std::size_t s = 0; s < kStateCount; ++s) {
+    EXPECT_TRUE(names.insert(state_name(DaemonState(s))).second);
+    EXPECT_EQ(state_of(example(DaemonState(s))), DaemonState(s)) << state_name(DaemonState(s));
+  }
+  EXPECT_EQ(names.count(""), 0U);
+}
+
+TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
+  using S = DaemonState;
+  // Rows as DaemonState, columns as DaemonEvent.
+  constexpr S kNext[kStateCount][kEventCount] = {
+      {S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping,
+       S::stopping, S::stopping, S::stopping},
+      {S::waiting_for_camera, S::starting, S::starting, S::starting, S::starting, S::starting,
+       S::starting, S::starting, S::starting, S::stopping},
+      {S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::running,
+       S::stopping},
+      {S::waiting_for_camera, S::running, S::waiting_for_camera, S::waiting_for_camera,
+       S::waiting_for_camera, S::waiting_for_camera, S::waiting_for_camera, S::fault,
+       S::waiting_for_camera, S::stopping},
+      {S::waiting_for_display, S::waiting_for_display, S::waiting_for_camera, S::running,
+       S::waiting_for_display, S::waiting_for_display, S::waiting_for_display, S::fault,
+       S::waiting_for_display, S::stopping},
+      {S::job_running, S::job_running, S::waiting_for_camera, S::job_running,
+       S::waiting_for_display, S::job_running, S::running, S::fault, S::job_running, S::stopping},
+      {S::running, S::running, S::waiting_for_camera, S::running, S::waiting_for_display,
+       S::job_running, S::running, S::fault, S::running, S::stopping},
+  };
+  for (std::size_t s = 0; s < kStateCount; ++s) {
+    for (std::size_t e = 0; e < kEventCount; ++e) {
+      EXPECT_EQ(state_of(after(example(S(s)), DaemonEvent(e))), kNext[s][e])
+          << state_name(S(s)) << " with event " << e;
+    }
+  }
+}
+
+TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
+  for (const Conditions& conditions : all_conditions()) {
+    for (std::size_t e = 0; e < kEventCount; ++e) {
+      const Conditions once = after(conditions, DaemonEvent(e));
+      const int changed = (once.started != conditions.started) +
+                          (once.camera != conditions.camera) +
+                          (once.display != conditions.display) + (once.job != conditions.job) +
+                          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
+      EXPECT_LE(changed, 1);
+      EXPECT_EQ(after(once, DaemonEvent(e)), once);
+    }
+  }
+}
+
+TEST(StateMachine, WithBothMissingItWaitsForTheCameraFirst) {
+  const Conditions neither = by({DaemonEvent::started});
+  EXPECT_EQ(state_of(neither), DaemonState::waiting_for_camera);
+  const Conditions camera_only = after(neither, DaemonEvent::camera_connected);
+  EXPECT_EQ(state_of(camera_only), DaemonState::waiting_for_display);
+  EXPECT_EQ(state_of(after(camera_only, DaemonEvent::display_connected)), DaemonState::running);
+}
+
+TEST(StateMachine, StoppingIsFinal) {
+  for (Conditions conditions : all_conditions()) {
+    conditions.stopping = true;
+    for (std::size_t e = 0; e < kEventCount; ++e) {
+      EXPECT_EQ(state_of(after(conditions, DaemonEvent(e))), DaemonState::stopping);
+    }
+  }
+}
+
+TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
+  // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
+  // show_pattern, take_reference, clear_reference, cancel_job, save_config.
+  constexpr bool kAllowed[kStateCount][kActionCount] = {
+      {true, false, false, false, false, false, false, false, false},  // stopping
+      {true, false, false, false, false, false, false, false, false},  // starting
+      {true, false, false, false, false, false, true, true, true},     // fault
+      {true, false, true, true, true, false, true, true, true},        // waiting_for_camera
+      {true, true, false, false, false, false, true, true, true},      // waiting_for_display
+      {true, false, false, false, false, false, false, true, true},    // job_running
+      {true, true, true, true, true, true, true, true, true},          // running
+  };
+  for (std::size_t s = 0; s < kStateCount; ++s) {
+    for (std::size_t a = 0; a < kActionCount; ++a) {
+      EXPECT_EQ(allowed(DaemonState(s), Action(a)), kAllowed[s][a])
+          << state_name(DaemonState(s)) << " with action " << a;
+    }
+  }
+}
+
+TEST(StateMachine, ARefusalNamesTheStateAndTheWayOut) {
+  for (const Conditions& conditions : all_conditions()) {
+    const std::string state(state_name(state_of(conditions)));
+    for (std::size_t a = 0; a < kActionCount; ++a) {
+      const Result<void> answer = permit(conditions, Action(a));
+      if (answer) continue;
+      EXPECT_NE(answer.error().reason.find("state " + state + ":"), std::string::npos);
+      EXPECT_NE(answer.error().reason.find("; "), std::string::npos) << answer.error().reason;
+      EXPECT_TRUE(answer.error().code == Errc::refused || answer.error().code == Errc::unavailable);
+    }
+  }
+}
+
+TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
+  const Result<void> camera = permit(example(DaemonState::waiting_for_camera), Action::set_camera);
+  EXPECT_EQ(camera.error().code, Errc::unavailable);
+  EXPECT_NE(camera.error().reason.find("no camera is connected"), std::string::npos);
+  const Result<void> display =
+      permit(example(DaemonState::waiting_for_display), Action::set_aberration);
+  EXPECT_EQ(display.error().code, Errc::unavailable);
+  EXPECT_NE(display.error().reason.find("display"), std::string::npos);
+}
+
+TEST(StateMachine, WithBothMissingTheReasonIsTheDeviceThatTheActionNeeds) {
+  const Conditions neither = by({DaemonEvent::started});
+  const Result<void> answer = permit(neither, Action::set_aberration);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().reason.find("the SLM's display is not there"), std::string::npos);
+}
+
+TEST(StateMachine, ASensorIsNotChangedUnderARunningJob) {
+  const Result<void> answer = permit(example(DaemonState::job_running), Action::set_sensor);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Errc::refused);
+  EXPECT_NE(answer.error().reason.find("job.cancel"), std::string::npos);
+}
+
+static_assert(state_of(Conditions{}) == DaemonState::starting);
+static_assert(obstacle(Conditions{}, Action::read) == nullptr);
+
+}  // namespace
+}  // namespace ovws
