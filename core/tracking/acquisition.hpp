@@ -7,6 +7,8 @@
 #include "core/base/image.hpp"
 #include "core/base/realtime.hpp"
 #include "core/base/vec2.hpp"
+#include "core/tracking/candidates.hpp"
+#include "core/tracking/consensus.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws {
@@ -16,19 +18,28 @@ class Acquisition {
  public:
   Acquisition(SpotModel spots, std::vector<Vec2> predicted_px, int image_width, int image_height);
 
-  /// Candidates are found over the whole image and assigned by a smooth-wavefront consensus:
-  /// displacements from `predicted_px` are fitted by an affine map (tilt, focus, astigmatism), so
-  /// that they may exceed half the pitch. Each start is then verified by `tracker`; what fails is
-  /// lost. Writes one fix per subaperture and returns how many were found. RT-safe, but takes
-  /// milliseconds.
+  /// Candidates are found over the whole image and verified by `tracker`; those that pass are
+  /// assigned by a smooth-wavefront consensus: displacements from `predicted_px` are fitted by an
+  /// affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. A subaperture
+  /// that got none is looked for where its neighbours say. What fails is lost; an image of another
+  /// size has nothing. Writes one fix per subaperture and returns how many were found: 0, or at
+  /// least 3 and a third of them. RT-safe, but takes milliseconds.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
  private:
+  void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
+  SpotFix look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
+                              TrackScratch& scratch) const;
+  bool taken(Vec2 at, std::span<const SpotFix> fixes) const;
+
   SpotModel spots_;
-  std::vector<Vec2> predicted_px_;
   int image_width_;
   int image_height_;
+  CandidateFinder candidates_;
+  Consensus consensus_;
+  std::vector<SpotFix> verified_;
+  std::vector<Vec2> positions_;  ///< of verified_
 };
 
 }  // namespace ovws

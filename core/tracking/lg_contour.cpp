@@ -108,12 +108,16 @@ std::complex<double> LgContourTracker::psi(const Patch& patch, Vec2 at) const {
   const double sigma = 1.0 / (std::numbers::pi * w_);
   const double k = std::numbers::pi * std::numbers::pi * sigma * sigma;  // 1/w^2
   const int cx = int(std::lround(at.x)), cy = int(std::lround(at.y));
+  std::vector<double> gx(std::size_t(2 * half_) + 1);
+  for (int i = -half_; i <= half_; ++i) gx[half_ + i] = std::exp(-k * std::pow(at.x - cx - i, 2));
   std::complex<double> sum = 0.0;
   for (int y = cy - half_; y <= cy + half_; ++y) {
-    for (int x = cx - half_; x <= cx + half_; ++x) {
+    const double gy = std::exp(-k * std::pow(at.y - y, 2));
+    const float* row = patch.at(cx - half_, y);
+    for (int i = -half_; i <= half_; ++i) {
       // A convolution: the kernel's argument runs from the pixel to the position.
-      const std::complex<double> r(at.x - x, at.y - y);
-      sum += double(*patch.at(x, y)) * r * std::exp(-k * std::norm(r));
+      const std::complex<double> r(at.x - cx - i, at.y - y);
+      sum += double(row[half_ + i]) * gx[half_ + i] * gy * r;
     }
   }
   return std::complex<double>(0.0, k * sigma * sigma) * sum;

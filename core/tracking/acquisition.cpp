@@ -1,0 +1,81 @@
+#include "core/tracking/acquisition.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr double kSameSpot = 0.5;  // lambda/d: two fixes closer than this are one spot
+
+int max_candidates(std::size_t subapertures) {
+  return int(2 * subapertures) + 12;  // other orders and stray light may be brighter than a spot
+}
+
+Vec2 position(const SpotFix& fix) {
+  return {double(fix.x), double(fix.y)};
+}
+
+}  // namespace
+
+Acquisition::Acquisition(SpotModel spots, std::vector<Vec2> predicted_px, int image_width,
+                         int image_height)
+    : spots_(spots),
+      image_width_(image_width),
+      image_height_(image_height),
+      candidates_(spots, image_width, image_height, max_candidates(predicted_px.size())),
+      consensus_(predicted_px, max_candidates(predicted_px.size())) {
+  verified_.reserve(std::size_t(max_candidates(predicted_px.size())));
+  positions_.reserve(verified_.capacity());
+}
+
+int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
+                         std::span<SpotFix> out) {
+  std::fill(out.begin(), out.end(), SpotFix{});
+  if (image.width != image_width_ || image.height != image_height_) return 0;
+  verify(image, tracker, scratch);
+  const std::span<const int> matched = consensus_.match(positions_);
+  int count = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (matched[i] == Consensus::kNone) continue;
+    out[i] = verified_[std::size_t(matched[i])];
+    ++count;
+  }
+  if (count == 0) return 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i].found()) continue;
+    const SpotFix fix = look_where_expected(int(i), image, tracker, scratch);
+    if (!fix.found() || taken(position(fix), out)) continue;
+    out[i] = fix;
+    ++count;
+  }
+  return count;
+}
+
+void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
+                         TrackScratch& scratch) {
+  verified_.clear();
+  positions_.clear();
+  for (const Vec2 start : candidates_.find(image)) {
+    const SpotFix fix = tracker.track(image, start, scratch);
+    if (!fix.found() || taken(position(fix), verified_)) continue;
+    verified_.push_back(fix);
+    positions_.push_back(position(fix));
+  }
+}
+
+SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
+                                         TrackScratch& scratch) const {
+  const Vec2 expected = consensus_.expected(i);
+  const SpotFix fix = tracker.track(image, expected, scratch);
+  if (!fix.found() || norm(position(fix) - expected) > consensus_.tolerance_px()) return {};
+  return fix;
+}
+
+bool Acquisition::taken(Vec2 at, std::span<const SpotFix> fixes) const {
+  return std::any_of(fixes.begin(), fixes.end(), [&](const SpotFix& fix) {
+    return fix.found() && norm(position(fix) - at) < kSameSpot * spots_.lambda_d_px;
+  });
+}
+
+}  // namespace ovws

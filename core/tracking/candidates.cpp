@@ -1,0 +1,134 @@
+#include "core/tracking/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+
+#include "core/tracking/spot_geometry.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kGridPerLambdaD = 4.0;
+// Of the radius of the first dark ring: the correlation's reach, and how near two spots may be.
+constexpr double kReach = 1.1;
+constexpr double kApart = 0.6;
+constexpr std::size_t kPeaksPerCandidate = 4;  // so that a broad spot's side maxima crowd out none
+
+int bin_px(const SpotModel& spots) {
+  return std::max(1, int(spots.lambda_d_px / kGridPerLambdaD));
+}
+
+int padded(int pixels, int bin, int margin) {
+  return (pixels + bin - 1) / bin + 2 * margin;
+}
+
+}  // namespace
+
+CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int image_height,
+                                 int max_candidates)
+    : bin_(bin_px(spots)), max_candidates_(std::size_t(max_candidates)) {
+  const double dark = spot_geometry(spots.charge).dark;
+  const double unit = spots.lambda_d_px / bin_;  // lambda/d on the grid
+  const double reach = kReach * dark * unit;
+  margin_ = int(std::ceil(reach));
+  apart_ = kApart * dark * unit;
+  double sum = 0.0;
+  for (int dy = -margin_; dy <= margin_; ++dy) {
+    for (int dx = -margin_; dx <= margin_; ++dx) {
+      const double r = std::hypot(dx, dy);
+      if (r > reach) continue;
+      taps_.push_back({dx, dy, float(spot_intensity(spots.charge, r / unit))});
+      sum += double(taps_.back().weight);
+    }
+  }
+  for (Tap& tap : taps_) tap.weight -= float(sum / double(taps_.size()));
+  const int columns = padded(image_width, bin_, margin_);
+  const int rows = padded(image_height, bin_, margin_);
+  grid_ = Grid::Zero(rows, columns);
+  score_ = Grid::Zero(rows, columns);
+  peaks_.reserve(kPeaksPerCandidate * max_candidates_);
+  candidates_.reserve(max_candidates_);
+}
+
+std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
+  if (bytes_per_pixel(image.format) == 1) {
+    average<std::uint8_t>(image);
+  } else {
+    average<std::uint16_t>(image);
+  }
+  correlate();
+  collect_peaks();
+  keep_separate();
+  return candidates_;
+}
+
+template <class T>
+void CandidateFinder::average(const ImageView& image) {
+  const int columns = int(grid_.cols()), rows = int(grid_.rows());
+  const int last_column = columns - margin_ - 1, last_row = rows - margin_ - 1;
+  for (int r = margin_; r <= last_row; ++r) {
+    const int top = (r - margin_) * bin_, bottom = std::min(top + bin_, image.height);
+    for (int c = margin_; c <= last_column; ++c) {
+      const int left = (c - margin_) * bin_, right = std::min(left + bin_, image.width);
+      unsigned sum = 0;
+      for (int y = top; y < bottom; ++y) {
+        const T* row = image.row<T>(y);
+        for (int x = left; x < right; ++x) sum += row[x];
+      }
+      grid_(r, c) = float(sum) / float((bottom - top) * (right - left));
+    }
+    grid_.row(r).head(margin_).setConstant(grid_(r, margin_));
+    grid_.row(r).tail(margin_).setConstant(grid_(r, last_column));
+  }
+  for (int r = 0; r < margin_; ++r) {
+    grid_.row(r) = grid_.row(margin_);
+    grid_.row(rows - 1 - r) = grid_.row(last_row);
+  }
+}
+
+void CandidateFinder::correlate() {
+  const Eigen::Index inner = grid_.cols() - 2 * margin_;
+  for (Eigen::Index r = margin_; r < grid_.rows() - margin_; ++r) {
+    auto out = score_.row(r).segment(margin_, inner);
+    out.setZero();
+    for (const Tap& tap : taps_) {
+      out += tap.weight * grid_.row(r + tap.dy).segment(margin_ + tap.dx, inner);
+    }
+  }
+}
+
+// The border of score_ stays 0, so that maxima at the image's edge count too.
+void CandidateFinder::collect_peaks() {
+  const auto better = [](const Peak& a, const Peak& b) { return a.score > b.score; };
+  peaks_.clear();
+  for (int r = margin_; r < score_.rows() - margin_; ++r) {
+    for (int c = margin_; c < score_.cols() - margin_; ++c) {
+      const float score = score_(r, c);
+      if (!(score > 0.0F) || score < score_.block<3, 3>(r - 1, c - 1).maxCoeff()) continue;
+      if (peaks_.size() == peaks_.capacity()) {
+        if (score <= peaks_.front().score) continue;  // a heap with the worst one in front
+        std::pop_heap(peaks_.begin(), peaks_.end(), better);
+        peaks_.pop_back();
+      }
+      peaks_.push_back({score, c, r});
+      std::push_heap(peaks_.begin(), peaks_.end(), better);
+    }
+  }
+  std::sort(peaks_.begin(), peaks_.end(), better);
+}
+
+void CandidateFinder::keep_separate() {
+  candidates_.clear();
+  for (const Peak& peak : peaks_) {
+    const Vec2 at{bin_ * (peak.column - margin_ + 0.5) - 0.5,
+                  bin_ * (peak.row - margin_ + 0.5) - 0.5};
+    const auto near = [&](Vec2 other) { return norm(other - at) < apart_ * bin_; };
+    if (std::any_of(candidates_.begin(), candidates_.end(), near)) continue;
+    candidates_.push_back(at);
+    if (candidates_.size() == max_candidates_) return;
+  }
+}
+
+}  // namespace ovws

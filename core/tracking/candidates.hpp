@@ -1,0 +1,54 @@
+/// Where in a whole image something like a spot may be.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/base/vec2.hpp"
+#include "core/tracking/tracker.hpp"
+
+namespace ovws {
+
+/// Correlates the image, averaged to about four pixels per lambda/d, with the ideal spot less its
+/// mean (flat light scores nothing), and keeps the best maxima that are no closer together than a
+/// spot's radius. Memory for one image size, made off the frame path.
+class CandidateFinder {
+ public:
+  CandidateFinder(const SpotModel& spots, int image_width, int image_height, int max_candidates);
+
+  /// Best first, image pixels, right to about a tenth of lambda/d; at most max_candidates. Not
+  /// every one is a spot. Valid until the next call. RT-safe.
+  std::span<const Vec2> find(const ImageView& image) OVWS_NONBLOCKING;
+
+ private:
+  struct Tap {
+    int dx = 0, dy = 0;
+    float weight = 0.0F;
+  };
+  struct Peak {
+    float score = 0.0F;
+    int column = 0, row = 0;
+  };
+  using Grid = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  template <class T>
+  void average(const ImageView& image);
+  void correlate();
+  void collect_peaks();
+  void keep_separate();
+
+  int bin_;     ///< image pixels a side that make one pixel of the grid
+  int margin_;  ///< of the grid, around the image: edge pixels repeated
+  double apart_;
+  std::vector<Tap> taps_;
+  Grid grid_;
+  Grid score_;
+  std::vector<Peak> peaks_;
+  std::vector<Vec2> candidates_;
+  std::size_t max_candidates_;
+};
+
+}  // namespace ovws

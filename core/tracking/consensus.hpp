@@ -1,0 +1,73 @@
+/// Which found spot belongs to which subaperture: a smooth wavefront moves neighbours together.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/base/realtime.hpp"
+#include "core/base/vec2.hpp"
+
+namespace ovws {
+
+/// Matches found positions to predicted ones by a displacement field: a global shift (found by
+/// voting) plus a linear map (tilt, focus, astigmatism), fitted by least squares with outliers
+/// rejected, plus what matched neighbours leave over of it. Memory for one lattice and a largest
+/// number of positions.
+class Consensus {
+ public:
+  static constexpr int kNone = -1;
+
+  Consensus(std::vector<Vec2> predicted_px, int max_found);
+
+  /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
+  /// next call. Several shifts are tried and the one that explains most positions wins, the smaller
+  /// shift among equals. If that is fewer than 3 or a third of the lattice, all are kNone. RT-safe.
+  std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING;
+
+  /// Where subaperture i's spot should be according to the last match.
+  Vec2 expected(int i) const OVWS_NONBLOCKING;
+  /// How far from there it may be: beyond, a neighbour could be meant.
+  double tolerance_px() const;
+
+ private:
+  static constexpr int kHypotheses = 6;
+  static constexpr int kVoteHalf = 64;  ///< votes are counted up to 16 pitches of shift
+
+  /// displacement(p) = shift + linear (p - centre)
+  struct Field {
+    Vec2 shift;
+    std::array<double, 4> linear{};  ///< dx/dx, dx/dy, dy/dx, dy/dy
+  };
+
+  struct Choice {
+    int position = kNone;
+    double distance = 0.0;
+  };
+
+  void find_neighbours();
+  void vote(std::span<const Vec2> found);
+  Vec2 best_shift();
+  int grow(std::span<const Vec2> found, Vec2 shift);
+  int assign(std::span<const Vec2> found);
+  bool fit(std::span<const Vec2> found);
+  bool fit_within(std::span<const Vec2> found, double limit);
+  void note_residuals(std::span<const Vec2> found);
+  Vec2 affine(int i) const;
+
+  std::vector<Vec2> predicted_;
+  Vec2 centre_;
+  double pitch_ = 0.0;
+  std::vector<std::vector<int>> neighbours_;
+  std::vector<int> votes_;
+  Field field_;
+  std::vector<int> matched_;  ///< subaperture -> position
+  std::vector<int> owner_;    ///< position -> subaperture
+  std::vector<Choice> choices_;
+  std::vector<Vec2> residuals_;  ///< of matched subapertures, from the affine field
+  std::vector<double> sorted_;
+  Field best_field_;
+  std::vector<int> best_matched_;
+};
+
+}  // namespace ovws
