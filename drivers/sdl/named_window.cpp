@@ -1,0 +1,134 @@
+/// The window on Wayland and KMSDRM, where there is no RandR: full screen on SDL's display of that
+/// name.
+#include <SDL.h>
+
+#include "drivers/sdl/output.hpp"
+#include "drivers/sdl/output_window.hpp"
+#include "drivers/sdl/video.hpp"
+
+namespace ovws::sdl {
+
+namespace {
+
+struct DestroyWindow {
+  void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
+};
+using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
+
+// SDL says here no more of an output than this: none is "primary".
+std::vector<Output> read_displays() {
+  std::vector<Output> outputs;
+  for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {
+    const char* name = SDL_GetDisplayName(i);
+    SDL_Rect at{};
+    SDL_DisplayMode mode{};
+    if (name == nullptr || SDL_GetDisplayBounds(i, &at) != 0) continue;
+    if (SDL_GetDesktopDisplayMode(i, &mode) != 0) continue;
+    Output& out = outputs.emplace_back();
+    out.name = name;
+    out.connected = true;
+    out.x = at.x;
+    out.y = at.y;
+    out.width = at.w;
+    out.height = at.h;
+    out.mode_width = mode.w;
+    out.mode_height = mode.h;
+    out.refresh_hz = mode.refresh_rate;
+  }
+  return outputs;
+}
+
+int index_of(const std::string& name) {
+  for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {
+    const char* its_name = SDL_GetDisplayName(i);
+    if (its_name != nullptr && name == its_name) return i;
+  }
+  return -1;
+}
+
+Error changed(const std::string& reason) {
+  return {Errc::device, "slm.display", reason};
+}
+
+class NamedWindow final : public OutputWindow {
+ public:
+  NamedWindow(std::unique_ptr<Video> video, const Output& output, SdlConfig config)
+      : video_(std::move(video)),
+        info_{output.name, output.width, output.height, output.refresh_hz,
+              SDL_GetCurrentVideoDriver()},
+        config_(std::move(config)) {}
+
+  Result<void> open() {
+    const int place = SDL_WINDOWPOS_UNDEFINED_DISPLAY(index_of(info_.output));
+    canvas_.reset(SDL_CreateWindow("ovws SLM", place, place, info_.width, info_.height,
+                                   SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS));
+    if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
+    SDL_ShowCursor(SDL_DISABLE);
+    take_events();  // the compositor's first answer holds the real size
+    return verify();
+  }
+
+  const DisplayInfo& info() const override { return info_; }
+  SDL_Window* window() const override { return canvas_.get(); }
+
+  Events take_events() override {
+    Events seen;
+    SDL_Event event;
+    while (SDL_PollEvent(&event)) {
+      lost_ |= event.type == SDL_QUIT;  // how SDL tells that the compositor is gone
+      seen.redraw |= event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED;
+      seen.look |= event.type == SDL_WINDOWEVENT || event.type == SDL_DISPLAYEVENT;
+    }
+    return seen;
+  }
+
+  Result<void> connection() override {
+    if (lost_) return fail(changed("the compositor ended or closed the SLM's window"));
+    return {};
+  }
+
+  Result<void> verify() override {
+    const int index = index_of(info_.output);
+    if (index < 0) return fail(changed("output " + info_.output + " is gone"));
+    for (const Output& now : read_displays()) {
+      if (now.name != info_.output) continue;
+      if (const auto mode = check_mode(now, config_); !mode) {
+        return fail({Errc::device, mode.error().field, mode.error().reason});
+      }
+    }
+    const Uint32 flags = SDL_GetWindowFlags(canvas_.get());
+    int width = 0, height = 0;
+    SDL_GetWindowSizeInPixels(canvas_.get(), &width, &height);
+    if (!(flags & SDL_WINDOW_SHOWN) || (flags & SDL_WINDOW_MINIMIZED)) {
+      return fail(changed("the SLM's window is not shown"));
+    }
+    if (SDL_GetWindowDisplayIndex(canvas_.get()) != index || width != info_.width ||
+        height != info_.height) {
+      return fail(changed("the SLM's window does not cover output " + info_.output +
+                          " pixel for pixel; set the output's scale to 1"));
+    }
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Video> video_;
+  DisplayInfo info_;
+  SdlConfig config_;
+  bool lost_ = false;
+  Canvas canvas_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<OutputWindow>> open_named_window(const std::string& driver,
+                                                        const SdlConfig& config) {
+  auto video = Video::open(driver);
+  if (!video) return fail(video.error());
+  const auto output = choose_output(read_displays(), config);
+  if (!output) return fail(output.error());
+  auto window = std::make_unique<NamedWindow>(std::move(*video), *output, config);
+  if (const auto opened = window->open(); !opened) return fail(opened.error());
+  return window;
+}
+
+}  // namespace ovws::sdl

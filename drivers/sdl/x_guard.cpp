@@ -1,0 +1,58 @@
+#include "drivers/sdl/x_guard.hpp"
+
+#include <X11/Xlib.h>
+#include <dlfcn.h>
+
+#include <array>
+
+namespace {
+
+// Xlib's handlers are of the process and take no state of ours, hence these two.
+bool lost = false;
+std::array<char, 128> refusal{};
+
+int on_broken_connection(Display*) {
+  lost = true;
+  return 0;
+}
+
+void instead_of_exit(Display*, void*) {
+  lost = true;
+}
+
+int on_refusal(Display* display, XErrorEvent* event) {
+  XGetErrorText(display, event->error_code, refusal.data(), int(refusal.size()));
+  return 0;
+}
+
+}  // namespace
+
+// The dynamic linker finds this one before libX11's, for SDL as well.
+extern "C" Display* XOpenDisplay(const char* name) {  // NOLINT(readability-identifier-naming): Xlib
+  using Open = Display* (*)(const char*);
+  static const auto open = reinterpret_cast<Open>(dlsym(RTLD_NEXT, "XOpenDisplay"));
+  Display* display = open(name);
+  if (display != nullptr) XSetIOErrorExitHandler(display, instead_of_exit, nullptr);
+  return display;
+}
+
+namespace ovws::sdl {
+
+void guard_x_connections() {
+  XSetIOErrorHandler(on_broken_connection);
+  XSetErrorHandler(on_refusal);
+  lost = false;
+  refusal[0] = '\0';
+}
+
+bool x_server_lost() {
+  return lost;
+}
+
+std::string take_x_error() {
+  std::string text = refusal.data();
+  refusal[0] = '\0';
+  return text;
+}
+
+}  // namespace ovws::sdl

@@ -1,0 +1,244 @@
+/// The window on an X server: placed by us, out of the window manager's reach, drawn by SDL.
+#include <SDL.h>
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
+#include <X11/extensions/dpms.h>
+
+#include <algorithm>
+#include <span>
+
+#include "drivers/sdl/output.hpp"
+#include "drivers/sdl/output_window.hpp"
+#include "drivers/sdl/video.hpp"
+#include "drivers/sdl/x_guard.hpp"
+#include "drivers/sdl/x_outputs.hpp"
+
+namespace ovws::sdl {
+
+namespace {
+
+struct CloseDisplay {
+  void operator()(XDisplay* display) const { XCloseDisplay(display); }
+};
+using Connection = std::unique_ptr<XDisplay, CloseDisplay>;
+
+struct DestroyWindow {
+  void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
+};
+using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
+
+Error lost_server() {
+  return {Errc::device, "slm.display",
+          "the connection to the X server broke (it ended, or closed it); start it and open the "
+          "display again"};
+}
+
+Error changed(const std::string& reason) {
+  return {Errc::device, "slm.display", reason};
+}
+
+bool powered(XDisplay* display) {
+  int event_base = 0, error_base = 0;
+  CARD16 level = DPMSModeOn;
+  BOOL enabled = False;
+  return !DPMSQueryExtension(display, &event_base, &error_base) || !DPMSCapable(display) ||
+         !DPMSInfo(display, &level, &enabled) || !enabled || level == DPMSModeOn;
+}
+
+Cursor make_blank_cursor(XDisplay* display, Window window) {
+  const char nothing = 0;
+  XColor black{};
+  const Pixmap pixmap = XCreateBitmapFromData(display, window, &nothing, 1, 1);
+  const Cursor cursor = XCreatePixmapCursor(display, pixmap, pixmap, &black, &black, 0, 0);
+  XFreePixmap(display, pixmap);
+  return cursor;
+}
+
+// Override-redirect: no window manager moves it, decorates it, iconifies it or gives it the focus.
+// Black from the server's own hand until the first picture, so nothing flashes.
+Window create_window(XDisplay* display, const Output& output) {
+  const int screen = DefaultScreen(display);
+  constexpr long kPointerAndKeys =
+      KeyPressMask | KeyReleaseMask | ButtonPressMask | ButtonReleaseMask | PointerMotionMask;
+  XSetWindowAttributes wanted{};
+  wanted.override_redirect = True;
+  wanted.background_pixel = BlackPixel(display, screen);
+  wanted.do_not_propagate_mask = kPointerAndKeys;  // a click here opens no menu of the desktop
+  wanted.event_mask = ExposureMask | StructureNotifyMask | VisibilityChangeMask;
+  const Window window =
+      XCreateWindow(display, DefaultRootWindow(display), output.x, output.y, unsigned(output.width),
+                    unsigned(output.height), 0, CopyFromParent, InputOutput, CopyFromParent,
+                    CWOverrideRedirect | CWBackPixel | CWDontPropagate | CWEventMask, &wanted);
+  XStoreName(display, window, "ovws SLM");
+  const long bypass = 1;  // a compositor would add a frame of delay
+  XChangeProperty(display, window, XInternAtom(display, "_NET_WM_BYPASS_COMPOSITOR", False),
+                  XA_CARDINAL, 32, PropModeReplace, reinterpret_cast<const unsigned char*>(&bypass),
+                  1);
+  const Cursor cursor = make_blank_cursor(display, window);
+  XDefineCursor(display, window, cursor);
+  XFreeCursor(display, cursor);
+  XMapRaised(display, window);
+  XSync(display, False);  // SDL uses it from another connection
+  return window;
+}
+
+bool covers(const XWindowAttributes& above, const Output& output) {
+  return above.map_state == IsViewable && above.c_class == InputOutput &&
+         above.x < output.x + output.width && output.x < above.x + above.width &&
+         above.y < output.y + output.height && output.y < above.y + above.height;
+}
+
+std::string title_of(XDisplay* display, Window window) {
+  char* name = nullptr;
+  if (!XFetchName(display, window, &name) || name == nullptr) return "without a name";
+  std::string title = std::string("\"") + name + "\"";
+  XFree(name);
+  return title;
+}
+
+class XWindow final : public OutputWindow {
+ public:
+  XWindow(Connection display, Output output, SdlConfig config)
+      : display_(std::move(display)), output_(std::move(output)), config_(std::move(config)) {
+    info_ = {output_.name, output_.width, output_.height, output_.refresh_hz, "x11"};
+  }
+
+  Result<void> open() {
+    auto video = Video::open("x11");
+    if (!video) return fail(video.error());
+    video_ = std::move(*video);
+    if (!output_.linear_gamma) set_linear_gamma(display_.get(), output_);
+    if (!powered(display_.get())) DPMSForceLevel(display_.get(), DPMSModeOn);
+    window_ = create_window(display_.get(), output_);
+    canvas_.reset(SDL_CreateWindowFrom(reinterpret_cast<void*>(window_)));
+    if (x_server_lost()) return fail(lost_server());
+    if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
+    return verify();
+  }
+
+  const DisplayInfo& info() const override { return info_; }
+  SDL_Window* window() const override { return canvas_.get(); }
+
+  Events take_events() override {
+    SDL_PumpEvents();
+    SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);
+    Events seen;
+    while (XPending(display_.get()) > 0) {
+      XEvent event;
+      XNextEvent(display_.get(), &event);
+      seen.redraw |= event.type == Expose;
+      seen.look |= event.type != Expose;
+    }
+    take_x_error();  // SDL asks after outputs that may be gone by then; only drawing must not fail
+    return seen;
+  }
+
+  Result<void> connection() override {
+    if (x_server_lost()) return fail(lost_server());
+    const std::string refusal = take_x_error();
+    if (refusal.empty()) return {};
+    return fail(changed("the X server refused a request: " + refusal));
+  }
+
+  Result<void> verify() override {
+    const auto outputs = read_outputs(display_.get());
+    const auto now = std::ranges::find(outputs, output_.name, &Output::name);
+    if (x_server_lost()) return fail(lost_server());
+    if (now == outputs.end()) return fail(changed("output " + output_.name + " is gone"));
+    if (const auto result = verify_output(*now); !result) return result;
+    const auto result = verify_window();
+    if (x_server_lost()) return fail(lost_server());
+    return result;
+  }
+
+ private:
+  Result<void> verify_output(const Output& now) {
+    if (const auto mode = check_mode(now, config_); !mode) {
+      return fail({Errc::device, mode.error().field, mode.error().reason});
+    }
+    if (!now.connected && output_.connected) {
+      return fail(changed("the monitor was unplugged from output " + output_.name));
+    }
+    if (now.x != output_.x || now.y != output_.y) {
+      return fail(changed("output " + output_.name + " was moved on the desktop"));
+    }
+    if (!now.linear_gamma) {
+      return fail(changed("the gamma ramp of output " + output_.name +
+                          " is bent, so grey levels are not what the SLM gets; stop the "
+                          "night-light or colour-management program that does it"));
+    }
+    if (!powered(display_.get())) {
+      return fail(changed("the screens are powered down (xset dpms force on)"));
+    }
+    return {};
+  }
+
+  Result<void> verify_window() {
+    XWindowAttributes is{};
+    if (!XGetWindowAttributes(display_.get(), window_, &is)) {
+      return fail(changed("the SLM's window was destroyed"));
+    }
+    if (is.map_state != IsViewable) return fail(changed("the SLM's window is not shown"));
+    if (is.x != output_.x || is.y != output_.y || is.width != output_.width ||
+        is.height != output_.height) {
+      return fail(changed("the SLM's window no longer covers output " + output_.name));
+    }
+    return verify_on_top();
+  }
+
+  Result<void> verify_on_top() {
+    Window root = None, parent = None;
+    Window* list = nullptr;
+    unsigned count = 0;
+    if (!XQueryTree(display_.get(), DefaultRootWindow(display_.get()), &root, &parent, &list,
+                    &count)) {
+      return {};  // only a broken connection does that, and it is seen by the caller
+    }
+    const std::span all(list, count);  // from the bottom to the top
+    Window above = None;
+    for (auto it = std::ranges::find(all, window_); it != all.end(); ++it) {
+      XWindowAttributes other{};
+      if (*it == window_ || !XGetWindowAttributes(display_.get(), *it, &other)) continue;
+      if (covers(other, output_)) above = *it;
+    }
+    if (list != nullptr) XFree(list);
+    take_x_error();  // a window that went away meanwhile is no fault
+    if (above == None) return {};
+    return fail(changed("a window " + title_of(display_.get(), above) + " lies over output " +
+                        output_.name + "; close it or move it"));
+  }
+
+  Connection display_;
+  Output output_;
+  SdlConfig config_;
+  DisplayInfo info_;
+  Window window_ = None;  // goes with its connection
+  std::unique_ptr<Video> video_;
+  Canvas canvas_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<OutputWindow>> open_x_window(const SdlConfig& config) {
+  guard_x_connections();
+  Connection display(XOpenDisplay(nullptr));
+  if (display == nullptr) {
+    return fail(Errc::unavailable, "slm.display",
+                "the X server DISPLAY=" + environment("DISPLAY") +
+                    " does not answer: start it, and give this user the right to it (XAUTHORITY)");
+  }
+  if (DefaultDepth(display.get(), DefaultScreen(display.get())) != 24) {
+    return fail(Errc::refused, "slm.display",
+                "the X server's colour depth is not 24, so grey levels would not be exact; set "
+                "DefaultDepth 24 in its configuration");
+  }
+  const auto outputs = read_outputs(display.get());
+  if (x_server_lost()) return fail(lost_server());
+  auto output = choose_output(outputs, config);
+  if (!output) return fail(output.error());
+  auto window = std::make_unique<XWindow>(std::move(display), std::move(*output), config);
+  if (const auto opened = window->open(); !opened) return fail(opened.error());
+  return window;
+}
+
+}  // namespace ovws::sdl

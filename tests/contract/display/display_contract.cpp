@@ -1,0 +1,141 @@
+/// What every display promises while all is well: the right output, exact pixels, honest times.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "core/port/clock.hpp"
+#include "tests/contract/display/bench.hpp"
+
+// Last: Xlib has macros like None that would break the others.
+#include <X11/Xlib.h>
+
+namespace ovws::test {
+namespace {
+
+TEST(DisplayContract, InfoTellsOutputSizeRefreshAndDriver) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  EXPECT_EQ(display->info().output, "DUMMY1");
+  EXPECT_EQ(display->info().width, 1280);
+  EXPECT_EQ(display->info().height, 768);
+  EXPECT_NEAR(display->info().refresh_hz, 59.87, 0.01);
+  EXPECT_EQ(display->info().driver, "x11");
+}
+
+TEST(DisplayContract, ItIsBlackBeforeTheFirstPicture) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  EXPECT_EQ(wrong_pixels(Image<std::uint8_t>(1280, 768)), 0);
+}
+
+TEST(DisplayContract, EveryPixelShownIsThePicturesPixel) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto picture = random_picture(seed);
+    ASSERT_TRUE(display->present(picture));
+    EXPECT_EQ(wrong_pixels(picture), 0) << "of " << picture.pixels.size();
+  }
+}
+
+TEST(DisplayContract, PresentTimesAreMonotonicAndInsideTheCall) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  const auto picture = random_picture(1);
+  std::int64_t before = monotonic_ns();
+  for (int i = 0; i < 20; ++i) {
+    const auto shown = display->present(picture);
+    ASSERT_TRUE(shown);
+    EXPECT_GT(*shown, before);
+    EXPECT_LE(*shown, monotonic_ns());
+    before = *shown;
+  }
+}
+
+TEST(DisplayContract, APictureOfAnotherSizeIsRefusedAndHarmsNothing) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  const auto shown = display->present(random_picture(1, 768, 1280));
+  ASSERT_FALSE(shown);
+  EXPECT_EQ(shown.error().code, Errc::invalid);
+  const auto picture = random_picture(2);
+  EXPECT_TRUE(display->present(picture));
+  EXPECT_EQ(wrong_pixels(picture), 0);
+}
+
+TEST(DisplayContract, CheckIsQuietWhileNothingHappens) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  EXPECT_EQ(watch(*display, 2.5), "");
+}
+
+TEST(DisplayContract, ASecondDisplayIsRefusedWhileOneIsOpen) {
+  const auto display = open_or_fail();
+  const auto second = open_sdl_display(slm_config());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Errc::refused);
+}
+
+TEST(DisplayContract, NeitherTheFocusNorTheDesktopsPixelsChange) {
+  ::Display* desktop = XOpenDisplay(nullptr);
+  ASSERT_NE(desktop, nullptr);
+  const Window root = DefaultRootWindow(desktop);
+  const Window work = XCreateSimpleWindow(desktop, root, 100, 100, 400, 300, 0, 0, 0x808080);
+  XMapWindow(desktop, work);
+  XSync(desktop, False);
+  XSetInputFocus(desktop, work, RevertToParent, CurrentTime);
+  XSync(desktop, False);
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  ASSERT_TRUE(display->present(random_picture(1)));
+  ASSERT_TRUE(display->check());
+  Window focused = None;
+  int revert = 0;
+  XGetInputFocus(desktop, &focused, &revert);
+  EXPECT_EQ(focused, work);
+  EXPECT_EQ(wrong_pixels(Image<std::uint8_t>(400, 300, 0x80), 100, 100), 0);
+  XCloseDisplay(desktop);
+}
+
+TEST(DisplayContract, ItStartsNoThreadAndLeavesSignalsToTheProgram) {
+  const long threads = process_status("Threads");
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  ASSERT_TRUE(display->present(random_picture(1)));
+  EXPECT_EQ(process_status("Threads"), threads);
+  struct sigaction action {};
+  for (const int number : {SIGTERM, SIGINT}) {
+    sigaction(number, nullptr, &action);
+    EXPECT_EQ(action.sa_handler, SIG_DFL);
+  }
+}
+
+TEST(DisplayContract, AThousandPicturesTakeNoMemory) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  const auto picture = random_picture(1);
+  const auto show = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      ASSERT_TRUE(display->present(picture));
+      ASSERT_TRUE(display->check());
+    }
+  };
+  show(50);
+  const long before_kb = process_status("VmRSS");
+  const std::int64_t start_ns = monotonic_ns();
+  show(1000);
+  RecordProperty("present_us", int((monotonic_ns() - start_ns) / 1'000'000));
+  EXPECT_LT(process_status("VmRSS") - before_kb, 1000);
+}
+
+TEST(DisplayContract, OpeningItAgainAndAgainTakesNoMemory) {
+  const auto cycle = [](int count) {
+    for (int i = 0; i < count; ++i) ASSERT_NE(open_or_fail(), nullptr);
+  };
+  cycle(5);
+  const long before_kb = process_status("VmRSS");
+  cycle(30);
+  EXPECT_LT(process_status("VmRSS") - before_kb, 2000);
+}
+
+}  // namespace
+}  // namespace ovws::test

@@ -1,0 +1,106 @@
+/// The X server's death is an error, never this process's; and it can come back.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "core/port/clock.hpp"
+#include "tests/contract/display/bench.hpp"
+#include "tests/support/xorg_server.hpp"
+
+namespace ovws::test {
+namespace {
+
+class DisplayServerDeath : public testing::Test {
+ protected:
+  void start() {
+    server_.emplace(number_);
+    number_ = server_->number();
+    setenv("DISPLAY", server_->name().c_str(), 1);
+  }
+
+  void expect_it_shows(unsigned seed) {
+    const auto display = open_or_fail();
+    ASSERT_NE(display, nullptr);
+    const auto picture = random_picture(seed);
+    ASSERT_TRUE(display->present(picture));
+    EXPECT_EQ(wrong_pixels(picture), 0);
+    EXPECT_TRUE(display->check());
+  }
+
+  std::optional<XorgServer> server_;
+  int number_ = -1;
+};
+
+TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed) {
+  for (unsigned round = 0; round < 3; ++round) {
+    start();
+    {
+      const auto display = open_or_fail();
+      ASSERT_NE(display, nullptr);
+      ASSERT_TRUE(display->present(random_picture(round)));
+      server_->kill();
+      const std::int64_t killed_ns = monotonic_ns();
+      const auto shown = display->present(random_picture(round));
+      ASSERT_FALSE(shown);
+      EXPECT_EQ(shown.error().code, Errc::device);
+      EXPECT_LT(monotonic_ns() - killed_ns, 2'000'000'000);
+      EXPECT_FALSE(display->check());
+      EXPECT_FALSE(display->present(random_picture(round)));
+    }
+    const auto absent = open_sdl_display(slm_config());
+    ASSERT_FALSE(absent);
+    EXPECT_EQ(absent.error().code, Errc::unavailable);
+  }
+  start();
+  expect_it_shows(9);
+}
+
+TEST_F(DisplayServerDeath, CheckAloneNoticesItWithinTwoSeconds) {
+  start();
+  {
+    const auto display = open_or_fail();
+    ASSERT_NE(display, nullptr);
+    EXPECT_EQ(watch(*display, 0.1), "");
+    server_->kill();
+    EXPECT_NE(watch(*display, 2.0), "");
+  }
+  start();
+  expect_it_shows(10);
+}
+
+TEST_F(DisplayServerDeath, ADisplayDestroyedAfterTheServerDiedUnseenIsHarmless) {
+  start();
+  {
+    const auto display = open_or_fail();
+    ASSERT_NE(display, nullptr);
+    server_->kill();
+  }
+  start();
+  expect_it_shows(11);
+}
+
+TEST_F(DisplayServerDeath, TheServerMayDieAtAnyMomentOfShowing) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> moment_us(0, 20'000);
+  const auto picture = random_picture(1);
+  for (int round = 0; round < 15; ++round) {
+    start();
+    const auto display = open_or_fail();
+    ASSERT_NE(display, nullptr);
+    std::thread killer([&, wait = std::chrono::microseconds(moment_us(random))] {
+      std::this_thread::sleep_for(wait);
+      server_->kill();
+    });
+    while (display->present(picture) && display->check()) continue;
+    killer.join();
+  }
+  start();
+  expect_it_shows(12);
+}
+
+}  // namespace
+}  // namespace ovws::test
