@@ -1,0 +1,142 @@
+#include "proto/requests.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+Error error_of(const Result<T>& result) {
+  EXPECT_FALSE(result);
+  return result ? Error{} : result.error();
+}
+
+TEST(CameraSetRequest, LeavesWhatIsAbsent) {
+  const auto set = decode_camera_set(json::parse(R"({"gain_db": 12, "pixel_format": "Mono12"})"));
+  ASSERT_TRUE(set);
+  CameraSettings before;
+  before.exposure_us = 777;
+  const CameraSettings after = set->applied_to(before);
+  EXPECT_EQ(after.gain_db, 12);
+  EXPECT_EQ(after.pixel_format, PixelFormat::mono12);
+  EXPECT_EQ(after.exposure_us, 777);
+  EXPECT_EQ(after.roi, before.roi);
+  EXPECT_FALSE(set->exposure_us);
+}
+
+TEST(CameraSetRequest, ReadsTheRegionWholeWithXBeforeY) {
+  const auto set =
+      decode_camera_set(json::parse(R"({"roi": {"x": 1, "y": 2, "width": 30, "height": 40}})"));
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->roi, (Roi{1, 2, 30, 40}));
+  const auto part = decode_camera_set(json::parse(R"({"roi": {"x": 1, "y": 2, "width": 30}})"));
+  EXPECT_EQ(error_of(part).field, "roi.height");
+}
+
+TEST(CameraSetRequest, RefusesOrClampsNumbersOutOfRange) {
+  EXPECT_EQ(error_of(decode_camera_set({{"gain_db", 1000}})).field, "gain_db");
+  EXPECT_EQ(error_of(decode_camera_set({{"exposure_us", 0}})).field, "exposure_us");
+  const auto clamped = decode_camera_set({{"gain_db", 1000}, {"clamp", true}});
+  ASSERT_TRUE(clamped);
+  EXPECT_EQ(clamped->gain_db, 100.0);
+  EXPECT_TRUE(clamped->clamp);
+}
+
+TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
+  EXPECT_EQ(error_of(decode_camera_set({{"gain", 3}})).nearest, "gain_db");
+  EXPECT_EQ(error_of(decode_camera_set({{"pixel_format", "Mono11"}})).field, "pixel_format");
+}
+
+TEST(SensorSetRequest, ReadsEveryKey) {
+  const auto set = decode_sensor_set(json::parse(
+      R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
+          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour"})"));
+  ASSERT_TRUE(set);
+  const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
+  EXPECT_EQ(set->applied_to(SensorConfig{}), wanted);
+  EXPECT_EQ(set->applied_to(TrackingConfig{}).tracker, TrackerKind::lg_contour);
+  const auto nothing = decode_sensor_set(json::object());
+  ASSERT_TRUE(nothing);
+  EXPECT_EQ(nothing->applied_to(wanted), wanted);
+}
+
+TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
+  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 9}})).field, "charge");
+  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 0.5}})).field, "charge");
+  EXPECT_EQ(error_of(decode_sensor_set({{"subapertures_across", 32}})).field,
+            "subapertures_across");
+  EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 2, 3}}})).field, "grooves");
+  EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 1e9}}})).field, "grooves[1]");
+  EXPECT_EQ(error_of(decode_sensor_set({{"tracker", "lgg"}})).nearest, "lg");
+}
+
+TEST(AberrationRequest, TakesModesByIndexOrByOrder) {
+  const auto modes = decode_aberration_set(
+      json::parse(R"({"modes": [{"n": 2, "m": -2, "waves": 0.5}, {"j": 4, "waves": -0.3}]})"));
+  ASSERT_TRUE(modes);
+  EXPECT_EQ(*modes, (std::vector<Mode>{{3, 0.5}, {4, -0.3}}));
+}
+
+TEST(AberrationRequest, TurnsUnitAmplitudeIntoRms) {
+  // Astigmatism of amplitude 1 at the pupil's edge has RMS 1/sqrt 6, defocus 1/sqrt 3.
+  const auto modes = decode_aberration_set(json::parse(
+      R"({"modes": [{"n": 2, "m": 2, "waves": 1}, {"n": 2, "m": 0, "waves": 1}], "norm": "unit"})"));
+  ASSERT_TRUE(modes);
+  EXPECT_NEAR((*modes)[0].waves, 1 / std::sqrt(6.0), 1e-12);
+  EXPECT_NEAR((*modes)[1].waves, 1 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(AberrationRequest, RefusesWhatIsNoMode) {
+  const auto field = [](const char* text) {
+    return error_of(decode_aberration_set(json::parse(text))).field;
+  };
+  EXPECT_EQ(field(R"({})"), "modes");
+  EXPECT_EQ(field(R"({"modes": {"j": 1}})"), "modes");
+  EXPECT_EQ(field(R"({"modes": [3]})"), "modes[0]");
+  EXPECT_EQ(field(R"({"modes": [{"j": 3}]})"), "modes[0].waves");
+  EXPECT_EQ(field(R"({"modes": [{"waves": 1}]})"), "modes[0].n");
+  EXPECT_EQ(field(R"({"modes": [{"n": 2, "waves": 1}]})"), "modes[0].m");
+  EXPECT_EQ(field(R"({"modes": [{"n": 2, "m": 1, "waves": 1}]})"), "modes[0].n");
+  EXPECT_EQ(field(R"({"modes": [{"n": 1, "m": 3, "waves": 1}]})"), "modes[0].n");
+  EXPECT_EQ(field(R"({"modes": [{"n": 21, "m": 1, "waves": 1}]})"), "modes[0].n");
+  EXPECT_EQ(field(R"({"modes": [{"j": 231, "waves": 1}]})"), "modes[0].j");
+  EXPECT_EQ(field(R"({"modes": [{"j": 3, "n": 2, "m": -2, "waves": 1}]})"), "modes[0].j");
+  EXPECT_EQ(field(R"({"modes": [{"j": 3, "waves": 1}, {"n": 2, "m": -2, "waves": 1}]})"),
+            "modes[1]");
+  EXPECT_EQ(field(R"({"modes": [{"j": 3, "waves": 1001}]})"), "modes[0].waves");
+  EXPECT_EQ(field(R"({"modes": [], "norm": "peak"})"), "norm");
+  EXPECT_TRUE(decode_aberration_set(json::parse(R"({"modes": []})")));
+}
+
+TEST(OtherRequests, AreStrict) {
+  EXPECT_EQ(decode_reference_take(json::object()), 100);
+  EXPECT_EQ(decode_reference_take({{"frames", 7}}), 7);
+  EXPECT_EQ(error_of(decode_reference_take({{"frames", 0}})).field, "frames");
+  EXPECT_EQ(decode_slm_show({{"pattern", "identify"}}), HologramKind::identify);
+  EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
+  EXPECT_EQ(error_of(decode_slm_show({{"pattern", "sensr"}})).nearest, "sensor");
+  EXPECT_EQ(decode_job({{"job", 3}}), 3);
+  EXPECT_EQ(error_of(decode_job(json::object())).field, "job");
+  EXPECT_TRUE(decode_nothing(json::object()));
+  EXPECT_EQ(error_of(decode_nothing({{"a", 1}})).field, "a");
+}
+
+TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
+  const json params{{"gain_db", 500}, {"clamp", true}};
+  CameraSettings applied;
+  applied.gain_db = 24;
+  const json result = camera_set_result(params, applied, std::nullopt);
+  EXPECT_EQ(result.at("requested"), json({{"gain_db", 500}}));
+  EXPECT_EQ(result.at("applied").at("gain_db"), 24);
+  EXPECT_TRUE(result.at("limits").is_null());
+  EXPECT_EQ(job_started_result(3), json::parse(R"({"job":3})"));
+}
+
+}  // namespace
+}  // namespace ovws

@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/optics/zernike.hpp"
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+#include "proto/requests.hpp"
+#include "proto/results.hpp"
+#include "proto/schemas.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+json properties(std::string_view method, const char* part = "params") {
+  return json::parse(schema_text(method)).at(part).at("properties");
+}
+
+template <class Range>
+void expect_range(const json& schema, Range range) {
+  EXPECT_EQ(schema.at("minimum"), range.min) << schema;
+  EXPECT_EQ(schema.at("maximum"), range.max) << schema;
+}
+
+TEST(Schemas, AreThereForEveryStreamAndMethod) {
+  for (const char* name : {"wavefront", "spots", "image", "phase", "status", "event"}) {
+    EXPECT_FALSE(schema_text(std::string("stream.") + name).empty()) << name;
+  }
+  EXPECT_EQ(method_names(),
+            (std::vector<std::string>{"aberration.clear", "aberration.get", "aberration.set",
+                                      "camera.get", "camera.set", "config.get", "config.save",
+                                      "job.cancel", "job.get", "reference.clear", "reference.get",
+                                      "reference.take", "sensor.get", "sensor.set", "slm.show",
+                                      "system.describe", "system.status"}));
+  EXPECT_EQ(schema_text("camera.sett"), "");
+}
+
+TEST(Schemas, StateTheRangesThatAreUsed) {
+  const json camera = properties("camera.set");
+  expect_range(camera.at("gain_db"), limits::kGainDb);
+  expect_range(camera.at("exposure_us"), limits::kExposureUs);
+  expect_range(camera.at("frame_rate_hz"), limits::kFrameRateHz);
+  const json roi = camera.at("roi").at("properties");
+  expect_range(roi.at("x"), limits::kRoiOffset);
+  expect_range(roi.at("y"), limits::kRoiOffset);
+  expect_range(roi.at("width"), limits::kRoiSize);
+  expect_range(roi.at("height"), limits::kRoiSize);
+  const json sensor = properties("sensor.set");
+  expect_range(sensor.at("charge"), limits::kCharge);
+  expect_range(sensor.at("subapertures_across"), limits::kSubaperturesAcross);
+  expect_range(sensor.at("pupil_diameter_px"), limits::kPupilDiameterPx);
+  expect_range(sensor.at("grooves").at("items"), limits::kGrooves);
+  expect_range(sensor.at("spacing"), limits::kSpacing);
+  expect_range(properties("reference.take").at("frames"), limits::kReferenceFrames);
+  expect_range(properties("job.get").at("job"), limits::kJob);
+  const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
+  expect_range(by_j.at("properties").at("waves"), limits::kModeWaves);
+  EXPECT_EQ(by_j.at("properties").at("j").at("maximum"), kMaxZernikeIndex);
+}
+
+TEST(Schemas, StateTheRangesOfTheConfiguration) {
+  const json config = properties("config.get", "result");
+  const auto group = [&config](const char* name) { return config.at(name).at("properties"); };
+  expect_range(group("camera").at("packet_size_bytes"), limits::kPacketSizeBytes);
+  expect_range(group("camera").at("transfer_ms"), limits::kTransferMs);
+  expect_range(group("slm").at("width"), limits::kSlmSizePx);
+  expect_range(group("slm").at("height"), limits::kSlmSizePx);
+  expect_range(group("slm").at("pitch_um"), limits::kSlmPitchUm);
+  expect_range(group("slm").at("settle_ms"), limits::kSettleMs);
+  expect_range(group("optics").at("wavelength_nm"), limits::kWavelengthNm);
+  expect_range(group("optics").at("focal_length_mm"), limits::kFocalLengthMm);
+  expect_range(group("optics").at("magnification"), limits::kMagnification);
+  expect_range(group("optics").at("camera_pitch_um"), limits::kCameraPitchUm);
+  expect_range(group("optics").at("centre_px").at("items"), limits::kCentrePx);
+  expect_range(group("tracking").at("kernel_radius"), limits::kKernelRadius);
+  expect_range(group("stream").at("image_rate_hz"), limits::kImageRateHz);
+  expect_range(group("pipeline").at("workers"), limits::kWorkers);
+  expect_range(group("pipeline").at("records"), limits::kRecords);
+}
+
+TEST(Schemas, StateTheNamesThatAreUsed) {
+  EXPECT_EQ(properties("camera.set").at("pixel_format").at("enum"), json(pixel_format_names()));
+  EXPECT_EQ(properties("sensor.set").at("grid").at("enum"), json(grid_names()));
+  EXPECT_EQ(properties("sensor.set").at("tracker").at("enum"), json(tracker_names()));
+  EXPECT_EQ(properties("slm.show").at("pattern").at("enum"), json(pattern_names()));
+  EXPECT_EQ(properties("aberration.set").at("norm").at("enum"), json(norm_names()));
+}
+
+TEST(Schemas, GiveExamplesThatTheDecodersTake) {
+  const auto examples = [](const char* method) {
+    return json::parse(schema_text(method)).at("params").at("examples");
+  };
+  for (const json& e : examples("camera.set")) EXPECT_TRUE(decode_camera_set(e)) << e;
+  for (const json& e : examples("sensor.set")) EXPECT_TRUE(decode_sensor_set(e)) << e;
+  for (const json& e : examples("aberration.set")) EXPECT_TRUE(decode_aberration_set(e)) << e;
+  for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
+  for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
+  for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
+}
+
+TEST(Describe, HoldsEveryMethodAndStream) {
+  const json out = describe_result({{"ovws", "0.1.0"}});
+  EXPECT_EQ(out.at("versions").at("ovws"), "0.1.0");
+  EXPECT_EQ(out.at("methods").size(), method_names().size());
+  EXPECT_EQ(out.at("streams").size(), 6u);
+  EXPECT_TRUE(out.at("methods").at("camera.set").at("params").contains("properties"));
+}
+
+}  // namespace
+}  // namespace ovws
