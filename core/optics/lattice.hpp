@@ -20,6 +20,8 @@ struct Lattice {
       subapertures;  ///< by rows of increasing V_y, then V_x; whole circles in the pupil
 };
 
+/// The base subaperture lies on the pupil's centre whatever M is; for an even M the outermost ones
+/// therefore stay half a diameter off the pupil's edge. A circle that touches the edge is in.
 /// Errors (Errc::invalid, field "sensor.…"): pupil larger than the SLM's height or width; fewer
 /// than 3 subapertures; more than kMaxSubapertures; a frequency beyond the SLM's Nyquist limit of
 /// 0.5 cycles per pixel.

@@ -106,8 +106,8 @@ struct Noise::Tables {
 };
 
 const Noise::Tables& Noise::tables() {
-  static const Tables kTables;
-  return kTables;
+  static const Tables tables;
+  return tables;
 }
 
 Noise::Noise(std::uint64_t seed, std::uint64_t stream)

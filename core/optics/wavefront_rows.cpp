@@ -21,14 +21,22 @@ double turn_sign(int b, bool imaginary) {
   return b % 4 < 2 ? 1.0 : -1.0;
 }
 
-double horner(const double* by_rising_power, int count, double at) {
+double horner(const std::vector<double>& by_rising_power, double at) {
   double value = 0.0;
-  for (int k = count - 1; k >= 0; --k) value = value * at + by_rising_power[k];
+  for (std::size_t k = by_rising_power.size(); k-- > 0;) value = value * at + by_rising_power[k];
   return value;
 }
 
-/// Adds one mode's x^a y^b terms to terms[a * stride + b].
-void add_mode(const ZernikeTerms& mode, double waves, int stride, std::vector<double>& terms) {
+std::vector<double> derivative(const std::vector<double>& by_rising_power) {
+  std::vector<double> derived(std::max<std::size_t>(by_rising_power.size() - 1, 1), 0.0);
+  for (std::size_t k = 1; k < by_rising_power.size(); ++k) {
+    derived[k - 1] = static_cast<double>(k) * by_rising_power[k];
+  }
+  return derived;
+}
+
+/// Adds one mode's x^a y^b terms to terms[a][b].
+void add_mode(const ZernikeTerms& mode, double waves, std::vector<std::vector<double>>& terms) {
   const int m = std::abs(mode.m);
   for (int k = 0; k < mode.count; ++k) {
     for (int c = 0; c <= k; ++c) {  // s^k = sum over c of binomial(k, c) x^(2k-2c) y^(2c)
@@ -36,7 +44,7 @@ void add_mode(const ZernikeTerms& mode, double waves, int stride, std::vector<do
         const double turn = turn_sign(b, mode.m < 0) * binomial(m, b);
         const int x_power = 2 * (k - c) + m - b;
         const int y_power = 2 * c + b;
-        terms[x_power * stride + y_power] += waves * mode.radial[k] * binomial(k, c) * turn;
+        terms[x_power][y_power] += waves * mode.radial[k] * binomial(k, c) * turn;
       }
     }
   }
@@ -46,27 +54,21 @@ void add_mode(const ZernikeTerms& mode, double waves, int stride, std::vector<do
 
 WavefrontRows::WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px)
     : centre_px_(centre_px), radius_px_(0.5 * diameter_px) {
-  for (const Mode& mode : modes) degree_ = std::max(degree_, zernike_terms(mode.j).n);
-  const int stride = degree_ + 1;
-  terms_.assign(stride * stride, 0.0);
-  for (const Mode& mode : modes) add_mode(zernike_terms(mode.j), mode.waves, stride, terms_);
+  int degree = 0;
+  for (const Mode& mode : modes) degree = std::max(degree, zernike_terms(mode.j).n);
+  for (int a = 0; a <= degree; ++a) terms_.emplace_back(degree + 1 - a, 0.0);
+  for (const Mode& mode : modes) add_mode(zernike_terms(mode.j), mode.waves, terms_);
 }
 
 WavefrontRows::Polynomial WavefrontRows::along_row(double y) const {
-  Polynomial p(degree_ + 1);
-  for (int a = 0; a <= degree_; ++a) {
-    p[a] = horner(&terms_[a * (degree_ + 1)], degree_ + 1 - a, y);
-  }
+  Polynomial p;
+  for (const Polynomial& in_y : terms_) p.push_back(horner(in_y, y));
   return p;
 }
 
 WavefrontRows::Polynomial WavefrontRows::slope_along_row(double y) const {
-  Polynomial p(degree_ + 1, 0.0);
-  Polynomial derived(degree_ + 1);
-  for (int a = 0; a < degree_; ++a) {
-    for (int b = 1; b <= degree_ - a; ++b) derived[b - 1] = b * terms_[a * (degree_ + 1) + b];
-    p[a] = horner(derived.data(), degree_ - a, y);
-  }
+  Polynomial p;
+  for (const Polynomial& in_y : terms_) p.push_back(horner(derivative(in_y), y));
   return p;
 }
 
@@ -85,12 +87,9 @@ void WavefrontRows::waves(int y, int first_x, std::span<double> out) const {
 }
 
 void WavefrontRows::slopes_x(int y, int first_x, std::span<double> out) const {
-  const Polynomial p = along_row((y - centre_px_.y) / radius_px_);
-  Polynomial derived(std::max<std::size_t>(p.size() - 1, 1), 0.0);
-  for (std::size_t a = 1; a < p.size(); ++a) {
-    derived[a - 1] = static_cast<double>(a) * p[a] / radius_px_;
-  }
-  evaluate(derived, first_x, out);
+  Polynomial p = derivative(along_row((y - centre_px_.y) / radius_px_));
+  for (double& term : p) term /= radius_px_;
+  evaluate(p, first_x, out);
 }
 
 void WavefrontRows::slopes_y(int y, int first_x, std::span<double> out) const {

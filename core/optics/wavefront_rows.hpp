@@ -29,8 +29,7 @@ class WavefrontRows {
 
   Vec2 centre_px_;
   double radius_px_;
-  int degree_ = 0;
-  std::vector<double> terms_;  ///< of x^a y^b at [a * (degree + 1) + b], pupil radii
+  std::vector<Polynomial> terms_;  ///< terms_[a]: the polynomial in y that multiplies x^a
 };
 
 }  // namespace ovws

@@ -31,13 +31,13 @@ ZernikeTerms make_terms(int j) {
 }  // namespace
 
 const ZernikeTerms& zernike_terms(int j) {
-  static const auto kTable = [] {
-    std::array<ZernikeTerms, kMaxZernikeIndex + 1> table;
-    for (int i = 0; i <= kMaxZernikeIndex; ++i) table[i] = make_terms(i);
-    return table;
+  static const auto table = [] {
+    std::array<ZernikeTerms, kMaxZernikeIndex + 1> all;
+    for (int i = 0; i <= kMaxZernikeIndex; ++i) all[i] = make_terms(i);
+    return all;
   }();
   assert(j >= 0 && j <= kMaxZernikeIndex);
-  return kTable[j];
+  return table[j];
 }
 
 }  // namespace ovws
