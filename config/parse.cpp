@@ -3,6 +3,7 @@
 #include <string>
 
 #include "config/config.hpp"
+#include "proto/endpoint.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/reader.hpp"
@@ -37,10 +38,7 @@ void text(ObjectReader& r, const char* key, std::string& out) {
 
 void endpoint(ObjectReader& r, const char* key, std::string& out) {
   r.string(key, out);
-  if (out.rfind("tcp://", 0) != 0 && out.rfind("ipc://", 0) != 0) {
-    r.fault(key,
-            "must be a ZeroMQ endpoint, tcp://ADDRESS:PORT or ipc://PATH, not \"" + out + "\"");
-  }
+  if (auto fault = endpoint_fault(out)) r.fault(key, *fault);
 }
 
 void read_camera(ObjectReader& r, CameraConfig& camera) {

@@ -12,8 +12,10 @@ namespace {
 constexpr long kWaitMs = 50;
 constexpr int kTurn = 64;                  // requests taken before replies are looked at
 constexpr std::size_t kMaxPending = 1024;  // beyond, requests wait in the sockets
-constexpr std::int64_t kMaxFrameBytes = 16 * 1024 * 1024;  // beyond, libzmq ends the connection
+// ROUTER drops what one client's queue does not hold: all that can be pending must fit.
+constexpr int kReplyQueue = 2 * int(kMaxPending);
 constexpr int kReceiveQueue = 32;                          // requests held for one client
+constexpr std::int64_t kMaxFrameBytes = 16 * 1024 * 1024;  // beyond, libzmq ends the connection
 constexpr std::size_t kMaxParts = 16;                      // of one request, its envelope included
 
 /// One multipart request. Parts beyond kMaxParts are counted and not kept.
@@ -107,6 +109,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& en
   impl->socket.set(zmq::sockopt::linger, 0);
   impl->socket.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
   impl->socket.set(zmq::sockopt::rcvhwm, kReceiveQueue);
+  impl->socket.set(zmq::sockopt::sndhwm, kReplyQueue);
   if (auto bound = bind_endpoint(impl->socket.handle(), endpoint); !bound) {
     return fail(bound.error());
   }

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "proto/endpoint.hpp"
+
 namespace ovws {
 namespace {
 
@@ -28,9 +30,7 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
       return fail(Errc::unavailable, "",
                   text + ": not permitted; choose a port above 1023 or a path of your own");
     case EINVAL:
-    case EPROTONOSUPPORT:
-      return fail(Errc::invalid, "",
-                  text + " is not understood; use tcp://ADDRESS:PORT or ipc://PATH");
+      return fail(Errc::invalid, "", text + " is not understood");
     default:
       return fail(Errc::unavailable, "", text + ": " + zmq_strerror(error));
   }
@@ -41,7 +41,6 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
 bool somebody_listens(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return false;
   std::memcpy(address.sun_path, path.c_str(), path.size());
   const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;
@@ -55,6 +54,7 @@ bool somebody_listens(const std::string& path) {
 }  // namespace
 
 Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
+  if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
   if (endpoint.rfind(kIpc, 0) == 0 && somebody_listens(endpoint.substr(std::strlen(kIpc)))) {
     return refusal(EADDRINUSE, endpoint);
   }
@@ -63,6 +63,7 @@ Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
 }
 
 Result<void> connect_endpoint(void* socket, const std::string& endpoint) {
+  if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
   if (zmq_connect(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
   return {};
 }

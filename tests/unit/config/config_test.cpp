@@ -189,6 +189,8 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "7701"}})").field, "stream.endpoint");
+  EXPECT_EQ(error_of(R"({"stream": {"endpoint": "tcp://127.0.0.1:99999"}})").field,
+            "stream.endpoint");
   EXPECT_EQ(error_of(R"({"control": {"endpoint": "tcp://127.0.0.1:7701"}})").field,
             "control.endpoint");
   EXPECT_EQ(error_of(R"({"log": {"level": "loud"}})").field, "log.level");

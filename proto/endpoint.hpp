@@ -1,0 +1,14 @@
+/// Endpoints as they are written in the configuration and on the command line.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ovws {
+
+/// Why a text is not an endpoint; none if it is one: tcp://ADDRESS:PORT with a port from 1 to
+/// 65535, or ipc://PATH of at most 107 bytes. (libzmq itself takes port 99999 for 34463.)
+std::optional<std::string> endpoint_fault(std::string_view endpoint);
+
+}  // namespace ovws
