@@ -1,0 +1,102 @@
+/// Rows of the camera contract: the Aravis driver against a GigE Vision camera in another process.
+#include <signal.h>
+
+#include <cmath>
+
+#include "drivers/aravis/aravis_camera.hpp"
+#include "tests/contract/camera/camera_contract.hpp"
+#include "tests/contract/camera/child_process.hpp"
+
+namespace ovws::testing {
+namespace {
+
+constexpr const char* kAddress = "127.0.0.1";
+
+/// How one GenICam description writes the settings into registers.
+struct Description {
+  const char* xml;        ///< "-": Aravis's own
+  double gain_per_count;  ///< of register 0x110
+};
+
+class AravisBench final : public CameraBench {
+ public:
+  explicit AravisBench(const Description& description) : description_(description) { plug_in(); }
+
+  Result<std::unique_ptr<Camera>> open() override {
+    AravisConfig config;
+    config.id = kAddress;
+    return open_aravis_camera(config);
+  }
+  CameraSettings settings() const override {
+    CameraSettings settings;
+    settings.gain_db = 0.0;
+    settings.exposure_us = 2000.0;
+    settings.frame_rate_hz = 200.0;
+    settings.roi = {16, 8, 192, 128};
+    return settings;
+  }
+  std::optional<CameraSettings> truth() override {
+    CameraSettings truth;
+    truth.gain_db = read(0x110) * description_.gain_per_count;
+    truth.exposure_us = read(0x120);
+    truth.frame_rate_hz = 1e6 / read(0x138);
+    truth.roi = {int(read(0x130)), int(read(0x134)), int(read(0x100)), int(read(0x104))};
+    const auto format = std::uint32_t(read(0x128));
+    truth.pixel_format = format == 0x01100005   ? PixelFormat::mono12
+                         : format == 0x01100007 ? PixelFormat::mono16
+                                                : PixelFormat::mono8;
+    return truth;
+  }
+  std::optional<int> pixel(PixelFormat format, int x, int y) const override {
+    return (x + 2 * y) & ((1 << significant_bits(format)) - 1);
+  }
+
+  void unplug() override { device_.reset(); }
+  void plug_in() override { plug_in("0"); }
+  void freeze() override { device_->send_signal(SIGSTOP); }
+  void thaw() override { device_->send_signal(SIGCONT); }
+  void crash_a_client() override {
+    ChildProcess client({OVWS_ARAVIS_CLIENT, kAddress});
+    if (client.read_line() != "streaming") throw std::runtime_error("the client does not stream");
+  }
+  bool lose_packets() override {
+    unplug();
+    plug_in("0.1");
+    return true;
+  }
+
+ private:
+  void plug_in(const char* lost_packet_ratio) {
+    device_ = std::make_unique<ChildProcess>(std::vector<std::string>{
+        OVWS_FAKE_GIGE_CAMERA, kAddress, description_.xml, lost_packet_ratio});
+    if (device_->read_line() != "ready") throw std::runtime_error("the camera is not ready");
+  }
+  double read(unsigned address) {
+    device_->write_line("read " + std::to_string(address));
+    return std::stod(device_->read_line());
+  }
+
+  Description description_;
+  std::unique_ptr<ChildProcess> device_;
+};
+
+std::unique_ptr<CameraBench> old_names() {
+  return std::make_unique<AravisBench>(Description{"-", 1.0});
+}
+std::unique_ptr<CameraBench> todays_names() {
+  return std::make_unique<AravisBench>(Description{OVWS_SFNC_CAMERA_XML, 0.1});
+}
+
+const CameraRow kOldNames{"OldNames", old_names};
+const CameraRow kTodaysNames{"TodaysNames", todays_names};
+
+std::string name_of(const ::testing::TestParamInfo<CameraRow>& row) {
+  return row.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Aravis, CameraContract, ::testing::Values(kOldNames, kTodaysNames),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Aravis, CameraLossContract, ::testing::Values(kTodaysNames), name_of);
+
+}  // namespace
+}  // namespace ovws::testing

@@ -1,0 +1,218 @@
+/// The camera contract: frames, buffers, and starting over.
+#include <algorithm>
+#include <set>
+
+#include "tests/contract/camera/camera_contract.hpp"
+
+namespace ovws::testing {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// Every pixel is where the device put it.
+void expect_pixels(const CameraBench& bench, const ImageView& image, const Roi& roi) {
+  ASSERT_EQ(image.width, roi.width);
+  ASSERT_EQ(image.height, roi.height);
+  ASSERT_NE(image.data, nullptr);
+  int wrong = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const int value = bytes_per_pixel(image.format) == 1 ? image.row<std::uint8_t>(y)[x]
+                                                           : image.row<std::uint16_t>(y)[x];
+      const auto expected = bench.pixel(image.format, roi.x + x, roi.y + y);
+      if (expected && value != *expected) ++wrong;
+    }
+  EXPECT_EQ(wrong, 0) << "of " << image.width * image.height;
+}
+
+TEST_P(CameraContract, TwoHundredFramesComeInOrderWithoutAGap) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  const CameraSettings settings = bench_->settings();
+  GrabbedFrame last;
+  for (int i = 0; i < 200; ++i) {
+    const GrabbedFrame frame = next_frame(*camera);
+    ASSERT_GE(frame.slot, 0);
+    ASSERT_LT(frame.slot, camera->buffer_count());
+    if (i > 0) {
+      ASSERT_EQ(frame.frame_id, last.frame_id + 1) << "frame " << i;
+      EXPECT_GT(frame.t_device_ns, last.t_device_ns);
+      EXPECT_GE(frame.t_arrival_mono_ns, last.t_arrival_mono_ns);
+    }
+    EXPECT_LE(frame.t_arrival_mono_ns, monotonic_ns());
+    EXPECT_LT(std::abs(frame.t_arrival_ns - utc_ns()), 5'000'000'000);
+    EXPECT_EQ(frame.image.format, settings.pixel_format);
+    if (i % 20 == 0) expect_pixels(*bench_, frame.image, settings.roi);
+    camera->release(frame.slot);
+    last = frame;
+  }
+}
+
+TEST_P(CameraContract, EveryPixelFormatGivesItsPixels) {
+  auto camera = open_ready();
+  ASSERT_TRUE(camera);
+  auto limits = camera->limits();
+  ASSERT_TRUE(limits);
+  for (PixelFormat format : limits->pixel_formats) {
+    SCOPED_TRACE(std::string(pixel_format_name(format)));
+    CameraSettings wanted = bench_->settings();
+    wanted.pixel_format = format;
+    ASSERT_TRUE(camera->apply(wanted));
+    start(*camera);
+    const GrabbedFrame frame = next_frame(*camera);
+    ASSERT_GE(frame.slot, 0);
+    EXPECT_EQ(frame.image.format, format);
+    expect_pixels(*bench_, frame.image, wanted.roi);
+    camera->release(frame.slot);
+    camera->stop();
+  }
+}
+
+TEST_P(CameraContract, WithEveryBufferHeldNoFrameComesAndAfterReleaseTheyComeAgain) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  std::set<int> held;
+  GrabbedFrame frame;
+  while (int(held.size()) < camera->buffer_count()) {
+    frame = next_frame(*camera);
+    ASSERT_GE(frame.slot, 0);
+    EXPECT_TRUE(held.insert(frame.slot).second) << "slot " << frame.slot << " was lent twice";
+  }
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(camera->grab(frame, milliseconds(50)), GrabStatus::timeout);
+  for (int slot : held) camera->release(slot);
+  expect_frames(*camera, 3 * camera->buffer_count());
+}
+
+TEST_P(CameraContract, GrabWaitsNoLongerThanItIsTold) {
+  auto camera = open_with([](CameraSettings& s) { s.frame_rate_hz = 1.0; });
+  ASSERT_TRUE(camera);
+  start(*camera);
+  GrabbedFrame frame;
+  while (camera->grab(frame, microseconds(0)) == GrabStatus::frame) camera->release(frame.slot);
+  const auto begin = monotonic_ns();
+  for (microseconds timeout : {microseconds(0), microseconds(-5), microseconds(1000)})
+    EXPECT_NE(camera->grab(frame, timeout), GrabStatus::incomplete);
+  EXPECT_LT(monotonic_ns() - begin, 900'000'000);
+}
+
+TEST_P(CameraContract, DamagedFramesAreReportedAndTheirBuffersUsedAgain) {
+  if (!bench_->lose_packets()) GTEST_SKIP() << "this device loses nothing";
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  int whole = 0;
+  int damaged = 0;
+  GrabbedFrame frame;
+  const auto end = monotonic_ns() + 60'000'000'000;
+  while ((damaged < 3 * camera->buffer_count() || whole < 10) && monotonic_ns() < end) {
+    const GrabStatus status = camera->grab(frame, kPatience);
+    ASSERT_NE(status, GrabStatus::timeout);
+    if (status == GrabStatus::incomplete) {
+      ++damaged;
+    } else {
+      ++whole;
+      expect_pixels(*bench_, frame.image, bench_->settings().roi);
+      camera->release(frame.slot);
+    }
+  }
+  EXPECT_GE(damaged, 3 * camera->buffer_count());
+  EXPECT_GE(whole, 10);
+}
+
+TEST_P(CameraContract, StopsAndStartsAgainAndTheNumbersGoOn) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  std::uint64_t last = 0;
+  for (int round = 0; round < 4; ++round) {
+    const GrabbedFrame frame = next_frame(*camera);
+    ASSERT_GE(frame.slot, 0);
+    EXPECT_GT(frame.frame_id, last);
+    last = frame.frame_id;
+    camera->release(frame.slot);
+    expect_frames(*camera, 3);
+    camera->stop();
+    start(*camera);
+  }
+}
+
+TEST_P(CameraContract, StopIsHarmlessWithoutAStartAndTwice) {
+  auto camera = open_ready();
+  ASSERT_TRUE(camera);
+  camera->stop();
+  start(*camera);
+  camera->stop();
+  camera->stop();
+  EXPECT_TRUE(camera->alive());
+  start(*camera);
+  expect_frames(*camera, 3);
+}
+
+TEST_P(CameraContract, ASecondStartIsRefused) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  auto again = camera->start();
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, Errc::refused);
+  expect_frames(*camera, 3);
+}
+
+TEST_P(CameraContract, WhileStreamingTheFrameKeepsItsSizeUntilStopped) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  CameraSettings wanted = bench_->settings();
+  wanted.roi = {32, 64, 96, 160};
+  expect_refused(*camera, wanted, "camera.roi", {"stop"}, Errc::refused);
+  auto limits = camera->limits();
+  ASSERT_TRUE(limits);
+  for (PixelFormat format : limits->pixel_formats) {
+    if (format == bench_->settings().pixel_format) continue;
+    CameraSettings other = bench_->settings();
+    other.pixel_format = format;
+    expect_refused(*camera, other, "camera.pixel_format", {"stop"}, Errc::refused);
+  }
+  expect_frames(*camera, 3);
+  camera->stop();
+  auto applied = camera->apply(wanted);
+  ASSERT_TRUE(applied) << applied.error().reason;
+  start(*camera);
+  for (int i = 0; i < 20; ++i) {
+    const GrabbedFrame frame = next_frame(*camera);
+    ASSERT_GE(frame.slot, 0);
+    expect_pixels(*bench_, frame.image, wanted.roi);
+    camera->release(frame.slot);
+  }
+}
+
+TEST_P(CameraContract, GainExposureAndRateChangeWhileFramesCome) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  CameraSettings wanted = bench_->settings();
+  std::uint64_t last = 0;
+  for (int i = 0; i < 10; ++i) {
+    wanted.gain_db = 1.0 + i % 5;
+    wanted.exposure_us = 1000.0 + 50.0 * i;
+    wanted.frame_rate_hz = i % 2 ? 100.0 : 125.0;
+    auto applied = camera->apply(wanted);
+    ASSERT_TRUE(applied) << applied.error().reason;
+    for (int k = 0; k < 3; ++k) {
+      const GrabbedFrame frame = next_frame(*camera);
+      ASSERT_GE(frame.slot, 0);
+      if (last) {
+        EXPECT_EQ(frame.frame_id, last + 1);
+      }
+      last = frame.frame_id;
+      camera->release(frame.slot);
+    }
+  }
+}
+
+TEST_P(CameraContract, MayBeDestroyedWhileFramesComeAndOpenedAgain) {
+  for (int i = 0; i < 3; ++i) {
+    auto camera = open_streaming();
+    ASSERT_TRUE(camera);
+    expect_frames(*camera, 3);
+  }
+}
+
+}  // namespace
+}  // namespace ovws::testing
