@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -19,11 +18,6 @@
 #include "core/tracking/spot.hpp"
 
 namespace ovws {
-
-/// The names of all methods that have a schema, sorted; also for nearest_name.
-std::vector<std::string> method_names();
-/// `system.describe`.
-nlohmann::json describe_result(const std::vector<std::pair<std::string, std::string>>& versions);
 
 nlohmann::json to_json(const Roi& roi);
 nlohmann::json to_json(const CameraSettings& settings);
