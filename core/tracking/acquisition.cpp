@@ -35,33 +35,32 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   if (image.width != image_width_ || image.height != image_height_) return 0;
   verify(image, tracker, scratch);
   const std::span<const int> matched = consensus_.match(positions_);
-  int count = 0;
+  bool any = false;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (matched[i] == Consensus::kNone) continue;
     out[i] = verified_[std::size_t(matched[i])];
-    ++count;
+    any = true;
   }
-  if (count == 0) return 0;
+  if (!any) return 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i].found()) continue;
     const SpotFix fix = look_where_expected(int(i), image, tracker, scratch);
-    if (!fix.found() || taken(position(fix), out)) continue;
-    out[i] = fix;
-    ++count;
+    if (fix.found() && !taken(position(fix), out)) out[i] = fix;
   }
-  return count;
+  return drop_faint(out, int(out.size()));
 }
 
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
                          TrackScratch& scratch) {
   verified_.clear();
-  positions_.clear();
   for (const Vec2 start : candidates_.find(image)) {
     const SpotFix fix = tracker.track(image, start, scratch);
-    if (!fix.found() || taken(position(fix), verified_)) continue;
-    verified_.push_back(fix);
-    positions_.push_back(position(fix));
+    if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
   }
+  drop_faint(verified_, consensus_.size());
+  positions_.clear();
+  std::erase_if(verified_, [](const SpotFix& fix) { return !fix.found(); });
+  for (const SpotFix& fix : verified_) positions_.push_back(position(fix));
 }
 
 SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,

@@ -10,8 +10,10 @@ namespace {
 constexpr double kRegion = 2.0;           // centroid's disc, units of lambda/d
 constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda/d
 constexpr double kThreshold = 0.2;        // of the local peak above the local background
+constexpr double kLeastLight = 0.25;
 constexpr int kMaxMoves = 60;
-constexpr double kAtRest_px = 5e-4;
+constexpr double kAtRest_px = 5e-4;      // of a mean shift, which halves what is left each time
+constexpr double kDiscAtRest_px = 0.02;  // of the disc: hardly a pixel enters or leaves it then
 
 struct Sums {
   double light = 0.0;
@@ -39,13 +41,19 @@ Sums disc_centroid(const Patch& patch, Vec2 centre, double radius, double thresh
   return {sum, centre + Vec2{sum_x / sum, sum_y / sum}};
 }
 
-/// Mean shift: moves to the Gaussian window's own centroid until it rests there.
+/// Mean shift: moves to the Gaussian window's own centroid, above the background, until it rests
+/// there.
 std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2 start,
-                          double reach, std::span<float> sums) {
+                          double reach, double background, std::span<float> sums) {
   Vec2 at = start;
+  GaussianWindow::Centre centre(start);
   for (int k = 0; k < kMaxMoves; ++k) {
-    const Moments m = window.at(patch, at, sums);
-    const double light = m.one - double(patch.darkest) * m.weight;
+    centre.follow(at);
+    const Moments m = window.at(patch, at, centre, sums);
+    // What counts as background changes the pace, not the place: a start beside the spot may see
+    // too much of it, so a part of all light is the least.
+    const double all = m.one - double(patch.darkest) * m.weight;
+    const double light = std::max(m.one - background * m.weight, kLeastLight * all);
     if (!(light > 0.0)) return std::nullopt;
     const Vec2 move{m.x / light, m.y / light};
     at = at + move;
@@ -67,12 +75,13 @@ CentroidTracker::CentroidTracker(const SpotModel& spots)
 
 std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
-  const auto spot = climb(patch, locator_, start, capture_px(), scratch.sums);
+  const auto spot =
+      climb(patch, locator_, start, capture_px(), check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
   if (!verdict.passed) return std::nullopt;
   const Sums sums = disc_centroid(patch, start, kRegion * spots().lambda_d_px, 0.0);
-  return Found{sums.centroid, verdict.quality};
+  return Found{sums.centroid, verdict};
 }
 
 ThresholdedTracker::ThresholdedTracker(const SpotModel& spots)
@@ -89,10 +98,10 @@ std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, 
     if (!(sums.light > 0.0) || norm(sums.centroid - start) > capture_px()) return std::nullopt;
     const double move = norm(sums.centroid - at);
     at = sums.centroid;
-    if (move > kAtRest_px) continue;
+    if (move > kDiscAtRest_px) continue;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     if (!verdict.passed) return std::nullopt;
-    return Found{at, verdict.quality};
+    return Found{at, verdict};
   }
   return std::nullopt;
 }
@@ -103,11 +112,12 @@ WeightedTracker::WeightedTracker(const SpotModel& spots)
 
 std::optional<PatchTracker::Found> WeightedTracker::find(const Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
-  const auto spot = climb(patch, window_, start, capture_px(), scratch.sums);
+  const auto spot =
+      climb(patch, window_, start, capture_px(), check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
   if (!verdict.passed) return std::nullopt;
-  return Found{*spot, verdict.quality};
+  return Found{*spot, verdict};
 }
 
 }  // namespace ovws

@@ -20,6 +20,8 @@ class Consensus {
 
   Consensus(std::vector<Vec2> predicted_px, int max_found);
 
+  int size() const { return int(predicted_.size()); }
+
   /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
   /// next call. Several shifts are tried and the one that explains most positions wins, the smaller
   /// shift among equals. If that is fewer than 3 or a third of the lattice, all are kNone. RT-safe.

@@ -6,7 +6,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 3.0;  // in units of w: exp(-9) of a flat background is left over
+// In units of w: a flat background cancels to a few 1e-4 of itself.
+constexpr double kReach = 2.9;
+constexpr double kFollow = 0.8;  // pixels
 using Block = Eigen::Array<float, kPatchSlack, 1>;
 
 }  // namespace
@@ -37,10 +39,17 @@ void GaussianWindow::axis(double c, int first, float* g) const {
   }
 }
 
-Moments GaussianWindow::at(const Patch& patch, Vec2 c, std::span<float> scratch) const {
+GaussianWindow::Centre::Centre(Vec2 at) : x(int(std::lround(at.x))), y(int(std::lround(at.y))) {}
+
+void GaussianWindow::Centre::follow(Vec2 at) {
+  if (std::abs(at.x - x) > kFollow || std::abs(at.y - y) > kFollow) *this = Centre(at);
+}
+
+Moments GaussianWindow::at(const Patch& patch, Vec2 c, Centre centre,
+                           std::span<float> scratch) const {
   const int width = blocks_ * kPatchSlack;
   const int count = 2 * half_ + 1;
-  const int left = int(std::lround(c.x)) - half_, top = int(std::lround(c.y)) - half_;
+  const int left = centre.x - half_, top = centre.y - half_;
   float* gx = scratch.data();
   float* gy = gx + width;
   float* columns = gy + width;  // three rows: sums over y of g I, g dy I, g dy^2 I

@@ -36,13 +36,23 @@ class GaussianWindow {
   explicit GaussianWindow(double radius_px);
 
   double radius_px() const { return radius_; }
-  /// Half-width of the square that is summed: 3 w, so that a flat background cancels.
+  /// Half-width of the square that is summed: at least 2.9 w, so that a flat background cancels.
   int half_px() const { return half_; }
   /// Floats that `at` needs.
   int scratch_floats() const;
 
-  /// The patch must reach half_px() + 1 around `c`. RT-safe.
-  Moments at(const Patch& patch, Vec2 c, std::span<float> scratch) const OVWS_NONBLOCKING;
+  /// The pixel that the square is centred on. It follows an iteration's position only when that
+  /// has left it by most of a pixel: else a position between two pixels might never come to rest,
+  /// because the square's rim changes with each step.
+  struct Centre {
+    int x = 0, y = 0;
+    explicit Centre(Vec2 at);
+    void follow(Vec2 at) OVWS_NONBLOCKING;
+  };
+
+  /// Sums about `c`. The patch must reach half_px() around `centre`. RT-safe.
+  Moments at(const Patch& patch, Vec2 c, Centre centre,
+             std::span<float> scratch) const OVWS_NONBLOCKING;
 
  private:
   void axis(double c, int first, float* g) const;

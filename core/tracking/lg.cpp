@@ -37,8 +37,10 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
   const double w = window_.radius_px();
   const double sign = spots().charge != 0 ? 1.0 : -1.0;
   Vec2 at = start;
+  GaussianWindow::Centre centre(start);
   for (int k = 0; k < kMaxSteps; ++k) {
-    const Moments m = window_.at(patch, at, scratch.sums);
+    centre.follow(at);
+    const Moments m = window_.at(patch, at, centre, scratch.sums);
     const double light = m.one - double(patch.darkest) * m.weight;
     if (!(light > 0.0)) return std::nullopt;
     const Moments::Hessian h = m.hessian(w);
@@ -51,7 +53,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     if (!verdict.passed) return std::nullopt;
-    return Found{at, verdict.quality};
+    return Found{at, verdict};
   }
   return std::nullopt;
 }

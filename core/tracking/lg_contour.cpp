@@ -141,7 +141,7 @@ std::optional<PatchTracker::Found> LgContourTracker::find(const Patch& patch, Ve
       const bool better =
           spots().charge != 0 ? intensity < best_intensity : intensity > best_intensity;
       if (!verdict.passed || (best && !better)) continue;
-      best = Found{zero.at, verdict.quality};
+      best = Found{zero.at, verdict};
       best_intensity = intensity;
     }
   }

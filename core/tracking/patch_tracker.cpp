@@ -43,7 +43,8 @@ SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch&
   if (!good) return fix;
   fix.x = float(found->at.x);
   fix.y = float(found->at.y);
-  fix.quality = float(found->quality);
+  fix.quality = float(found->verdict.quality);
+  fix.level = float(found->verdict.level);
   return fix;
 }
 

@@ -19,7 +19,7 @@ class PatchTracker : public SpotTracker {
  protected:
   struct Found {
     Vec2 at;
-    double quality = 0.0;
+    SpotCheck::Verdict verdict;
   };
 
   /// How far from the start a spot may be, in units of lambda/d: further, it is lost.

@@ -1,5 +1,6 @@
 #include "core/tracking/spot_check.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,7 @@ constexpr double kCoreOfHalfWidth = 0.6;   // a bright spot's disc
 constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
 constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
 constexpr double kMinWeakestOfRing = 0.25;  // (weakest sector - core) / (mean ring - core)
+constexpr double kMaxOutsideOfRing = 0.8;   // brightest outer sector / mean ring
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
@@ -27,17 +29,15 @@ int outer_limit_px(const SpotModel& spots, const SpotGeometry& geometry) {
 /// RMS of the pixel noise from fourth differences along rows: 1 -4 6 -4 1 has the norm sqrt(70) and
 /// leaves nothing of a diffraction-limited spot.
 double noise_of(const Patch& patch) {
+  const int count = patch.side - 4;
   double sum = 0.0;
-  int count = 0;
-  for (int k = 0; k < patch.side; k += kNoiseRowStep) {
-    const float* p = patch.pixels + k * patch.side;
-    for (int i = 2; i + 2 < patch.side; ++i) {
-      const float d = p[i - 2] + p[i + 2] - 4.0F * (p[i - 1] + p[i + 1]) + 6.0F * p[i];
-      sum += double(d * d);
-      ++count;
-    }
+  int rows = 0;
+  for (int k = 0; k < patch.side && count > 0; k += kNoiseRowStep, ++rows) {
+    const Eigen::Map<const Eigen::ArrayXf> row(patch.pixels + k * patch.side, patch.side);
+    const auto at = [&](int shift) { return row.segment(shift, count); };
+    sum += double((at(0) + at(4) - 4.0F * (at(1) + at(3)) + 6.0F * at(2)).square().sum());
   }
-  return count == 0 ? 0.0 : std::sqrt(sum / (70.0 * count) + kQuantisation);
+  return rows == 0 ? 0.0 : std::sqrt(sum / (70.0 * rows * count) + kQuantisation);
 }
 
 double mean_at(const float* centre, const std::vector<int>& offsets) {
@@ -122,46 +122,51 @@ SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int p
 }
 
 double SpotCheck::background(const Patch& patch, Vec2 at) const {
-  Means means = outer_.means(centre_of(patch, at));
+  return outside(centre_of(patch, at)).background;
+}
+
+SpotCheck::Outside SpotCheck::outside(const float* centre) const {
+  Means means = outer_.means(centre);
   const auto half = means.begin() + kSectors / 2;
   std::nth_element(means.begin(), half, means.end());
-  return std::accumulate(means.begin(), half, 0.0) / (kSectors / 2);
+  return {std::accumulate(means.begin(), half, 0.0) / (kSectors / 2),
+          *std::max_element(half, means.end())};
 }
 
 SpotCheck::Verdict SpotCheck::look(const Patch& patch, Vec2 at) const {
   const float* centre = centre_of(patch, at);
   const double core = mean_at(centre, core_);
   const Means around = around_.means(centre);
-  const double floor = background(patch, at);
+  const Outside out = outside(centre);
   const double noise = noise_of(patch);
-  return charge_ != 0 ? vortex(core, around, floor, noise) : bright(core, around, floor, noise);
+  return charge_ != 0 ? vortex(core, around, out, noise) : bright(core, around, out, noise);
 }
 
 double SpotCheck::significance(std::size_t around) const {
   return kSignificance * std::sqrt(1.0 / double(core_.size()) + 1.0 / double(around));
 }
 
-SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, double background,
+SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outside& out,
                                      double noise) const {
   const double mean = mean_of(ring);
   const double weakest = *std::min_element(ring.begin(), ring.end());
   const double above = mean - core;
-  const double height = mean - background;
+  const double level = mean - out.background;
   const bool stands_out = above > noise * significance(around_.offsets.size());
   const bool closed = weakest - core > kMinWeakestOfRing * above;
-  const bool dark = core - background < kMaxCoreOfRing * height;
-  if (!stands_out || !closed || !dark || height <= 0.0) return {};
-  return {true, std::clamp(1.0 - (core - background) / height, 0.0, 1.0)};
+  const bool dark = core - out.background < kMaxCoreOfRing * level;
+  const bool alone = out.brightest - out.background < kMaxOutsideOfRing * level;
+  if (!stands_out || !closed || !dark || !alone || level <= 0.0) return {};
+  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level};
 }
 
-SpotCheck::Verdict SpotCheck::bright(double core, const Means& surround, double background,
+SpotCheck::Verdict SpotCheck::bright(double core, const Means& surround, const Outside& out,
                                      double noise) const {
-  const double brightest = *std::max_element(surround.begin(), surround.end());
-  const double height = core - background;
+  const double level = core - out.background;
   const bool stands_out = core - mean_of(surround) > noise * significance(around_.offsets.size());
-  const bool alone = brightest - background < kMaxSurroundOfCore * height;
+  const bool alone = out.brightest - out.background < kMaxSurroundOfCore * level;
   if (!stands_out || !alone) return {};
-  return {true, std::clamp(1.0 - (brightest - background) / height, 0.0, 1.0)};
+  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level};
 }
 
 }  // namespace ovws

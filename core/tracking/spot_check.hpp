@@ -18,12 +18,14 @@ namespace ovws {
 /// half its maximum), the core must be dark against it on every azimuth. Charge 0: the annulus is
 /// the first dark ring, the core must be bright against it on every azimuth. The difference must
 /// also stand out of the pixel noise, which is measured in the same patch. A second annulus, at the
-/// first dark ring, gives the local background.
+/// first dark ring, gives the local background; around a vortex it must be dark, or the "ring" is
+/// but the rim of something brighter.
 class SpotCheck {
  public:
   struct Verdict {
     bool passed = false;
     double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
+    double level = 0.0;    ///< the bright part above the local background, DN
   };
 
   /// `patch_half`: half-width of the patches that will be looked at.
@@ -51,8 +53,13 @@ class SpotCheck {
   };
   static Annulus annulus(double inner_px, double outer_px, int side);
 
-  Verdict vortex(double core, const Means& ring, double background, double noise) const;
-  Verdict bright(double core, const Means& surround, double background, double noise) const;
+  struct Outside {
+    double background = 0.0;  ///< mean of the darker half of the sectors
+    double brightest = 0.0;   ///< sector
+  };
+  Outside outside(const float* centre) const;
+  Verdict vortex(double core, const Means& ring, const Outside& out, double noise) const;
+  Verdict bright(double core, const Means& surround, const Outside& out, double noise) const;
   double significance(std::size_t around) const;
 
   int charge_;

@@ -1,10 +1,7 @@
 #include "core/tracking/tracker.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "core/tracking/centroid.hpp"
 #include "core/tracking/lg.hpp"
@@ -12,13 +9,6 @@
 
 namespace ovws {
 namespace {
-
-constexpr std::array<std::pair<TrackerKind, std::string_view>, 5> kNames{
-    {{TrackerKind::centroid, "centroid"},
-     {TrackerKind::thresholded, "thresholded"},
-     {TrackerKind::weighted, "weighted"},
-     {TrackerKind::lg_contour, "lg_contour"},
-     {TrackerKind::lg, "lg"}}};
 
 constexpr double kMinKernel = 0.1, kMaxKernel = 2.0;
 constexpr double kMinSpot_px = 3.0, kMaxSpot_px = 200.0;
@@ -50,24 +40,6 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
 }
 
 }  // namespace
-
-std::string_view tracker_name(TrackerKind kind) {
-  for (const auto& [known, name] : kNames) {
-    if (known == kind) return name;
-  }
-  return "";
-}
-
-std::optional<TrackerKind> tracker_from_name(std::string_view name) {
-  for (const auto& [kind, known] : kNames) {
-    if (known == name) return kind;
-  }
-  return std::nullopt;
-}
-
-double lg_kernel_radius(const TrackingConfig& config, int charge) {
-  return config.kernel_radius * std::sqrt(std::max(1, std::abs(charge)));
-}
 
 Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
                                                         const SpotModel& spots) {
