@@ -1,0 +1,240 @@
+"""Starts a bench on this machine and ends exactly what it started.
+
+A bench is an X server with two (virtual) outputs, DUMMY0 for people and DUMMY1 for the SLM, the
+digital twin `ovws-twin` that looks at DUMMY1 and answers as a camera, and, where asked for, the
+daemon `ovwsd`. Standard library only.
+
+    import bench
+    with bench.Bench() as b:
+        b.start_display()
+        b.start_twin({"detector": {"read_noise_e": 20}})
+        b.start_daemon({"camera": {"frame_rate_hz": 200}})
+        ...                     # b.display, b.programs, b.directory, b.log("ovws-twin")
+
+The camera's port (UDP 3956) is fixed by GigE Vision, so one machine, or one network namespace,
+holds one bench; `own_network()` moves the calling process into a namespace of its own (root only).
+"""
+
+import ctypes
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCE = HERE.parent.parent
+X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
+
+
+class BenchError(Exception):
+    """Something did not start, or ended by itself; the text says what, and ends with its log."""
+
+
+def find_programs(build=None):
+    """The folder with ovwsd, ovws and ovws-twin: of the build folder given, else of $OVWS_BUILD,
+    else of the build in build/* that was linked last."""
+    build = build or os.environ.get("OVWS_BUILD")
+    folders = [pathlib.Path(build)] if build else sorted((SOURCE / "build").glob("*"))
+    twins = [f / "bin" / "ovws-twin" for f in folders if (f / "bin" / "ovws-twin").exists()]
+    if not twins:
+        raise BenchError(f"no bin/ovws-twin in {build or SOURCE / 'build'}: build the project first")
+    return max(twins, key=lambda twin: twin.stat().st_mtime).resolve().parent
+
+
+def own_network():
+    """Moves this process, and what it starts from now on, into an empty network namespace."""
+    clone_newnet = 0x40000000
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.unshare(clone_newnet) != 0:
+        raise BenchError(f"no network namespace of its own: {os.strerror(ctypes.get_errno())}")
+    subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+
+
+def _end_with_parent():
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
+
+
+def _free_displays():
+    """Display numbers that nobody seems to have. Xorg's own search (-displayfd) is not used: it
+    asks the network namespace, and takes over the socket file of a server in another one."""
+    for number in range(90, 1000):
+        if not any(os.path.exists(path.format(number)) for path in (X_LOCK, X_SOCKET)):
+            yield number
+
+
+def _serves_display(pid, number):
+    """Whether the X server with this process id holds the display and answers a client."""
+    try:
+        if int(pathlib.Path(X_LOCK.format(number)).read_text()) != pid:
+            return False
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
+            client.settimeout(2.0)
+            client.connect(X_SOCKET.format(number))
+            client.sendall(b"l\0\x0b\0\0\0\0\0\0\0\0\0")  # little-endian, protocol 11.0
+            return client.recv(1) == b"\x01"
+    except (OSError, ValueError):
+        return False
+
+
+class Process:
+    """One program, its log file, and its end."""
+
+    def __init__(self, name, command, directory, env=None, pass_fds=()):
+        self.name = name
+        self.log_path = pathlib.Path(directory) / f"{name}.log"
+        self._out_path = pathlib.Path(directory) / f"{name}.out"
+        # In a session of its own, so that a Ctrl-C at the terminal ends the bench in order.
+        with open(self._out_path, "wb") as out, open(self.log_path, "wb") as log:
+            self.popen = subprocess.Popen(
+                [str(part) for part in command], stdin=subprocess.DEVNULL, stdout=out, stderr=log,
+                env=env, pass_fds=pass_fds, cwd=directory, start_new_session=True,
+                preexec_fn=_end_with_parent)
+
+    @property
+    def pid(self):
+        return self.popen.pid
+
+    def alive(self):
+        return self.popen.poll() is None
+
+    def failure(self, what):
+        """A BenchError that says what went wrong and shows the end of the log."""
+        tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
+        ended = "" if self.alive() else f" (it ended with status {self.popen.returncode})"
+        return BenchError("\n  ".join([f"{self.name}: {what}{ended}"] + tail))
+
+    def wait_for_line(self, start, timeout):
+        """Its first line on standard output that begins with `start`."""
+        deadline = time.monotonic() + timeout
+        while True:
+            alive = self.alive()
+            for line in self._out_path.read_text(errors="replace").splitlines(keepends=True):
+                if line.startswith(start) and line.endswith("\n"):
+                    return line.rstrip()
+            if not alive or time.monotonic() > deadline:
+                raise self.failure(f"no line '{start} …' within {timeout} s")
+            time.sleep(0.02)
+
+    def stop(self, timeout=5.0):
+        """SIGTERM, and SIGKILL if that was not enough. Returns its exit status."""
+        if self.alive():
+            self.popen.terminate()
+            try:
+                self.popen.wait(timeout)
+            except subprocess.TimeoutExpired:
+                self.popen.kill()
+                self.popen.wait()
+        return self.popen.returncode
+
+
+class Bench:
+    """A bench in a folder of its own, which goes with it unless `directory` is given."""
+
+    def __init__(self, build=None, directory=None):
+        self.programs = find_programs(build)
+        self._own_directory = directory is None
+        self.directory = pathlib.Path(directory or tempfile.mkdtemp(prefix="ovws-bench-"))
+        self.directory.mkdir(parents=True, exist_ok=True)
+        self.display = None
+        self._processes = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def log(self, name):
+        """What a program wrote on standard error."""
+        return (self.directory / f"{name}.log").read_text(errors="replace")
+
+    def process(self, name):
+        """The running program of that name, or None."""
+        return next((p for p in self._processes if p.name == name), None)
+
+    def start(self, name, command, **more):
+        process = Process(name, command, self.directory, **more)
+        self._processes.append(process)
+        return process
+
+    def stop(self, name):
+        """Ends one program of the bench, for tests of what happens then."""
+        process = self.process(name)
+        self._processes.remove(process)
+        return process.stop()
+
+    def start_display(self, number=None, timeout=20.0):
+        """An X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (1280 x 768, the SLM), on a
+        free display number unless one is given. Sets `display`."""
+        xorg = shutil.which("Xorg") or "/usr/lib/xorg/Xorg"
+        shutil.copy(HERE / "xorg-bench.conf", self.directory / "xorg-bench.conf")
+        for display in [number] if number is not None else _free_displays():
+            server = self.start("xorg", [
+                xorg, f":{display}", "-config", self.directory / "xorg-bench.conf",
+                "-logfile", self.directory / "xorg-details.log",
+                "-noreset", "-nolisten", "tcp", "-novtswitch", "-sharevts"])
+            deadline = time.monotonic() + timeout
+            while server.alive() and time.monotonic() < deadline:
+                if _serves_display(server.pid, display):
+                    self.display = f":{display}"
+                    return self.display
+                time.sleep(0.05)
+            error = server.failure("no X server")
+            taken = "already active" in server.log_path.read_text(errors="replace")
+            self.stop("xorg")
+            if not taken or number is not None:
+                raise error
+        raise BenchError("every X display number is taken")
+
+    def start_twin(self, config=None, arguments=(), timeout=10.0):
+        """The twin, with these keys of its configuration. Returns when its camera and its control
+        socket answer."""
+        path = self._write("twin.json", config or {})
+        twin = self.start("ovws-twin",
+                          [self.programs / "ovws-twin", "--config", path, *arguments],
+                          env=self._environment())
+        twin.wait_for_line("ready", timeout)
+        return twin
+
+    def start_daemon(self, config=None, timeout=15.0):
+        """The daemon, with these keys of its configuration. Returns when it has told the service
+        manager, whose part is played here, that it is ready."""
+        path = self._write("ovwsd.json", config or {})
+        notify_path = self.directory / "notify"
+        notify_path.unlink(missing_ok=True)
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
+            notify.bind(str(notify_path))
+            env = self._environment() | {"NOTIFY_SOCKET": str(notify_path)}
+            daemon = self.start("ovwsd", [self.programs / "ovwsd", "--config", path], env=env)
+            deadline = time.monotonic() + timeout
+            notify.settimeout(0.1)
+            while time.monotonic() < deadline and daemon.alive():
+                try:
+                    if b"READY=1" in notify.recv(4096).split(b"\n"):
+                        return daemon
+                except TimeoutError:
+                    pass
+        raise daemon.failure(f"not ready in {timeout} s")
+
+    def close(self):
+        """Ends all that this bench started, the last first, and removes its own folder."""
+        while self._processes:
+            self._processes.pop().stop()
+        if self._own_directory:
+            shutil.rmtree(self.directory, ignore_errors=True)
+
+    def _environment(self):
+        # Without a display of its own a program of the bench must not find the person's.
+        env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        return env | ({"DISPLAY": self.display} if self.display else {})
+
+    def _write(self, name, config):
+        path = self.directory / name
+        path.write_text(config if isinstance(config, str) else json.dumps(config, indent=2))
+        return path

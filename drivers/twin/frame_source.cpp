@@ -1,0 +1,137 @@
+#include "drivers/twin/frame_source.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <tuple>
+#include <utility>
+
+namespace ovws::twin {
+namespace {
+
+constexpr std::size_t kAhead = 4;  // frames made before they are asked for
+constexpr std::size_t kFreshHistory = 16;
+constexpr std::size_t kPool = 32;
+
+std::size_t history_of(Noise noise) {
+  if (noise == Noise::none) return 1;
+  return noise == Noise::pool ? kPool : kFreshHistory;
+}
+
+int converter_bits(const Truth& truth, PixelFormat format) {
+  return truth.bits > 0 ? truth.bits : significant_bits(format);
+}
+
+DetectorConfig detector_config(const Truth& truth, PixelFormat format) {
+  DetectorConfig config = truth.detector;
+  config.bits = converter_bits(truth, format);
+  // The black level is given for 8 bits: the same electrons whatever the converter.
+  config.black_level_dn *= std::exp2(config.bits - 8);
+  if (truth.noise == Noise::none) {
+    config.prnu = 0.0;
+    config.shot_noise = false;
+    config.read_noise_e = 0.0;
+  }
+  return config;
+}
+
+auto fields(const DetectorConfig& c) {
+  return std::tie(c.quantum_efficiency, c.prnu, c.shot_noise, c.dark_current_e_per_s,
+                  c.read_noise_e, c.full_well_e, c.black_level_dn, c.bits, c.seed);
+}
+
+/// The converter's `bits` as the left-most of the format's, as cameras do.
+std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format) {
+  const int up = significant_bits(format) - bits;
+  std::vector<std::byte> bytes(dn.pixels.size() * std::size_t(bytes_per_pixel(format)));
+  for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
+    const auto value = std::uint16_t(up >= 0 ? dn.pixels[i] << up : dn.pixels[i] >> -up);
+    if (bytes_per_pixel(format) == 1) {
+      bytes[i] = std::byte(value);
+    } else {
+      std::memcpy(&bytes[2 * i], &value, 2);
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+bool FrameSource::may_repeat() const {
+  return past_.size() >= history_of(request_->scene->truth.noise);
+}
+
+bool FrameSource::wants_more() const {
+  if (!request_ || ready_.size() >= kAhead) return false;
+  return request_->scene->truth.noise == Noise::fresh ||
+         ready_.size() + past_.size() < history_of(request_->scene->truth.noise);
+}
+
+FrameSource::Frame FrameSource::make(const FrameRequest& request) {
+  const Truth& truth = request.scene->truth;
+  const DetectorConfig config = detector_config(truth, request.format);
+  const Image<float>& intensity = *request.scene->intensity;
+  const bool same = detector_ && fields(config) == fields(detector_config_) &&
+                    intensity.width == photons_.width && intensity.height == photons_.height;
+  if (!same) {
+    detector_.emplace(config, intensity.width, intensity.height);
+    detector_config_ = config;
+    photons_ = Image<float>(intensity.width, intensity.height);
+  }
+  const float scale = float(truth.peak_electrons / config.quantum_efficiency * request.exposure_us /
+                            kReferenceExposureUs);
+  for (std::size_t i = 0; i < photons_.pixels.size(); ++i) {
+    photons_.pixels[i] = scale * intensity.pixels[i];
+  }
+  detector_->expose(photons_, request.exposure_us, request.gain_db, dn_);
+  return std::make_shared<std::vector<std::byte>>(packed(dn_, config.bits, request.format));
+}
+
+void FrameSource::work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [this] { return wants_more(); })) {
+    const FrameRequest request = *request_;
+    lock.unlock();
+    Frame frame = make(request);
+    lock.lock();
+    if (request == *request_) ready_.push_back(std::move(frame));
+    changed_.notify_all();
+  }
+}
+
+bool FrameSource::take(const FrameRequest& request, Bench::Deadline deadline,
+                       const std::stop_token& stop, std::span<std::byte> out) {
+  std::unique_lock lock(mutex_);
+  if (request_ != request) {
+    request_ = request;
+    ready_.clear();
+    past_.clear();
+  }
+  changed_.notify_all();
+  if (!changed_.wait_until(lock, stop, deadline,
+                           [this] { return !ready_.empty() || may_repeat(); })) {
+    return false;
+  }
+  Frame frame;
+  if (!ready_.empty()) {
+    frame = std::move(ready_.front());
+    ready_.pop_front();
+    ++counts_.fresh;
+  } else {
+    frame = std::move(past_.front());
+    past_.pop_front();
+    if (request_->scene->truth.noise == Noise::fresh) ++counts_.reused;
+  }
+  past_.push_back(frame);
+  if (past_.size() > history_of(request_->scene->truth.noise)) past_.pop_front();
+  lock.unlock();
+  if (frame->size() != out.size()) return false;
+  std::memcpy(out.data(), frame->data(), out.size());
+  return true;
+}
+
+FrameCounts FrameSource::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+}  // namespace ovws::twin

@@ -1,0 +1,64 @@
+/// ovws-twin: the digital twin of the bench. Starts its parts, says that it is ready, waits for
+/// the signal to end.
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <string>
+
+#include "drivers/twin/twin.hpp"
+
+namespace {
+
+/// Blocked here, before any thread exists, so that only `wait_for_end` ever sees them.
+sigset_t block_end_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+int run(const ovws::twin::Config& config, const std::string& x_display) {
+  const sigset_t end_signals = block_end_signals();
+  auto twin = ovws::twin::Twin::start(config, x_display);
+  if (!twin) {
+    std::cerr << "ovws-twin: " << twin.error().field << ": " << twin.error().reason << "\n";
+    return 1;
+  }
+  std::cout << "ready " << (*twin)->addresses() << std::endl;
+  int signal_number = 0;
+  sigwait(&end_signals, &signal_number);
+  spdlog::info("ends, signal {}", signal_number);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Digital twin of the ovws bench: watches the SLM's display, answers as its camera"};
+  std::string config_path, address, control, x_display;
+  app.add_option("--config", config_path, "JSON file; without it, the defaults");
+  app.add_option("--address", address, "address of the camera (UDP port 3956)");
+  app.add_option("--control", control, "ZeroMQ endpoint for truth and faults");
+  app.add_option("--display", x_display, "X display, default $DISPLAY");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("ovws-twin"));
+
+  auto config =
+      config_path.empty() ? ovws::twin::parse_config("{}") : ovws::twin::load_config(config_path);
+  if (!config) {
+    std::cerr << "ovws-twin: " << config.error().field << ": " << config.error().reason << "\n";
+    return 1;
+  }
+  if (!address.empty()) config->camera.address = address;
+  if (!control.empty()) config->control_endpoint = control;
+  return run(*config, x_display);
+}

@@ -1,0 +1,157 @@
+#include "drivers/twin/methods.hpp"
+
+#include "proto/reader.hpp"
+
+namespace ovws::twin {
+namespace {
+
+const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.fault"};
+const std::vector<std::string> kNoises{"fresh", "pool", "none"};
+const std::vector<std::string> kFaults{"none", "drop", "incomplete", "delay", "freeze", "unplug"};
+
+Json json_of(const Fault& fault) {
+  Json json{{"kind", kFaults[std::size_t(fault.kind)]}};
+  if (fault.frames > 0) json["frames"] = fault.frames;
+  if (fault.kind != FaultKind::none && fault.frames == 0) json["seconds"] = fault.seconds;
+  if (fault.kind == FaultKind::delay) json["delay_ms"] = fault.delay_ms;
+  return json;
+}
+
+Json json_of(const Roi& roi) {
+  return {{"x", roi.x}, {"y", roi.y}, {"width", roi.width}, {"height", roi.height}};
+}
+
+Json json_of(const std::vector<Mode>& aberration) {
+  Json modes = Json::array();
+  for (const Mode& mode : aberration) {
+    const ZernikeIndex index = zernike_index(mode.j);
+    modes.push_back({{"j", mode.j}, {"n", index.n}, {"m", index.m}, {"waves", mode.waves}});
+  }
+  return modes;
+}
+
+/// The keys that twin.set takes, with the values that are in force.
+Json json_of(const Config& config, const Truth& truth) {
+  const DetectorConfig& d = truth.detector;
+  return {{"aberration", json_of(truth.aberration)},
+          {"norm", "rms"},
+          {"peak_electrons", truth.peak_electrons},
+          {"photons", photons_per_spot(config, truth)},
+          {"quantum_efficiency", d.quantum_efficiency},
+          {"prnu", d.prnu},
+          {"shot_noise", d.shot_noise},
+          {"dark_current_e_per_s", d.dark_current_e_per_s},
+          {"read_noise_e", d.read_noise_e},
+          {"full_well_e", d.full_well_e},
+          {"black_level_dn", d.black_level_dn},
+          {"bits", truth.bits},
+          {"noise", kNoises[std::size_t(truth.noise)]}};
+}
+
+Json json_of(const CameraStatus& camera) {
+  const CameraSettings& s = camera.settings;
+  return {{"plugged", camera.plugged},
+          {"streaming", camera.streaming},
+          {"gain_db", s.gain_db},
+          {"exposure_us", s.exposure_us},
+          {"frame_rate_hz", s.frame_rate_hz},
+          {"pixel_format", pixel_format_name(s.pixel_format)},
+          {"roi", json_of(s.roi)}};
+}
+
+Json json_of(const CameraStatus& camera, const FrameCounts& frames) {
+  return {{"sent", camera.sent},     {"dropped", camera.dropped}, {"incomplete", camera.incomplete},
+          {"late", camera.late},     {"refused", camera.refused}, {"fresh", frames.fresh},
+          {"reused", frames.reused}, {"nudges", camera.nudges}};
+}
+
+RpcAnswer failed(const Error& error) {
+  return tl::make_unexpected(rpc_failure(error));
+}
+
+}  // namespace
+
+RpcAnswer Methods::call(const std::string& method, const Json& params) {
+  if (method == "twin.get") return get(params);
+  if (method == "twin.set") return set(params);
+  if (method == "twin.fault") return fault(params);
+  Json data{{"reason", "there is no method " + method}};
+  if (const auto near = nearest_name(method, kMethods)) data["nearest"] = *near;
+  return tl::make_unexpected(RpcFailure{RpcCode::method, "method not found", data});
+}
+
+RpcAnswer Methods::get(const Json& params) const {
+  if (auto done = ObjectReader(params, "").finish(); !done) return failed(done.error());
+  const Truth truth = deps_.bench.truth();
+  const CameraStatus camera = deps_.camera.status();
+  const BenchStatus bench = deps_.bench.status();
+  const ScreenStatus screen = deps_.screen.status();
+
+  Json result = json_of(config_, truth);
+  Json spots = Json::array();
+  for (const Vec2& spot : true_spots_px(config_, truth.aberration)) {
+    spots.push_back({{"i", spots.size()},
+                     {"x", spot.x - camera.settings.roi.x},
+                     {"y", spot.y - camera.settings.roi.y}});
+  }
+  result["spots"] = std::move(spots);
+  result["charge"] = config_.sensor.charge;
+  result["camera"] = json_of(camera);
+  result["frames"] = json_of(camera, deps_.frames.counts());
+  result["display"] = {{"output", config_.slm.display},
+                       {"shown", screen.shown},
+                       {"text", screen.text},
+                       {"grabs", screen.grabs},
+                       {"connects", screen.connects}};
+  result["bench"] = {{"changes", bench.changes},
+                     {"far_fields", bench.far_fields},
+                     {"far_field_ms", bench.far_field_ms}};
+  result["fault"] = json_of(deps_.faults.active());
+  return result;
+}
+
+RpcAnswer Methods::set(const Json& params) {
+  Truth truth = deps_.bench.truth();
+  ObjectReader reader(params, "");
+  double photons = -1.0;
+  read_aberration(reader, truth);
+  read_detector(reader, truth);
+  read_noise(reader, truth);
+  reader.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
+  reader.number("photons", photons, 0.0, 1e15);
+  if (reader.has("photons") && reader.has("peak_electrons")) {
+    reader.fault("photons", "give either photons or peak_electrons, not both");
+  }
+  if (auto done = reader.finish(); !done) return failed(done.error());
+  if (reader.has("photons")) truth.peak_electrons = peak_electrons_for(config_, truth, photons);
+  deps_.bench.set_truth(truth);
+  const Json now = json_of(config_, truth);
+  Json applied = Json::object();
+  for (const auto& [key, value] : params.items()) applied[key] = now.at(key);
+  return Json{{"requested", params}, {"applied", std::move(applied)}};
+}
+
+RpcAnswer Methods::fault(const Json& params) {
+  ObjectReader reader(params, "");
+  Fault fault;
+  int kind = 0;
+  reader.require("kind");
+  reader.choice("kind", kind, kFaults);
+  reader.integer("frames", fault.frames, 1, 1'000'000);
+  reader.number("seconds", fault.seconds, 0.001, 3600.0);
+  reader.number("delay_ms", fault.delay_ms, 0.0, 1000.0);
+  fault.kind = FaultKind(kind);
+  const bool timed_only = fault.kind == FaultKind::freeze || fault.kind == FaultKind::unplug;
+  if (fault.kind != FaultKind::none && reader.has("frames") == reader.has("seconds")) {
+    reader.fault("seconds", "give either seconds or frames");
+  }
+  if (timed_only && reader.has("frames")) reader.fault("frames", "give seconds for this fault");
+  if (reader.has("delay_ms") != (fault.kind == FaultKind::delay)) {
+    reader.fault("delay_ms", "belongs to the fault delay, and only to it");
+  }
+  if (auto done = reader.finish(); !done) return failed(done.error());
+  deps_.faults.order(fault);
+  return json_of(deps_.faults.active());
+}
+
+}  // namespace ovws::twin

@@ -1,0 +1,106 @@
+#include "drivers/twin/slm_model.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/optics/wavefront_rows.hpp"
+
+namespace ovws::twin {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+std::complex<float> phasor(double waves) {
+  const double angle = kTwoPi * (waves - std::floor(waves));
+  return {float(std::cos(angle)), float(std::sin(angle))};
+}
+
+std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
+  std::array<std::complex<float>, 256> lut;
+  for (std::size_t g = 0; g < lut.size(); ++g) {
+    lut[g] = phasor(slm.depth_waves * std::pow(double(g) / 256.0, slm.gamma));
+  }
+  return lut;
+}
+
+/// A few long waves in random directions: smooth, as the glass of an SLM bends.
+Image<float> make_surface(const SlmConfig& slm) {
+  constexpr int kWaves = 8;
+  constexpr double kMaxCyclesAcross = 2.5;
+  Image<float> surface(slm.geometry.width_px, slm.geometry.height_px);
+  std::mt19937_64 random{std::uint64_t(slm.flatness_seed)};
+  const auto uniform = [&random] { return double(random() >> 11) * 0x1.0p-53; };
+  // The sum of kWaves cosines of amplitude a has the RMS a sqrt(kWaves / 2).
+  const double amplitude = slm.flatness_rms_waves * std::sqrt(2.0 / kWaves);
+  for (int k = 0; k < kWaves; ++k) {
+    const double direction = kTwoPi * uniform(), start = uniform();
+    const double cycles = (0.5 + (kMaxCyclesAcross - 0.5) * uniform()) / surface.height;
+    const double fx = cycles * std::cos(direction), fy = cycles * std::sin(direction);
+    for (int y = 0; y < surface.height; ++y) {
+      float* row = surface.row(y);
+      for (int x = 0; x < surface.width; ++x) {
+        row[x] += float(amplitude * std::cos(kTwoPi * (fx * x + fy * y + start)));
+      }
+    }
+  }
+  return surface;
+}
+
+Image<float> make_gaussian_beam(const SlmGeometry& slm, double diameter_px) {
+  Image<float> amplitude(slm.width_px, slm.height_px);
+  // The intensity falls to 1/e^2, so the amplitude to 1/e, at half the diameter.
+  const double radius2 = diameter_px * diameter_px / 4.0;
+  for (int y = 0; y < slm.height_px; ++y) {
+    const double dy = y - (slm.height_px - 1) / 2.0;
+    for (int x = 0; x < slm.width_px; ++x) {
+      const double dx = x - (slm.width_px - 1) / 2.0;
+      amplitude.at(x, y) = float(std::exp(-(dx * dx + dy * dy) / radius2));
+    }
+  }
+  return amplitude;
+}
+
+}  // namespace
+
+SlmModel::SlmModel(const Config& config)
+    : config_(config),
+      phasor_of_grey_(make_lut(config.slm)),
+      incident_(config.slm.geometry.width_px, config.slm.geometry.height_px) {
+  if (config.slm.flatness_rms_waves > 0.0) surface_waves_ = make_surface(config.slm);
+  if (config.light.shape == LightShape::gaussian) {
+    amplitude_ = make_gaussian_beam(config.slm.geometry, config.light.diameter_px);
+  }
+  set_aberration(config.truth.aberration);
+}
+
+void SlmModel::set_aberration(std::span<const Mode> modes) {
+  const int width = incident_.width, height = incident_.height;
+  const WavefrontRows wavefront(modes, Vec2{(width - 1) / 2.0, (height - 1) / 2.0},
+                                config_.sensor.pupil_diameter_px);
+  std::vector<double> waves(std::size_t(width), 0.0);
+  for (int y = 0; y < height; ++y) {
+    wavefront.waves(y, 0, waves);
+    std::complex<float>* row = incident_.row(y);
+    for (int x = 0; x < width; ++x) {
+      const double surface = surface_waves_.width > 0 ? double(surface_waves_.at(x, y)) : 0.0;
+      row[x] = phasor(waves[std::size_t(x)] + surface);
+      if (amplitude_.width > 0) row[x] *= amplitude_.at(x, y);
+    }
+  }
+}
+
+void SlmModel::modulate(const Image<std::uint8_t>& grey, Image<std::complex<float>>& field) const {
+  if (field.width != grey.width || field.height != grey.height) {
+    field = Image<std::complex<float>>(grey.width, grey.height);
+  }
+  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
+    // By hand: std::complex's product checks for infinities, which costs ten times as much.
+    const std::complex<float> a = incident_.pixels[i], b = phasor_of_grey_[grey.pixels[i]];
+    field.pixels[i] = {a.real() * b.real() - a.imag() * b.imag(),
+                       a.real() * b.imag() + a.imag() * b.real()};
+  }
+}
+
+}  // namespace ovws::twin

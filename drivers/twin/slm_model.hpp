@@ -1,0 +1,33 @@
+/// The twin's own SLM and the light on it: from grey levels to the field that leaves the SLM.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <span>
+
+#include "core/base/image.hpp"
+#include "core/optics/zernike.hpp"
+#include "drivers/twin/twin_config.hpp"
+
+namespace ovws::twin {
+
+/// One thread at a time.
+class SlmModel {
+ public:
+  explicit SlmModel(const Config& config);
+
+  /// The wavefront of the light that meets the SLM, over the sensor's pupil and continued outside.
+  void set_aberration(std::span<const Mode> modes);
+
+  /// `grey`: width x height of the SLM; `field` likewise, amplitude 1 in the middle of the beam.
+  void modulate(const Image<std::uint8_t>& grey, Image<std::complex<float>>& field) const;
+
+ private:
+  Config config_;
+  std::array<std::complex<float>, 256> phasor_of_grey_;
+  Image<float> surface_waves_;           ///< flatness error; empty: none
+  Image<float> amplitude_;               ///< of the beam; empty: 1 everywhere
+  Image<std::complex<float>> incident_;  ///< beam, aberration and surface
+};
+
+}  // namespace ovws::twin

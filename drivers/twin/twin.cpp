@@ -1,0 +1,47 @@
+#include "drivers/twin/twin.hpp"
+
+namespace ovws::twin {
+
+Twin::Twin(const Config& config, const std::string& x_display)
+    : config_(config), bench_(config), screen_(config.slm, x_display, bench_) {}
+
+Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::string& x_display) {
+  std::unique_ptr<Twin> twin(new Twin(config, x_display));
+  auto control = Control::bind(config.control_endpoint);
+  if (!control) return fail(control.error());
+  auto camera = FakeCamera::plug_in(config.camera, {twin->bench_, twin->frames_, twin->faults_});
+  if (!camera) return fail(camera.error());
+  twin->control_ = std::move(*control);
+  twin->camera_ = std::move(*camera);
+  twin->methods_ = std::make_unique<Methods>(
+      config,
+      Methods::Deps{twin->bench_, twin->frames_, twin->faults_, twin->screen_, *twin->camera_});
+
+  Twin* const t = twin.get();
+  t->bench_thread_ = std::jthread([t](const std::stop_token& stop) { t->bench_.work(stop); });
+  t->noise_thread_ = std::jthread([t](const std::stop_token& stop) { t->frames_.work(stop); });
+  t->screen_thread_ = std::jthread([t](const std::stop_token& stop) { t->screen_.work(stop); });
+  t->camera_thread_ = std::jthread([t](const std::stop_token& stop) { t->camera_->work(stop); });
+  t->control_thread_ = std::jthread([t](const std::stop_token& stop) {
+    t->control_->work(stop,
+                      [t](const std::string& method, const Json& params, const RpcReply& reply) {
+                        reply(t->methods_->call(method, params));
+                      });
+  });
+  return twin;
+}
+
+Twin::~Twin() {
+  for (std::jthread* thread :
+       {&control_thread_, &camera_thread_, &screen_thread_, &noise_thread_, &bench_thread_}) {
+    thread->request_stop();
+  }
+  if (camera_) camera_->request_stop();
+}
+
+std::string Twin::addresses() const {
+  return "camera=" + config_.camera.address + ":3956/udp control=" + control_->endpoint() +
+         " slm=" + config_.slm.display;
+}
+
+}  // namespace ovws::twin

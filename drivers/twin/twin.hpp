@@ -1,0 +1,47 @@
+/// The whole twin: its parts, and every thread that it has.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "core/base/result.hpp"
+#include "drivers/twin/bench.hpp"
+#include "drivers/twin/control.hpp"
+#include "drivers/twin/fake_camera.hpp"
+#include "drivers/twin/faults.hpp"
+#include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/methods.hpp"
+#include "drivers/twin/screen.hpp"
+#include "drivers/twin/twin_config.hpp"
+
+namespace ovws::twin {
+
+class Twin {
+ public:
+  /// Camera and control answer when this returns; the display may come later. Errors as those of
+  /// FakeCamera::plug_in and Control::bind.
+  static Result<std::unique_ptr<Twin>> start(const Config& config, const std::string& x_display);
+  ~Twin();
+  Twin(const Twin&) = delete;
+  Twin& operator=(const Twin&) = delete;
+
+  std::string addresses() const;  ///< for the line that says that the twin is ready
+
+ private:
+  Twin(const Config& config, const std::string& x_display);
+
+  const Config config_;
+  Bench bench_;
+  FrameSource frames_;
+  Faults faults_;
+  Screen screen_;
+  std::unique_ptr<FakeCamera> camera_;
+  std::unique_ptr<Control> control_;
+  std::unique_ptr<Methods> methods_;
+
+  // Declared last, so that they end before what they use. Aravis has one thread more.
+  std::jthread bench_thread_, noise_thread_, screen_thread_, camera_thread_, control_thread_;
+};
+
+}  // namespace ovws::twin

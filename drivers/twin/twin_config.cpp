@@ -1,0 +1,162 @@
+#include "drivers/twin/twin_config.hpp"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+#include "proto/requests.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws::twin {
+namespace {
+
+constexpr int kMaxConfigDepth = 16;
+
+void read(ObjectReader& r, CameraConfig& camera) {
+  r.string("address", camera.address);
+  r.string("serial", camera.serial);
+  if (camera.serial.empty() || camera.serial.size() > 15) {
+    r.fault("serial", "must have 1 to 15 characters");
+  }
+  r.integer("sensor_width", camera.sensor_width, 64, 8192);
+  r.integer("sensor_height", camera.sensor_height, 64, 8192);
+}
+
+void read(ObjectReader& r, SlmConfig& slm) {
+  using namespace limits;
+  r.string("display", slm.display);
+  r.integer("width", slm.geometry.width_px, kSlmSizePx.min, kSlmSizePx.max);
+  r.integer("height", slm.geometry.height_px, kSlmSizePx.min, kSlmSizePx.max);
+  r.number("pitch_um", slm.geometry.pitch_um, kSlmPitchUm.min, kSlmPitchUm.max);
+  r.number("gamma", slm.gamma, 0.1, 10.0);
+  r.number("depth_waves", slm.depth_waves, 0.0, 4.0);
+  r.number("flatness_rms_waves", slm.flatness_rms_waves, 0.0, 10.0);
+  r.integer("flatness_seed", slm.flatness_seed, 0, 1'000'000);
+}
+
+void read(ObjectReader& r, OpticsConfig& optics) {
+  using namespace limits;
+  r.number("wavelength_nm", optics.wavelength_nm, kWavelengthNm.min, kWavelengthNm.max);
+  r.number("focal_length_mm", optics.focal_length_mm, kFocalLengthMm.min, kFocalLengthMm.max);
+  r.number("magnification", optics.magnification, kMagnification.min, kMagnification.max);
+  r.number("camera_pitch_um", optics.camera_pitch_um, kCameraPitchUm.min, kCameraPitchUm.max);
+  std::vector<double> centre{optics.centre_px->x, optics.centre_px->y};
+  r.numbers("centre_px", centre, 2, 2, kCentrePx.min, kCentrePx.max);
+  optics.centre_px = Vec2{centre[0], centre[1]};
+}
+
+void read(ObjectReader& r, SensorConfig& sensor) {
+  using namespace limits;
+  int grid = int(sensor.grid);
+  std::vector<double> grooves(sensor.grooves.begin(), sensor.grooves.end());
+  r.integer("charge", sensor.charge, kCharge.min, kCharge.max);
+  r.choice("grid", grid, grid_names());
+  r.integer("subapertures_across", sensor.subapertures_across, kSubaperturesAcross.min,
+            kSubaperturesAcross.max);
+  r.number("pupil_diameter_px", sensor.pupil_diameter_px, kPupilDiameterPx.min,
+           kPupilDiameterPx.max);
+  r.numbers("grooves", grooves, 2, 2, kGrooves.min, kGrooves.max);
+  r.number("spacing", sensor.spacing, kSpacing.min, kSpacing.max);
+  sensor.grid = Grid(grid);
+  sensor.grooves = {grooves[0], grooves[1]};
+}
+
+void read(ObjectReader& r, LightConfig& light, Truth& truth) {
+  int shape = int(light.shape);
+  r.choice("shape", shape, {"uniform", "gaussian"});
+  light.shape = LightShape(shape);
+  r.number("diameter_px", light.diameter_px, 10.0, 100e3);
+  r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
+}
+
+void read(ObjectReader& r, Config& c) {
+  r.object("camera", [&](ObjectReader& in) { read(in, c.camera); });
+  r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
+  r.object("optics", [&](ObjectReader& in) { read(in, c.optics); });
+  r.object("sensor", [&](ObjectReader& in) { read(in, c.sensor); });
+  r.object("light", [&](ObjectReader& in) { read(in, c.light, c.truth); });
+  r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
+  r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
+  read_aberration(r, c.truth);
+  read_noise(r, c.truth);
+}
+
+/// Per photon in the brightest pixel of an ideal charge-1 spot: photons in the whole spot.
+double photons_per_peak_photon(const Config& config) {
+  // |F|max = kVortexPeak A for an aperture of A pixels, and the sum of |F|^2 over the frequencies
+  // is A (Parseval); a camera pixel spans 1 / S cycles per SLM pixel.
+  const double radius = config.sensor.pupil_diameter_px / config.sensor.subapertures_across / 2;
+  const double area = std::numbers::pi * radius * radius;
+  const double scale = camera_px_per_cycle(config.optics, config.slm.geometry);
+  return scale * scale / (kVortexPeak * kVortexPeak * area);
+}
+
+}  // namespace
+
+void read_aberration(ObjectReader& r, Truth& truth) {
+  int norm = int(ZernikeNorm::rms);
+  r.choice("norm", norm, norm_names());
+  const nlohmann::json* modes = r.raw("aberration");
+  if (modes == nullptr || r.failed()) return;
+  const auto decoded =
+      decode_aberration_set({{"modes", *modes}, {"norm", norm_names()[std::size_t(norm)]}});
+  if (decoded) {
+    truth.aberration = *decoded;
+    return;
+  }
+  const std::string within = decoded.error().field.substr(std::string("modes").size());
+  r.fault("aberration" + within, decoded.error().reason);
+}
+
+void read_detector(ObjectReader& r, Truth& truth) {
+  DetectorConfig& d = truth.detector;
+  r.number("quantum_efficiency", d.quantum_efficiency, 0.001, 1.0);
+  r.number("prnu", d.prnu, 0.0, 0.5);
+  r.boolean("shot_noise", d.shot_noise);
+  r.number("dark_current_e_per_s", d.dark_current_e_per_s, 0.0, 1e6);
+  r.number("read_noise_e", d.read_noise_e, 0.0, 1e5);
+  r.number("full_well_e", d.full_well_e, 10.0, 1e7);
+  r.number("black_level_dn", d.black_level_dn, 0.0, 1000.0);
+  r.integer("bits", truth.bits, 0, 16);
+}
+
+void read_noise(ObjectReader& r, Truth& truth) {
+  int noise = int(truth.noise);
+  r.choice("noise", noise, {"fresh", "pool", "none"});
+  truth.noise = Noise(noise);
+}
+
+double photons_per_spot(const Config& config, const Truth& truth) {
+  return truth.peak_electrons / truth.detector.quantum_efficiency * photons_per_peak_photon(config);
+}
+
+double peak_electrons_for(const Config& config, const Truth& truth, double photons) {
+  return photons * truth.detector.quantum_efficiency / photons_per_peak_photon(config);
+}
+
+Result<Config> parse_config(const std::string& json_text) {
+  const auto json = parse_strict_json(json_text, kMaxConfigDepth, JsonComments::allowed);
+  if (!json) return fail(Errc::invalid, "", json.error().reason);
+  Config config;
+  ObjectReader reader(*json, "");
+  read(reader, config);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return config;
+}
+
+Result<Config> load_config(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    return fail(Errc::unavailable, "", "cannot read the configuration file " + path);
+  }
+  auto config = parse_config(text.str());
+  if (!config) config.error().reason += " (in " + path + ")";
+  return config;
+}
+
+}  // namespace ovws::twin

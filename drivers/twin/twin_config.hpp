@@ -1,0 +1,90 @@
+/// The twin's configuration: what the bench is made of. Every key has a default, `{}` is valid.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/optics/detector.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/zernike.hpp"
+#include "proto/reader.hpp"
+
+namespace ovws::twin {
+
+struct CameraConfig {
+  std::string address = "127.0.0.1";  ///< of a network interface of this machine; UDP port 3956
+  std::string serial = "TWIN0001";
+  int sensor_width = 1024;
+  int sensor_height = 1024;
+};
+
+/// What the SLM really does with a grey level g: phase = 2 pi depth_waves (g / 256)^gamma, and the
+/// error of its surface on top. The daemon does not know it.
+struct SlmConfig {
+  std::string display = "DUMMY1";  ///< output name that the X server gives
+  SlmGeometry geometry;            ///< keys width, height, pitch_um
+  double gamma = 1.0;
+  double depth_waves = 1.0;
+  double flatness_rms_waves = 0.0;  ///< of a smooth random surface, RMS over the SLM
+  int flatness_seed = 1;
+};
+
+enum class LightShape { uniform, gaussian };
+
+struct LightConfig {
+  LightShape shape = LightShape::uniform;
+  double diameter_px = 1200.0;  ///< SLM pixels: 1/e^2 diameter of a Gaussian beam; else not used
+};
+
+enum class Noise {
+  fresh,  ///< a new realisation for each frame; when that is too slow an old one again, counted
+  pool,   ///< 32 realisations in turn: little work for the machine
+  none,   ///< the mean image, quantised
+};
+
+/// What can change while the twin runs, and only the twin knows.
+struct Truth {
+  /// The wavefront of the light that meets the SLM, over the sensor's pupil.
+  std::vector<Mode> aberration;
+  /// Electrons in the brightest pixel of an ideal charge-1 spot after kReferenceExposureUs. The
+  /// laser's power stays what that makes it: a charge-0 spot peaks 3.9 times higher, and where
+  /// neighbouring spots interfere a charge-1 spot reaches 1.2 to 1.4 times as much.
+  double peak_electrons = 6000.0;
+  DetectorConfig detector;  ///< bits: not used
+  int bits = 0;             ///< of the converter; 0: as many as the pixel format has
+  Noise noise = Noise::fresh;
+};
+
+struct Config {
+  CameraConfig camera;
+  SlmConfig slm;
+  /// centre_px: where on the *sensor* (not in the ROI) the base spot falls; always set.
+  OpticsConfig optics = {.centre_px = Vec2{255.5, 255.5}};
+  SensorConfig sensor;  ///< the hologram expected: its pupil, and where its spots should be
+  LightConfig light;
+  Truth truth;
+  std::string control_endpoint = "tcp://127.0.0.1:7790";
+};
+
+constexpr double kReferenceExposureUs = 2000.0;
+/// Greatest |F| of a charge-1 vortex behind a uniform circular aperture, in units of the
+/// aperture's area: the maximum over q of 2 integral_0^1 J1(q t) t dt, at q = 2.4525.
+constexpr double kVortexPeak = 0.508681;
+
+/// Strict; comments are allowed in the text. Errors (Errc::invalid) name the dotted path.
+Result<Config> parse_config(const std::string& json_text);
+/// The error's reason names the file.
+Result<Config> load_config(const std::string& path);
+
+/// Reads the keys of Truth from an object: `aberration`, `norm`, and `peak_electrons` …
+void read_aberration(ObjectReader& reader, Truth& truth);
+void read_detector(ObjectReader& reader, Truth& truth);
+void read_noise(ObjectReader& reader, Truth& truth);
+
+/// Mean photons that one subaperture sends to the camera in kReferenceExposureUs, and back.
+double photons_per_spot(const Config& config, const Truth& truth);
+double peak_electrons_for(const Config& config, const Truth& truth, double photons);
+
+}  // namespace ovws::twin

@@ -1,0 +1,212 @@
+#include "drivers/twin/x_output.hpp"
+
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#include <X11/extensions/XShm.h>
+#include <X11/extensions/Xdamage.h>
+#include <X11/extensions/Xrandr.h>
+#include <sys/ipc.h>
+#include <sys/shm.h>
+
+#include <utility>
+
+namespace ovws::twin {
+namespace {
+
+// Xlib reports through callbacks without context, and only one thread uses it.
+bool x_error = false;
+
+int note_error(::Display*, XErrorEvent*) {
+  x_error = true;
+  return 0;
+}
+int note_io_error(::Display*) {
+  return 0;
+}
+void stay_alive(::Display*, void* dead) {
+  *static_cast<bool*>(dead) = true;
+}
+
+/// True if no X error came since `x_error` was last cleared.
+bool all_well(::Display* display) {
+  XSync(display, False);
+  return !std::exchange(x_error, false);
+}
+
+struct Rectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// The output's place on the X screen.
+Result<Rectangle> find_output(::Display* display, const std::string& name) {
+  Rectangle place;
+  std::string known;
+  bool found = false;
+  XRRScreenResources* all = XRRGetScreenResourcesCurrent(display, DefaultRootWindow(display));
+  for (int i = 0; all != nullptr && i < all->noutput; ++i) {
+    XRROutputInfo* output = XRRGetOutputInfo(display, all, all->outputs[i]);
+    if (output == nullptr) continue;
+    XRRCrtcInfo* crtc = output->crtc != 0 ? XRRGetCrtcInfo(display, all, output->crtc) : nullptr;
+    if (crtc != nullptr) known += std::string(known.empty() ? "" : ", ") + output->name;
+    if (crtc != nullptr && name == output->name) {
+      place = {crtc->x, crtc->y, int(crtc->width), int(crtc->height)};
+      found = true;
+    }
+    if (crtc != nullptr) XRRFreeCrtcInfo(crtc);
+    XRRFreeOutputInfo(output);
+  }
+  if (all != nullptr) XRRFreeScreenResources(all);
+  if (found) return place;
+  return fail(Errc::unavailable, "slm.display",
+              "no output " + name + " is on; there are: " + (known.empty() ? "none" : known));
+}
+
+}  // namespace
+
+struct XOutput::Impl {
+  bool dead = false;  // set by Xlib's I/O error handler, which keeps this address
+  ::Display* display = nullptr;
+  Rectangle place;
+  XShmSegmentInfo segment{};
+  XImage* image = nullptr;
+  Damage damage = 0;
+  int damage_event = 0, randr_event = 0;
+
+  ~Impl();
+  Result<void> connect(const std::string& name);
+  Result<void> watch(const std::string& output, int width, int height);
+  bool share_memory();
+};
+
+XOutput::Impl::~Impl() {
+  if (image != nullptr) {
+    if (!dead) XShmDetach(display, &segment);
+    shmdt(segment.shmaddr);
+    image->data = nullptr;
+    XDestroyImage(image);
+  }
+  if (display != nullptr) XCloseDisplay(display);
+  x_error = false;
+}
+
+Result<void> XOutput::Impl::connect(const std::string& name) {
+  XSetErrorHandler(note_error);
+  XSetIOErrorHandler(note_io_error);
+  display = XOpenDisplay(name.empty() ? nullptr : name.c_str());
+  if (display == nullptr) {
+    return fail(Errc::unavailable, "", "no X server answers at display '" + name + "'");
+  }
+  // Without it Xlib ends the process when the server goes away.
+  XSetIOErrorExitHandler(display, stay_alive, &dead);
+  int error = 0;
+  if (!XDamageQueryExtension(display, &damage_event, &error) ||
+      !XRRQueryExtension(display, &randr_event, &error) || !XShmQueryExtension(display)) {
+    return fail(Errc::unavailable, "",
+                "the X server at '" + name + "' lacks DAMAGE, RANDR or MIT-SHM");
+  }
+  return {};
+}
+
+bool XOutput::Impl::share_memory() {
+  const int screen = DefaultScreen(display);
+  XImage* shared = XShmCreateImage(display, DefaultVisual(display, screen),
+                                   unsigned(DefaultDepth(display, screen)), ZPixmap, nullptr,
+                                   &segment, unsigned(place.width), unsigned(place.height));
+  if (shared == nullptr) return false;
+  const std::size_t size = std::size_t(shared->bytes_per_line) * std::size_t(shared->height);
+  segment.shmid = shmget(IPC_PRIVATE, size, IPC_CREAT | 0600);
+  void* address = segment.shmid < 0 ? nullptr : shmat(segment.shmid, nullptr, 0);
+  const bool mapped = address != nullptr && address != reinterpret_cast<void*>(-1);
+  bool attached = false;
+  if (mapped) {
+    segment.shmaddr = static_cast<char*>(address);
+    shared->data = segment.shmaddr;
+    attached = XShmAttach(display, &segment) != 0 && all_well(display);
+  }
+  // Marked for removal now, it goes when both sides let go of it, however they end.
+  if (segment.shmid >= 0) shmctl(segment.shmid, IPC_RMID, nullptr);
+  const bool grey_in_blue =
+      shared->bits_per_pixel == 32 && shared->blue_mask == 0xff && shared->byte_order == LSBFirst;
+  if (attached && grey_in_blue) {
+    image = shared;
+    return true;
+  }
+  if (attached) XShmDetach(display, &segment);
+  if (mapped) shmdt(segment.shmaddr);
+  shared->data = nullptr;
+  XDestroyImage(shared);
+  return false;
+}
+
+Result<void> XOutput::Impl::watch(const std::string& output, int width, int height) {
+  const auto found = find_output(display, output);
+  if (!found) return fail(found.error());
+  place = *found;
+  if (place.width != width || place.height != height) {
+    return fail(Errc::refused, "slm.width",
+                output + " shows " + std::to_string(place.width) + " x " +
+                    std::to_string(place.height) + ", the SLM has " + std::to_string(width) +
+                    " x " + std::to_string(height) + " pixels");
+  }
+  if (!share_memory()) {
+    return fail(Errc::unavailable, "slm.display",
+                "the X server shares no 24-bit picture memory with this process (is it remote?)");
+  }
+  const Window root = DefaultRootWindow(display);
+  XRRSelectInput(display, root, RRScreenChangeNotifyMask | RRCrtcChangeNotifyMask);
+  damage = XDamageCreate(display, root, XDamageReportNonEmpty);
+  if (!all_well(display) || dead) {
+    return fail(Errc::unavailable, "", "the X server refused to report changes of the screen");
+  }
+  return {};
+}
+
+XOutput::XOutput(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+XOutput::~XOutput() = default;
+
+Result<std::unique_ptr<XOutput>> XOutput::open(const std::string& display,
+                                               const std::string& output, int width, int height) {
+  auto impl = std::make_unique<Impl>();
+  if (auto done = impl->connect(display); !done) return fail(done.error());
+  if (auto done = impl->watch(output, width, height); !done) return fail(done.error());
+  return std::unique_ptr<XOutput>(new XOutput(std::move(impl)));
+}
+
+int XOutput::descriptor() const {
+  return ConnectionNumber(impl_->display);
+}
+
+XOutput::News XOutput::read_news() {
+  News news = News::none;
+  while (!impl_->dead && XPending(impl_->display) > 0) {
+    XEvent event;
+    XNextEvent(impl_->display, &event);
+    if (event.type == impl_->damage_event + XDamageNotify) {
+      // Cleared before the pixels are read, so that a change during the reading is news again.
+      XDamageSubtract(impl_->display, impl_->damage, None, None);
+      news = News::pixels;
+    } else if (event.type == impl_->randr_event + RRScreenChangeNotify ||
+               event.type == impl_->randr_event + RRNotify) {
+      return News::lost;
+    }
+  }
+  return impl_->dead || x_error ? News::lost : news;
+}
+
+bool XOutput::grab(Image<std::uint8_t>& grey) {
+  const Rectangle& place = impl_->place;
+  if (grey.width != place.width || grey.height != place.height) {
+    grey = Image<std::uint8_t>(place.width, place.height);
+  }
+  const bool given = XShmGetImage(impl_->display, DefaultRootWindow(impl_->display), impl_->image,
+                                  place.x, place.y, AllPlanes) != 0;
+  if (!given || impl_->dead || x_error) return false;
+  for (int y = 0; y < place.height; ++y) {
+    const char* from = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
+    std::uint8_t* to = grey.row(y);
+    for (int x = 0; x < place.width; ++x) to[x] = std::uint8_t(from[4 * x]);
+  }
+  return true;
+}
+
+}  // namespace ovws::twin
