@@ -1,0 +1,174 @@
+#include "daemon/app.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "daemon/camera_actor.hpp"
+#include "daemon/handlers/methods.hpp"
+#include "daemon/image_publisher.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/service_notify.hpp"
+#include "daemon/slm_loop.hpp"
+#include "daemon/status_reporter.hpp"
+#include "daemon/stream_publisher.hpp"
+#include "daemon/thread_plan.hpp"
+#include "drivers/zmq/control_server.hpp"
+#include "drivers/zmq/publisher.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
+constexpr int kImageQueue = 4;           ///< an image is a MiB or more
+
+}  // namespace
+
+/// In the order in which each needs the ones before; destroyed in reverse.
+struct App::Parts {
+  Config config;
+  std::string config_path;
+  Counters counters;
+  StreamQueue queue;
+  Events events{queue};
+  StateKeeper state{events};
+  LatestValue<ShownHologram> shown;
+  LatestValue<AppliedSettings> settings;
+  LatencyHistogram published_latency;
+  Pipeline pipeline;
+  ReferenceCollector collector;
+  Jobs jobs{events};
+  SlmLoop slm;
+  CameraActor camera;
+  std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<StreamPublisher> stream;
+  std::unique_ptr<ImagePublisher> images;
+  std::unique_ptr<StatusReporter> status;
+  std::unique_ptr<Services> services;
+  std::unique_ptr<ControlServer> control;
+  ThreadPlan threads;
+
+  Parts(const Config& c, std::string path)
+      : config(c),
+        config_path(std::move(path)),
+        pipeline(config.pipeline, {counters, shown, settings}),
+        slm(config.slm,
+            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
+        camera(config.camera, {pipeline, settings, counters, events,
+                               [this](const CameraSnapshot& now) { camera_changed(now); }}),
+        threads(config.realtime) {}
+
+  void camera_changed(const CameraSnapshot& now) {
+    if (now.connected) {
+      instrument->camera_changed(now.settings.roi, now.settings.pixel_format);
+    }
+    state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
+  }
+  void display_changed(const SlmSnapshot& now) {
+    state.take(now.healthy ? DaemonEvent::display_connected : DaemonEvent::display_lost);
+  }
+
+  Result<void> make_instrument();
+  Result<void> bind_streams();
+  Result<void> bind_control();
+  Result<void> start_threads();
+};
+
+Result<void> App::Parts::make_instrument() {
+  auto made = Instrument::make(
+      config, {pipeline, slm, collector, jobs, events, [this](bool runs) {
+                 state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended);
+               }});
+  if (!made) return fail(made.error());
+  instrument = std::move(*made);
+  return {};
+}
+
+Result<void> App::Parts::bind_streams() {
+  auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue);
+  if (!measurement) return fail(measurement.error());
+  auto pictures = Publisher::bind(config.stream.image_endpoint, kImageQueue);
+  if (!pictures) return fail(pictures.error());
+  const double wavelength_nm = config.optics.wavelength_nm;
+  stream = std::make_unique<StreamPublisher>(
+      std::move(*measurement), wavelength_nm,
+      StreamPublisherDeps{pipeline, collector, counters, queue, published_latency});
+  ImagePublisherConfig image_config;
+  image_config.rate_hz = config.stream.image_rate_hz;
+  image_config.wavelength_nm = wavelength_nm;
+  images = std::make_unique<ImagePublisher>(std::move(*pictures), image_config, pipeline, counters);
+  status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
+                                                       pipeline, published_latency, counters, queue,
+                                                       [this] { return threads.hung_thread(); }});
+  return {};
+}
+
+Result<void> App::Parts::bind_control() {
+  services = std::make_unique<Services>(
+      Services{config, config_path, state, camera, slm, *instrument, jobs, *status, counters});
+  const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
+                                  RpcReply reply) {
+    dispatch(*services, method, params, std::move(reply));
+  };
+  auto bound =
+      ControlServer::bind(config.control.endpoint, kMaxRequestBytes, oversize_reply(),
+                          [call](std::string_view request, std::function<void(std::string)> reply) {
+                            handle_rpc_frame(request, call, std::move(reply));
+                          });
+  if (!bound) return fail(bound.error());
+  control = std::move(*bound);
+  return {};
+}
+
+/// Consumers first, so that what a thread makes finds its taker; they are stopped in the reverse
+/// order.
+Result<void> App::Parts::start_threads() {
+  if (auto locked = threads.prepare_process(); !locked) return locked;
+  struct Start {
+    ThreadRole role;
+    Agent& agent;
+  };
+  std::vector<Start> starts{{ThreadRole::publish, *stream},
+                            {ThreadRole::images, *images},
+                            {ThreadRole::prepare, *instrument},
+                            {ThreadRole::status, *status}};
+  if (config.pipeline.workers > 0)
+    starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
+  for (int k = 0; k < config.pipeline.workers; ++k) {
+    starts.push_back({ThreadRole::track, pipeline.tracker(k)});
+  }
+  starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
+  starts.push_back({ThreadRole::camera, camera});
+  starts.push_back({ThreadRole::control, *control});
+  for (const Start& start : starts) {
+    if (auto started = threads.start(start.role, start.agent); !started) return started;
+  }
+  return {};
+}
+
+App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+App::~App() = default;
+
+Result<std::unique_ptr<App>> App::make(const Config& config, const std::string& config_path) {
+  auto parts = std::make_unique<Parts>(config, config_path);
+  if (auto made = parts->make_instrument(); !made) return fail(made.error());
+  if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
+  if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
+  return std::unique_ptr<App>(new App(std::move(parts)));
+}
+
+Result<void> App::run(const std::atomic<bool>& stop) {
+  if (auto started = parts_->start_threads(); !started) return started;
+  parts_->state.take(DaemonEvent::started);
+  service::notify_ready();
+  spdlog::info("control {}, streams {} and {}", parts_->config.control.endpoint,
+               parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
+  while (!stop.load(std::memory_order_relaxed)) parts_->slm.do_work();
+  service::notify_stopping();
+  parts_->state.take(DaemonEvent::stop_requested);
+  parts_->slm.close();
+  parts_->threads.stop_all();
+  return {};
+}
+
+}  // namespace ovws

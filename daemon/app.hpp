@@ -1,0 +1,34 @@
+/// The composition root: makes every part, gives each what it needs, and runs them until told to
+/// stop.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "config/config.hpp"
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// Main thread only.
+class App {
+ public:
+  /// Errors say what at start-up cannot be mended by waiting: a configuration that makes no sensor,
+  /// a port in use, a missing privilege under `"realtime": "enforce"`. A camera or a display that
+  /// is absent is no error.
+  static Result<std::unique_ptr<App>> make(const Config& config, const std::string& config_path);
+  ~App();
+  App(const App&) = delete;
+  App& operator=(const App&) = delete;
+
+  /// Shows holograms until `stop` is set, then stops everything in order.
+  Result<void> run(const std::atomic<bool>& stop);
+
+ private:
+  struct Parts;
+  explicit App(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,168 @@
+#include "daemon/camera_actor.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/port/clock.hpp"
+#include "daemon/camera_limits.hpp"
+#include "daemon/driver_table.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kRetryNs = 1'000'000'000;
+constexpr auto kTurn = std::chrono::milliseconds(50);
+
+}  // namespace
+
+CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
+    : config_(std::move(config)), deps_(std::move(deps)), settings_(config_.settings) {
+  snapshot_.set({false, {}, settings_, {}, "not opened yet"});
+}
+
+CameraActor::~CameraActor() = default;
+
+bool CameraActor::do_work() {
+  const bool worked = mailbox_.run_one(kTurn);
+  if (!camera_) {
+    if (monotonic_ns() >= next_try_ns_) try_open();
+  } else if (!camera_->alive()) {
+    lose("control of the camera was lost");
+  } else if (starved()) {
+    lose("the camera sends no frames");
+  }
+  return worked;
+}
+
+void CameraActor::on_close() {
+  if (!camera_) return;
+  deps_.pipeline.detach();
+  camera_->stop();
+  camera_.reset();
+}
+
+void CameraActor::change(CameraSet change, Applied done) {
+  mailbox_.post([this, change, done = std::move(done)] {
+    if (!camera_ || !limits_) {
+      return done(
+          fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
+    }
+    const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+    if (!wanted) return done(fail(wanted.error()));
+    const auto applied = apply(*wanted);
+    if (!applied) return done(fail(applied.error()));
+    publish_snapshot("");
+    done(snapshot_.get());
+  });
+}
+
+void CameraActor::try_open() {
+  next_try_ns_ = monotonic_ns() + kRetryNs;
+  auto opened = open_camera(config_);
+  if (!opened) return publish_snapshot(opened.error().reason);
+  camera_ = std::move(*opened);
+  auto limits = camera_->limits();
+  if (!limits) return lose(limits.error().reason);
+  limits_ = *limits;
+  const auto wanted = within_limits(settings_, *limits_, false);
+  if (!wanted) return lose("camera." + wanted.error().field + ": " + wanted.error().reason);
+  if (const auto started = start_stream(*wanted); !started) return lose(started.error().reason);
+  if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
+  ever_connected_ = true;
+  const CameraInfo& info = camera_->info();
+  deps_.events.emit("camera", Severity::info,
+                    fmt::format("camera {} {} ({}) at {} is connected", info.vendor, info.model,
+                                info.serial, info.address));
+  publish_snapshot("");
+}
+
+/// Applies, starts, and lends the camera to the frame path.
+Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
+  const std::int64_t t_begin_ns = monotonic_ns();
+  const auto applied = camera_->apply(wanted);
+  if (!applied) return fail(applied.error());
+  if (auto started = camera_->start(); !started) return started;
+  note_applied(*applied, *applied, t_begin_ns);
+  settings_ = *applied;
+  attached_ns_ = monotonic_ns();
+  deps_.pipeline.attach(*camera_);
+  return {};
+}
+
+/// Gives the camera up; it will be opened anew, as new objects.
+void CameraActor::lose(const std::string& why) {
+  deps_.pipeline.detach();
+  camera_->stop();
+  camera_.reset();
+  limits_.reset();
+  next_try_ns_ = 0;
+  publish_snapshot(why);
+}
+
+/// Our own watchdog: Aravis notices a dead camera only after about 5 s.
+bool CameraActor::starved() const {
+  const std::int64_t last_ns = std::max(attached_ns_, deps_.pipeline.last_frame_mono_ns());
+  const double period_ns = 1e9 / std::max(settings_.frame_rate_hz, 1e-3);
+  const double patience_ns = std::max(3.0 * period_ns, settings_.exposure_us * 1e3 + 1e9);
+  return double(monotonic_ns() - last_ns) > patience_ns;
+}
+
+Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
+  const bool same_image =
+      wanted.roi == settings_.roi && wanted.pixel_format == settings_.pixel_format;
+  return same_image ? apply_live(wanted) : apply_stopped(wanted);
+}
+
+Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
+  const std::int64_t t_begin_ns = monotonic_ns();
+  auto applied = camera_->apply(wanted);
+  if (!applied) return applied;
+  note_applied(settings_, *applied, t_begin_ns);
+  settings_ = *applied;
+  return applied;
+}
+
+/// The image's size or format changes: one transaction, rolled back if the camera does not take it.
+Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
+  const CameraSettings before = settings_;
+  deps_.pipeline.detach();
+  camera_->stop();
+  const auto started = start_stream(wanted);
+  if (started) return settings_;
+  camera_->stop();
+  if (const auto back = start_stream(before); !back) lose(back.error().reason);
+  return fail(started.error());
+}
+
+void CameraActor::note_applied(const CameraSettings& before, const CameraSettings& after,
+                               std::int64_t t_begin_ns) {
+  AppliedSettings applied;
+  applied.gain_db = after.gain_db;
+  applied.exposure_us = after.exposure_us;
+  applied.frame_rate_hz = after.frame_rate_hz;
+  applied.previous_gain_db = before.gain_db;
+  applied.previous_exposure_us = before.exposure_us;
+  applied.t_write_begin_mono_ns = t_begin_ns;
+  applied.t_write_end_mono_ns = monotonic_ns();
+  applied.transfer_ns = std::int64_t(config_.transfer_ms * 1e6);
+  deps_.settings.write(applied);
+}
+
+/// Tells everybody, and the log if something new happened.
+void CameraActor::publish_snapshot(std::string fault) {
+  CameraSnapshot now;
+  now.connected = camera_ != nullptr;
+  if (camera_) now.info = camera_->info();
+  now.settings = settings_;
+  now.limits = limits_;
+  now.fault = std::move(fault);
+  const CameraSnapshot before = snapshot_.get();
+  if (!now.fault.empty() && now.fault != before.fault) {
+    deps_.events.emit("camera", Severity::error, "camera: " + now.fault);
+  }
+  snapshot_.set(now);
+  deps_.on_change(now);
+}
+
+}  // namespace ovws

@@ -1,0 +1,80 @@
+/// The camera's keeper: opens it, applies settings, watches that frames flow, and opens it anew
+/// when they do not.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "config/config.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/rt/agent.hpp"
+#include "core/rt/latest_value.hpp"
+#include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
+#include "daemon/mailbox.hpp"
+#include "proto/requests.hpp"
+
+namespace ovws {
+
+/// What others may know of the camera at any time.
+struct CameraSnapshot {
+  bool connected = false;
+  std::optional<CameraInfo> info;
+  CameraSettings settings;  ///< as read back; while not connected, as wanted
+  std::optional<CameraLimits> limits;
+  std::string fault;  ///< why it is not connected; empty if it is
+};
+
+struct CameraActorDeps {
+  Pipeline& pipeline;
+  LatestValue<AppliedSettings>& settings;
+  Counters& counters;
+  Events& events;
+  /// Called in the camera thread after the image's size or format may have changed, and when the
+  /// camera came or went.
+  std::function<void(const CameraSnapshot&)> on_change;
+};
+
+/// An agent of the camera thread.
+class CameraActor : public Agent {
+ public:
+  using Applied = std::function<void(Result<CameraSnapshot>)>;
+
+  CameraActor(CameraConfig config, CameraActorDeps deps);
+  ~CameraActor() override;
+
+  bool do_work() override;
+  void on_close() override;
+
+  /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
+  /// uses now.
+  void change(CameraSet change, Applied done);
+  CameraSnapshot snapshot() const { return snapshot_.get(); }
+
+ private:
+  void try_open();
+  Result<void> start_stream(const CameraSettings& wanted);
+  void lose(const std::string& why);
+  bool starved() const;
+  Result<CameraSettings> apply(const CameraSettings& wanted);
+  Result<CameraSettings> apply_live(const CameraSettings& wanted);
+  Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
+  void note_applied(const CameraSettings& before, const CameraSettings& after,
+                    std::int64_t t_begin_ns);
+  void publish_snapshot(std::string fault);
+
+  CameraConfig config_;
+  CameraActorDeps deps_;
+  Mailbox mailbox_;
+  std::unique_ptr<Camera> camera_;
+  CameraSettings settings_;  ///< last verified; wanted again after a reconnection
+  std::optional<CameraLimits> limits_;
+  std::int64_t next_try_ns_ = 0;
+  std::int64_t attached_ns_ = 0;
+  bool ever_connected_ = false;
+  Guarded<CameraSnapshot> snapshot_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,71 @@
+#include "daemon/camera_limits.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+namespace ovws {
+namespace {
+
+/// Brings values into range one by one and keeps the first refusal.
+class Judge {
+ public:
+  explicit Judge(bool clamp) : clamp_(clamp) {}
+
+  template <class T>
+  void number(const char* field, T& value, T min, T max, const char* unit) {
+    if (value >= min && value <= max) return;
+    if (clamp_) {
+      value = std::clamp(value, min, max);
+    } else if (!error_) {
+      error_ = Error{
+          Errc::invalid, field,
+          fmt::format("{} is outside what the camera can do: {} to {} {}", value, min, max, unit),
+          double(min), double(max)};
+    }
+  }
+
+  void format(PixelFormat wanted, const std::vector<PixelFormat>& known) {
+    if (error_ || std::find(known.begin(), known.end(), wanted) != known.end()) return;
+    std::string names;
+    for (const PixelFormat format : known) {
+      names += (names.empty() ? "" : ", ") + std::string(pixel_format_name(format));
+    }
+    error_ =
+        Error{Errc::invalid, "pixel_format",
+              fmt::format("the camera has no {}: it has {}", pixel_format_name(wanted), names)};
+  }
+
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  bool clamp_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
+                                     bool clamp) {
+  CameraSettings settings = wanted;
+  Judge judge(clamp);
+  judge.number("gain_db", settings.gain_db, limits.gain_db.min, limits.gain_db.max, "dB");
+  judge.number("exposure_us", settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max,
+               "us");
+  judge.number("frame_rate_hz", settings.frame_rate_hz, limits.frame_rate_hz.min,
+               limits.frame_rate_hz.max, "Hz");
+  judge.format(settings.pixel_format, limits.pixel_formats);
+  Roi& roi = settings.roi;
+  judge.number("roi.width", roi.width, limits.roi_width.min, limits.sensor_width, "px");
+  judge.number("roi.height", roi.height, limits.roi_height.min, limits.sensor_height, "px");
+  judge.number("roi.x", roi.x, 0, std::max(0, limits.sensor_width - roi.width),
+               "px for this roi.width");
+  judge.number("roi.y", roi.y, 0, std::max(0, limits.sensor_height - roi.height),
+               "px for this roi.height");
+  if (judge.error()) return fail(*judge.error());
+  return settings;
+}
+
+}  // namespace ovws

@@ -1,0 +1,13 @@
+/// Holds wanted camera settings against what the device can do.
+#pragma once
+
+#include "core/port/camera.hpp"
+
+namespace ovws {
+
+/// Errc::invalid with the field, the value and the device's range; with `clamp` numbers are brought
+/// into range instead (a pixel format cannot be). All or nothing.
+Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
+                                     bool clamp);
+
+}  // namespace ovws

@@ -1,0 +1,56 @@
+#include "daemon/cli/client.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+
+#include "drivers/zmq/client.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+tl::unexpected<CallFailure> no_answer(const std::string& why) {
+  return tl::make_unexpected(CallFailure{false, {{"message", why}}});
+}
+
+}  // namespace
+
+tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
+                                     const json& params) {
+  auto client = ControlClient::connect(common.endpoint);
+  if (!client) return no_answer(client.error().reason);
+  const json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
+  const auto reply = client->request(
+      request.dump(), std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
+  if (!reply) return no_answer(reply.error().reason);
+  json answer = json::parse(*reply, nullptr, false);
+  if (answer.is_object() && answer.contains("result")) return std::move(answer["result"]);
+  if (answer.is_object() && answer.contains("error")) {
+    return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
+  }
+  return tl::make_unexpected(CallFailure{true, {{"message", "the answer is not JSON-RPC"}}});
+}
+
+int report_failure(const Common& common, const CallFailure& failure) {
+  if (common.json) {
+    fmt::print("{}\n", json{{"error", failure.error}}.dump());
+  } else {
+    fmt::print(stderr, "ovws: {}\n", failure.error.value("message", "unknown error"));
+  }
+  return failure.answered ? kError : kNoDaemon;
+}
+
+tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
+  const auto config = call(common, "config.get", json::object());
+  if (!config) return tl::make_unexpected(config.error());
+  return (*config)["stream"][key].get<std::string>();
+}
+
+int report(const Common& common, const Error& error) {
+  const std::string text = error.field.empty() ? error.reason : error.field + ": " + error.reason;
+  return report_failure(common, {true, {{"message", text}, {"data", {{"field", error.field}}}}});
+}
+
+}  // namespace ovws::cli

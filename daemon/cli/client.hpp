@@ -1,0 +1,27 @@
+/// A call to a daemon as the command line makes it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/base/result.hpp"
+#include "daemon/cli/commands.hpp"
+
+namespace ovws::cli {
+
+struct CallFailure {
+  bool answered = false;  ///< false: nobody did, in time
+  nlohmann::json error;   ///< JSON-RPC error object; with `answered` false only "message"
+};
+
+/// The method's result.
+tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
+                                               const nlohmann::json& params);
+
+/// Tells the failure, and returns kError or kNoDaemon.
+int report_failure(const Common& common, const CallFailure& failure);
+
+/// A stream's endpoint as the daemon has it configured ("endpoint" or "image_endpoint").
+tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
+
+}  // namespace ovws::cli

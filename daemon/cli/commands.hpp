@@ -1,0 +1,35 @@
+/// The subcommands of ovws: each adds itself to the command line and says how it ended.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "core/base/result.hpp"
+
+namespace ovws::cli {
+
+// Exit codes.
+constexpr int kOk = 0;
+constexpr int kError = 1;     ///< the daemon, or the work, answered with an error
+constexpr int kUsage = 2;     ///< the command line is wrong
+constexpr int kNoDaemon = 3;  ///< nobody answered in time
+
+struct Common {
+  std::string endpoint = "tcp://127.0.0.1:7702";
+  bool json = false;
+  double timeout_s = 3.0;
+};
+
+// `common` and `status` outlive the parsing.
+void add_status(CLI::App& app, const Common& common, int& status);
+void add_describe(CLI::App& app, const Common& common, int& status);
+void add_call(CLI::App& app, const Common& common, int& status);
+void add_watch(CLI::App& app, const Common& common, int& status);
+void add_snapshot(CLI::App& app, const Common& common, int& status);
+void add_hologram(CLI::App& app, const Common& common, int& status);
+void add_farfield(CLI::App& app, const Common& common, int& status);
+
+/// Tells an error on stderr (as JSON on stdout with --json) and returns kError.
+int report(const Common& common, const Error& error);
+
+}  // namespace ovws::cli

@@ -1,0 +1,187 @@
+/// ovws hologram and ovws farfield: the sensor's pictures from a configuration, without a daemon.
+#include <fmt/core.h>
+
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+
+#include "config/config.hpp"
+#include "core/optics/detector.hpp"
+#include "core/optics/far_field.hpp"
+#include "core/optics/hologram.hpp"
+#include "daemon/cli/commands.hpp"
+#include "daemon/cli/modes_text.hpp"
+#include "daemon/slm_files.hpp"
+
+namespace ovws::cli {
+namespace {
+
+struct PictureOptions {
+  std::string config_path;
+  std::string modes;
+  std::string norm = "rms";
+  std::string output;
+};
+
+struct FarFieldOptions {
+  PictureOptions picture;
+  std::optional<double> peak_e;
+  std::optional<double> total_e;
+  double read_noise_e = 5.0;
+  double gain_db = 0.0;
+  int bits = 8;
+  std::uint64_t seed = 1;
+  bool noise_free = false;
+};
+
+void add_picture_options(CLI::App& command, PictureOptions& options) {
+  command.add_option("--config,-c", options.config_path, "configuration file; defaults without it");
+  command.add_option("--modes", options.modes, "aberration to add: \"n,m:waves;n,m:waves\"");
+  command.add_option("--norm", options.norm, "what the waves are: rms or unit amplitude")
+      ->check(CLI::IsMember({"rms", "unit"}))
+      ->capture_default_str();
+  command.add_option("--output,-o", options.output, "PNG file to write")->required();
+}
+
+Result<Config> config_of(const PictureOptions& options) {
+  if (options.config_path.empty()) return Config{};
+  return load_config(options.config_path);
+}
+
+template <class Pixel>
+Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
+  const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
+  // imwrite takes a const picture, cv::Mat has no const constructor.
+  const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
+  try {
+    if (cv::imwrite(path, mat)) return {};
+  } catch (const cv::Exception& error) {
+    return fail(Errc::unavailable, "output", path + ": " + error.err);
+  }
+  return fail(Errc::unavailable, "output", path + " cannot be written");
+}
+
+/// The hologram's grey levels with the modes asked for; refused where the SLM cannot sample it.
+Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const PictureOptions& options) {
+  const auto modes =
+      parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
+  if (!modes) return fail(modes.error());
+  auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return fail(renderer.error());
+  if (auto sampled = renderer->check_sampling(*modes); !sampled) return fail(sampled.error());
+  Image<std::uint8_t> grey;
+  renderer->render(HologramKind::sensor, *modes, grey);
+  return grey;
+}
+
+Result<void> make_hologram(const PictureOptions& options) {
+  const auto config = config_of(options);
+  if (!config) return fail(config.error());
+  const auto hologram = load_hologram_config(*config);
+  if (!hologram) return fail(hologram.error());
+  const auto grey = render(*hologram, options);
+  if (!grey) return fail(grey.error());
+  return write_png(options.output, *grey);
+}
+
+/// Intensity in the camera's window for an SLM that shows exactly the phase it is asked for.
+Result<Image<float>> intensity(const Config& config, const PictureOptions& options) {
+  HologramConfig ideal;
+  ideal.slm = config.slm.geometry;
+  ideal.sensor = config.sensor;
+  const auto grey = render(ideal, options);
+  if (!grey) return fail(grey.error());
+  Image<std::complex<float>> field(grey->width, grey->height);
+  for (std::size_t i = 0; i < field.pixels.size(); ++i) {
+    field.pixels[i] =
+        std::polar(1.0F, 2.0F * std::numbers::pi_v<float> * float(grey->pixels[i]) / 256.0F);
+  }
+  const Roi& roi = config.camera.settings.roi;
+  FarField far_field(
+      ideal.slm, far_field_window(config.sensor, ideal.slm, config.optics, roi.width, roi.height));
+  Image<std::complex<float>> far;
+  far_field.propagate(field, far);
+  Image<float> result(far.width, far.height);
+  for (std::size_t i = 0; i < far.pixels.size(); ++i) result.pixels[i] = std::norm(far.pixels[i]);
+  return result;
+}
+
+void scale_to(Image<float>& image, const FarFieldOptions& options, double full_well_e) {
+  double peak = 0.0;
+  double total = 0.0;
+  for (const float value : image.pixels) {
+    peak = std::max(peak, double(value));
+    total += value;
+  }
+  const double scale = options.total_e ? *options.total_e / total
+                                       : options.peak_e.value_or(0.8 * full_well_e) / peak;
+  for (float& value : image.pixels) value = float(value * scale);
+}
+
+Result<void> make_farfield(const FarFieldOptions& options) {
+  const auto config = config_of(options.picture);
+  if (!config) return fail(config.error());
+  auto photons = intensity(*config, options.picture);
+  if (!photons) return fail(photons.error());
+  DetectorConfig detector;
+  detector.quantum_efficiency = 1.0;
+  detector.bits = options.bits;
+  detector.seed = options.seed;
+  detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
+  detector.shot_noise = !options.noise_free;
+  if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
+  scale_to(*photons, options, detector.full_well_e);
+  Image<std::uint16_t> dn;
+  Detector(detector, photons->width, photons->height)
+      .expose(*photons, config->camera.settings.exposure_us, options.gain_db, dn);
+  if (options.bits > 8) return write_png(options.picture.output, dn);
+  Image<std::uint8_t> narrow(dn.width, dn.height);
+  std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
+  return write_png(options.picture.output, narrow);
+}
+
+int finish(const Common& common, const std::string& output, const Result<void>& done) {
+  if (!done) return report(common, done.error());
+  if (common.json) {
+    fmt::print("{}\n", nlohmann::json{{"file", output}}.dump());
+  } else {
+    fmt::print("{}\n", output);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+void add_hologram(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("hologram", "write the exact grey levels that are shown");
+  auto options = std::make_shared<PictureOptions>();
+  add_picture_options(*command, *options);
+  command->callback([&common, &status, options] {
+    status = finish(common, options->output, make_hologram(*options));
+  });
+}
+
+void add_farfield(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("farfield", "write what the camera would see");
+  auto options = std::make_shared<FarFieldOptions>();
+  add_picture_options(*command, options->picture);
+  auto* peak = command->add_option("--peak", options->peak_e,
+                                   "electrons in the brightest pixel (default 8000)");
+  command->add_option("--photons", options->total_e, "electrons in the whole image")
+      ->excludes(peak);
+  command->add_option("--read-noise", options->read_noise_e, "electrons RMS")
+      ->capture_default_str();
+  command->add_option("--gain-db", options->gain_db, "camera gain, dB")->capture_default_str();
+  command->add_option("--bits", options->bits, "of the image; above 8 a 16-bit PNG")
+      ->check(CLI::Range(8, 16))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the noise")->capture_default_str();
+  command->add_flag("--noise-free", options->noise_free, "no noise of any kind");
+  command->callback([&common, &status, options] {
+    status = finish(common, options->picture.output, make_farfield(*options));
+  });
+}
+
+}  // namespace ovws::cli

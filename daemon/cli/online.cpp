@@ -1,0 +1,115 @@
+/// ovws status, describe and call: one question to a daemon, one answer.
+#include <fmt/core.h>
+
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "daemon/cli/client.hpp"
+#include "daemon/cli/commands.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+std::string text_or(const json& object, const char* key, const std::string& otherwise) {
+  return object.contains(key) && object[key].is_string() ? object[key].get<std::string>()
+                                                         : otherwise;
+}
+
+void print_status(const json& status) {
+  const json& camera = status["camera"];
+  const json& slm = status["slm"];
+  const json& sensor = status["sensor"];
+  fmt::print("state      {}\n", text_or(status, "state", "?"));
+  if (camera["info"].is_object()) {
+    fmt::print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera["info"], "vendor", ""),
+               text_or(camera["info"], "model", ""), text_or(camera["info"], "address", ""),
+               status["rates"]["grabbed_hz"].get<double>());
+  }
+  if (camera["fault"].is_string()) fmt::print("camera     {}\n", text_or(camera, "fault", ""));
+  if (slm["info"].is_object()) {
+    fmt::print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm["info"], "output", ""),
+               slm["info"]["width"].get<int>(), slm["info"]["height"].get<int>(),
+               text_or(slm, "pattern", ""), slm["hologram_id"].get<std::uint64_t>());
+  }
+  if (slm["fault"].is_string()) fmt::print("slm        {}\n", text_or(slm, "fault", ""));
+  fmt::print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
+             sensor["charge"].get<int>(), sensor["subapertures"].get<int>(),
+             sensor["modes"].get<int>(), text_or(sensor, "tracker", ""),
+             sensor["referenced"].get<bool>() ? "referenced" : "no reference");
+  for (const auto& [stage, latency] : status["latency"].items()) {
+    fmt::print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
+               latency["p50_us"].get<double>(), latency["p99_us"].get<double>(),
+               latency["max_us"].get<double>());
+  }
+  for (const auto& [name, count] : status["counters"].items()) {
+    if (count.get<std::uint64_t>() != 0) {
+      fmt::print("counter    {} {}\n", name, count.get<std::uint64_t>());
+    }
+  }
+}
+
+void print_description(const json& description) {
+  for (const auto& [name, schema] : description["methods"].items()) {
+    fmt::print("{:<20} {}\n", name, text_or(schema, "description", ""));
+  }
+  for (const auto& [name, schema] : description["streams"].items()) {
+    fmt::print("stream {:<13} {}\n", name, text_or(schema, "description", ""));
+  }
+}
+
+/// Calls, prints with `print` or as one line of JSON, and says how it ended.
+template <class Print>
+int call_and_print(const Common& common, const std::string& method, const json& params,
+                   Print print) {
+  const auto answer = call(common, method, params);
+  if (!answer) return report_failure(common, answer.error());
+  if (common.json) {
+    fmt::print("{}\n", answer->dump());
+  } else {
+    print(*answer);
+  }
+  return kOk;
+}
+
+int call_anything(const Common& common, const std::string& method, const std::string& text) {
+  const json params = text.empty() ? json::object() : json::parse(text, nullptr, false);
+  if (params.is_discarded()) {
+    fmt::print(stderr, "ovws: the parameters are not JSON: {}\n", text);
+    return kUsage;
+  }
+  return call_and_print(common, method, params,
+                        [](const json& result) { fmt::print("{}\n", result.dump(2)); });
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("status", "how the daemon, the camera and the SLM are");
+  command->callback([&common, &status] {
+    status = call_and_print(common, "system.status", json::object(), print_status);
+  });
+}
+
+void add_describe(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("describe", "every method and stream (with --json: schemas)");
+  command->callback([&common, &status] {
+    status = call_and_print(common, "system.describe", json::object(), print_description);
+  });
+}
+
+void add_call(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("call",
+                                     "call any method, e.g. call aberration.set "
+                                     "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
+  auto method = std::make_shared<std::string>();
+  auto params = std::make_shared<std::string>();
+  command->add_option("method", *method, "name")->required();
+  command->add_option("params", *params, "JSON object");
+  command->callback(
+      [&common, &status, method, params] { status = call_anything(common, *method, *params); });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,169 @@
+"""The demonstration: starts a bench, talks to the daemon as any client would, and shows what comes back.
+
+Run it by daemon/demo, which installs and builds what is missing.
+"""
+import argparse
+import math
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "drivers" / "twin"))
+sys.path.insert(0, str(ROOT / "proto" / "python"))
+
+from bench import Bench, BenchError  # noqa: E402
+from ovws_client import Client, ClientError, Stream  # noqa: E402
+
+NAMES = {3: "Z(2,-2)", 4: "Z(2,0)", 5: "Z(2,2)"}
+SHOWN_J = (3, 4, 5, 7, 8)
+FRAMES = 60
+TTY = sys.stdout.isatty()
+
+
+class Demo:
+    def __init__(self, bench, out):
+        self.bench = bench
+        self.out = out
+        self.client = Client()
+        self.stream = Stream(["wavefront"])
+        self.worst_error = 0.0
+        self.frames = 0
+
+    # What a client does -------------------------------------------------------------------------------------------
+
+    def wait_until_running(self, timeout_s=20.0):
+        end = time.monotonic() + timeout_s
+        while time.monotonic() < end:
+            status = self.client.call("system.status")
+            if status["state"] == "running":
+                return status
+            time.sleep(0.1)
+        raise ClientError(f"the daemon is still {status['state']}: camera {status['camera']['fault']}, SLM {status['slm']['fault']}")
+
+    def take_reference(self, frames=100):
+        job = self.client.call("reference.take", {"frames": frames})["job"]
+        while True:
+            report = self.client.call("job.get", {"job": job})
+            if report["state"] != "running":
+                break
+            self.live(f"  reference: {100 * report['progress']:3.0f} %")
+            time.sleep(0.05)
+        self.live("")
+        if report["state"] != "done":
+            raise ClientError(f"the reference failed: {report['error']}")
+
+    def measure(self, hologram_id=None, need_valid=True, gain_db=None):
+        """FRAMES settled frames of that hologram; also how long the first of them took to come."""
+        start, first, frames = time.monotonic(), None, []
+        while len(frames) < FRAMES:
+            if time.monotonic() - start > 15.0:
+                raise ClientError(f"only {len(frames)} settled frames in 15 s")
+            message = self.stream.next(timeout_s=1.0)
+            if message is None or not message["settled"] or (need_valid and not message["valid"]):
+                continue
+            if hologram_id is not None and message["hologram_id"] != hologram_id:
+                continue
+            if gain_db is not None and message["gain_db"] != gain_db:
+                continue
+            first = first or time.monotonic() - start
+            frames.append(message)
+            self.live("  " + live_row(message))
+        self.live("")
+        self.frames += len(frames)
+        return first, frames
+
+    # What a person sees -------------------------------------------------------------------------------------------
+
+    def live(self, text):
+        if TTY:
+            sys.stdout.write("\r\033[K" + text)
+            sys.stdout.flush()
+
+    def step(self, what, wanted, first_s, frames):
+        mean = {j: statistics.fmean(m["coefficients"][j - 1] for m in frames) for j in frames[0]["j"]}
+        spread = max(statistics.pstdev([m["coefficients"][j - 1] for m in frames]) for j in mean)
+        error = max(abs(mean[j] - wanted.get(j, 0.0)) for j in mean if j > 2)
+        self.worst_error = max(self.worst_error, error)
+        latency = statistics.median(m["latency_us"] for m in frames)
+        tracked = min(m["tracked"] for m in frames)
+        columns = " ".join(f"{mean[j]:+8.4f}" for j in SHOWN_J)
+        print(f"{what:<34} {columns}  {error:7.4f}  {spread:7.4f}  {tracked:2d}/{frames[0]['subapertures']}  {latency:7.0f}  {1e3 * first_s:6.0f}")
+
+    def pictures(self, name):
+        prefix = self.out / name
+        subprocess.run([self.bench.program("ovws"), "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
+        return [f"{prefix}-camera.png", f"{prefix}-phase.png"]
+
+    # The story ----------------------------------------------------------------------------------------------------
+
+    def run(self):
+        status = self.wait_until_running()
+        print(f"camera {status['camera']['info']['model']} at {status['camera']['info']['address']}, "
+              f"SLM {status['slm']['info']['output']} {status['slm']['info']['width']} x {status['slm']['info']['height']}, "
+              f"{status['sensor']['subapertures']} subapertures, {status['sensor']['modes']} modes\n")
+        self.take_reference()
+        print("coefficients in waves (OSA/ANSI, RMS-normalised), mean of %d frames each" % FRAMES)
+        print(f"{'':<34} " + " ".join(f"{NAMES.get(j, 'j=%d' % j):>8}" for j in SHOWN_J)
+              + "    error   spread  spots  latency  answer\n" + " " * 80 + "(waves)  (waves)            (us)    (ms)")
+        self.step("no aberration", {}, *self.measure())
+        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": -2, "waves": 0.5}]})
+        self.step("Z(2,-2) = 0.5 wave", {3: 0.5}, *self.measure(shown["hologram_id"]))
+        pictures = self.pictures("astigmatism")
+        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.3}]})
+        self.step("Z(2,0) = 0.3 wave", {4: 0.3}, *self.measure(shown["hologram_id"]))
+        self.client.call("aberration.clear")
+        self.client.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
+        self.take_reference()
+        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.3}]})
+        self.step("Shack-Hartmann (charge 0), Z(2,0)", {4: 0.3}, *self.measure(shown["hologram_id"]))
+        pictures += self.pictures("shack-hartmann")[:1]
+        shown = self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
+        self.step("vortices again, Z(2,0)", {4: 0.3}, *self.measure(shown["hologram_id"]))
+        self.client.call("camera.set", {"gain_db": 12.0})
+        self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(gain_db=12.0))
+        self.client.call("camera.set", {"gain_db": 0.0})
+        self.client.call("aberration.clear")
+        print("\npictures: " + "\n          ".join(pictures))
+        lost = self.client.call("system.status")["counters"]["frames_lost"]
+        print(f"\novws demo: {self.frames} frames shown, {lost} lost, largest error {self.worst_error:.4f} wave")
+
+
+def live_row(message):
+    if not message["valid"]:
+        return f"frame {message['frame_id']}  tracked {message['tracked']}/{message['subapertures']}"
+    values = " ".join(f"{message['coefficients'][j - 1]:+.3f}" for j in SHOWN_J)
+    return f"frame {message['frame_id']:6d}  {values}  rms {message['rms_waves']:.3f}  {message['latency_us']:.0f} us"
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="daemon/demo", description=__doc__.splitlines()[0])
+    parser.add_argument("--keep", action="store_true", help="stay up until Ctrl-C")
+    parser.add_argument("--build", type=Path, default=ROOT / "build" / "release", help="build folder")
+    parser.add_argument("--out", type=Path, help="folder for the pictures")
+    arguments = parser.parse_args()
+    out = arguments.out or Path(tempfile.mkdtemp(prefix="ovws-demo-"))
+    out.mkdir(parents=True, exist_ok=True)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        with Bench(arguments.build) as bench:
+            bench.start()
+            Demo(bench, out).run()
+            if arguments.keep:
+                print("\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; Ctrl-C ends it")
+                signal.pause()
+    except KeyboardInterrupt:
+        print()
+    except (BenchError, ClientError) as error:
+        print(f"ovws demo: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

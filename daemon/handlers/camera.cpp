@@ -1,0 +1,33 @@
+#include "daemon/handlers/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+void get(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  const CameraSnapshot camera = services.camera.snapshot();
+  reply(camera_get_result(camera.info, camera.settings, camera.limits));
+}
+
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto change = decode_camera_set(params);
+  if (!change) return reply(failed(change.error()));
+  services.camera.change(*change, [params, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(failed(applied.error()));
+    reply(camera_set_result(params, applied->settings, applied->limits));
+  });
+}
+
+constexpr std::array<Method, 2> kMethods{{
+    {"camera.get", Action::read, get},
+    {"camera.set", Action::set_camera, set},
+}};
+
+}  // namespace
+
+std::span<const Method> camera_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

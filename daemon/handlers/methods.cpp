@@ -1,0 +1,58 @@
+#include "daemon/handlers/methods.hpp"
+
+#include "proto/reader.hpp"
+
+namespace ovws {
+namespace {
+
+std::array<std::span<const Method>, 5> all_methods() {
+  return {system_methods(), camera_methods(), sensor_methods(), reference_methods(),
+          config_methods()};
+}
+
+const Method* find_method(const std::string& name) {
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) {
+      if (name == method.name) return &method;
+    }
+  }
+  return nullptr;
+}
+
+RpcFailure unknown_method(const std::string& name) {
+  RpcFailure failure{RpcCode::method,
+                     "there is no method \"" + name + "\"",
+                     {{"field", "method"}, {"reason", "unknown; system.describe lists them all"}}};
+  if (const auto nearest = nearest_name(name, method_names())) {
+    failure.message += ", did you mean \"" + *nearest + "\"?";
+    failure.data["nearest"] = *nearest;
+  }
+  return failure;
+}
+
+}  // namespace
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) names.emplace_back(method.name);
+  }
+  return names;
+}
+
+void dispatch(Services& services, const std::string& method, const nlohmann::json& params,
+              RpcReply reply) {
+  services.counters.add(Counter::requests);
+  auto counted = [&counters = services.counters, reply = std::move(reply)](RpcAnswer answer) {
+    if (!answer) counters.add(Counter::requests_refused);
+    reply(std::move(answer));
+  };
+  const Method* found = find_method(method);
+  if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
+  if (const auto allowed = services.state.check(found->action); !allowed) {
+    return counted(failed(allowed.error()));
+  }
+  found->call(services, params, std::move(counted));
+}
+
+}  // namespace ovws

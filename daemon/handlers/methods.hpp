@@ -1,0 +1,43 @@
+/// Every method of the control socket: its name, what it needs of the daemon's state, and who
+/// answers it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "core/control/state_machine.hpp"
+#include "daemon/handlers/services.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws {
+
+/// Answers one call, exactly once, from any thread, now or later. Called in the control thread;
+/// must not wait.
+using MethodCall = void (*)(Services& services, const nlohmann::json& params, RpcReply reply);
+
+struct Method {
+  const char* name;
+  Action action;
+  MethodCall call;
+};
+
+// One table a room; a new method is one function and one row.
+std::span<const Method> system_methods();
+std::span<const Method> camera_methods();
+std::span<const Method> sensor_methods();
+std::span<const Method> reference_methods();
+std::span<const Method> config_methods();
+
+/// Finds the method, asks the state whether it may, and calls it. An unknown method is answered
+/// with the nearest known one.
+void dispatch(Services& services, const std::string& method, const nlohmann::json& params,
+              RpcReply reply);
+std::vector<std::string> method_names();
+
+/// The end of every handler: a result, or the error of the same words.
+inline RpcAnswer failed(const Error& error) {
+  return tl::make_unexpected(rpc_failure(error));
+}
+
+}  // namespace ovws

@@ -1,0 +1,68 @@
+/// reference.* and job.*: what takes time.
+#include "daemon/handlers/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+std::optional<ReferenceReport> report_of(const std::optional<Reference>& reference) {
+  if (!reference) return std::nullopt;
+  return ReferenceReport{
+      reference->frames,     reference->key.sensor.charge, reference->key.tracking.tracker,
+      reference->t_taken_ns, reference->positions_px,      reference->standard_error_px};
+}
+
+void take(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto frames = decode_reference_take(params);
+  if (!frames) return reply(failed(frames.error()));
+  services.instrument.take_reference(*frames, [reply](Result<int> job) {
+    if (!job) return reply(failed(job.error()));
+    reply(job_started_result(*job));
+  });
+}
+
+void get(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  reply(reference_result(report_of(services.instrument.snapshot().reference)));
+}
+
+void clear(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  services.instrument.clear_reference([reply](Result<SensorSnapshot> cleared) {
+    if (!cleared) return reply(failed(cleared.error()));
+    reply(reference_result(report_of(cleared->reference)));
+  });
+}
+
+void answer_job(const RpcReply& reply, const Result<JobReport>& job) {
+  if (!job) return reply(failed(job.error()));
+  reply(to_json(*job));
+}
+
+void get_job(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto id = decode_job(params);
+  if (!id) return reply(failed(id.error()));
+  answer_job(reply, services.jobs.get(*id));
+}
+
+void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto id = decode_job(params);
+  if (!id) return reply(failed(id.error()));
+  answer_job(reply, services.jobs.cancel(*id));
+}
+
+constexpr std::array<Method, 5> kMethods{{
+    {"reference.take", Action::take_reference, take},
+    {"reference.get", Action::read, get},
+    {"reference.clear", Action::clear_reference, clear},
+    {"job.get", Action::read, get_job},
+    {"job.cancel", Action::cancel_job, cancel_job},
+}};
+
+}  // namespace
+
+std::span<const Method> reference_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

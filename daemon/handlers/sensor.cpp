@@ -1,0 +1,75 @@
+/// sensor.*, aberration.* and slm.show: all that changes the hologram.
+#include "daemon/handlers/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+SensorReport report_of(const SensorSnapshot& sensor) {
+  return {sensor.sensor, sensor.tracking.tracker, sensor.subapertures, sensor.modes_j,
+          sensor.hologram_id};
+}
+
+void get(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  reply(sensor_get_result(report_of(services.instrument.snapshot())));
+}
+
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto change = decode_sensor_set(params);
+  if (!change) return reply(failed(change.error()));
+  services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(failed(applied.error()));
+    reply(sensor_set_result(params, report_of(*applied)));
+  });
+}
+
+void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& applied) {
+  if (!applied) return reply(failed(applied.error()));
+  reply(aberration_result(applied->aberration, applied->hologram_id));
+}
+
+void get_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  answer_aberration(reply, services.instrument.snapshot());
+}
+
+void set_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  auto modes = decode_aberration_set(params);
+  if (!modes) return reply(failed(modes.error()));
+  services.instrument.set_aberration(std::move(*modes), [reply](Result<SensorSnapshot> applied) {
+    answer_aberration(reply, applied);
+  });
+}
+
+void clear_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  services.instrument.set_aberration(
+      {}, [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
+}
+
+void show(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto pattern = decode_slm_show(params);
+  if (!pattern) return reply(failed(pattern.error()));
+  services.instrument.show(*pattern, [reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(failed(applied.error()));
+    reply(slm_show_result(applied->pattern, applied->hologram_id));
+  });
+}
+
+constexpr std::array<Method, 6> kMethods{{
+    {"sensor.get", Action::read, get},
+    {"sensor.set", Action::set_sensor, set},
+    {"aberration.get", Action::read, get_aberration},
+    {"aberration.set", Action::set_aberration, set_aberration},
+    {"aberration.clear", Action::set_aberration, clear_aberration},
+    {"slm.show", Action::show_pattern, show},
+}};
+
+}  // namespace
+
+std::span<const Method> sensor_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

@@ -1,0 +1,29 @@
+/// What the handlers of the control socket may use.
+#pragma once
+
+#include <string>
+
+#include "config/config.hpp"
+#include "core/rt/counters.hpp"
+#include "daemon/camera_actor.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/jobs.hpp"
+#include "daemon/slm_loop.hpp"
+#include "daemon/state_keeper.hpp"
+#include "daemon/status_reporter.hpp"
+
+namespace ovws {
+
+struct Services {
+  const Config& config;            ///< as the daemon was started with
+  const std::string& config_path;  ///< empty: started without a file
+  StateKeeper& state;
+  CameraActor& camera;
+  SlmLoop& slm;
+  Instrument& instrument;
+  Jobs& jobs;
+  StatusReporter& status;
+  Counters& counters;
+};
+
+}  // namespace ovws

@@ -1,0 +1,46 @@
+#include "daemon/handlers/methods.hpp"
+#include "daemon/versions.hpp"
+#include "proto/encode.hpp"
+#include "proto/schemas.hpp"
+
+namespace ovws {
+namespace {
+
+/// Every method and every stream with its JSON Schema, and the versions of what is running.
+void describe(Services& /*services*/, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  nlohmann::json methods = nlohmann::json::object();
+  for (const std::string& name : method_names()) {
+    methods[name] = nlohmann::json::parse(schema_text(name), nullptr, false);
+  }
+  nlohmann::json streams = nlohmann::json::object();
+  constexpr std::string_view kStreamPrefix = "stream.";
+  for (const SchemaFile& schema : schemas()) {
+    if (!schema.name.starts_with(kStreamPrefix)) continue;
+    streams[std::string(schema.name.substr(kStreamPrefix.size()))] =
+        nlohmann::json::parse(schema.text, nullptr, false);
+  }
+  nlohmann::json running = nlohmann::json::object();
+  for (const auto& [name, version] : versions()) running[name] = version;
+  reply(nlohmann::json{{"methods", std::move(methods)},
+                       {"streams", std::move(streams)},
+                       {"versions", std::move(running)}});
+}
+
+void status(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  reply(status_body(services.status.current()));
+}
+
+constexpr std::array<Method, 2> kMethods{{
+    {"system.describe", Action::read, describe},
+    {"system.status", Action::read, status},
+}};
+
+}  // namespace
+
+std::span<const Method> system_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

@@ -1,0 +1,80 @@
+#include "daemon/image_publisher.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <thread>
+
+#include "core/port/clock.hpp"
+#include "proto/encode.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kTurnNs = 50'000'000;
+
+}  // namespace
+
+ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
+                               Pipeline& pipeline, Counters& counters)
+    : socket_(std::move(socket)), config_(config), pipeline_(pipeline), counters_(counters) {}
+
+bool ImagePublisher::do_work() {
+  const std::int64_t wait_ns = config_.rate_hz > 0.0 ? next_ns_ - monotonic_ns() : kTurnNs;
+  if (wait_ns > 0 && !requested_) {
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(wait_ns, kTurnNs)));
+    return false;
+  }
+  if (!requested_) pipeline_.request_image();
+  requested_ = true;
+  FrameRecord* record = pipeline_.next_image(int(kTurnNs / 1000));
+  if (record == nullptr) return false;
+  requested_ = false;
+  next_ns_ = monotonic_ns() + std::int64_t(1e9 / config_.rate_hz);
+  send(*record);
+  pipeline_.release_image(record);
+  return true;
+}
+
+void ImagePublisher::send(const FrameRecord& record) {
+  send_image(record);
+  send_phase(record);
+  sent_.fetch_add(1);
+}
+
+void ImagePublisher::send_image(const FrameRecord& record) {
+  ImageMessage message;
+  message.seq = image_seq_++;
+  message.frame_id = record.frame.frame_id;
+  message.hologram_id = record.hologram_id;
+  message.t_arrival_ns = record.frame.t_arrival_ns;
+  message.image = record.frame.image;
+  const auto binary = encode(message, json_, binary_);
+  if (!socket_.send(kTopicImage, json_, binary)) counters_.add(Counter::messages_dropped);
+}
+
+void ImagePublisher::send_phase(const FrameRecord& record) {
+  const auto& modes_j = record.plan->reconstructor->modes_j();
+  if (!phase_map_ || modes_j != phase_modes_j_) {
+    phase_modes_j_ = modes_j;
+    phase_map_ = std::make_unique<PhaseMap>(modes_j, config_.phase_size_px);
+  }
+  PhaseMessage message;
+  message.seq = phase_seq_++;
+  message.frame_id = record.frame.frame_id;
+  message.hologram_id = record.hologram_id;
+  message.t_arrival_ns = record.frame.t_arrival_ns;
+  message.valid = record.valid;
+  message.wavelength_nm = config_.wavelength_nm;
+  phase_map_->render(std::span(record.coefficients).first(std::size_t(record.mode_count)),
+                     phase_waves_);
+  if (!record.valid) {
+    std::fill(phase_waves_.pixels.begin(), phase_waves_.pixels.end(),
+              std::numeric_limits<float>::quiet_NaN());
+  }
+  message.waves = &phase_waves_;
+  const auto binary = encode(message, json_);
+  if (!socket_.send(kTopicPhase, json_, binary)) counters_.add(Counter::messages_dropped);
+}
+
+}  // namespace ovws

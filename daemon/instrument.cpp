@@ -1,0 +1,181 @@
+#include "daemon/instrument.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/port/clock.hpp"
+#include "daemon/plan_builder.hpp"
+#include "daemon/slm_files.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr auto kTurn = std::chrono::milliseconds(50);
+
+Result<std::shared_ptr<const HologramRenderer>> make_renderer(const HologramConfig& hologram) {
+  auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return fail(renderer.error());
+  return std::make_shared<const HologramRenderer>(std::move(*renderer));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
+                                                     const InstrumentDeps& deps) {
+  auto hologram = load_hologram_config(config);
+  if (!hologram) return fail(hologram.error());
+  auto renderer = make_renderer(*hologram);
+  if (!renderer) return fail(renderer.error());
+  State state;
+  state.sensor = config.sensor;
+  state.tracking = config.tracking;
+  state.roi = config.camera.settings.roi;
+  state.format = config.camera.settings.pixel_format;
+  state.renderer = *renderer;
+  std::unique_ptr<Instrument> instrument(new Instrument(config, deps, *hologram, state));
+  HologramRequest first = instrument->render(state);
+  auto plan = instrument->plan_for(state, first.hologram_id);
+  if (!plan) return fail(plan.error());
+  instrument->shown_hologram_id_ = first.hologram_id;
+  instrument->grey_ = first.grey;
+  instrument->deps_.slm.show_when_possible(std::move(first));
+  instrument->adopt(state, std::move(*plan));
+  return instrument;
+}
+
+Instrument::Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
+                       State state)
+    : optics_(config.optics),
+      slm_geometry_(config.slm.geometry),
+      workers_(config.pipeline.workers),
+      deps_(deps),
+      hologram_(std::move(hologram)),
+      state_(std::move(state)) {}
+
+bool Instrument::do_work() {
+  const bool worked = mailbox_.run_one(kTurn);
+  watch_reference_job();
+  retire_plans();
+  return worked;
+}
+
+void Instrument::change_sensor(SensorSet change, Changed done) {
+  mailbox_.post([this, change, done = std::move(done)] {
+    State next = state_;
+    next.sensor = change.applied_to(state_.sensor);
+    next.tracking = change.applied_to(state_.tracking);
+    done(change_to(std::move(next)));
+  });
+}
+
+void Instrument::set_aberration(std::vector<Mode> modes, Changed done) {
+  mailbox_.post([this, modes = std::move(modes), done = std::move(done)]() mutable {
+    State next = state_;
+    next.aberration = std::move(modes);
+    done(change_to(std::move(next)));
+  });
+}
+
+void Instrument::show(HologramKind pattern, Changed done) {
+  mailbox_.post([this, pattern, done = std::move(done)] {
+    State next = state_;
+    next.pattern = pattern;
+    done(change_to(std::move(next)));
+  });
+}
+
+void Instrument::camera_changed(Roi roi, PixelFormat format) {
+  mailbox_.post([this, roi, format] {
+    if (roi == state_.roi && format == state_.format) return;
+    State next = state_;
+    next.roi = roi;
+    next.format = format;
+    ++next.sensor_epoch;
+    if (reference_job_) {
+      fail_reference(Error{Errc::refused, "camera", "the camera's image changed meanwhile"});
+    }
+    auto plan = plan_for(next, shown_hologram_id_);
+    if (!plan) {
+      return deps_.events.emit("sensor", Severity::error,
+                               "no plan for the camera's image: " + plan.error().reason);
+    }
+    // The same picture stays on the SLM, but what is measured of it belongs to the new image.
+    deps_.slm.show_when_possible({shown_hologram_id_, next.sensor_epoch, next.pattern, grey_});
+    adopt(std::move(next), std::move(*plan));
+  });
+}
+
+/// Prepares everything, shows it, and only then makes it the state; on any error nothing has
+/// changed.
+Result<SensorSnapshot> Instrument::change_to(State next) {
+  if (reference_job_) {
+    return fail(
+        Errc::refused, "",
+        fmt::format("job {} is taking a reference: wait for it or cancel it", *reference_job_));
+  }
+  const bool new_sensor = !(next.sensor == state_.sensor);
+  const bool new_picture =
+      new_sensor || next.pattern != state_.pattern || !(next.aberration == state_.aberration);
+  if (new_sensor) {
+    HologramConfig hologram = hologram_;
+    hologram.sensor = next.sensor;
+    auto renderer = make_renderer(hologram);
+    if (!renderer) return fail(renderer.error());
+    next.renderer = *renderer;
+    ++next.sensor_epoch;
+  }
+  if (auto sampled = next.renderer->check_sampling(next.aberration); !sampled) {
+    return fail(sampled.error());
+  }
+  auto plan = plan_for(next, new_picture ? next_hologram_id_ : shown_hologram_id_);
+  if (!plan) return fail(plan.error());
+  if (new_picture) {
+    HologramRequest request = render(next);
+    const std::uint64_t hologram_id = request.hologram_id;
+    const auto grey = request.grey;
+    if (auto shown = deps_.slm.show(std::move(request)); !shown) return fail(shown.error());
+    shown_hologram_id_ = hologram_id;
+    grey_ = grey;
+  }
+  adopt(std::move(next), std::move(*plan));
+  return snapshot_.get();
+}
+
+HologramRequest Instrument::render(const State& state) {
+  auto grey = std::make_shared<Image<std::uint8_t>>();
+  state.renderer->render(state.pattern, state.aberration, *grey);
+  const std::uint64_t epoch = state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
+  return {next_hologram_id_++, epoch, state.pattern, std::move(grey)};
+}
+
+Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state,
+                                                              std::uint64_t hologram_id) {
+  const std::optional<Reference> reference = reference_for(state);
+  return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
+                     state.sensor, state.tracking, optics_, slm_geometry_, state.roi, state.format,
+                     state.aberration, reference, workers_});
+}
+
+void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
+  state_ = std::move(state);
+  SensorSnapshot now;
+  now.sensor = state_.sensor;
+  now.tracking = state_.tracking;
+  now.pattern = state_.pattern;
+  now.aberration = state_.aberration;
+  now.hologram_id = shown_hologram_id_;
+  now.subapertures = plan->subapertures();
+  now.modes_j = plan->reconstructor->modes_j();
+  now.reference = reference_for(state_);
+  snapshot_.set(std::move(now));
+  deps_.pipeline.use_plan(plan.get());
+  plans_.push_back(std::move(plan));
+}
+
+void Instrument::retire_plans() {
+  const std::uint64_t oldest = deps_.pipeline.oldest_plan_in_use();
+  while (plans_.size() > 1 && plans_.front()->id < oldest) plans_.pop_front();
+}
+
+}  // namespace ovws

@@ -1,0 +1,114 @@
+/// The sensor's state: hologram, aberration, reference. It prepares what the frame path uses, and
+/// is the only one to change it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/rt/agent.hpp"
+#include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
+#include "daemon/jobs.hpp"
+#include "daemon/mailbox.hpp"
+#include "daemon/reference.hpp"
+#include "daemon/slm_loop.hpp"
+#include "proto/requests.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+
+/// What others may know of the sensor at any time.
+struct SensorSnapshot {
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  HologramKind pattern = HologramKind::sensor;
+  std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
+  std::uint64_t hologram_id = 0;
+  int subapertures = 0;
+  std::vector<int> modes_j;
+  std::optional<Reference> reference;  ///< the one in force
+};
+
+struct InstrumentDeps {
+  Pipeline& pipeline;
+  SlmLoop& slm;
+  ReferenceCollector& collector;
+  Jobs& jobs;
+  Events& events;
+  /// Prepare thread: a job began (true) or ended (false).
+  std::function<void(bool)> on_job;
+};
+
+/// An agent of the prepare thread. Every change is asked for from any thread, carried out in the
+/// prepare thread in order, whole or not at all, and answered there.
+class Instrument : public Agent {
+ public:
+  using Changed = std::function<void(Result<SensorSnapshot>)>;
+
+  /// Errors: the configuration's lattice, LUT or flatness file cannot be used.
+  static Result<std::unique_ptr<Instrument>> make(const Config& config, const InstrumentDeps& deps);
+
+  bool do_work() override;
+
+  void change_sensor(SensorSet change, Changed done);
+  void set_aberration(std::vector<Mode> modes, Changed done);
+  void show(HologramKind pattern, Changed done);
+  /// Starts a job that averages settled frames; `done` gets its number.
+  void take_reference(int frames, std::function<void(Result<int>)> done);
+  void clear_reference(Changed done);
+  /// The camera's image changed; frames are measured with a plan made for it from then on.
+  void camera_changed(Roi roi, PixelFormat format);
+
+  SensorSnapshot snapshot() const { return snapshot_.get(); }
+
+ private:
+  /// All that decides what is shown and how a frame is measured.
+  struct State {
+    SensorConfig sensor;
+    TrackingConfig tracking;
+    HologramKind pattern = HologramKind::sensor;
+    std::vector<Mode> aberration;
+    Roi roi;
+    PixelFormat format = PixelFormat::mono8;
+    std::uint64_t sensor_epoch = 1;
+    std::shared_ptr<const HologramRenderer> renderer;
+  };
+
+  Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
+             State state);
+  Result<SensorSnapshot> change_to(State next);
+  HologramRequest render(const State& state);
+  Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
+  void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
+  void retire_plans();
+  std::optional<Reference> reference_for(const State& state) const;
+  void finish_reference(int job, const ReferenceCollector::Average& average);
+  void fail_reference(const Error& why);
+  void end_reference_job();
+  void watch_reference_job();
+
+  OpticsConfig optics_;
+  SlmGeometry slm_geometry_;
+  int workers_;
+  InstrumentDeps deps_;
+  HologramConfig hologram_;  ///< its sensor is that of the state
+  State state_;
+  Mailbox mailbox_;
+  std::uint64_t next_hologram_id_ = 1;
+  std::uint64_t next_plan_id_ = 1;
+  std::uint64_t shown_hologram_id_ = 0;
+  std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
+  std::vector<Reference> references_;                  ///< one a key
+  std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
+  std::optional<int> reference_job_;                   ///< the job's number
+  Guarded<SensorSnapshot> snapshot_;
+};
+
+}  // namespace ovws

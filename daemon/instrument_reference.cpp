@@ -1,0 +1,109 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/port/clock.hpp"
+#include "daemon/instrument.hpp"
+
+namespace ovws {
+namespace {
+
+std::string listed(const std::vector<int>& numbers) {
+  std::string text;
+  for (const int number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
+}  // namespace
+
+void Instrument::take_reference(int frames, std::function<void(Result<int>)> done) {
+  mailbox_.post([this, frames, done = std::move(done)] {
+    if (reference_job_) {
+      return done(fail(Errc::refused, "",
+                       fmt::format("job {} is already taking a reference", *reference_job_)));
+    }
+    if (state_.pattern != HologramKind::sensor) {
+      return done(fail(Errc::refused, "",
+                       "the SLM does not show the sensor: call slm.show with \"sensor\" first"));
+    }
+    const int job = deps_.jobs.begin(
+        "reference.take", [this] { mailbox_.post([this] { end_reference_job(); }); },
+        [this] { return deps_.collector.progress(); });
+    reference_job_ = job;
+    deps_.on_job(true);
+    deps_.collector.begin(frames, state_.sensor_epoch, snapshot_.get().subapertures,
+                          [this, job](ReferenceCollector::Average average) {
+                            mailbox_.post([this, job, average] { finish_reference(job, average); });
+                          });
+    done(job);
+  });
+}
+
+void Instrument::clear_reference(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    const ReferenceKey key{state_.sensor, state_.tracking, state_.roi};
+    std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
+    done(change_to(state_));
+  });
+}
+
+std::optional<Reference> Instrument::reference_for(const State& state) const {
+  const ReferenceKey key{state.sensor, state.tracking, state.roi};
+  for (const Reference& known : references_) {
+    if (known.key == key) return known;
+  }
+  return std::nullopt;
+}
+
+void Instrument::finish_reference(int job, const ReferenceCollector::Average& average) {
+  if (reference_job_ != job) return;
+  std::vector<int> too_rare;
+  for (std::size_t i = 0; i < average.found.size(); ++i) {
+    if (2 * average.found[i] < average.frames) too_rare.push_back(int(i));
+  }
+  if (!too_rare.empty()) {
+    return fail_reference(Error{
+        Errc::refused, "",
+        fmt::format("spots {} were found in fewer than half of the frames: check the image, the "
+                    "exposure and the region of interest",
+                    listed(too_rare))});
+  }
+  Reference reference;
+  reference.key = {state_.sensor, state_.tracking, state_.roi};
+  reference.frames = average.frames;
+  reference.t_taken_ns = utc_ns();
+  reference.aberration = state_.aberration;
+  reference.positions_px = average.mean_px;
+  reference.standard_error_px = average.standard_error_px;
+  std::erase_if(references_, [&](const Reference& known) { return known.key == reference.key; });
+  references_.push_back(std::move(reference));
+  end_reference_job();
+  if (auto changed = change_to(state_); !changed) return deps_.jobs.fail_job(job, changed.error());
+  deps_.jobs.finish(job, {{"frames", average.frames}});
+}
+
+void Instrument::fail_reference(const Error& why) {
+  const int job = *reference_job_;
+  end_reference_job();
+  deps_.jobs.fail_job(job, why);
+}
+
+void Instrument::end_reference_job() {
+  if (!reference_job_) return;
+  deps_.collector.cancel();
+  reference_job_.reset();
+  deps_.on_job(false);
+}
+
+/// A reference that gets no settled frames must end: its caller waits, and the sensor is locked
+/// meanwhile.
+void Instrument::watch_reference_job() {
+  constexpr double kPatienceS = 10.0;
+  if (!reference_job_ || deps_.collector.idle_s() < kPatienceS) return;
+  fail_reference(Error{Errc::unavailable, "",
+                       fmt::format("no settled frame came for {:.0f} s: see system.status for what "
+                                   "the camera and the SLM do",
+                                   kPatienceS)});
+}
+
+}  // namespace ovws

@@ -1,0 +1,96 @@
+#include "daemon/jobs.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kMostRemembered = 100;
+
+const char* state_name(JobState state) {
+  switch (state) {
+    case JobState::running:
+      return "running";
+    case JobState::done:
+      return "done";
+    case JobState::failed:
+      return "failed";
+    case JobState::cancelled:
+      return "cancelled";
+  }
+  return "failed";
+}
+
+}  // namespace
+
+int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<double()> progress) {
+  const std::lock_guard lock(mutex_);
+  const int id = next_id_++;
+  Entry& entry = jobs_[id];
+  entry.job.job = id;
+  entry.job.kind = std::move(kind);
+  entry.cancel = std::move(cancel);
+  entry.progress = std::move(progress);
+  if (jobs_.size() > kMostRemembered) jobs_.erase(jobs_.begin());
+  return id;
+}
+
+void Jobs::finish(int id, nlohmann::json result) {
+  end(id, JobState::done, std::move(result), std::nullopt);
+}
+
+void Jobs::fail_job(int id, Error error) {
+  end(id, JobState::failed, nullptr, std::move(error));
+}
+
+Result<JobReport> Jobs::cancel(int id) {
+  std::function<void()> cancel;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found != jobs_.end() && found->second.job.state == JobState::running) {
+      cancel = found->second.cancel;
+    }
+  }
+  if (cancel && end(id, JobState::cancelled, nullptr, std::nullopt)) cancel();
+  return get(id);
+}
+
+Result<JobReport> Jobs::get(int id) const {
+  JobReport job;
+  std::function<double()> progress;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found == jobs_.end()) {
+      return fail(Errc::invalid, "job", fmt::format("there is no job {}", id));
+    }
+    job = found->second.job;
+    progress = found->second.progress;
+  }
+  if (job.state == JobState::running) job.progress = progress();
+  return job;
+}
+
+bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
+  std::string text;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
+    JobReport& job = found->second.job;
+    job.state = state;
+    if (state == JobState::done) job.progress = 1.0;
+    job.result = std::move(result);
+    job.error = error;
+    text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
+                       error ? ": " + error->reason : "");
+  }
+  const auto severity = state == JobState::failed ? Severity::error : Severity::info;
+  events_.emit("job", severity, text, {{"job", id}, {"state", state_name(state)}});
+  return true;
+}
+
+}  // namespace ovws

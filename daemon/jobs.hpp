@@ -1,0 +1,45 @@
+/// Long commands: each has a number, a progress, and an end that is told.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/base/result.hpp"
+#include "daemon/events.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+
+/// Thread-safe. One job runs at a time; the last 100 are remembered.
+class Jobs {
+ public:
+  explicit Jobs(Events& events) : events_(events) {}
+
+  /// `cancel` is called by `cancel(id)`, `progress` by `get`; both from any thread, without our
+  /// lock held.
+  int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
+  void finish(int id, nlohmann::json result);
+  void fail_job(int id, Error error);
+  /// Errc::invalid if there is no such job; a job that has ended stays as it is.
+  Result<JobReport> cancel(int id);
+  Result<JobReport> get(int id) const;
+
+ private:
+  struct Entry {
+    JobReport job;
+    std::function<void()> cancel;
+    std::function<double()> progress;
+  };
+  bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
+
+  Events& events_;
+  mutable std::mutex mutex_;
+  std::map<int, Entry> jobs_;
+  int next_id_ = 1;
+};
+
+}  // namespace ovws

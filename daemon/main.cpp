@@ -1,0 +1,54 @@
+/// ovwsd: the daemon.
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+
+#include "config/config.hpp"
+#include "daemon/app.hpp"
+#include "daemon/log.hpp"
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+void request_stop(int /*signal*/) {
+  stop_requested.store(true);
+}
+
+int complain(const ovws::Error& error) {
+  spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
+  return 1;
+}
+
+int serve(const ovws::Config& config, const std::string& path) {
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGPIPE, SIG_IGN);
+  auto app = ovws::App::make(config, path);
+  if (!app) return complain(app.error());
+  const auto done = (*app)->run(stop_requested);
+  return done ? 0 : complain(done.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
+  std::string path;
+  bool check_only = false;
+  line.add_option("--config,-c", path, "configuration file; defaults without it");
+  line.add_flag("--check-config", check_only, "read the configuration, say what is wrong, and end");
+  line.set_version_flag("--version", OVWS_VERSION);
+  CLI11_PARSE(line, argc, argv);
+
+  const auto config =
+      path.empty() ? ovws::Result<ovws::Config>{ovws::Config{}} : ovws::load_config(path);
+  ovws::start_log(config ? config->log.level : "info");
+  if (!config) return complain(config.error());
+  if (!check_only) return serve(*config, path);
+  std::printf("%s\n", ovws::dump_config(*config).c_str());
+  return 0;
+}

@@ -1,0 +1,77 @@
+#include "daemon/plan_builder.hpp"
+
+#include <Eigen/Core>
+#include <numeric>
+
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws {
+namespace {
+
+/// Displacement of every spot by `modes`, camera pixels.
+std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode>& modes) {
+  std::vector<int> modes_j;
+  Eigen::VectorXd waves(Eigen::Index(modes.size()));
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    modes_j.push_back(modes[i].j);
+    waves[Eigen::Index(i)] = modes[i].waves;
+  }
+  const Eigen::VectorXd moved = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
+                                             slope_model(inputs.sensor.charge, inputs.tracking),
+                                             camera_px_per_cycle(inputs.optics, inputs.slm)) *
+                                waves;
+  std::vector<Vec2> result;
+  for (Eigen::Index i = 0; i + 1 < moved.size(); i += 2) result.push_back({moved[i], moved[i + 1]});
+  return result;
+}
+
+void add(std::vector<Vec2>& points, const std::vector<Vec2>& moves, double sign) {
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + sign * moves[i];
+}
+
+std::vector<Vec2> predicted(const PlanInputs& inputs) {
+  if (!inputs.reference) {
+    auto spots = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
+                                inputs.roi.width, inputs.roi.height);
+    add(spots, displacements(inputs, inputs.aberration), 1.0);
+    return spots;
+  }
+  auto spots = inputs.reference->positions_px;
+  add(spots, displacements(inputs, inputs.aberration), 1.0);
+  add(spots, displacements(inputs, inputs.reference->aberration), -1.0);
+  return spots;
+}
+
+}  // namespace
+
+std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
+  std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
+  std::iota(modes_j.begin(), modes_j.end(), 1);
+  return modes_j;
+}
+
+Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
+  auto plan = std::make_unique<MeasurementPlan>();
+  plan->id = inputs.id;
+  plan->sensor_epoch = inputs.sensor_epoch;
+  plan->hologram_id = inputs.hologram_id;
+  plan->charge = inputs.sensor.charge;
+  plan->tracker_kind = inputs.tracking.tracker;
+  plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor)};
+  plan->image_width = inputs.roi.width;
+  plan->image_height = inputs.roi.height;
+  plan->format = inputs.format;
+  plan->predicted_px = predicted(inputs);
+  if (inputs.reference) plan->reference_px = inputs.reference->positions_px;
+  auto tracker = make_tracker(inputs.tracking, plan->spots);
+  if (!tracker) return fail(tracker.error());
+  plan->tracker = std::move(*tracker);
+  const std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
+  const Eigen::MatrixXd slopes = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
+                                              slope_model(inputs.sensor.charge, inputs.tracking),
+                                              camera_px_per_cycle(inputs.optics, inputs.slm));
+  plan->reconstructor = std::make_unique<Reconstructor>(slopes, modes_j, plan->reference_px);
+  return plan;
+}
+
+}  // namespace ovws

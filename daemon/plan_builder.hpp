@@ -1,0 +1,38 @@
+/// From what the sensor is to what a frame is measured with: pure computation, off the frame path.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/optics/lattice.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/pipeline/plan.hpp"
+#include "daemon/reference.hpp"
+
+namespace ovws {
+
+struct PlanInputs {
+  std::uint64_t id = 0;
+  std::uint64_t sensor_epoch = 0;
+  std::uint64_t hologram_id = 0;  ///< that shows `aberration`
+  const Lattice& lattice;
+  const SensorConfig& sensor;
+  const TrackingConfig& tracking;
+  const OpticsConfig& optics;
+  const SlmGeometry& slm;
+  const Roi& roi;
+  PixelFormat format = PixelFormat::mono8;
+  const std::vector<Mode>& aberration;  ///< shown on purpose
+  const std::optional<Reference>& reference;
+  int workers = 0;
+};
+
+/// OSA indices that the sensor reconstructs: 1 .. Z_opt (paper eq. 5).
+std::vector<int> reconstructed_modes(const SensorConfig& sensor);
+
+/// Errors as of make_tracker.
+Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);
+
+}  // namespace ovws

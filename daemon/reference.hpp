@@ -1,0 +1,75 @@
+/// The reference: where each spot is without the aberration to be measured, averaged over frames.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/base/vec2.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/pipeline/frame_record.hpp"
+#include "core/port/camera.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+/// What a reference belongs to: with anything else its positions mean nothing.
+struct ReferenceKey {
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  Roi roi;
+  friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
+};
+
+struct Reference {
+  ReferenceKey key;
+  int frames = 0;
+  std::int64_t t_taken_ns = 0;
+  double gain_db = 0.0, exposure_us = 0.0;
+  std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
+  std::vector<Vec2> positions_px;
+  std::vector<Vec2> standard_error_px;
+};
+
+/// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish
+/// thread.
+class ReferenceCollector {
+ public:
+  struct Average {
+    int frames = 0;          ///< that were used
+    std::vector<int> found;  ///< in how many of them, per spot
+    std::vector<Vec2> mean_px, standard_error_px;
+  };
+  using Done = std::function<void(Average)>;
+
+  /// Averages `frames` settled frames measured with a plan of this epoch, then calls `done` in the
+  /// publish thread.
+  void begin(int frames, std::uint64_t sensor_epoch, int subapertures, Done done);
+  void cancel();
+  void add(const FrameRecord& record);
+  /// 0 .. 1; 0 when nothing is being taken.
+  double progress() const;
+  /// Seconds since the last frame that was used, or since `begin`; 0 when nothing is being taken.
+  double idle_s() const;
+
+ private:
+  struct Sums {
+    int found = 0;
+    Vec2 mean, m2;  ///< Welford's running mean and sum of squared deviations
+  };
+  Average average() const;
+
+  mutable std::mutex mutex_;
+  int wanted_ = 0;
+  int used_ = 0;
+  std::uint64_t sensor_epoch_ = 0;
+  std::int64_t t_last_used_ns_ = 0;
+  std::vector<Sums> sums_;
+  Done done_;
+};
+
+}  // namespace ovws

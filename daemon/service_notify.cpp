@@ -1,0 +1,25 @@
+#include "daemon/service_notify.hpp"
+
+#include <systemd/sd-daemon.h>
+
+namespace ovws::service {
+
+void notify_ready() {
+  sd_notify(0, "READY=1");
+}
+void notify_stopping() {
+  sd_notify(0, "STOPPING=1");
+}
+void notify_status(const std::string& text) {
+  sd_notify(0, ("STATUS=" + text).c_str());
+}
+void notify_watchdog() {
+  sd_notify(0, "WATCHDOG=1");
+}
+
+std::uint64_t watchdog_interval_us() {
+  std::uint64_t interval_us = 0;
+  return sd_watchdog_enabled(0, &interval_us) > 0 ? interval_us : 0;
+}
+
+}  // namespace ovws::service

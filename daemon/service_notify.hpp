@@ -1,0 +1,17 @@
+/// What systemd hears of us: READY, STATUS, WATCHDOG, STOPPING. Without systemd every call does
+/// nothing.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace ovws::service {
+
+void notify_ready();
+void notify_stopping();
+void notify_status(const std::string& text);
+void notify_watchdog();
+/// How often the watchdog wants to be fed at the latest, us; 0: not watched.
+std::uint64_t watchdog_interval_us();
+
+}  // namespace ovws::service

@@ -1,0 +1,144 @@
+#include "daemon/slm_loop.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+
+#include "core/port/clock.hpp"
+#include "daemon/driver_table.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr auto kTurn = std::chrono::milliseconds(20);
+constexpr auto kShowTimeout = std::chrono::seconds(2);
+constexpr std::int64_t kRetryNs = 1'000'000'000;
+constexpr std::int64_t kCheckNs = 100'000'000;
+
+Error stopping() {
+  return {Errc::refused, "", "the daemon is stopping"};
+}
+
+}  // namespace
+
+SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
+    : config_(std::move(config)), deps_(std::move(deps)) {
+  snapshot_.change([](SlmSnapshot& now) { now.fault = "not opened yet"; });
+}
+
+SlmLoop::~SlmLoop() = default;
+
+void SlmLoop::do_work() {
+  if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
+  if (auto job = wait_for_job()) {
+    if (!job->done) wanted_ = job->request;
+    Result<void> done = present(job->request);
+    if (job->done) job->done->set_value(done);
+  }
+  if (display_ && monotonic_ns() >= next_check_ns_) {
+    next_check_ns_ = monotonic_ns() + kCheckNs;
+    if (const auto healthy = display_->check(); !healthy) fault(healthy.error().reason);
+  }
+}
+
+void SlmLoop::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  if (job_ && job_->done) job_->done->set_value(fail(stopping()));
+  job_.reset();
+}
+
+Result<void> SlmLoop::show(HologramRequest request) {
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  auto result = done->get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return fail(stopping());
+    job_ = Job{std::move(request), done};
+  }
+  ready_.notify_one();
+  if (result.wait_for(kShowTimeout) == std::future_status::ready) return result.get();
+  const std::lock_guard lock(mutex_);
+  if (job_ && job_->done == done) job_.reset();
+  return fail(Errc::unavailable, "slm", "the display did not take the picture within 2 s");
+}
+
+void SlmLoop::show_when_possible(HologramRequest request) {
+  {
+    const std::lock_guard lock(mutex_);
+    job_ = Job{std::move(request), nullptr};
+  }
+  ready_.notify_one();
+}
+
+std::optional<SlmLoop::Job> SlmLoop::wait_for_job() {
+  std::unique_lock lock(mutex_);
+  ready_.wait_for(lock, kTurn, [this] { return job_.has_value(); });
+  return std::exchange(job_, std::nullopt);
+}
+
+void SlmLoop::try_open() {
+  next_try_ns_ = monotonic_ns() + kRetryNs;
+  auto opened = open_display(config_);
+  if (!opened) return publish_snapshot(opened.error().reason);
+  display_ = std::move(*opened);
+  if (wanted_ && !present(*wanted_)) return;
+  const DisplayInfo& info = display_->info();
+  deps_.events.emit("slm", Severity::info,
+                    fmt::format("SLM output {} is up: {} x {} at {:.1f} Hz ({})", info.output,
+                                info.width, info.height, info.refresh_hz, info.driver));
+  publish_snapshot("");
+}
+
+Result<void> SlmLoop::present(const HologramRequest& request) {
+  if (!display_) {
+    return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
+  }
+  ShownHologram next = shown_;
+  next.healthy = true;
+  next.previous = shown_.healthy ? shown_.current : ShownHologram::One{};
+  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), INT64_MAX};
+  deps_.shown.write(next);
+  const auto presented_ns = display_->present(*request.grey);
+  if (!presented_ns) {
+    fault(presented_ns.error().reason);
+    return fail(presented_ns.error());
+  }
+  next.current.t_settled_mono_ns = *presented_ns + std::int64_t(config_.settle_ms * 1e6);
+  deps_.shown.write(next);
+  shown_ = next;
+  wanted_ = request;
+  present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
+  t_presented_ns_ = utc_ns();
+  publish_snapshot("");
+  return {};
+}
+
+/// From now on nothing is known to be shown; the display is opened anew, as a new object.
+void SlmLoop::fault(const std::string& why) {
+  display_.reset();
+  shown_ = ShownHologram{};
+  deps_.shown.write(shown_);
+  deps_.counters.add(Counter::display_faults);
+  publish_snapshot(why);
+}
+
+void SlmLoop::publish_snapshot(std::string why) {
+  SlmSnapshot now;
+  now.healthy = display_ != nullptr;
+  if (display_) now.info = display_->info();
+  now.hologram_id = shown_.current.hologram_id;
+  now.kind = wanted_ ? wanted_->kind : HologramKind::sensor;
+  now.t_presented_ns = t_presented_ns_;
+  now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
+  now.present_ms = present_ms_;
+  now.fault = std::move(why);
+  const SlmSnapshot before = snapshot_.get();
+  if (!now.fault.empty() && now.fault != before.fault) {
+    deps_.events.emit("slm", Severity::error, "slm: " + now.fault);
+  }
+  snapshot_.set(now);
+  if (now.healthy != before.healthy) deps_.on_change(now);
+}
+
+}  // namespace ovws

@@ -1,0 +1,138 @@
+#include "daemon/status_reporter.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/port/clock.hpp"
+#include "daemon/service_notify.hpp"
+#include "daemon/versions.hpp"
+#include "proto/names.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kPeriodNs = 1'000'000'000;
+constexpr auto kTurn = std::chrono::milliseconds(20);
+
+std::optional<std::string> if_any(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
+StatusMessage::CameraPart camera_part(const CameraSnapshot& camera, const Pipeline& pipeline) {
+  StatusMessage::CameraPart part;
+  part.connected = camera.connected;
+  part.streaming = camera.connected && pipeline.last_frame_mono_ns() != 0;
+  part.info = camera.info;
+  part.settings = camera.settings;
+  part.fault = if_any(camera.fault);
+  return part;
+}
+
+StatusMessage::SlmPart slm_part(const SlmSnapshot& slm) {
+  StatusMessage::SlmPart part;
+  part.connected = slm.healthy;
+  part.info = slm.info;
+  part.pattern = pattern_name(slm.kind);
+  part.hologram_id = slm.hologram_id;
+  part.settled = slm.healthy && monotonic_ns() >= slm.t_settled_mono_ns;
+  part.fault = if_any(slm.fault);
+  return part;
+}
+
+StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
+  StatusMessage::SensorPart part;
+  part.config = sensor.sensor;
+  part.tracker = sensor.tracking.tracker;
+  part.subapertures = sensor.subapertures;
+  part.modes = int(sensor.modes_j.size());
+  part.referenced = sensor.reference.has_value();
+  return part;
+}
+
+/// One line for `systemctl status`.
+std::string status_line(const StatusMessage& status) {
+  std::string line = fmt::format("{}: {:.1f} frames/s, hologram {}", status.state,
+                                 status.rates.published_hz, status.slm.hologram_id);
+  if (status.camera.fault) line += "; camera: " + *status.camera.fault;
+  if (status.slm.fault) line += "; slm: " + *status.slm.fault;
+  return line;
+}
+
+}  // namespace
+
+StatusReporter::StatusReporter(StatusDeps deps)
+    : deps_(std::move(deps)), started_ns_(monotonic_ns()) {}
+
+bool StatusReporter::do_work() {
+  std::this_thread::sleep_for(kTurn);
+  feed_watchdog();
+  const bool asked = deps_.queue.take_status_request();
+  const bool due = monotonic_ns() >= next_ns_;
+  if (!asked && !due) return false;
+  if (due) {
+    next_ns_ = monotonic_ns() + kPeriodNs;
+    measure();
+  }
+  StatusMessage status = current();
+  service::notify_status(status_line(status));
+  deps_.queue.put(std::move(status));
+  return true;
+}
+
+StatusMessage StatusReporter::current() const {
+  StatusMessage status;
+  status.t_ns = utc_ns();
+  status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
+  status.state = deps_.state.name();
+  status.camera = camera_part(deps_.camera.snapshot(), deps_.pipeline);
+  status.slm = slm_part(deps_.slm.snapshot());
+  status.sensor = sensor_part(deps_.instrument.snapshot());
+  const Measured measured = measured_.get();
+  status.rates = measured.rates;
+  status.latency = measured.latency;
+  for (std::size_t i = 0; i < std::size_t(Counter::count_); ++i) {
+    status.counters.emplace_back(counter_name(Counter(i)), deps_.counters.get(Counter(i)));
+  }
+  status.versions = versions();
+  return status;
+}
+
+/// Rates and latencies of the second that ends now.
+void StatusReporter::measure() {
+  const Marks now{monotonic_ns(), deps_.counters.get(Counter::frames_grabbed),
+                  deps_.counters.get(Counter::frames_published), deps_.images.sent()};
+  const auto rate = [&](std::uint64_t after, std::uint64_t before) {
+    return 1e9 * double(after - before) / double(std::max<std::int64_t>(now.t_ns - marks_.t_ns, 1));
+  };
+  Measured measured;
+  if (marks_.t_ns != 0) {
+    measured.rates = {rate(now.grabbed, marks_.grabbed), rate(now.published, marks_.published),
+                      rate(now.images, marks_.images)};
+  }
+  measured.latency = {{"tracked", deps_.pipeline.tracked_latency().take()},
+                      {"reconstructed", deps_.pipeline.reconstructed_latency().take()},
+                      {"published", deps_.published_latency.take()}};
+  marks_ = now;
+  measured_.set(std::move(measured));
+}
+
+/// Only while every thread turns: a daemon that hangs is to be restarted.
+void StatusReporter::feed_watchdog() {
+  const std::string hung = deps_.hung_thread();
+  if (!hung.empty()) {
+    if (!hang_reported_) spdlog::critical("thread {} hangs: the watchdog is no longer fed", hung);
+    hang_reported_ = true;
+    return;
+  }
+  hang_reported_ = false;
+  const std::uint64_t interval_us = service::watchdog_interval_us();
+  if (interval_us == 0 || monotonic_ns() < next_food_ns_) return;
+  service::notify_watchdog();
+  next_food_ns_ = monotonic_ns() + std::int64_t(interval_us) * 1000 / 3;
+}
+
+}  // namespace ovws

@@ -1,0 +1,81 @@
+/// The one table of threads: who runs, how it is scheduled, what it may wait for. Nothing else
+/// creates a thread.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/base/result.hpp"
+#include "core/rt/agent.hpp"
+
+namespace ovws {
+
+enum class ThreadRole {
+  acquire,
+  track,
+  reconstruct,
+  publish,
+  camera,
+  prepare,
+  control,
+  images,
+  status
+};
+
+struct ThreadRow {
+  ThreadRole role;
+  const char* name;          ///< as in /proc and top
+  int fifo_priority;         ///< SCHED_FIFO priority; 0: the system's normal scheduling
+  const char* may_wait_for;  ///< and nothing else
+  double longest_turn_s;     ///< a turn that takes longer counts as hung, and the watchdog is no
+                             ///< longer fed
+};
+
+/// The main thread, which shows the hologram, is not in the table: the system created it.
+constexpr std::array<ThreadRow, 9> kThreadTable{{
+    {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0},
+    {ThreadRole::track, "track", 75, "its ring", 2.0},
+    {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0},
+    {ThreadRole::publish, "publish", 60, "its ring", 5.0},
+    {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0},
+    {ThreadRole::prepare, "prepare", 0, "its mailbox, the display taking a hologram", 30.0},
+    {ThreadRole::control, "control", 0, "requests", 5.0},
+    {ThreadRole::images, "images", 0, "the next lent frame", 5.0},
+    {ThreadRole::status, "status", 0, "the clock", 5.0},
+}};
+
+/// Starts agents on threads, watches that they turn, and stops them. Main thread only, `all_alive`
+/// apart.
+class ThreadPlan {
+ public:
+  explicit ThreadPlan(RealtimePolicy policy);
+  ~ThreadPlan();
+  ThreadPlan(const ThreadPlan&) = delete;
+  ThreadPlan& operator=(const ThreadPlan&) = delete;
+
+  /// Locks the process's memory, if the policy and the system let it. With `enforce`, what is
+  /// missing is an error.
+  Result<void> prepare_process();
+  /// `agent` is turned until stop_all. With `enforce`, a priority that cannot be had is an error.
+  Result<void> start(ThreadRole role, Agent& agent);
+  /// Asks all to end, last started first, and waits for each.
+  void stop_all();
+
+  /// Thread-safe: empty, or the name of a thread whose turn takes too long.
+  std::string hung_thread() const;
+
+ private:
+  struct Running;
+  void run(Running& running);
+
+  RealtimePolicy policy_;
+  std::vector<std::unique_ptr<Running>> threads_;
+};
+
+}  // namespace ovws
