@@ -1,0 +1,210 @@
+/// Prints every kind of message and result that the encoders make, and params with what the
+/// decoders say of them, as JSON lines for validate_messages.py.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "config/config.hpp"
+#include "proto/encode.hpp"
+#include "proto/requests.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+void print(const json& line) {
+  std::puts(line.dump().c_str());
+}
+
+void print_stream(std::string_view topic, const std::string& text) {
+  print(
+      {{"schema", "stream." + std::string(topic)}, {"valid", true}, {"value", json::parse(text)}});
+}
+
+void print_result(const char* method, const json& value) {
+  print({{"schema", method}, {"part", "result"}, {"valid", true}, {"value", value}});
+}
+
+const CameraInfo kInfo{"Vendor", "Model", "S1", "127.0.0.1"};
+const CameraLimits kLimits{
+    {0, 24, 0},   {10, 1e6, 1}, {0.1, 1000, 0}, {16, 2048, 16},
+    {2, 2048, 2}, 2048,         2048,           {PixelFormat::mono8, PixelFormat::mono12}};
+
+void print_frames() {
+  const std::array<int, 3> j{1, 2, 3};
+  const std::array<float, 3> coefficients{0.125F, -0.03F, 0.5F};
+  std::string text;
+  std::vector<std::byte> scratch;
+  for (const bool valid : {true, false}) {
+    WavefrontMessage w;
+    w.tracker = "lg";
+    w.valid = valid;
+    w.rms_waves = 0.5;
+    if (valid) w.gain_db = 0.0;
+    w.j = j;
+    w.coefficients = coefficients;
+    encode(w, text);
+    print_stream(kTopicWavefront, text);
+  }
+  const std::array<SpotFix, 2> spots{};
+  SpotsMessage s;
+  s.tracker = "thresholded";
+  s.charge = 0;
+  s.spots = spots;
+  (void)encode(s, text, scratch);
+  print_stream(kTopicSpots, text);
+}
+
+void print_pictures() {
+  std::string text;
+  std::vector<std::byte> scratch;
+  const Image<std::uint16_t> deep(4, 3);
+  ImageMessage image;
+  image.image = view_of(deep, PixelFormat::mono10);
+  (void)encode(image, text, scratch);
+  print_stream(kTopicImage, text);
+  const Image<float> waves(4, 4, std::nanf(""));
+  PhaseMessage phase;
+  phase.waves = &waves;
+  (void)encode(phase, text);
+  print_stream(kTopicPhase, text);
+}
+
+void print_status() {
+  StatusMessage status;
+  status.state = "waiting_for_camera";
+  for (const bool connected : {false, true}) {
+    if (connected) {
+      status.camera.info = kInfo;
+      status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
+      status.fault = "none really";
+      status.counters = {{"frames_grabbed", 5}};
+      status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
+      status.versions = {{"ovws", "0"}};
+    }
+    print_stream(kTopicStatus, encode(status));
+    print_result("system.status", status_body(status));
+  }
+  const EventMessage event{3, 4, "camera", Severity::warning, "something"};
+  print_stream(kTopicEvent, encode(event, {{"field", 1}}));
+  print_stream(kTopicEvent, encode(event, nullptr));
+}
+
+void print_results() {
+  const json params{{"gain_db", 500}, {"clamp", true}};
+  print_result("camera.get", camera_get_result(std::nullopt, {}, std::nullopt));
+  print_result("camera.get", camera_get_result(kInfo, {}, kLimits));
+  print_result("camera.set", camera_set_result(params, {}, kLimits));
+  print_result("camera.set", camera_set_result(json::object(), {}, std::nullopt));
+  const SensorReport sensor{{}, TrackerKind::lg, 19, {1, 2, 3}, 7};
+  print_result("sensor.get", sensor_get_result(sensor));
+  print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
+  std::vector<Mode> modes;
+  for (int j = 0; j <= kMaxZernikeIndex; ++j) modes.push_back({j, 0.001 * j});
+  for (const char* method : {"aberration.get", "aberration.set", "aberration.clear"}) {
+    print_result(method, aberration_result(modes, 3));
+    print_result(method, aberration_result({}, 0));
+  }
+  const ReferenceReport reference{100, -1,       TrackerKind::weighted,
+                                  5,   {{1, 2}}, {{0.1, std::nan("")}}};
+  print_result("reference.get", reference_result(reference));
+  print_result("reference.clear", reference_result(std::nullopt));
+  print_result("reference.take", job_started_result(1));
+  for (int k = 0; k <= int(HologramKind::identify); ++k) {
+    print_result("slm.show", slm_show_result(HologramKind(k), 1));
+  }
+  for (int k = 0; k <= int(JobState::cancelled); ++k) {
+    JobReport job{1, "reference.take", JobState(k), 0.5, nullptr, std::nullopt};
+    if (job.state == JobState::failed) job.error = Error{Errc::device, "camera", "went away"};
+    print_result("job.get", to_json(job));
+    print_result("job.cancel", to_json(job));
+  }
+  Config config;
+  print_result("config.get", json::parse(dump_config(config)));
+  config.slm.lut = "lut.txt";
+  config.optics.centre_px = Vec2{1, 2};
+  config.realtime = RealtimePolicy::enforce;
+  print_result("config.get", json::parse(dump_config(config)));
+}
+
+/// A value of any kind, sometimes a right one, for a key of any method.
+json any_value(std::mt19937& random) {
+  static const std::vector<json> values{
+      0,
+      1,
+      -1,
+      7,
+      1000,
+      1e9,
+      -1e9,
+      0.5,
+      1.0,
+      nullptr,
+      true,
+      "lg",
+      "square",
+      "flat",
+      "sensor",
+      "grating",
+      "identify",
+      "rms",
+      "unit",
+      "Mono12",
+      "nonsense",
+      json::array(),
+      {20, 30},
+      {1, "x"},
+      {1, 2, 3},
+      json::object(),
+      {{"x", 0}, {"y", 0}, {"width", 64}, {"height", 64}},
+      {{"x", 0}},
+      json::array({{{"j", 3}, {"waves", 0.5}}}),
+      json::array({{{"n", 2}, {"m", 0}, {"waves", 0.5}}}),
+      json::array({{{"n", 2}, {"waves", 1}}}),
+      json::array({{{"j", 3}, {"n", 2}, {"m", -2}, {"waves", 1}}})};
+  return values[random() % values.size()];
+}
+
+template <class Decode>
+void print_params(const char* method, const std::vector<std::string>& keys, Decode decode) {
+  std::mt19937 random(7);
+  for (int k = 0; k < 1000; ++k) {
+    json params = json::object();
+    for (int n = int(random() % 3); n > 0; --n) {
+      params[keys[random() % keys.size()]] = any_value(random);
+    }
+    print({{"schema", method},
+           {"part", "params"},
+           {"valid", bool(decode(params))},
+           {"value", params}});
+  }
+}
+
+void print_all_params() {
+  print_params("camera.set",
+               {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"},
+               decode_camera_set);
+  print_params("sensor.set",
+               {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
+                "tracker"},
+               decode_sensor_set);
+  print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
+  print_params("reference.take", {"frames", "frame"}, decode_reference_take);
+  print_params("slm.show", {"pattern"}, decode_slm_show);
+  print_params("job.get", {"job", "id"}, decode_job);
+  print_params("config.get", {"path"}, decode_nothing);
+}
+
+}  // namespace
+}  // namespace ovws
+
+int main() {
+  ovws::print_frames();
+  ovws::print_pictures();
+  ovws::print_status();
+  ovws::print_results();
+  ovws::print_all_params();
+}

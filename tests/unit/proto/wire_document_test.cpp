@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "proto/requests.hpp"
+#include "proto/results.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws {
+namespace {
+
+/// The lines of WIRE.md's json blocks that belong to JSON-RPC.
+std::vector<Json> rpc_lines() {
+  std::ifstream file(OVWS_SOURCE_DIR "/proto/WIRE.md");
+  std::vector<Json> lines;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("```", 0) == 0) {
+      inside = line == "```json";
+    } else if (inside) {
+      Json json = Json::parse(line);
+      if (json.contains("jsonrpc")) lines.push_back(std::move(json));
+    }
+  }
+  return lines;
+}
+
+template <class T>
+RpcAnswer refusal_or_nothing(const Result<T>& decoded) {
+  if (!decoded) return tl::make_unexpected(rpc_failure(decoded.error()));
+  return Json();
+}
+
+RpcAnswer answer(const std::string& method, const Json& params) {
+  if (method == "camera.set") return refusal_or_nothing(decode_camera_set(params));
+  if (method == "reference.take") return refusal_or_nothing(decode_reference_take(params));
+  if (method == "job.get") return refusal_or_nothing(decode_job(params));
+  const auto modes = decode_aberration_set(params);
+  if (!modes) return refusal_or_nothing(modes);
+  return aberration_result(*modes, 9);
+}
+
+TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {
+  const auto lines = rpc_lines();
+  ASSERT_GE(lines.size(), 12u);
+  for (std::size_t k = 0; k + 1 < lines.size(); k += 2) {
+    Json reply;
+    handle_rpc_frame(
+        lines[k].dump(),
+        [](const std::string& method, const Json& params, const RpcReply& give) {
+          give(answer(method, params));
+        },
+        [&reply](const std::string& bytes) { reply = Json::parse(bytes); });
+    EXPECT_EQ(reply.contains("error"), lines[k + 1].contains("error")) << lines[k];
+    if (reply.contains("error") || !reply.at("result").is_null()) {
+      EXPECT_EQ(reply, lines[k + 1]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ovws
