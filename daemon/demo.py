@@ -97,7 +97,7 @@ class Demo:
 
     def pictures(self, name):
         prefix = self.out / name
-        subprocess.run([self.bench.program("ovws"), "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([self.bench.programs / "ovws", "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
         return [f"{prefix}-camera.png", f"{prefix}-phase.png"]
 
     # The story ----------------------------------------------------------------------------------------------------
@@ -152,7 +152,9 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         with Bench(arguments.build) as bench:
-            bench.start()
+            bench.start_display()
+            bench.start_twin()
+            bench.start_daemon()
             Demo(bench, out).run()
             if arguments.keep:
                 print("\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; Ctrl-C ends it")

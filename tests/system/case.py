@@ -1,0 +1,92 @@
+"""What every system test stands on: a bench of its own in a network namespace of its own, and a client."""
+import sys
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "drivers" / "twin"), str(ROOT / "proto" / "python")]
+
+import bench as bench_module  # noqa: E402
+from ovws_client import Client, ClientError, Stream  # noqa: E402
+
+__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "wait_for"]
+
+
+def wait_for(condition, timeout_s=10.0, what="the condition"):
+    """The first true value of condition(), asked for again and again."""
+    end = time.monotonic() + timeout_s
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError(f"{what} did not come true within {timeout_s} s")
+
+
+class BenchCase(unittest.TestCase):
+    """A whole bench: display, twin, daemon. `twin_config` and `daemon_config` are keys that differ from the defaults."""
+
+    twin_config = {}
+    daemon_config = {}
+
+    def setUp(self):
+        self.bench = bench_module.Bench()
+        self.addCleanup(self.bench.close)
+        self.start()
+
+    def start(self):
+        self.bench.start_display()
+        self.bench.start_twin(self.twin_config)
+        self.start_daemon()
+        self.wait_until("running")
+
+    def start_daemon(self):
+        self.bench.start_daemon(self.daemon_config)
+        self.client = Client()
+        self.addCleanup(self.client.close)
+
+    def call(self, method, params=None):
+        return self.client.call(method, params)
+
+    def stream(self, *topics, endpoint="tcp://127.0.0.1:7701"):
+        stream = Stream(topics, endpoint)
+        self.addCleanup(stream.close)
+        return stream
+
+    def wait_until(self, state, timeout_s=20.0):
+        return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
+
+    def run_job(self, method, params, timeout_s=30.0):
+        job = self.call(method, params)["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, method)
+        self.assertEqual(ended["state"], "done", ended)
+        return ended
+
+    def take_reference(self, frames=50):
+        return self.run_job("reference.take", {"frames": frames})
+
+    def settled_frames(self, stream, count, hologram_id=None, timeout_s=10.0):
+        """The next `count` settled and valid messages, of that hologram if one is named."""
+        frames = []
+        end = time.monotonic() + timeout_s
+        while len(frames) < count:
+            self.assertLess(time.monotonic(), end, f"only {len(frames)} of {count} settled frames in {timeout_s} s")
+            message = stream.next(0.5)
+            if message is None or not message["settled"] or not message["valid"]:
+                continue
+            if hologram_id is None or message["hologram_id"] == hologram_id:
+                frames.append(message)
+        return frames
+
+    def refused(self, method, params=None):
+        """The error of a call that must be refused."""
+        with self.assertRaises(ClientError) as caught:
+            self.call(method, params)
+        self.assertIsNotNone(caught.exception.code, caught.exception)
+        return caught.exception
+
+
+def main():
+    bench_module.own_network()
+    unittest.main(verbosity=2)

@@ -1,0 +1,108 @@
+"""What is not there: camera, display, port, a right configuration. The daemon says so, and works when it comes."""
+import json
+import socket
+import subprocess
+import unittest
+
+from case import BenchCase, main
+
+
+class Absent(BenchCase):
+    def start(self):
+        pass
+
+    def test_camera_comes_later(self):
+        self.bench.start_display()
+        self.start_daemon()
+        status = self.wait_until("waiting_for_camera")
+        self.assertFalse(status["camera"]["connected"])
+        self.assertTrue(status["camera"]["fault"])
+        print("\n  camera absent:", status["camera"]["fault"])
+        self.assertIn("camera", str(self.refused("camera.set", {"gain_db": 1.0})))
+        self.assertIn("camera", str(self.refused("reference.take", {"frames": 5})))
+        self.bench.start_twin()
+        self.wait_until("running")
+        self.take_reference(20)
+        self.settled_frames(self.stream("wavefront"), 10)
+
+    def test_display_comes_later(self):
+        display = 400
+        self.bench.display = f":{display}"
+        self.bench.start_twin()
+        self.start_daemon()
+        status = self.wait_until("waiting_for_display")
+        print("\n  display absent:", status["slm"]["fault"])
+        self.assertTrue(status["slm"]["fault"])
+        self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
+        self.assertEqual(self.call("aberration.get")["modes"], [])
+        frame = self.stream("wavefront").next(5.0)
+        self.assertFalse(frame["valid"] or frame["settled"])
+        self.assertEqual(set(frame["coefficients"]), {None})
+        self.bench.start_display(display)
+        self.wait_until("running")
+        self.take_reference(20)
+        self.settled_frames(self.stream("wavefront"), 10)
+
+    def test_wrong_output_name_lists_those_there(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+        self.daemon_config = {"slm": {"display": "HDMI-7"}}
+        self.start_daemon()
+        fault = self.wait_until("waiting_for_display")["slm"]["fault"]
+        print("\n  wrong output:", fault)
+        self.assertIn("HDMI-7", fault)
+        self.assertIn("DUMMY1", fault)
+
+    def test_primary_output_is_refused(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+        self.daemon_config = {"slm": {"display": "DUMMY0", "width": 1920, "height": 1080}}
+        self.start_daemon()
+        fault = self.wait_until("waiting_for_display")["slm"]["fault"]
+        print("\n  primary output:", fault)
+        self.assertIn("allow_primary", fault)
+
+
+class Refusals(unittest.TestCase):
+    """The daemon ends at once, with status 1 and a sentence."""
+
+    def run_daemon(self, config, *arguments):
+        from bench import Bench
+        with Bench() as bench:
+            path = bench.directory / "ovwsd.json"
+            path.write_text(config if isinstance(config, str) else json.dumps(config))
+            done = subprocess.run([bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=20)
+        print("\n ", done.stderr.strip())
+        return done
+
+    def test_configuration_with_a_typo(self):
+        for config, words in (({"camera": {"exposre_us": 5}}, ["camera.exposre_us", "exposure_us"]),
+                              ({"camera": {"exposure_us": "long"}}, ["camera.exposure_us", "number"]),
+                              ({"sensor": {"charge": 99}}, ["sensor.charge", "8"]),
+                              ({"slm": {"lut": "/nowhere.txt"}}, ["slm.lut", "/nowhere.txt"]),
+                              ({"sensor": {"pupil_diameter_px": 4000}}, ["sensor.pupil_diameter_px"]),
+                              ('{"camera": ', ["ovwsd.json"])):
+            with self.subTest(config):
+                done = self.run_daemon(config)
+                self.assertEqual(done.returncode, 1)
+                for word in words:
+                    self.assertIn(word, done.stderr)
+
+    def test_check_config_says_what_is_wrong_and_ends(self):
+        self.assertEqual(self.run_daemon("{}", "--check-config").returncode, 0)
+        self.assertEqual(self.run_daemon({"camera": {"gian_db": 1}}, "--check-config").returncode, 1)
+
+    def test_port_in_use(self):
+        for key, port in (("control", 7702), ("stream", 7701), ("stream", 7703)):
+            with self.subTest(port), socket.socket() as taken:
+                taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                taken.bind(("127.0.0.1", port))
+                taken.listen()
+                done = self.run_daemon("{}")
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(str(port), done.stderr)
+                self.assertIn("in use", done.stderr)
+
+
+if __name__ == "__main__":
+    main()

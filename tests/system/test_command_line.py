@@ -1,0 +1,75 @@
+"""ovws as a person and a script use it: words, JSON and exit codes."""
+import json
+import subprocess
+
+import numpy
+from case import BenchCase, main, wait_for
+from PIL import Image
+
+
+def pixels(path):
+    with Image.open(path) as image:
+        return numpy.asarray(image)
+
+
+class CommandLine(BenchCase):
+    def ovws(self, *arguments, code=0):
+        done = subprocess.run([self.bench.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout if code == 0 else done.stdout + done.stderr
+
+    def test_questions(self):
+        text = wait_for(lambda: "frames/s" in (t := self.ovws("status")) and t)
+        self.assertIn("running", text)
+        self.assertIn("DUMMY1", text)
+        self.assertEqual(json.loads(self.ovws("--json", "status"))["state"], "running")
+        for method in ("aberration.set", "reference.take", "stream wavefront"):
+            self.assertIn(method, self.ovws("describe"))
+        self.assertIn("params", json.loads(self.ovws("--json", "describe"))["methods"]["camera.set"])
+
+    def test_calls(self):
+        set_ = self.ovws("call", "aberration.set", '{"modes": [{"n": 2, "m": -2, "waves": 0.25}]}')
+        self.assertEqual(json.loads(set_)["modes"][0]["j"], 3)
+        self.assertIn("gain_db", self.ovws("call", "camera.set", '{"gian_db": 1}', code=1))
+        error = json.loads(self.ovws("--json", "call", "camera.set", '{"gian_db": 1}', code=1))["error"]
+        self.assertEqual(error["data"]["nearest"], "gain_db")
+
+    def test_exit_codes(self):
+        self.ovws("call", "sensor.get", "{not json", code=2)
+        self.ovws("no-such-command", code=2)
+        self.ovws(code=2)
+        self.ovws("--endpoint", "tcp://127.0.0.1:7999", "--timeout", 0.3, "status", code=3)
+
+    def test_watch(self):
+        self.take_reference(10)
+        lines = self.ovws("--json", "watch", "wavefront", "-n", 5).splitlines()
+        self.assertEqual(len(lines), 5)
+        self.assertTrue(all(json.loads(line)["schema"] == "ovws.wavefront/1" for line in lines))
+        self.assertIn("oblique astigmatism", self.ovws("watch", "-n", 1))
+        self.assertEqual(json.loads(self.ovws("--json", "watch", "phase", "-n", 1))["schema"], "ovws.phase/1")
+
+    def test_snapshot(self):
+        self.take_reference(10)
+        prefix = self.bench.directory / "shot"
+        self.ovws("snapshot", "-o", prefix)
+        self.assertEqual(pixels(f"{prefix}-camera.png").shape, (1024, 1024, 3))
+        self.assertEqual(pixels(f"{prefix}-phase.png").shape, (512, 512, 3))
+
+    def test_pictures_without_a_daemon(self):
+        hologram, far = self.bench.directory / "hologram.png", self.bench.directory / "far.png"
+        self.ovws("hologram", "-o", hologram)
+        self.assertEqual(pixels(hologram).shape, (768, 1280))
+        self.ovws("farfield", "--modes", "2,-2:0.5", "--noise-free", "--bits", 12, "-o", far)
+        image = pixels(far)
+        self.assertEqual(image.shape, (512, 512))
+        self.assertGreater(image.max(), 2000)
+        self.assertLess(image.max(), 4096)
+        first = self.ovws("farfield", "--seed", 7, "-o", far) and far.read_bytes()
+        again = self.ovws("farfield", "--seed", 7, "-o", far) and far.read_bytes()
+        self.assertEqual(first, again)
+        self.assertIn("too steep", self.ovws("hologram", "--modes", "2,-2:200", "-o", hologram, code=1))
+        self.assertIn("n,m:waves", self.ovws("hologram", "--modes", "2;-2", "-o", hologram, code=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+"""The demonstration ends by itself, shows what it promises, and leaves nothing behind."""
+import os
+import pathlib
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from case import ROOT, main
+
+
+def processes_of(marker):
+    """Process ids whose environment holds the marker: all that a run of the demo started, however deep."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if marker.encode() in (entry / "environ").read_bytes() and int(entry.name) != os.getpid():
+                found.append((int(entry.name), (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()))
+        except OSError:
+            pass
+    return found
+
+
+class Demo(unittest.TestCase):
+    def run_demo(self, *arguments):
+        self.marker = f"OVWS_DEMO_TEST={os.getpid()}"
+        key, value = self.marker.split("=")
+        return subprocess.run([sys.executable, ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], *arguments],
+                              capture_output=True, text=True, timeout=120, env=os.environ | {key: value})
+
+    def test_it_shows_the_aberrations_and_leaves_nothing(self):
+        with tempfile.TemporaryDirectory() as out:
+            done = self.run_demo("--out", out)
+            print("\n" + done.stdout + done.stderr)
+            self.assertEqual(done.returncode, 0)
+            for picture in ("astigmatism-camera.png", "astigmatism-phase.png", "shack-hartmann-camera.png"):
+                self.assertGreater((pathlib.Path(out) / picture).stat().st_size, 5000)
+        summary = done.stdout.strip().splitlines()[-1]
+        self.assertRegex(summary, r"^ovws demo: \d+ frames shown, 0 lost, largest error 0\.0\d+ wave$")
+        self.assertLess(float(summary.split()[-2]), 0.02)
+        self.assertEqual(processes_of(self.marker), [])
+
+    def test_a_taken_port_is_said(self):
+        for port in (7702, 7790):
+            with self.subTest(port), socket.socket() as taken:
+                taken.bind(("127.0.0.1", port))
+                taken.listen()
+                done = self.run_demo()
+                print("\n" + done.stderr)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(str(port), done.stderr)
+                self.assertEqual(processes_of(self.marker), [])
+
+
+if __name__ == "__main__":
+    main()

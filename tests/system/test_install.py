@@ -1,0 +1,55 @@
+"""What `cmake --install` puts in place is complete and right."""
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+UNIT = "usr/lib/systemd/system/ovwsd.service"
+FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, "usr/lib/sysusers.d/ovws.conf",
+         "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
+         "usr/share/ovws/schema/stream.wavefront.json")
+
+
+def run(*command, **more):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120, **more)
+
+
+class Install(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = pathlib.Path(cls.folder.name)
+        done = run("cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr", env=os.environ | {"DESTDIR": str(cls.root)})
+        assert done.returncode == 0, done.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_everything_is_there(self):
+        for name in FILES:
+            self.assertTrue((self.root / name).is_file(), name)
+
+    def test_the_installed_daemon_accepts_the_installed_configuration(self):
+        done = run(self.root / "usr/bin/ovwsd", "--check-config", "--config", self.root / "etc/ovws/ovwsd.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_unit_is_right(self):
+        # systemd-analyze verify exits 0 even on bad keys: what it says is what counts.
+        unit = self.root / "ovwsd.service"
+        unit.write_text((self.root / UNIT).read_text().replace("/usr/bin/ovwsd", str(self.root / "usr/bin/ovwsd")))
+        done = run("systemd-analyze", "verify", "--man=no", unit)
+        self.assertEqual(done.stderr.strip(), "")
+        exposure = run("systemd-analyze", "security", "--offline=yes", unit).stdout.strip().splitlines()[-1]
+        print("\n ", exposure)
+        self.assertLessEqual(float(exposure.split(":")[1].split()[0]), 2.5)
+
+    def test_users_and_folders_are_declared_as_systemd_reads_them(self):
+        done = run("systemd-sysusers", "--dry-run", self.root / "usr/lib/sysusers.d/ovws.conf")
+        self.assertIn("ovws", done.stdout + done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

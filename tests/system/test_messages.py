@@ -1,0 +1,96 @@
+"""All that the daemon says is what its schemas promise: every stream, every method, in every state."""
+import json
+import struct
+
+import jsonschema
+from case import BenchCase, main
+
+PICTURES = "tcp://127.0.0.1:7703"
+
+
+class Messages(BenchCase):
+    def setUp(self):
+        super().setUp()
+        self.description = self.call("system.describe")
+
+    def check(self, schema, value):
+        jsonschema.Draft202012Validator(schema, format_checker=jsonschema.FormatChecker()).validate(value)
+
+    def checked_call(self, method, params=None):
+        schema = self.description["methods"][method]
+        self.check(schema["params"], params or {})
+        result = self.call(method, params)
+        self.check(schema["result"], result)
+        return result
+
+    def checked_message(self, stream, topic):
+        message = stream.next(5.0)
+        self.assertIsNotNone(message, topic)
+        binary = message.pop("binary", None)
+        self.assertEqual(message.pop("topic"), topic)
+        self.check(self.description["streams"][topic], message)
+        return message, binary
+
+    def test_every_method(self):
+        called = set()
+
+        def call(method, params=None):
+            called.add(method)
+            return self.checked_call(method, params)
+
+        call("system.describe")
+        call("system.status")
+        call("camera.get")
+        call("camera.set", {"gain_db": 6.0, "exposure_us": 3000.0})
+        call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}, "pixel_format": "Mono12"})
+        call("camera.set", {"roi": {"x": 0, "y": 0, "width": 512, "height": 512}, "pixel_format": "Mono8", "gain_db": 0.0})
+        call("sensor.get")
+        call("sensor.set", {"charge": 2, "grid": "square", "subapertures_across": 7})
+        call("sensor.set", {"charge": 1, "grid": "hexagonal", "subapertures_across": 5})
+        call("aberration.set", {"modes": [{"n": 2, "m": -2, "waves": 0.5}], "norm": "unit"})
+        call("aberration.get")
+        call("aberration.clear")
+        call("reference.get")
+        job = call("reference.take", {"frames": 30})["job"]
+        call("job.get", {"job": job})
+        call("job.cancel", {"job": job})
+        self.take_reference(20)
+        call("reference.get")
+        call("job.get", {"job": job + 1})
+        call("reference.clear")
+        for pattern in ("flat", "grating", "identify", "sensor"):
+            call("slm.show", {"pattern": pattern})
+        call("config.get")
+        call("config.save")
+        self.assertEqual(called, set(self.description["methods"]), "each method was called")
+
+    def test_every_stream(self):
+        numbers = {topic: self.stream(topic) for topic in ("wavefront", "spots", "status", "event")}
+        pictures = {topic: self.stream(topic, endpoint=PICTURES) for topic in ("image", "phase")}
+        self.checked_message(numbers["wavefront"], "wavefront")  # without a reference
+        self.take_reference(20)
+        self.settled_frames(numbers["wavefront"], 1)
+        wavefront, _ = self.checked_message(numbers["wavefront"], "wavefront")
+        self.assertTrue(wavefront["valid"])
+        spots, binary = self.checked_message(numbers["spots"], "spots")
+        self.assertEqual(len(binary), 4 * spots["shape"][0] * spots["shape"][1])
+        self.assertEqual(spots["shape"], [19, 6])
+        x, y = struct.unpack("<2f", binary[4 * 6 * 9:4 * 6 * 9 + 8])  # the base subaperture is the tenth of 19
+        self.assertLess(abs(x - 255.5) + abs(y - 255.5), 2.0)
+        self.checked_message(numbers["status"], "status")
+        self.call("slm.show", {"pattern": "flat"})
+        self.call("slm.show", {"pattern": "sensor"})
+        self.checked_message(numbers["event"], "event")
+        for topic, size in (("image", 1), ("phase", 4)):
+            message, binary = self.checked_message(pictures[topic], topic)
+            self.assertEqual(len(binary), size * message["shape"][0] * message["shape"][1])
+
+    def test_strict_json(self):
+        stream = self.stream("wavefront")
+        for _ in range(20):
+            message = stream.next(2.0)
+            json.dumps(message, allow_nan=False)
+
+
+if __name__ == "__main__":
+    main()

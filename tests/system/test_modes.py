@@ -1,0 +1,63 @@
+"""An aberration that is set is seen in the stream, as that aberration: all modes, both signs, both kinds of sensor."""
+import statistics
+import time
+
+from case import BenchCase, main
+
+FRAMES = 10
+OTHERS_WAVES = 0.02
+
+
+def within(wanted, measured):
+    return abs(measured - wanted) <= 0.05 * abs(wanted) + 0.005
+
+
+class Modes(BenchCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}}
+
+    def measure(self, stream, j, waves):
+        """Sets the mode alone; returns the mean coefficients and how long the first settled frame of it took, s."""
+        stream.drain()
+        asked = time.monotonic()
+        answer = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})
+        first = self.settled_frames(stream, 1, answer["hologram_id"])[0]
+        took_s = time.monotonic() - asked
+        frames = [first] + self.settled_frames(stream, FRAMES - 1, answer["hologram_id"])
+        for frame in frames:
+            self.assertEqual(frame["tracked"], 19)
+            self.assertEqual(frame["gap"], 0)
+        return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}, took_s
+
+    def check_all_modes(self, charge, tracker, judged=True):
+        self.call("aberration.clear")
+        self.call("sensor.set", {"charge": charge, "tracker": tracker})
+        self.take_reference()
+        stream = self.stream("wavefront")
+        cases = [(j, sign * 0.2) for j in range(3, 15) for sign in (1, -1)] + [(3, 0.5)]
+        print(f"\ncharge {charge}, {tracker}:   j  asked   found   largest other  answer (ms)")
+        failures = []
+        for j, waves in cases:
+            found, took_s = self.measure(stream, j, waves)
+            other_j, other = max(((k, v) for k, v in found.items() if k != j), key=lambda item: abs(item[1]))
+            print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {1e3 * took_s:6.0f}")
+            if not (within(waves, found[j]) and abs(other) < OTHERS_WAVES and took_s < 1.0):
+                failures.append((j, waves, found[j], other_j, other, took_s))
+        if judged:
+            self.assertEqual(failures, [])
+
+    def test_vortices_with_lg(self):
+        self.check_all_modes(1, "lg")
+
+    def test_shack_hartmann_with_thresholded_centroid(self):
+        self.check_all_modes(0, "thresholded")
+
+    def test_shack_hartmann_with_weighted_centroid(self):
+        self.check_all_modes(0, "weighted")
+
+    def test_shack_hartmann_with_plain_centroid_is_printed_only(self):
+        # A plain centroid over a fixed region is biased by noise towards the region's centre: its figure is for comparison.
+        self.check_all_modes(0, "centroid", judged=False)
+
+
+if __name__ == "__main__":
+    main()

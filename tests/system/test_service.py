@@ -1,0 +1,73 @@
+"""The daemon as a service: what it tells the service manager, how it logs, how it ends. The test plays the manager's part."""
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+import unittest
+
+from case import bench_module, main
+
+
+class Service(unittest.TestCase):
+    def setUp(self):
+        self.bench = bench_module.Bench()
+        self.addCleanup(self.bench.close)
+
+    def start(self, **environment):
+        path = self.bench.directory / "notify"
+        self.notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(self.notify.close)
+        self.notify.bind(str(path))
+        config = self.bench.directory / "ovwsd.json"
+        config.write_text("{}")
+        env = {k: v for k, v in os.environ.items() if k != "DISPLAY"} | {"NOTIFY_SOCKET": str(path)} | environment
+        self.daemon = subprocess.Popen([self.bench.programs / "ovwsd", "--config", config], env=env, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.daemon.stderr.close)
+        self.addCleanup(self.daemon.kill)
+
+    def messages(self, seconds):
+        """(time, line) of each thing told within so many seconds."""
+        told, end = [], time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self.notify.settimeout(left)
+            try:
+                data = self.notify.recv(65536).decode()
+            except TimeoutError:
+                break
+            told += [(time.monotonic(), line) for line in data.splitlines()]
+        return told
+
+    def test_ready_status_watchdog_and_a_quick_end(self):
+        self.start(WATCHDOG_USEC="1000000")
+        told = self.messages(4.0)
+        lines = [line for _, line in told]
+        self.assertEqual(lines.count("READY=1"), 1)
+        status = [line for line in lines if line.startswith("STATUS=")]
+        print("\n ", status[-1])
+        self.assertTrue(any("waiting_for_camera" in line for line in status))
+        fed = [t for t, line in told if line == "WATCHDOG=1"]
+        self.assertGreaterEqual(len(fed), 8)
+        self.assertLess(max(b - a for a, b in zip(fed, fed[1:])), 1.0, "fed within each watchdog interval")
+        asked = time.monotonic()
+        self.daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(self.daemon.wait(5.0), 0)
+        took_s = time.monotonic() - asked
+        print(f"  ended {took_s:.2f} s after SIGTERM")
+        self.assertLess(took_s, 2.0)
+        self.assertIn("STOPPING=1", [line for _, line in self.messages(0.2)])
+
+    def test_log_for_the_journal_carries_priorities(self):
+        self.start(JOURNAL_STREAM="1:1")
+        self.messages(1.5)
+        self.daemon.terminate()
+        self.daemon.wait(5.0)
+        lines = self.daemon.stderr.read().splitlines()
+        self.assertTrue(lines)
+        for line in lines:
+            self.assertRegex(line, re.compile(r"^<[2-7]>\S"))
+
+
+if __name__ == "__main__":
+    main()
