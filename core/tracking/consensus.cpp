@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace ovws {
 namespace {
 
-constexpr int kVotesPerPitch = 4;
-constexpr int kRounds = 8;
 constexpr double kTolerance = 0.35;  // of the pitch, from the expected position
+constexpr double kRing = 1.6;        // of the pitch: how much further a field reaches each round
+constexpr int kSettle = 2;           // rounds after the last ring
 constexpr double kOutlier = 3.0;     // times the median residual
 constexpr double kFitSlack = 0.1;    // of the pitch: residuals below are never outliers
 constexpr double kMaxLinear = 0.6;   // 1 would fold neighbours onto each other
@@ -32,21 +33,23 @@ double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
 
 Consensus::Consensus(std::vector<Vec2> predicted_px, int max_found)
     : predicted_(std::move(predicted_px)),
-      votes_((2 * kVoteHalf + 1) * (2 * kVoteHalf + 1)),
       matched_(predicted_.size()),
       owner_(std::size_t(max_found)),
       choices_(predicted_.size()),
       residuals_(predicted_.size()),
       sorted_(predicted_.size()),
       best_matched_(predicted_.size()) {
-  for (const Vec2 p : predicted_) centre_ = centre_ + (1.0 / double(predicted_.size())) * p;
+  by_y_.reserve(owner_.size());
   std::vector<double> distances;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
+    centre_ = centre_ + (1.0 / double(predicted_.size())) * predicted_[i];
     distances.push_back(nearest_distance(predicted_, i));
   }
   std::sort(distances.begin(), distances.end());
   pitch_ = distances.empty() ? 1.0 : std::max(1.0, distances[distances.size() / 2]);
+  for (const Vec2 p : predicted_) extent_ = std::max(extent_, norm(p - centre_));
   find_neighbours();
+  find_seeds();
 }
 
 void Consensus::find_neighbours() {
@@ -59,24 +62,41 @@ void Consensus::find_neighbours() {
   }
 }
 
+void Consensus::find_seeds() {
+  seeds_.resize(predicted_.size());
+  std::iota(seeds_.begin(), seeds_.end(), 0);
+  std::sort(seeds_.begin(), seeds_.end(), [this](int a, int b) {
+    return norm(predicted_[a] - centre_) < norm(predicted_[b] - centre_);
+  });
+  seeds_.resize(std::min(seeds_.size(), std::size_t(kSeeds)));
+}
+
 double Consensus::tolerance_px() const {
   return kTolerance * pitch_;
 }
 
 std::span<const int> Consensus::match(std::span<const Vec2> found) {
-  const int enough = std::max(3, int(predicted_.size() + 2) / 3);
+  const int enough = std::max(3, (size() + 2) / 3);
   int most = 0;
   double least_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
-  vote(found);
-  for (int h = 0; h < kHypotheses; ++h) {
-    const int count = grow(found, best_shift());
-    const double shift = norm(field_.shift);
-    if (count < enough || count < most || (count == most && shift >= least_shift)) continue;
-    most = count;
-    least_shift = shift;
-    best_field_ = field_;
-    best_matched_ = matched_;  // same size: no allocation
+  by_y_.resize(found.size());  // within what was reserved
+  std::iota(by_y_.begin(), by_y_.end(), 0);
+  std::sort(by_y_.begin(), by_y_.end(), [&](int a, int b) { return found[a].y < found[b].y; });
+  for (const int seed : seeds_) {
+    std::array<int, kStarts> starts{};
+    const int count = nearest_positions(found, predicted_[seed], starts);
+    for (int s = 0; s < count; ++s) {
+      if (best_matched_[seed] == starts[s]) continue;  // would grow to the same again
+      const int explained = grow(found, seed, found[starts[s]] - predicted_[seed]);
+      const double shift = norm(field_.shift);
+      const bool better = explained > most || (explained == most && shift < least_shift);
+      if (explained < enough || !better) continue;
+      most = explained;
+      least_shift = shift;
+      best_field_ = field_;
+      best_matched_ = matched_;  // same size: no allocation
+    }
   }
   field_ = best_field_;
   matched_ = best_matched_;
@@ -84,52 +104,32 @@ std::span<const int> Consensus::match(std::span<const Vec2> found) {
   return matched_;
 }
 
-void Consensus::vote(std::span<const Vec2> found) {
-  std::fill(votes_.begin(), votes_.end(), 0);
-  const double per_px = kVotesPerPitch / pitch_;
-  for (const Vec2 p : predicted_) {
-    for (const Vec2 f : found) {
-      const int x = int(std::lround((f.x - p.x) * per_px));
-      const int y = int(std::lround((f.y - p.y) * per_px));
-      if (std::abs(x) > kVoteHalf || std::abs(y) > kVoteHalf) continue;
-      ++votes_[(y + kVoteHalf) * (2 * kVoteHalf + 1) + x + kVoteHalf];
-    }
+int Consensus::nearest_positions(std::span<const Vec2> found, Vec2 at,
+                                 std::array<int, kStarts>& out) const {
+  int count = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    int place = count;
+    const double distance = norm(found[k] - at);
+    while (place > 0 && norm(found[out[place - 1]] - at) > distance) --place;
+    if (place == kStarts) continue;
+    count = std::min(count + 1, kStarts);
+    for (int i = count - 1; i > place; --i) out[i] = out[i - 1];
+    out[place] = int(k);
   }
+  return count;
 }
 
-/// The cell with most votes in it and (by half and by a quarter) around it, the nearest to no shift
-/// among equals; its neighbourhood is then taken out.
-Vec2 Consensus::best_shift() {
-  constexpr int kSide = 2 * kVoteHalf + 1;
-  int most = 0, best_x = 0, best_y = 0;
-  for (int y = 1 - kVoteHalf; y < kVoteHalf; ++y) {
-    for (int x = 1 - kVoteHalf; x < kVoteHalf; ++x) {
-      const int* v = &votes_[(y + kVoteHalf) * kSide + x + kVoteHalf];
-      int sum = 0;
-      for (const int row : {-kSide, 0, 0, kSide}) sum += v[row - 1] + 2 * v[row] + v[row + 1];
-      const bool nearer = x * x + y * y < best_x * best_x + best_y * best_y;
-      if (sum > most || (sum == most && sum > 0 && nearer)) {
-        most = sum;
-        best_x = x;
-        best_y = y;
-      }
-    }
-  }
-  int* v = &votes_[(best_y + kVoteHalf) * kSide + best_x + kVoteHalf];
-  if (most > 0) {
-    for (const int row : {-kSide, 0, kSide}) v[row - 1] = v[row] = v[row + 1] = 0;
-  }
-  return {best_x * pitch_ / kVotesPerPitch, best_y * pitch_ / kVotesPerPitch};
-}
-
-int Consensus::grow(std::span<const Vec2> found, Vec2 shift) {
+int Consensus::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
   field_ = {shift, {}};
   std::fill(matched_.begin(), matched_.end(), int(kNone));
   std::fill(residuals_.begin(), residuals_.end(), Vec2{});
+  const Vec2 from = predicted_[seed];
+  const double whole = extent_ + norm(from - centre_);
+  const int rings = int(std::ceil(whole / (kRing * pitch_)));
   int count = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    count = assign(found);
-    if (count < 3 || !fit(found)) return 0;
+  for (int round = 1; round <= rings + kSettle; ++round) {
+    count = assign(found, from, round * kRing * pitch_);
+    if (count == 0 || !fit(found)) return 0;
     note_residuals(found);
   }
   return count;
@@ -158,20 +158,28 @@ void Consensus::note_residuals(std::span<const Vec2> found) {
   }
 }
 
-/// Each subaperture chooses the nearest position within the tolerance; a position chosen twice goes
-/// to the nearer one, and the other goes without.
-int Consensus::assign(std::span<const Vec2> found) {
+Consensus::Choice Consensus::nearest(std::span<const Vec2> found, Vec2 at) const {
+  Choice best{kNone, tolerance_px()};
+  const auto first = std::lower_bound(by_y_.begin(), by_y_.end(), at.y - best.distance,
+                                      [&](int k, double y) { return found[std::size_t(k)].y < y; });
+  for (auto k = first; k != by_y_.end() && found[*k].y < at.y + tolerance_px(); ++k) {
+    const double distance = norm(found[*k] - at);
+    if (distance < best.distance) best = {*k, distance};
+  }
+  return best;
+}
+
+/// Each subaperture within `reach` of `from` chooses the nearest position within the tolerance; a
+/// position chosen twice goes to the nearer one, and the other goes without.
+int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   std::fill(owner_.begin(), owner_.end(), int(kNone));
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
-    const Vec2 at = expected(int(i));
-    Choice& choice = choices_[i] = {kNone, tolerance_px()};
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      const double distance = norm(found[k] - at);
-      if (distance < choice.distance) choice = {int(k), distance};
-    }
-    if (choice.position == kNone) continue;
-    int& owner = owner_[choice.position];
-    if (owner == kNone || choice.distance < choices_[owner].distance) owner = int(i);
+    choices_[i] = {};
+    if (norm(predicted_[i] - from) > reach) continue;
+    choices_[i] = nearest(found, expected(int(i)));
+    if (choices_[i].position == kNone) continue;
+    int& owner = owner_[choices_[i].position];
+    if (owner == kNone || choices_[i].distance < choices_[owner].distance) owner = int(i);
   }
   int count = 0;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
@@ -199,8 +207,7 @@ bool Consensus::fit_within(std::span<const Vec2> found, double limit) {
   Eigen::Matrix<double, 3, 2> rhs = Eigen::Matrix<double, 3, 2>::Zero();
   int count = 0;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
-    const bool outlier =
-        limit < std::numeric_limits<double>::infinity() && norm(residuals_[i]) > limit;
+    const bool outlier = std::isfinite(limit) && norm(residuals_[i]) > limit;
     if (matched_[i] == kNone || outlier) continue;
     const Vec2 p = (1.0 / pitch_) * (predicted_[i] - centre_);
     const Vec2 d = found[matched_[i]] - predicted_[i];

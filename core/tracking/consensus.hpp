@@ -10,10 +10,12 @@
 
 namespace ovws {
 
-/// Matches found positions to predicted ones by a displacement field: a global shift (found by
-/// voting) plus a linear map (tilt, focus, astigmatism), fitted by least squares with outliers
-/// rejected, plus what matched neighbours leave over of it. Memory for one lattice and a largest
-/// number of positions.
+/// Matches found positions to predicted ones by a displacement field: an affine map (tilt, focus,
+/// astigmatism) plus what matched neighbours leave over of it. Each hypothesis says that a
+/// subaperture near the centre owns one of the positions near it; from there the field grows
+/// outwards ring by ring, fitted anew each time by least squares with outliers rejected, so that it
+/// may become much larger than the pitch as long as neighbours do not cross. Memory for one lattice
+/// and a largest number of positions.
 class Consensus {
  public:
   static constexpr int kNone = -1;
@@ -23,8 +25,8 @@ class Consensus {
   int size() const { return int(predicted_.size()); }
 
   /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
-  /// next call. Several shifts are tried and the one that explains most positions wins, the smaller
-  /// shift among equals. If that is fewer than 3 or a third of the lattice, all are kNone. RT-safe.
+  /// next call. The hypothesis that explains most positions wins, the smaller shift among equals.
+  /// If that is fewer than 3 or a third of the lattice, all are kNone. RT-safe.
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING;
 
   /// Where subaperture i's spot should be according to the last match.
@@ -33,25 +35,25 @@ class Consensus {
   double tolerance_px() const;
 
  private:
-  static constexpr int kHypotheses = 6;
-  static constexpr int kVoteHalf = 64;  ///< votes are counted up to 16 pitches of shift
+  static constexpr int kSeeds = 3;  ///< central subapertures; more than one, as any may be missing
+  static constexpr int kStarts = 32;  ///< positions tried for each: some three pitches around it
 
   /// displacement(p) = shift + linear (p - centre)
   struct Field {
     Vec2 shift;
     std::array<double, 4> linear{};  ///< dx/dx, dx/dy, dy/dx, dy/dy
   };
-
   struct Choice {
     int position = kNone;
     double distance = 0.0;
   };
 
   void find_neighbours();
-  void vote(std::span<const Vec2> found);
-  Vec2 best_shift();
-  int grow(std::span<const Vec2> found, Vec2 shift);
-  int assign(std::span<const Vec2> found);
+  void find_seeds();
+  int nearest_positions(std::span<const Vec2> found, Vec2 at, std::array<int, kStarts>& out) const;
+  int grow(std::span<const Vec2> found, int seed, Vec2 shift);
+  int assign(std::span<const Vec2> found, Vec2 from, double reach);
+  Choice nearest(std::span<const Vec2> found, Vec2 at) const;
   bool fit(std::span<const Vec2> found);
   bool fit_within(std::span<const Vec2> found, double limit);
   void note_residuals(std::span<const Vec2> found);
@@ -60,8 +62,10 @@ class Consensus {
   std::vector<Vec2> predicted_;
   Vec2 centre_;
   double pitch_ = 0.0;
+  double extent_ = 0.0;  ///< from the centre to the farthest subaperture
   std::vector<std::vector<int>> neighbours_;
-  std::vector<int> votes_;
+  std::vector<int> seeds_;
+  std::vector<int> by_y_;  ///< numbers of the found positions, by increasing y
   Field field_;
   std::vector<int> matched_;  ///< subaperture -> position
   std::vector<int> owner_;    ///< position -> subaperture

@@ -13,10 +13,12 @@ namespace {
 // these limits is measured in tests/unit/tracking.
 constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc
 constexpr double kCoreOfHalfWidth = 0.6;   // a bright spot's disc
+constexpr double kFlank = 1.2;             // its flank reaches so far
 constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
 constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
 constexpr double kMinWeakestOfRing = 0.25;  // (weakest sector - core) / (mean ring - core)
-constexpr double kMaxOutsideOfRing = 0.8;   // brightest outer sector / mean ring
+constexpr double kMaxOutsideOfRing = 1.5;   // brightest outer sector / mean ring
+constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core: one hot pixel has none
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
@@ -117,8 +119,8 @@ SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int p
   // At least two pixels wide, so that no sector is empty.
   const double from = kOuterFrom * geometry.dark * px;
   outer_ = annulus(from, std::max(from + 2.0, kOuterTo * geometry.dark * px), side);
-  around_ =
-      charge_ != 0 ? annulus(geometry.ring_inner * px, geometry.ring_outer * px, side) : outer_;
+  around_ = charge_ != 0 ? annulus(geometry.ring_inner * px, geometry.ring_outer * px, side)
+                         : annulus(core * px, kFlank * geometry.ring_outer * px, side);
 }
 
 double SpotCheck::background(const Patch& patch, Vec2 at) const {
@@ -129,7 +131,7 @@ SpotCheck::Outside SpotCheck::outside(const float* centre) const {
   Means means = outer_.means(centre);
   const auto half = means.begin() + kSectors / 2;
   std::nth_element(means.begin(), half, means.end());
-  return {std::accumulate(means.begin(), half, 0.0) / (kSectors / 2),
+  return {mean_of(means), std::accumulate(means.begin(), half, 0.0) / (kSectors / 2),
           *std::max_element(half, means.end())};
 }
 
@@ -160,12 +162,13 @@ SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outsi
   return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level};
 }
 
-SpotCheck::Verdict SpotCheck::bright(double core, const Means& surround, const Outside& out,
+SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outside& out,
                                      double noise) const {
   const double level = core - out.background;
-  const bool stands_out = core - mean_of(surround) > noise * significance(around_.offsets.size());
+  const bool stands_out = core - out.mean > noise * significance(outer_.offsets.size());
+  const bool broad = mean_of(flank) - out.background > kMinFlankOfCore * level;
   const bool alone = out.brightest - out.background < kMaxSurroundOfCore * level;
-  if (!stands_out || !alone) return {};
+  if (!stands_out || !broad || !alone) return {};
   return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level};
 }
 

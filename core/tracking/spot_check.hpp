@@ -14,12 +14,13 @@
 namespace ovws {
 
 /// Compares the mean of a small disc at a found position with the means of 16 azimuthal sectors of
-/// an annulus around it. Charge not 0: the annulus is the bright ring (where the profile exceeds
-/// half its maximum), the core must be dark against it on every azimuth. Charge 0: the annulus is
-/// the first dark ring, the core must be bright against it on every azimuth. The difference must
-/// also stand out of the pixel noise, which is measured in the same patch. A second annulus, at the
-/// first dark ring, gives the local background; around a vortex it must be dark, or the "ring" is
-/// but the rim of something brighter.
+/// two annuli around it, the outer one at the first dark ring, which also gives the local
+/// background. Charge not 0: the inner annulus is the bright ring (where the profile exceeds half
+/// its maximum); the core must be dark against it on every azimuth, and beyond it there must be
+/// dark again, or the "ring" is but the rim of something brighter. Charge 0: the inner annulus is
+/// the bright core's flank, which a hot pixel lacks; the outer one must be dark on every azimuth.
+/// The difference of bright and dark must also stand out of the pixel noise, which is measured in
+/// the same patch.
 class SpotCheck {
  public:
   struct Verdict {
@@ -54,12 +55,13 @@ class SpotCheck {
   static Annulus annulus(double inner_px, double outer_px, int side);
 
   struct Outside {
+    double mean = 0.0;
     double background = 0.0;  ///< mean of the darker half of the sectors
     double brightest = 0.0;   ///< sector
   };
   Outside outside(const float* centre) const;
   Verdict vortex(double core, const Means& ring, const Outside& out, double noise) const;
-  Verdict bright(double core, const Means& surround, const Outside& out, double noise) const;
+  Verdict bright(double core, const Means& flank, const Outside& out, double noise) const;
   double significance(std::size_t around) const;
 
   int charge_;

@@ -1,0 +1,136 @@
+/// One image of the real hologram's far field, no history: which spot is whose.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/optics/zernike.hpp"
+#include "core/tracking/acquisition.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "tests/support/alloc_guard.hpp"
+#include "tests/unit/tracking/sensor_image.hpp"
+
+namespace ovws {
+namespace {
+
+using test::expose8;
+using test::SensorBench;
+
+class Acquire : public testing::TestWithParam<int> {
+ protected:
+  Acquire()
+      : bench_(test::sensor_bench(GetParam())),
+        tracking_{GetParam() == 0 ? TrackerKind::thresholded : TrackerKind::lg, 0.4},
+        model_{GetParam(), bench_.lambda_d},
+        tracker_(make_tracker(tracking_, model_).value()),
+        scratch_(tracker_->make_scratch()),
+        acquisition_(model_, bench_.model_px, 512, 512) {}
+
+  int acquire(const Image<std::uint8_t>& image) {
+    return acquisition_.acquire(view_of(image), *tracker_, scratch_, fixes_);
+  }
+
+  /// Where these modes should put spot i, by the slope model: right to a fraction of lambda/d.
+  Vec2 truth(int i, const std::vector<Mode>& modes) const {
+    Vec2 at = bench_.model_px[i];
+    for (const Mode& mode : modes) {
+      const std::vector<int> j{mode.j};
+      const auto slopes = slope_matrix(bench_.lattice, bench_.sensor, j,
+                                       slope_model(GetParam(), tracking_), bench_.px_per_cycle);
+      at = at + mode.waves * Vec2{slopes(2 * i, 0), slopes(2 * i + 1, 0)};
+    }
+    return at;
+  }
+
+  void expect_all(const std::vector<Mode>& modes, const std::vector<int>& dark = {}) {
+    const int there = bench_.subapertures() - int(dark.size());
+    EXPECT_EQ(acquire(expose8(bench_.light(modes, dark), 200.0, 1.0, 2.0)), there);
+    for (int i = 0; i < bench_.subapertures(); ++i) {
+      if (std::find(dark.begin(), dark.end(), i) != dark.end()) {
+        EXPECT_FALSE(fixes_[i].found()) << "subaperture " << i << " is dark";
+        continue;
+      }
+      const Vec2 at = truth(i, modes);
+      EXPECT_NEAR(fixes_[i].x, at.x, 0.15 * bench_.lambda_d) << i;
+      EXPECT_NEAR(fixes_[i].y, at.y, 0.15 * bench_.lambda_d) << i;
+    }
+  }
+
+  SensorBench& bench_;
+  TrackingConfig tracking_;
+  SpotModel model_;
+  std::unique_ptr<const SpotTracker> tracker_;
+  TrackScratch scratch_;
+  Acquisition acquisition_;
+  std::vector<SpotFix> fixes_ = std::vector<SpotFix>(19);
+};
+
+TEST_P(Acquire, FindsAllSpotsOfAFlatWavefront) {
+  expect_all({});
+}
+
+TEST_P(Acquire, FindsAllUnderStrongAstigmatismAndFocus) {
+  for (const int j : {3, 4, 5}) {
+    for (const double waves : {-0.8, 0.8}) expect_all({{j, waves}});
+  }
+}
+
+TEST_P(Acquire, FindsAllUnderATiltOfAPitch) {
+  // 57.8 px between neighbours along x, 83.5 px between rows.
+  const double px_per_wave = 4.0 / bench_.sensor.pupil_diameter_px * bench_.px_per_cycle;
+  expect_all({{2, 57.8 / px_per_wave}});
+  expect_all({{1, -60.0 / px_per_wave}});
+  expect_all({{2, -40.0 / px_per_wave}, {1, 30.0 / px_per_wave}, {3, 0.5}});
+}
+
+TEST_P(Acquire, FindsAllUnderAMixtureOfModes) {
+  expect_all({{3, 0.2}, {4, -0.3}, {5, 0.15}, {7, 0.1}, {8, -0.1}, {12, 0.05}});
+}
+
+TEST_P(Acquire, ReportsMissingSpotsAsLost) {
+  expect_all({}, {9});
+  expect_all({}, {0, 1, 2});
+  expect_all({{4, 0.4}}, {4, 11, 18});
+}
+
+TEST_P(Acquire, FindsNothingInBlackAndSaturatedImages) {
+  for (const int level : {0, 7, 255}) {
+    EXPECT_EQ(acquire(Image<std::uint8_t>(512, 512, std::uint8_t(level))), 0);
+    for (const SpotFix& fix : fixes_) EXPECT_FALSE(fix.found());
+  }
+}
+
+TEST_P(Acquire, FindsNothingInNoise) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const Image<float> nothing(512, 512);
+    EXPECT_EQ(acquire(expose8(nothing, 1.0, 0.5 + seed, 5.0 * (seed % 3), seed)), 0);
+    for (const SpotFix& fix : fixes_) EXPECT_FALSE(fix.found());
+  }
+}
+
+TEST_P(Acquire, FindsAllInALowExposure) {
+  EXPECT_EQ(acquire(expose8(bench_.light({}), 25.0, 2.0, 4.0)), 19);
+}
+
+TEST_P(Acquire, FindsNothingInAnImageOfAnotherSize) {
+  EXPECT_EQ(acquire(Image<std::uint8_t>(512, 500, 3)), 0);
+}
+
+TEST_P(Acquire, DoesNotAllocate) {
+  const auto image = expose8(bench_.light({}, {4}), 200.0);
+  const test::AllocGuard guard;
+  const int found = acquire(image);
+  const auto allocations = guard.allocations();
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_EQ(found, 18);
+}
+
+std::string charge_name(const testing::TestParamInfo<int>& info) {
+  return info.param < 0 ? "minus_" + std::to_string(-info.param) : std::to_string(info.param);
+}
+INSTANTIATE_TEST_SUITE_P(Charge, Acquire, testing::Values(1, 0, 2, -1), charge_name);
+
+}  // namespace
+}  // namespace ovws

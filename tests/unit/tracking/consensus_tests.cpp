@@ -1,0 +1,150 @@
+/// Assignment of positions to subapertures on lattices made up here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "core/tracking/consensus.hpp"
+#include "tests/support/alloc_guard.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kPitch = 60.0;
+
+/// A hexagon of 3 + 4 + 5 + 4 + 3.
+std::vector<Vec2> hexagon() {
+  std::vector<Vec2> points;
+  for (int row = -2; row <= 2; ++row) {
+    const int count = 5 - std::abs(row);
+    for (int k = 0; k < count; ++k) {
+      points.push_back({256 + kPitch * (k - 0.5 * (count - 1)), 256 + 0.87 * kPitch * row});
+    }
+  }
+  return points;
+}
+
+struct Shuffled {
+  std::vector<Vec2> positions;
+  std::vector<int> of_subaperture;  ///< where it went; -1: missing
+};
+
+template <class Move>
+Shuffled moved(const std::vector<Vec2>& lattice, const std::vector<int>& missing, Move move) {
+  std::vector<int> order;
+  for (int i = 0; i < int(lattice.size()); ++i) {
+    if (std::find(missing.begin(), missing.end(), i) == missing.end()) order.push_back(i);
+  }
+  std::mt19937 random(5);
+  std::shuffle(order.begin(), order.end(), random);
+  Shuffled out{{}, std::vector<int>(lattice.size(), Consensus::kNone)};
+  for (const int i : order) {
+    out.of_subaperture[i] = int(out.positions.size());
+    out.positions.push_back(lattice[i] + move(lattice[i] - Vec2{256, 256}));
+  }
+  return out;
+}
+
+std::vector<int> match(Consensus& consensus, const std::vector<Vec2>& found) {
+  const auto span = consensus.match(found);
+  return {span.begin(), span.end()};
+}
+
+TEST(Consensus, FindsTheIndexOrderOfAnUnmovedLattice) {
+  Consensus consensus(hexagon(), 60);
+  const Shuffled truth = moved(hexagon(), {}, [](Vec2) { return Vec2{}; });
+  EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+}
+
+TEST(Consensus, FollowsAShiftOfMoreThanAPitch) {
+  Consensus consensus(hexagon(), 60);
+  for (const Vec2 shift :
+       {Vec2{60, 0}, Vec2{-60, 0}, Vec2{30, 52}, Vec2{-90, 100}, Vec2{31, -3}, Vec2{200, 130}}) {
+    const Shuffled truth = moved(hexagon(), {}, [&](Vec2) { return shift; });
+    EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture) << shift.x << "," << shift.y;
+  }
+}
+
+TEST(Consensus, FollowsTiltWithFocusAndAstigmatism) {
+  Consensus consensus(hexagon(), 60);
+  for (const double s : {-0.3, 0.3}) {
+    const auto focus = moved(hexagon(), {}, [&](Vec2 p) { return Vec2{25, -20} + s * p; });
+    EXPECT_EQ(match(consensus, focus.positions), focus.of_subaperture);
+    const auto zero = moved(hexagon(), {}, [&](Vec2 p) {
+      return Vec2{-30, 10} + Vec2{s * p.x, -s * p.y};
+    });
+    EXPECT_EQ(match(consensus, zero.positions), zero.of_subaperture);
+    const auto oblique = moved(hexagon(), {}, [&](Vec2 p) {
+      return Vec2{40, 30} + Vec2{s * p.y, s * p.x};
+    });
+    EXPECT_EQ(match(consensus, oblique.positions), oblique.of_subaperture);
+  }
+}
+
+TEST(Consensus, AllowsMoreThanAnAffineMap) {
+  Consensus consensus(hexagon(), 60);
+  const auto coma = moved(hexagon(), {}, [](Vec2 p) {
+    const double x = p.x / 120, y = p.y / 120;
+    return Vec2{5 * (3 * x * x + y * y - 0.7), 10 * x * y};
+  });
+  EXPECT_EQ(match(consensus, coma.positions), coma.of_subaperture);
+}
+
+TEST(Consensus, LeavesMissingSpotsWithoutAPosition) {
+  Consensus consensus(hexagon(), 60);
+  for (const auto& missing : {std::vector<int>{9}, {0}, {18, 17}, {0, 1, 2}, {3, 8, 12, 15}}) {
+    const auto truth = moved(hexagon(), missing, [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; });
+    EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+  }
+}
+
+TEST(Consensus, IsNotMisledByFalsePositions) {
+  Consensus consensus(hexagon(), 60);
+  auto truth = moved(hexagon(), {4, 13}, [](Vec2 p) { return Vec2{-25, 12} - 0.1 * p; });
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> anywhere(40.0, 470.0);
+  while (truth.positions.size() < 32) {
+    const Vec2 p{anywhere(random), anywhere(random)};
+    const auto near = [&](Vec2 q) { return norm(p - q) < 0.6 * kPitch; };
+    if (std::none_of(truth.positions.begin(), truth.positions.end(), near) &&
+        norm(p - (hexagon()[4] + Vec2{-25, 12})) > kPitch &&
+        norm(p - (hexagon()[13] + Vec2{-25, 12})) > kPitch) {
+      truth.positions.push_back(p);
+    }
+    if (random() == 0) break;
+  }
+  EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+}
+
+TEST(Consensus, SaysNothingOfTooFewPositions) {
+  Consensus consensus(hexagon(), 60);
+  const std::vector<int> none(19, Consensus::kNone);
+  EXPECT_EQ(match(consensus, {}), none);
+  EXPECT_EQ(match(consensus, {{256, 256}}), none);
+  const auto few =
+      moved(hexagon(), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, [](Vec2) { return Vec2{}; });
+  EXPECT_EQ(match(consensus, few.positions), none);
+}
+
+TEST(Consensus, ExpectsAMissingSpotWhereItsNeighboursSay) {
+  Consensus consensus(hexagon(), 60);
+  const auto move = [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; };
+  const auto truth = moved(hexagon(), {7}, move);
+  match(consensus, truth.positions);
+  const Vec2 at = hexagon()[7] + move(hexagon()[7] - Vec2{256, 256});
+  EXPECT_NEAR(consensus.expected(7).x, at.x, 0.5);
+  EXPECT_NEAR(consensus.expected(7).y, at.y, 0.5);
+}
+
+TEST(Consensus, DoesNotAllocate) {
+  Consensus consensus(hexagon(), 60);
+  const auto truth = moved(hexagon(), {7}, [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; });
+  const test::AllocGuard guard;
+  consensus.match(truth.positions);
+  EXPECT_EQ(guard.allocations(), 0U);
+}
+
+}  // namespace
+}  // namespace ovws
