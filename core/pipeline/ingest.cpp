@@ -33,10 +33,11 @@ void Ingest::give_back() OVWS_NONBLOCKING {
 
 bool Ingest::serve_camera() OVWS_NONBLOCKING {
   give_back();
-  if (deps_.cameras.serve(deps_.pool.lent())) {
+  if (deps_.cameras.due(deps_.pool.lent())) {
     ++stream_;
     any_frame_ = false;
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
+    deps_.cameras.follow();
   }
   return deps_.cameras.streaming();
 }

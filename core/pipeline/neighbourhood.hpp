@@ -38,6 +38,9 @@ class Neighbourhood {
   Vec2 expect(int i, const DisplacementField& field,
               std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
+  /// Distance from spot i's predicted position to the nearest other.
+  double pitch_px(int i) const { return sites_[i].pitch_px; }
+
   /// True if a found neighbour of i lies within a quarter of the pitch of i's own fix: two
   /// subapertures claim the same spot. RT-safe.
   bool doubled(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING;

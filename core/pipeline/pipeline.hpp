@@ -42,8 +42,9 @@ class Pipeline {
 
   // Control side; thread-safe among each other.
   /// From the next frame edge on, frames are measured with `plan`; nullptr: with none. The caller
-  /// keeps every plan alive until `oldest_plan_in_use` has passed its id. Before a hologram is
-  /// shown, its plan is to be in use. May take milliseconds: working memory is made here.
+  /// keeps every plan alive until `oldest_plan_in_use` has passed its id. By the time a
+  /// hologram has settled, its plan is to be in use. May take milliseconds: working memory is made
+  /// here.
   void use_plan(const MeasurementPlan* plan);
   /// Smallest plan id that the frame path or the publisher may still touch.
   std::uint64_t oldest_plan_in_use() const;

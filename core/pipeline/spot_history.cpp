@@ -6,6 +6,12 @@
 #include "core/optics/lattice.hpp"
 
 namespace ovws {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr SpotStart kUnknown{{kNone, kNone}, false};
+
+}  // namespace
 
 SpotHistory::SpotHistory() : tracks_(kMaxSubapertures) {}
 
@@ -21,19 +27,16 @@ void SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   image_height_ = plan.image_height;
 }
 
+Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {
+  if (record.hologram_id == hologram_id_) return track.last.at_px;
+  return track.last.at_px + (record.plan->predicted_px[i] - track.expected_px);
+}
+
 void SpotHistory::starts(const FrameRecord& record,
-                         std::span<Vec2> starts_px) const OVWS_NONBLOCKING {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const bool same_hologram = record.hologram_id == hologram_id_;
+                         std::span<SpotStart> starts) const OVWS_NONBLOCKING {
   for (int i = 0; i < count_; ++i) {
     const Track& track = tracks_[i];
-    if (!live_ || !track.found) {
-      starts_px[i] = {kNone, kNone};
-    } else if (same_hologram) {
-      starts_px[i] = track.position_px;
-    } else {
-      starts_px[i] = track.position_px + (record.plan->predicted_px[i] - track.expected_px);
-    }
+    starts[i] = live_ ? SpotStart{moved(track, i, record), track.last.fresh} : kUnknown;
   }
 }
 
@@ -43,15 +46,18 @@ void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   // count only once its hologram is seen.
   const bool plan_is_for_this = plan.hologram_id == record.hologram_id && plan.id != plan_id_;
   const bool expect_anew = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
+  const bool was_live = live_;
   live_ = false;
   for (int i = 0; i < count_; ++i) {
     Track& track = tracks_[i];
     const SpotFix& fix = record.spots[i];
-    track.found = fix.found();
+    if (fix.found()) {
+      track.last = {{double(fix.x), double(fix.y)}, true};
+      live_ = true;
+    } else {
+      track.last = was_live ? SpotStart{moved(track, i, record), false} : kUnknown;
+    }
     if (expect_anew) track.expected_px = plan.predicted_px[i];
-    if (!track.found) continue;
-    track.position_px = {double(fix.x), double(fix.y)};
-    live_ = true;
   }
   hologram_id_ = record.hologram_id;
   if (expect_anew) plan_id_ = plan.id;

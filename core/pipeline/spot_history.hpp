@@ -10,6 +10,12 @@
 
 namespace ovws {
 
+/// Where to look for one spot.
+struct SpotStart {
+  Vec2 at_px;          ///< NaN: it was never found
+  bool fresh = false;  ///< it was found in the last settled frame; else the position is only a hint
+};
+
 /// Learns from settled frames only. One thread at a time; allocates in the constructor only.
 class SpotHistory {
  public:
@@ -22,19 +28,20 @@ class SpotHistory {
   /// False: nothing is known of any spot, a whole-image search is needed.
   bool live() const { return live_; }
 
-  /// Where to look for each spot in `record`: the last settled position, moved by what the plan
-  /// predicts of a change of hologram. NaN for a spot that was not found last time.
-  void starts(const FrameRecord& record, std::span<Vec2> starts_px) const OVWS_NONBLOCKING;
+  /// Where to look for each spot in `record`: its last settled position, moved by what the plan
+  /// predicts of a change of hologram.
+  void starts(const FrameRecord& record, std::span<SpotStart> starts) const OVWS_NONBLOCKING;
 
   /// Takes over what was found in a settled frame.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;
 
  private:
   struct Track {
-    Vec2 position_px;
+    SpotStart last;
     Vec2 expected_px;  ///< what the plan predicted for hologram_id_
-    bool found = false;
   };
+
+  Vec2 moved(const Track& track, int i, const FrameRecord& record) const;
 
   std::vector<Track> tracks_;
   int count_ = 0;

@@ -2,7 +2,6 @@
 #include "core/pipeline/track_stage.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "core/optics/lattice.hpp"
@@ -20,24 +19,19 @@ int count_found(std::span<const SpotFix> spots) {
   return int(std::count_if(spots.begin(), spots.end(), [](const SpotFix& s) { return s.found(); }));
 }
 
-/// Fewer spots than these of a search without history are as likely chance as spots.
-int credible(int subapertures) {
-  return std::max(3, subapertures / 4);
-}
-
 }  // namespace
 
 TrackStage::TrackStage(const Config& config, const Deps& deps)
     : config_(config),
       deps_(deps),
-      starts_px_(kMaxSubapertures),
+      starts_(kMaxSubapertures),
       doubled_(kMaxSubapertures),
       searched_(kMaxSubapertures) {}
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
   history_.fit_to(*entry.plan);
-  history_.starts(entry, starts_px_);
+  history_.starts(entry, starts_);
 }
 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
@@ -46,13 +40,17 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
   const SpotTracker& tracker = *entry.plan->tracker;
   TrackScratch& scratch = entry.measurement->track_scratch[k];
   for (int i = begin; i < end; ++i) {
-    const bool known = !std::isnan(starts_px_[i].x);
-    entry.spots[i] = known ? tracker.track(entry.frame.image, starts_px_[i], scratch) : SpotFix{};
+    const SpotStart& start = starts_[i];
+    entry.spots[i] =
+        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch) : SpotFix{};
   }
 }
 
 void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
-  if (history_.live()) retry_lost(entry);
+  if (history_.live()) {
+    lose_incredible(entry);
+    retry_lost(entry);
+  }
   if (entry.settled) {
     search_if_needed(entry);
     history_.learn(entry);
@@ -61,24 +59,43 @@ void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
   entry.release_pixels();
 }
 
-void TrackStage::retry_lost(Entry& entry) OVWS_NONBLOCKING {
+void TrackStage::lose_incredible(Entry& entry) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   const std::span<SpotFix> spots = spots_of(entry);
+  drop_faint(spots, entry.spot_count);
   // Of two subapertures that claim one spot, nobody knows yet whose it is: both are asked again.
   for (int i = 0; i < entry.spot_count; ++i) doubled_[i] = neighbourhood.doubled(i, spots);
   for (int i = 0; i < entry.spot_count; ++i) {
     if (doubled_[i]) spots[i] = SpotFix{};
   }
+}
+
+void TrackStage::retry_lost(Entry& entry) OVWS_NONBLOCKING {
+  const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
+  const std::span<SpotFix> spots = spots_of(entry);
   const int found = count_found(spots);
   if (found == entry.spot_count || found == 0) return;
   const DisplacementField field = neighbourhood.fit(spots);
-  TrackScratch& scratch = entry.measurement->track_scratch[0];
   for (int i = 0; i < entry.spot_count; ++i) {
     if (spots[i].found()) continue;
-    const Vec2 start_px = neighbourhood.expect(i, field, spots);
-    spots[i] = entry.plan->tracker->track(entry.frame.image, start_px, scratch);
-    if (neighbourhood.doubled(i, spots)) spots[i] = SpotFix{};
+    spots[i] = retry(entry, i, neighbourhood.expect(i, field, spots));
   }
+  drop_faint(spots, entry.spot_count);
+}
+
+/// A remembered position knows more than the neighbours, as long as they do not contradict it.
+SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING {
+  const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
+  TrackScratch& scratch = entry.measurement->track_scratch[0];
+  const std::span<SpotFix> spots = spots_of(entry);
+  const Vec2 remembered_px = starts_[i].at_px;
+  const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
+  if (!starts_[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
+    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch);
+    if (spots[i].found() && !neighbourhood.doubled(i, spots)) return spots[i];
+  }
+  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch);
+  return neighbourhood.doubled(i, spots) ? SpotFix{} : spots[i];
 }
 
 void TrackStage::search_if_needed(Entry& entry) OVWS_NONBLOCKING {
@@ -95,9 +112,7 @@ void TrackStage::search(Entry& entry, int found) OVWS_NONBLOCKING {
   const std::span<SpotFix> searched{searched_.data(), std::size_t(entry.spot_count)};
   const int searched_found = entry.measurement->acquisition.acquire(
       entry.frame.image, *entry.plan->tracker, entry.measurement->track_scratch[0], searched);
-  if (searched_found > found && searched_found >= credible(entry.spot_count)) {
-    std::copy(searched.begin(), searched.end(), entry.spots.begin());
-  }
+  if (searched_found > found) std::copy(searched.begin(), searched.end(), entry.spots.begin());
 }
 
 void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {

@@ -39,7 +39,9 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
+  void lose_incredible(Entry& entry) OVWS_NONBLOCKING;
   void retry_lost(Entry& entry) OVWS_NONBLOCKING;
+  SpotFix retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING;
   void search_if_needed(Entry& entry) OVWS_NONBLOCKING;
   void search(Entry& entry, int found) OVWS_NONBLOCKING;
   void summarise(Entry& entry) OVWS_NONBLOCKING;
@@ -48,7 +50,7 @@ class TrackStage {
   Deps deps_;
   SpotHistory history_;
   BackOff search_back_off_;
-  std::vector<Vec2> starts_px_;
+  std::vector<SpotStart> starts_;
   std::vector<char> doubled_;
   std::vector<SpotFix> searched_;
 };

@@ -1,0 +1,100 @@
+/// A camera is taken and let go of only when its buffers are back, and waiting for that ends.
+#include "core/pipeline/camera_exchange.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "tests/unit/pipeline/scripted_camera.hpp"
+
+namespace ovws::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A thread that serves with a number of lent buffers, as an acquisition agent does.
+class Server {
+ public:
+  Server(CameraExchange& exchange, int lent)
+      : lent_(lent), thread_([this, &exchange] {
+          while (!stop_) {
+            if (exchange.due(lent_)) {
+              ++changes_;
+              exchange.follow();
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
+          }
+        }) {}
+  ~Server() {
+    stop_ = true;
+    thread_.join();
+  }
+  void set_lent(int lent) { lent_ = lent; }
+  int changes() const { return changes_; }
+
+ private:
+  std::atomic<int> lent_;
+  std::atomic<bool> stop_{false};
+  std::atomic<int> changes_{0};
+  std::thread thread_;
+};
+
+TEST(CameraExchange, AttachAndDetachReturnWhenTheAgentHasFollowed) {
+  CameraExchange exchange;
+  ScriptedCamera camera(2, 16);
+  {
+    Server server(exchange, 0);
+    ASSERT_TRUE(exchange.attach(camera));
+    EXPECT_EQ(server.changes(), 1);
+  }
+  EXPECT_EQ(exchange.camera(), &camera);
+  EXPECT_TRUE(exchange.streaming());
+  {
+    Server server(exchange, 0);
+    ASSERT_TRUE(exchange.detach());
+  }
+  EXPECT_EQ(exchange.camera(), nullptr);
+  EXPECT_FALSE(exchange.streaming());
+}
+
+TEST(CameraExchange, WithNobodyTurningTheAgentItGivesUpAndSaysSo) {
+  CameraExchange exchange(milliseconds(20));
+  ScriptedCamera camera(2, 16);
+  const Result<void> answer = exchange.attach(camera);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Errc::unavailable);
+  EXPECT_NE(answer.error().reason.find("did not run for 20 ms"), std::string::npos);
+}
+
+TEST(CameraExchange, WithABufferStillLentItGivesUpAndSaysHowMany) {
+  CameraExchange exchange(milliseconds(50));
+  ScriptedCamera camera(2, 16);
+  Server server(exchange, 0);
+  ASSERT_TRUE(exchange.attach(camera));
+  server.set_lent(3);
+  const Result<void> answer = exchange.detach();
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().reason.find("3 camera buffers"), std::string::npos);
+  server.set_lent(0);
+  EXPECT_TRUE(exchange.detach());
+}
+
+TEST(CameraExchange, WhileARequestWaitsNoFrameIsTaken) {
+  CameraExchange exchange(milliseconds(1));
+  ScriptedCamera camera(2, 16);
+  ASSERT_FALSE(exchange.attach(camera));  // stands, and is followed on the next turn
+  EXPECT_TRUE(exchange.due(0));
+  exchange.follow();
+  EXPECT_TRUE(exchange.streaming());
+  ASSERT_FALSE(exchange.detach());
+  EXPECT_FALSE(exchange.due(1));
+  EXPECT_FALSE(exchange.streaming());
+  EXPECT_EQ(exchange.camera(), &camera);  // to give the buffer back to
+  EXPECT_TRUE(exchange.due(0));
+  exchange.follow();
+  EXPECT_EQ(exchange.camera(), nullptr);
+}
+
+}  // namespace
+}  // namespace ovws::test

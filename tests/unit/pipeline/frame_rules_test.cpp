@@ -1,0 +1,134 @@
+/// The rules of settled and of settings, on each side of every boundary.
+#include "core/pipeline/frame_rules.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::uint64_t kEpoch = 7;
+
+/// Hologram 4 stood from 100 ms on; at 200 ms hologram 5 was presented, settled at 230 ms.
+ShownHologram changing() {
+  ShownHologram shown;
+  shown.healthy = true;
+  shown.previous = {4, kEpoch, 80 * kMs, 100 * kMs};
+  shown.current = {5, kEpoch, 200 * kMs, 230 * kMs};
+  return shown;
+}
+
+void expect(const HologramVerdict& verdict, std::uint64_t id, bool settled) {
+  EXPECT_EQ(verdict.hologram_id, id);
+  EXPECT_EQ(verdict.settled, settled);
+}
+
+TEST(HologramRule, AnExposureThatBeginsAsTheHologramSettlesIsOfIt) {
+  expect(judge_hologram(changing(), kEpoch, 230 * kMs, 240 * kMs), 5, true);
+}
+
+TEST(HologramRule, AnExposureThatBeginsANanosecondEarlierIsNotSettled) {
+  expect(judge_hologram(changing(), kEpoch, 230 * kMs - 1, 240 * kMs), 5, false);
+}
+
+TEST(HologramRule, AFrameThatArrivesAsTheChangeBeginsIsOfThePreviousHologram) {
+  expect(judge_hologram(changing(), kEpoch, 190 * kMs, 200 * kMs), 4, true);
+}
+
+TEST(HologramRule, AFrameThatArrivesANanosecondLaterIsNotSettled) {
+  expect(judge_hologram(changing(), kEpoch, 190 * kMs, 200 * kMs + 1), 5, false);
+}
+
+TEST(HologramRule, ThePreviousHologramMustHaveSettledToo) {
+  expect(judge_hologram(changing(), kEpoch, 100 * kMs, 200 * kMs), 4, true);
+  expect(judge_hologram(changing(), kEpoch, 100 * kMs - 1, 200 * kMs), 5, false);
+}
+
+TEST(HologramRule, WhilePresentingNothingNewSettles) {
+  ShownHologram shown = changing();
+  shown.current.t_settled_mono_ns = ShownHologram::kNever;
+  expect(judge_hologram(shown, kEpoch, 5000 * kMs, 5010 * kMs), 5, false);
+  expect(judge_hologram(shown, kEpoch, 190 * kMs, 200 * kMs), 4, true);
+}
+
+TEST(HologramRule, AHologramOfAnotherSensorIsNamedButDoesNotCount) {
+  expect(judge_hologram(changing(), kEpoch + 1, 300 * kMs, 310 * kMs), 5, false);
+  expect(judge_hologram(changing(), kEpoch + 1, 190 * kMs, 200 * kMs), 4, false);
+}
+
+TEST(HologramRule, APatternThatIsNoSensorNeverCounts) {
+  ShownHologram shown = changing();
+  shown.current.sensor_epoch = 0;
+  expect(judge_hologram(shown, 0, 300 * kMs, 310 * kMs), 5, false);
+}
+
+TEST(HologramRule, WithAFaultyDisplayNothingIsSettled) {
+  ShownHologram shown = changing();
+  shown.healthy = false;
+  expect(judge_hologram(shown, kEpoch, 300 * kMs, 310 * kMs), 5, false);
+  expect(judge_hologram(shown, kEpoch, 190 * kMs, 200 * kMs), 5, false);
+}
+
+/// From 1 ms and 0 dB to 4 ms and 6 dB, written from 500 to 503 ms; transfer takes at most 2 ms.
+AppliedSettings changed() {
+  AppliedSettings settings;
+  settings.gain_db = 6.0;
+  settings.exposure_us = 4000.0;
+  settings.previous_gain_db = 0.0;
+  settings.previous_exposure_us = 1000.0;
+  settings.t_write_begin_mono_ns = 500 * kMs;
+  settings.t_write_end_mono_ns = 503 * kMs;
+  settings.transfer_ns = 2 * kMs;
+  return settings;
+}
+
+TEST(SettingsRule, AnExposureThatBeginsAsTheWriteEndsHasTheNewValues) {
+  const SettingsVerdict verdict = judge_settings(changed(), 509 * kMs);  // 509 - 4 - 2 = 503
+  EXPECT_TRUE(verdict.known);
+  EXPECT_EQ(verdict.gain_db, 6.0);
+  EXPECT_EQ(verdict.exposure_us, 4000.0);
+  EXPECT_EQ(verdict.exposure_begin_mono_ns, 503 * kMs);
+}
+
+TEST(SettingsRule, AnExposureThatBeginsANanosecondEarlierIsUnknown) {
+  const SettingsVerdict verdict = judge_settings(changed(), 509 * kMs - 1);
+  EXPECT_FALSE(verdict.known);
+  EXPECT_EQ(verdict.exposure_begin_mono_ns, 503 * kMs - 1);
+}
+
+TEST(SettingsRule, AFrameThatArrivesAsTheWriteBeginsHasThePreviousValues) {
+  const SettingsVerdict verdict = judge_settings(changed(), 500 * kMs);
+  EXPECT_TRUE(verdict.known);
+  EXPECT_EQ(verdict.gain_db, 0.0);
+  EXPECT_EQ(verdict.exposure_us, 1000.0);
+  EXPECT_EQ(verdict.exposure_begin_mono_ns, 497 * kMs);
+}
+
+TEST(SettingsRule, AFrameThatArrivesANanosecondLaterIsUnknown) {
+  EXPECT_FALSE(judge_settings(changed(), 500 * kMs + 1).known);
+}
+
+TEST(SettingsRule, AfterALongExposureAFrameMayStillBeOfItAndIsUnknown) {
+  AppliedSettings settings = changed();
+  settings.exposure_us = 1000.0;
+  settings.previous_exposure_us = 100'000.0;
+  // One of 1 ms would have begun after the write; one of 100 ms would not.
+  EXPECT_FALSE(judge_settings(settings, 520 * kMs).known);
+  const SettingsVerdict later = judge_settings(settings, 605 * kMs);
+  EXPECT_TRUE(later.known);
+  EXPECT_EQ(later.exposure_begin_mono_ns, 602 * kMs);
+}
+
+TEST(SettingsRule, WhileTheDeviceIsWrittenNothingIsKnownOfNewFrames) {
+  AppliedSettings settings = changed();
+  settings.t_write_end_mono_ns = ShownHologram::kNever;
+  EXPECT_FALSE(judge_settings(settings, 5000 * kMs).known);
+  EXPECT_TRUE(judge_settings(settings, 499 * kMs).known);
+}
+
+TEST(SettingsRule, BeforeAnythingWasAppliedNothingIsKnown) {
+  EXPECT_FALSE(judge_settings({}, 500 * kMs).known);
+}
+
+}  // namespace
+}  // namespace ovws
