@@ -60,7 +60,7 @@ def _end_with_parent():
     ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
 
 
-def _free_displays():
+def free_displays():
     """Display numbers that nobody seems to have. Xorg's own search (-displayfd) is not used: it
     asks the network namespace, and takes over the socket file of a server in another one."""
     for number in range(90, 1000):
@@ -174,7 +174,7 @@ class Bench:
         free display number unless one is given. Sets `display`."""
         xorg = shutil.which("Xorg") or "/usr/lib/xorg/Xorg"
         shutil.copy(HERE / "xorg-bench.conf", self.directory / "xorg-bench.conf")
-        for display in [number] if number is not None else _free_displays():
+        for display in [number] if number is not None else free_displays():
             server = self.start("xorg", [
                 xorg, f":{display}", "-config", self.directory / "xorg-bench.conf",
                 "-logfile", self.directory / "xorg-details.log",

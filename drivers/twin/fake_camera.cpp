@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
+constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 constexpr auto kBetweenPlugs = std::chrono::milliseconds(200);
 
 // Bootstrap registers of GigE Vision that hold text.
@@ -194,8 +195,11 @@ FrameFate FakeCamera::Device::take(ArvBuffer* buffer, const CameraSettings& sett
     ++owner.counts_.refused;
     return FrameFate::drop;
   }
-  const auto deadline = std::chrono::steady_clock::now() + kFarFieldTime;
+  const auto start = std::chrono::steady_clock::now();
+  const auto deadline = start + kFarFieldTime;
   const auto stop = owner.stop_.get_token();
+  // A server that hangs shows nothing new: then go by what is known.
+  owner.deps_.screen.catch_up(start + kDisplayTime, stop);
   const auto scene = owner.deps_.bench.scene(settings.roi, deadline, stop);
   const std::size_t size = std::size_t(settings.roi.width) * std::size_t(settings.roi.height) *
                            std::size_t(bytes_per_pixel(*format));

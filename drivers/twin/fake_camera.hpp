@@ -14,6 +14,7 @@
 #include "drivers/twin/bench.hpp"
 #include "drivers/twin/faults.hpp"
 #include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/screen.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -33,6 +34,7 @@ struct CameraDeps {
   Bench& bench;
   FrameSource& frames;
   Faults& faults;
+  Screen& screen;
 };
 
 class FakeCamera {

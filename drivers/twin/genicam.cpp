@@ -2,8 +2,9 @@
 
 namespace ovws::twin {
 
-std::string_view genicam_xml() {
-  return R"xml(<?xml version="1.0" encoding="utf-8"?>
+namespace {
+
+constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
 <RegisterDescription ModelName="BenchTwin" VendorName="ovws" StandardNameSpace="GEV"
   SchemaMajorVersion="1" SchemaMinorVersion="1" SchemaSubMinorVersion="0"
   MajorVersion="1" MinorVersion="0" SubMinorVersion="0" ToolTip="Digital twin of the ovws bench"
@@ -170,6 +171,11 @@ std::string_view genicam_xml() {
 
 </RegisterDescription>
 )xml";
+
+}  // namespace
+
+std::string_view genicam_xml() {
+  return kXml;
 }
 
 }  // namespace ovws::twin

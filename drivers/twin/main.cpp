@@ -3,8 +3,10 @@
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <iostream>
 #include <string>
 
@@ -33,6 +35,9 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
   int signal_number = 0;
   sigwait(&end_signals, &signal_number);
   spdlog::info("ends, signal {}", signal_number);
+  // Xlib waits for ever for a server that hangs; nothing here is worth waiting for it.
+  std::signal(SIGALRM, [](int) { _exit(0); });
+  alarm(2);
   return 0;
 }
 

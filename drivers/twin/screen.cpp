@@ -2,24 +2,32 @@
 
 #include <poll.h>
 #include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
+#include <array>
 #include <chrono>
-#include <thread>
 
 #include "drivers/twin/x_output.hpp"
 
 namespace ovws::twin {
 namespace {
 
-// Short enough to end at once when asked to, long enough to cost nothing.
-constexpr int kPollMs = 50;
-constexpr int kPollsBetweenTries = 6;
+constexpr int kPollMs = 50;  // short enough to end at once when asked to
+constexpr auto kBetweenTries = std::chrono::milliseconds(300);
 
 }  // namespace
 
 Screen::Screen(const SlmConfig& slm, std::string x_display, Bench& bench)
-    : slm_(slm), x_display_(std::move(x_display)), bench_(bench) {
+    : slm_(slm),
+      x_display_(std::move(x_display)),
+      bench_(bench),
+      bell_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   status_.text = "not looked for yet";
+}
+
+Screen::~Screen() {
+  close(bell_);
 }
 
 void Screen::work(const std::stop_token& stop) {
@@ -34,27 +42,60 @@ void Screen::work(const std::stop_token& stop) {
     } else {
       report(false, output.error().reason);
     }
-    for (int i = 0; i < kPollsBetweenTries && !stop.stop_requested(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
+    const auto next_try = std::chrono::steady_clock::now() + kBetweenTries;
+    while (!stop.stop_requested() && std::chrono::steady_clock::now() < next_try) {
+      answer(asked());
+      wait_for_news(-1);
     }
   }
 }
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Image<std::uint8_t> grey;
-  XOutput::News news = XOutput::News::pixels;
-  while (!stop.stop_requested() && news != XOutput::News::lost) {
-    if (news == XOutput::News::pixels) {
-      if (!output.grab(grey)) return;
-      bench_.show(grey);
-      const std::lock_guard lock(mutex_);
-      ++status_.grabs;
-    }
-    news = output.read_news();
-    if (news != XOutput::News::none) continue;
-    pollfd readable{output.descriptor(), POLLIN, 0};
-    if (poll(&readable, 1, kPollMs) > 0) news = output.read_news();
+  if (!tell(output, grey)) return;
+  while (!stop.stop_requested()) {
+    const std::uint64_t asked_now = asked();
+    // Who asks wants all that the server knows; else what it has sent is enough.
+    XOutput::News news = asked_now != answered_ ? output.ask_news() : output.read_news();
+    if (news == XOutput::News::lost) return;
+    if (news == XOutput::News::pixels && !tell(output, grey)) return;
+    answer(asked_now);
+    if (news == XOutput::News::none) wait_for_news(output.descriptor());
   }
+}
+
+bool Screen::tell(XOutput& output, Image<std::uint8_t>& grey) {
+  if (!output.grab(grey)) return false;
+  bench_.show(grey);
+  const std::lock_guard lock(mutex_);
+  ++status_.grabs;
+  return true;
+}
+
+void Screen::wait_for_news(int descriptor) {
+  std::array<pollfd, 2> readable{{{bell_, POLLIN, 0}, {descriptor, POLLIN, 0}}};
+  poll(readable.data(), descriptor < 0 ? 1 : 2, kPollMs);
+  eventfd_t rung = 0;
+  eventfd_read(bell_, &rung);
+}
+
+bool Screen::catch_up(Bench::Deadline deadline, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t mine = ++asked_;
+  eventfd_write(bell_, 1);
+  return answered_now_.wait_until(lock, stop, deadline, [this, mine] { return answered_ >= mine; });
+}
+
+std::uint64_t Screen::asked() const {
+  const std::lock_guard lock(mutex_);
+  return asked_;
+}
+
+void Screen::answer(std::uint64_t asked) {
+  const std::lock_guard lock(mutex_);
+  if (answered_ == asked) return;
+  answered_ = asked;
+  answered_now_.notify_all();
 }
 
 void Screen::report(bool shown, const std::string& text) {

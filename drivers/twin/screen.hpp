@@ -1,6 +1,7 @@
 /// Watches the SLM's display and tells the bench what it shows, for as long as the twin runs.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <stop_token>
@@ -25,18 +26,32 @@ class Screen {
  public:
   /// `x_display`: ":1"; empty: $DISPLAY.
   Screen(const SlmConfig& slm, std::string x_display, Bench& bench);
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
 
   void work(const std::stop_token& stop);  ///< body of the screen's thread
-  ScreenStatus status() const;             ///< thread-safe
+
+  /// Any other thread: when it returns, the bench has been told of all that the display showed
+  /// before the call. False if the X server did not answer by the deadline, or on stop.
+  bool catch_up(Bench::Deadline deadline, const std::stop_token& stop);
+  ScreenStatus status() const;  ///< thread-safe
 
  private:
   void follow(XOutput& output, const std::stop_token& stop);
+  bool tell(XOutput& output, Image<std::uint8_t>& grey);
+  void wait_for_news(int descriptor);
+  void answer(std::uint64_t asked);
+  std::uint64_t asked() const;
   void report(bool shown, const std::string& text);
 
   const SlmConfig slm_;
   const std::string x_display_;
   Bench& bench_;
+  int bell_;  ///< eventfd that wakes the screen's thread
   mutable std::mutex mutex_;
+  std::condition_variable_any answered_now_;
+  std::uint64_t asked_ = 0, answered_ = 0;  ///< calls of catch_up
   ScreenStatus status_;
 };
 

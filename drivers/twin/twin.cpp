@@ -9,7 +9,8 @@ Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::strin
   std::unique_ptr<Twin> twin(new Twin(config, x_display));
   auto control = Control::bind(config.control_endpoint);
   if (!control) return fail(control.error());
-  auto camera = FakeCamera::plug_in(config.camera, {twin->bench_, twin->frames_, twin->faults_});
+  auto camera = FakeCamera::plug_in(config.camera,
+                                    {twin->bench_, twin->frames_, twin->faults_, twin->screen_});
   if (!camera) return fail(camera.error());
   twin->control_ = std::move(*control);
   twin->camera_ = std::move(*camera);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "core/optics/lattice.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
@@ -145,6 +146,9 @@ Result<Config> parse_config(const std::string& json_text) {
   ObjectReader reader(*json, "");
   read(reader, config);
   if (auto done = reader.finish(); !done) return fail(done.error());
+  if (auto lattice = make_lattice(config.sensor, config.slm.geometry); !lattice) {
+    return fail(lattice.error());
+  }
   return config;
 }
 

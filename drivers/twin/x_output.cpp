@@ -193,6 +193,11 @@ XOutput::News XOutput::read_news() {
   return impl_->dead || x_error ? News::lost : news;
 }
 
+XOutput::News XOutput::ask_news() {
+  if (!impl_->dead) XSync(impl_->display, False);
+  return read_news();
+}
+
 bool XOutput::grab(Image<std::uint8_t>& grey) {
   const Rectangle& place = impl_->place;
   if (grey.width != place.width || grey.height != place.height) {

@@ -27,6 +27,7 @@ class XOutput {
   /// Takes in all that the server said. `lost`: the server died, or its screens were arranged
   /// anew; this object is of no more use.
   News read_news();
+  News ask_news();  ///< the same, of all that happened before this call: one round trip
 
   /// The blue channel of each pixel, width x height. False if the server would not give them:
   /// then as `lost`.

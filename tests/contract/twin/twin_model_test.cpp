@@ -1,0 +1,264 @@
+/// The twin's models without display and network: configuration, light, noise and faults.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+#include <thread>
+
+#include "core/optics/hologram.hpp"
+#include "drivers/twin/bench.hpp"
+#include "drivers/twin/bench_model.hpp"
+#include "drivers/twin/faults.hpp"
+#include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/twin_config.hpp"
+
+namespace ovws::twin {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+Image<std::uint8_t> hologram(const SensorConfig& sensor) {
+  HologramConfig config;
+  config.sensor = sensor;
+  Image<std::uint8_t> grey;
+  HologramRenderer::make(config)->render(HologramKind::sensor, {}, grey);
+  return grey;
+}
+
+Config config_of(const std::string& json) {
+  auto config = parse_config(json);
+  if (!config) throw std::runtime_error(config.error().field + ": " + config.error().reason);
+  return *config;
+}
+
+/// The brightest pixel of an image.
+Vec2 brightest(const Image<float>& image) {
+  const auto at = std::max_element(image.pixels.begin(), image.pixels.end());
+  const auto index = int(at - image.pixels.begin());
+  return {double(index % image.width), double(index / image.width)};
+}
+
+TEST(TwinConfig, EmptyMeansTheDefaultsOfTheBench) {
+  const Config config = config_of("{}");
+  EXPECT_EQ(config.slm.display, "DUMMY1");
+  EXPECT_EQ(config.optics.centre_px, (Vec2{255.5, 255.5}));
+  EXPECT_TRUE(config.truth.aberration.empty());
+}
+
+TEST(TwinConfig, TheFileInTheRepositoryIsWhatEmptyMeans) {
+  const auto file = load_config(OVWS_TWIN_JSON);
+  ASSERT_TRUE(file) << file.error().field << " " << file.error().reason;
+  const Config defaults = config_of("{}");
+  EXPECT_EQ(file->truth.peak_electrons, defaults.truth.peak_electrons);
+  EXPECT_EQ(file->truth.detector.read_noise_e, defaults.truth.detector.read_noise_e);
+  EXPECT_EQ(file->truth.detector.quantum_efficiency, defaults.truth.detector.quantum_efficiency);
+  EXPECT_EQ(file->truth.detector.full_well_e, defaults.truth.detector.full_well_e);
+  EXPECT_EQ(file->truth.detector.black_level_dn, defaults.truth.detector.black_level_dn);
+  EXPECT_EQ(file->truth.detector.prnu, defaults.truth.detector.prnu);
+  EXPECT_EQ(file->sensor, defaults.sensor);
+  EXPECT_EQ(file->camera.sensor_width, defaults.camera.sensor_width);
+  EXPECT_EQ(file->slm.depth_waves, defaults.slm.depth_waves);
+  EXPECT_EQ(file->light.diameter_px, defaults.light.diameter_px);
+  EXPECT_EQ(file->control_endpoint, defaults.control_endpoint);
+}
+
+TEST(TwinConfig, AberrationsOfUnitAmplitudeBecomeRms) {
+  const Config config =
+      config_of(R"({"aberration": [{"n": 2, "m": -2, "waves": 1.0}], "norm": "unit"})");
+  ASSERT_EQ(config.truth.aberration.size(), 1U);
+  EXPECT_EQ(config.truth.aberration[0].j, 3);
+  EXPECT_NEAR(config.truth.aberration[0].waves, 1.0 / std::sqrt(6.0), 1e-12);
+}
+
+TEST(TwinConfig, PhotonsAndPeakElectronsAreEachOthersInverse) {
+  const Config config = config_of("{}");
+  const double photons = photons_per_spot(config, config.truth);
+  EXPECT_NEAR(peak_electrons_for(config, config.truth, photons), config.truth.peak_electrons, 1e-6);
+}
+
+TEST(BenchModel, AllLightOfTheSlmIsThatOfItsAreaInSpots) {
+  const Config config = config_of("{}");
+  BenchModel model(config);
+  // A flat SLM sends all its light into the zeroth order, and this window holds nearly all of it.
+  model.set_window({-556, -306, 1024, 1024});
+  const Image<float> light = model.intensity(Image<std::uint8_t>(1280, 768));
+  const double sum = std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0);
+  const double photons =
+      sum * config.truth.peak_electrons / config.truth.detector.quantum_efficiency;
+  const double spot_area_px = std::numbers::pi * 76.8 * 76.8;
+  EXPECT_NEAR(photons / photons_per_spot(config, config.truth) / (1280.0 * 768.0 / spot_area_px),
+              1.0, 0.01);
+}
+
+TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
+  Config config = config_of("{}");
+  BenchModel model(config);
+  // Alone among the others' light: outside the base subaperture a grating sends it elsewhere.
+  Image<std::uint8_t> grey(1280, 768);
+  const Image<std::uint8_t> all = hologram(config.sensor);
+  for (int y = 0; y < 768; ++y) {
+    for (int x = 0; x < 1280; ++x) {
+      const bool inside = std::hypot(x - 639.5, y - 383.5) < 76.8;
+      grey.at(x, y) = inside ? all.at(x, y) : std::uint8_t(128 * ((x + y) % 2));
+    }
+  }
+  model.set_window({192, 192, 128, 128});
+  const Image<float> light = model.intensity(grey);
+  EXPECT_NEAR(*std::max_element(light.pixels.begin(), light.pixels.end()), 1.0, 0.06);
+  EXPECT_LT(light.at(63, 63), 0.02);
+  EXPECT_LT(light.at(64, 64), 0.02);
+}
+
+TEST(BenchModel, AHiddenTiltMovesTheBrightSpotRightAndDownAsTheTruthSays) {
+  Config config = config_of(R"({"sensor": {"charge": 0}})");
+  BenchModel model(config);
+  model.set_window({224, 224, 64, 64});
+  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const std::vector<Mode> tilts{{2, 0.8}, {1, 0.5}};  // dW/dx and dW/dy, both positive
+  model.set_aberration(tilts);
+  const Vec2 truth = true_spots_px(config, tilts)[9] - Vec2{224, 224};
+  EXPECT_GT(truth.x, 31.5 + 3.0);
+  EXPECT_GT(truth.y, 31.5 + 2.0);
+  EXPECT_GT(truth.x - 31.5, truth.y - 31.5);
+  EXPECT_LT(norm(brightest(model.intensity(grey)) - truth), 1.2);
+}
+
+TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
+  const Config config = config_of(R"({"slm": {"depth_waves": 0.7}, "sensor": {"charge": 0}})");
+  const Config perfect = config_of(R"({"sensor": {"charge": 0}})");
+  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const auto peak = [&grey](const Config& c) {
+    BenchModel model(c);
+    model.set_window({224, 224, 64, 64});
+    const Image<float> light = model.intensity(grey);
+    return double(*std::max_element(light.pixels.begin(), light.pixels.end()));
+  };
+  // A blazed grating of 0.7 waves has the efficiency sinc^2(0.3).
+  const double x = 0.3 * std::numbers::pi;
+  EXPECT_NEAR(peak(config) / peak(perfect), std::pow(std::sin(x) / x, 2), 0.08);
+}
+
+TEST(Bench, GivesTheLightOfWhatIsShownNow) {
+  const Config config = config_of("{}");
+  Bench bench(config);
+  const std::jthread worker([&bench](const std::stop_token& stop) { bench.work(stop); });
+  const std::stop_source stop;
+  const Roi window{192, 192, 128, 128};
+  const auto scene = [&] {
+    return bench.scene(window, steady_clock::now() + milliseconds(20'000), stop.get_token());
+  };
+  const auto dark = scene();
+  ASSERT_TRUE(dark);
+  bench.show(hologram(config.sensor));
+  const auto light = scene();
+  ASSERT_TRUE(light);
+  EXPECT_GT(light->intensity->at(63, 55), 0.3F);
+  EXPECT_LT(dark->intensity->at(63, 55), 0.3F);
+  EXPECT_EQ(scene(), light);
+  bench.go_dark();
+  EXPECT_EQ(scene()->intensity->pixels, dark->intensity->pixels);
+  EXPECT_FALSE(bench.scene({0, 0, 64, 64}, steady_clock::now(), stop.get_token()));
+}
+
+class Frames : public ::testing::Test {
+ protected:
+  static constexpr int kSize = 64;
+
+  FrameRequest request(Noise noise, float light = 1.0F) {
+    auto scene = std::make_shared<Scene>();
+    scene->intensity = std::make_shared<Image<float>>(kSize, kSize, light);
+    scene->truth.peak_electrons = 1000.0;
+    scene->truth.noise = noise;
+    scene->truth.detector.prnu = 0.0;
+    scene->truth.detector.black_level_dn = 0.0;
+    FrameRequest result;
+    result.scene = scene;
+    result.exposure_us = kReferenceExposureUs;
+    return result;
+  }
+  std::vector<std::byte> take(const FrameRequest& wanted) {
+    std::vector<std::byte> out(std::size_t(kSize * kSize * bytes_per_pixel(wanted.format)));
+    EXPECT_TRUE(
+        source.take(wanted, steady_clock::now() + milliseconds(20'000), stop.get_token(), out));
+    return out;
+  }
+
+  FrameSource source;
+  std::stop_source stop;
+  std::jthread worker{[this](const std::stop_token& s) { source.work(s); }};
+};
+
+TEST_F(Frames, AreEachANewRealisation) {
+  const FrameRequest wanted = request(Noise::fresh);
+  const auto first = take(wanted);
+  for (int n = 0; n < 10; ++n) EXPECT_NE(take(wanted), first);
+  EXPECT_EQ(source.counts().fresh, 11U);
+  EXPECT_EQ(source.counts().reused, 0U);
+}
+
+TEST_F(Frames, WithoutNoiseAreTheMeanDigitised) {
+  FrameRequest wanted = request(Noise::none);
+  EXPECT_EQ(int(take(wanted)[0]), 26);  // 1000 of 10000 electrons, of 255
+  wanted.gain_db = 20.0;
+  EXPECT_EQ(int(take(wanted)[0]), 255);
+  wanted.gain_db = 6.0206;
+  EXPECT_EQ(int(take(wanted)[0]), 51);
+  wanted.gain_db = 0.0;
+  wanted.exposure_us = 500.0;
+  EXPECT_EQ(int(take(wanted)[0]), 6);
+}
+
+TEST_F(Frames, OfTwelveBitsAreLittleEndianAndRightJustified) {
+  FrameRequest wanted = request(Noise::none);
+  wanted.format = PixelFormat::mono12;
+  std::uint16_t value = 0;
+  std::memcpy(&value, take(wanted).data(), 2);
+  EXPECT_EQ(value, 410);  // 1000 of 10000 electrons, of 4095: 409.5
+}
+
+TEST_F(Frames, OfAPoolComeRoundAgain) {
+  const FrameRequest wanted = request(Noise::pool);
+  const auto first = take(wanted);
+  int again = 0;
+  for (int n = 1; n < 64; ++n) again += take(wanted) == first ? 1 : 0;
+  EXPECT_EQ(again, 1);
+  EXPECT_EQ(source.counts().reused, 0U);
+}
+
+TEST_F(Frames, NeverShowTheRequestBefore) {
+  const FrameRequest dim = request(Noise::fresh, 0.1F), bright = request(Noise::fresh, 5.0F);
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_LT(int(take(dim)[0]), 30);
+    EXPECT_GT(int(take(bright)[0]), 90);
+  }
+}
+
+TEST(Faults, LastForTheirFramesAndNoLonger) {
+  Faults faults;
+  const std::stop_source stop;
+  faults.order({FaultKind::drop, 2, 0.0, 0.0});
+  EXPECT_EQ(faults.next_frame(stop.get_token()), FrameFate::drop);
+  EXPECT_EQ(faults.active().frames, 1);
+  EXPECT_EQ(faults.next_frame(stop.get_token()), FrameFate::drop);
+  EXPECT_EQ(faults.next_frame(stop.get_token()), FrameFate::send);
+  EXPECT_EQ(faults.active().kind, FaultKind::none);
+}
+
+TEST(Faults, AFreezeEndsWhenItIsTakenBack) {
+  Faults faults;
+  const std::stop_source stop;
+  faults.order({FaultKind::freeze, 0, 1000.0, 0.0});
+  std::jthread later([&faults] {
+    std::this_thread::sleep_for(milliseconds(20));
+    faults.order({});
+  });
+  EXPECT_EQ(faults.next_frame(stop.get_token()), FrameFate::send);
+}
+
+}  // namespace
+}  // namespace ovws::twin

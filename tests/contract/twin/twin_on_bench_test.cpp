@@ -1,0 +1,253 @@
+/// The twin on a real (virtual) display and a real network: what it shows is what the SLM shows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "bench_client.hpp"
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kSpots = 19;
+/// The spots interfere with their neighbours, which moves a vortex by up to 0.7 px.
+constexpr double kNearPx = 0.9;
+
+class TwinOnBench : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    bench.call("twin.fault", {{"kind", "none"}});
+    bench.call("twin.set", {{"aberration", nlohmann::json::array()},
+                            {"peak_electrons", 6000},
+                            {"read_noise_e", 5},
+                            {"noise", "fresh"}});
+  }
+
+  static std::vector<Vec2> spots_of(const nlohmann::json& truth) {
+    std::vector<Vec2> spots;
+    for (const auto& spot : truth.at("spots")) spots.push_back({spot.at("x"), spot.at("y")});
+    return spots;
+  }
+
+  /// The worst distance between the spots in the frame and where they should be.
+  static double worst_px(const TakenFrame& frame, int charge, const std::vector<Vec2>& expected) {
+    double worst = 0.0;
+    for (const Vec2& spot : expected) {
+      const double distance = norm(spot_at(frame.dn, charge, spot) - spot);
+      worst = std::isnan(distance) ? 1e3 : std::max(worst, distance);
+    }
+    return worst;
+  }
+
+  BenchClient bench;
+  SensorConfig sensor;
+  CameraSettings settings;
+};
+
+TEST_F(TwinOnBench, ShowsNineteenVorticesWhereTheLatticeSays) {
+  bench.show(sensor);
+  bench.start(settings);
+  const auto expected = spots_of(bench.call("twin.get"));
+  ASSERT_EQ(expected.size(), std::size_t(kSpots));
+  EXPECT_NEAR(expected[9].x, 255.5, 1e-9);
+  EXPECT_NEAR(expected[9].y, 255.5, 1e-9);
+  EXPECT_LT(worst_px(bench.newer_frame(), 1, expected), kNearPx);
+}
+
+TEST_F(TwinOnBench, ExposesTheVorticesToTwoHundredOfTwoHundredAndFiftyFive) {
+  bench.show(sensor);
+  settings.roi = {64, 64, 384, 384};  // without the edge of the zeroth order
+  bench.start(settings);
+  const Image<float> mean = bench.mean_frame(10);
+  const float peak = *std::max_element(mean.pixels.begin(), mean.pixels.end());
+  EXPECT_GT(peak, 180.0F);
+  EXPECT_LT(peak, 240.0F);
+}
+
+TEST_F(TwinOnBench, HiddenAstigmatismMovesTheSpotsAsTheTruthSays) {
+  bench.show(sensor);
+  bench.start(settings);
+  const auto at_rest = spots_of(bench.call("twin.get"));
+  bench.call("twin.set", {{"aberration", {{{"n", 2}, {"m", -2}, {"waves", 0.2}}}}});
+  const auto moved = spots_of(bench.call("twin.get"));
+  EXPECT_GT(norm(moved[0] - at_rest[0]), 3.0);
+  EXPECT_LT(worst_px(bench.newer_frame(), 1, moved), kNearPx);
+}
+
+TEST_F(TwinOnBench, AnAberrationOfTheHologramMovesTheSpotsAsOneOfTheLightDoes) {
+  const std::vector<Mode> modes{{3, 0.2}};
+  bench.start(settings);
+  bench.show(sensor);
+  bench.call("twin.set", {{"aberration", {{{"j", 3}, {"waves", 0.2}}}}});
+  const auto moved = spots_of(bench.call("twin.get"));
+  bench.call("twin.set", {{"aberration", nlohmann::json::array()}});
+  bench.show(sensor, modes);
+  EXPECT_LT(worst_px(bench.newer_frame(), 1, moved), kNearPx);
+}
+
+TEST_F(TwinOnBench, ARegionOfTheSensorShowsTheShiftedPicture) {
+  bench.show(sensor);
+  settings.roi = {64, 32, 384, 448};
+  bench.start(settings);
+  const auto expected = spots_of(bench.call("twin.get"));
+  EXPECT_NEAR(expected[9].x, 255.5 - 64, 1e-9);
+  EXPECT_NEAR(expected[9].y, 255.5 - 32, 1e-9);
+  EXPECT_LT(worst_px(bench.newer_frame(), 1, expected), kNearPx);
+}
+
+TEST_F(TwinOnBench, GainAndExposureScaleTheLightOfTheVeryNextFrames) {
+  bench.show(sensor);
+  bench.call("twin.set", {{"peak_electrons", 1000}, {"noise", "none"}, {"black_level_dn", 0}});
+  settings.pixel_format = PixelFormat::mono12;
+  settings.roi = {64, 64, 384, 384};
+  bench.start(settings);
+  const auto peak = [this] {
+    const auto frame = bench.newer_frame();
+    return double(*std::max_element(frame.dn.pixels.begin(), frame.dn.pixels.end()));
+  };
+  const double base = peak();
+  EXPECT_NEAR(base, 1.25 * 4095 * 0.1, 70.0);
+  settings.gain_db = 12.0;
+  ASSERT_TRUE(bench.camera().apply(settings));
+  EXPECT_NEAR(peak() / base, std::pow(10.0, 12.0 / 20.0), 0.05);
+  settings.gain_db = 0.0;
+  settings.exposure_us = 6000.0;
+  ASSERT_TRUE(bench.camera().apply(settings));
+  EXPECT_NEAR(peak() / base, 3.0, 0.05);
+  bench.call("twin.set", {{"black_level_dn", 2}});
+}
+
+TEST_F(TwinOnBench, NoFrameBegunAfterAChangeShowsTheOldHologram) {
+  const std::vector<Mode> tilted{{1, 0.3}};
+  bench.start(settings);
+  bench.show(sensor);
+  const auto level = spots_of(bench.call("twin.get"));
+  bench.call("twin.set", {{"aberration", {{{"j", 1}, {"waves", 0.3}}}}});
+  const auto leaning = spots_of(bench.call("twin.get"));
+  bench.call("twin.set", {{"aberration", nlohmann::json::array()}});
+  ASSERT_GT(norm(level[9] - leaning[9]), 2.0);
+  for (int round = 0; round < 12; ++round) {
+    const bool tilt = round % 2 == 0;
+    // At another moment of the camera's period each time.
+    std::this_thread::sleep_for(std::chrono::milliseconds(7 * round % 30));
+    bench.show(sensor, tilt ? tilted : std::vector<Mode>{});
+    // The twin stamps a frame by this machine's clock, before it looks at the display.
+    const std::int64_t shown_ns = utc_ns();
+    TakenFrame frame = bench.grab();
+    for (int newer = 0; newer < 5; frame = bench.grab()) {
+      if (frame.t_device_ns <= shown_ns) continue;
+      ASSERT_LT(worst_px(frame, 1, tilt ? leaning : level), kNearPx)
+          << "round " << round << ", frame " << newer;
+      ++newer;
+    }
+  }
+}
+
+TEST_F(TwinOnBench, SustainsTwoHundredFramesPerSecondWithoutLosingOne) {
+  bench.show(sensor);
+  settings.frame_rate_hz = 200.0;
+  bench.start(settings);
+  const std::uint64_t first = bench.newer_frame().frame_id;
+  const auto before = bench.call("twin.get").at("frames");
+  const auto start = std::chrono::steady_clock::now();
+  std::uint64_t frames = 0, last = first, longest_gap_ms = 0;
+  auto arrived = start;
+  while (std::chrono::steady_clock::now() - start < std::chrono::seconds(5)) {
+    last = bench.grab().frame_id;
+    ++frames;
+    const auto now = std::chrono::steady_clock::now();
+    longest_gap_ms = std::max<std::uint64_t>(
+        longest_gap_ms,
+        std::uint64_t(
+            std::chrono::duration_cast<std::chrono::milliseconds>(now - arrived).count()));
+    arrived = now;
+  }
+  const auto after = bench.call("twin.get").at("frames");
+  std::printf("  %.1f frames/s, longest gap %d ms, reused %d, nudges %d\n", double(frames) / 5.0,
+              int(longest_gap_ms), after["reused"].get<int>() - before["reused"].get<int>(),
+              after["nudges"].get<int>() - before["nudges"].get<int>());
+  EXPECT_EQ(last - first, frames);
+  EXPECT_EQ(after["late"], before["late"]);
+  EXPECT_GT(frames, 500U);
+}
+
+TEST_F(TwinOnBench, FramesDropWithoutTheirNumbers) {
+  bench.show(sensor);
+  bench.start(settings);
+  const std::uint64_t before = bench.newer_frame().frame_id;
+  bench.call("twin.fault", {{"kind", "drop"}, {"frames", 7}});
+  std::uint64_t last = before, gap = 0;
+  for (int n = 0; n < 60; ++n) {
+    const std::uint64_t id = bench.grab().frame_id;
+    gap += id - last - 1;
+    last = id;
+  }
+  EXPECT_EQ(gap, 7U);
+}
+
+TEST_F(TwinOnBench, IncompleteFramesAreReportedAsSuch) {
+  bench.show(sensor);
+  bench.start(settings);
+  bench.newer_frame();
+  bench.call("twin.fault", {{"kind", "incomplete"}, {"frames", 3}});
+  int incomplete = 0;
+  GrabbedFrame frame;
+  for (int n = 0; n < 100; ++n) {
+    const GrabStatus status = bench.camera().grab(frame, std::chrono::milliseconds(100));
+    if (status == GrabStatus::frame) bench.camera().release(frame.slot);
+    incomplete += status == GrabStatus::incomplete ? 1 : 0;
+  }
+  EXPECT_EQ(incomplete, 3);
+}
+
+TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
+  bench.show(sensor);
+  bench.start(settings);
+  bench.newer_frame();
+  bench.call("twin.fault", {{"kind", "unplug"}, {"seconds", 1.0}});
+  GrabbedFrame frame;
+  int timeouts = 0;
+  for (int n = 0; n < 10; ++n) {
+    const GrabStatus status = bench.camera().grab(frame, std::chrono::milliseconds(100));
+    if (status == GrabStatus::frame) bench.camera().release(frame.slot);
+    timeouts += status == GrabStatus::timeout ? 1 : 0;
+  }
+  EXPECT_GT(timeouts, 5);
+  EXPECT_FALSE(bench.call("twin.get").at("camera").at("plugged").get<bool>());
+  bench.stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  bench.open_camera();
+  bench.start(settings);
+  bench.newer_frame();
+}
+
+TEST_F(TwinOnBench, FreezesAndGoesOn) {
+  bench.show(sensor);
+  bench.start(settings);
+  bench.newer_frame();
+  bench.call("twin.fault", {{"kind", "freeze"}, {"seconds", 0.5}});
+  GrabbedFrame frame;
+  int silent = 0;
+  for (int n = 0; n < 6; ++n) {
+    const GrabStatus status = bench.camera().grab(frame, std::chrono::milliseconds(100));
+    if (status == GrabStatus::frame) bench.camera().release(frame.slot);
+    silent += status == GrabStatus::timeout ? 1 : 0;
+  }
+  EXPECT_GE(silent, 2);
+  bench.newer_frame();
+}
+
+TEST_F(TwinOnBench, RefusesWhatItDoesNotUnderstand) {
+  EXPECT_EQ(bench.call("twin.got").at("error").at("code"), -32601);
+  EXPECT_EQ(bench.call("twin.set", {{"red_noise_e", 3}}).at("error").at("code"), -32602);
+  EXPECT_EQ(bench.call("twin.set", {{"read_noise_e", -3}}).at("error").at("code"), -32602);
+  EXPECT_EQ(bench.call("twin.fault", {{"kind", "fire"}}).at("error").at("code"), -32602);
+  EXPECT_EQ(bench.call("twin.fault", {{"kind", "freeze"}, {"frames", 3}}).at("error").at("code"),
+            -32602);
+}
+
+}  // namespace
+}  // namespace ovws
