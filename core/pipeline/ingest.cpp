@@ -36,6 +36,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
   if (deps_.cameras.due(deps_.pool.lent())) {
     ++stream_;
     any_frame_ = false;
+    arrivals_.forget();
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
     deps_.cameras.follow();
   }
@@ -120,8 +121,11 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   deps_.shown.update();
   deps_.settings.update();
   const AppliedSettings& applied = deps_.settings.value();
+  if (applied.exposure_us != last_exposure_us_) arrivals_.forget();
+  last_exposure_us_ = applied.exposure_us;
   const std::int64_t arrival = entry.frame.t_arrival_mono_ns;
-  const SettingsVerdict settings = judge_settings(applied, arrival);
+  const std::int64_t unhindered = arrivals_.unhindered_mono_ns(arrival, entry.frame.t_device_ns);
+  const SettingsVerdict settings = judge_settings(applied, unhindered);
   entry.settings_known = settings.known;
   entry.gain_db = settings.gain_db;
   entry.exposure_us = settings.exposure_us;

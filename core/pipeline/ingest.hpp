@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/realtime.hpp"
+#include "core/pipeline/arrival_clock.hpp"
 #include "core/pipeline/camera_exchange.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan_exchange.hpp"
@@ -53,6 +54,8 @@ class Ingest {
   bool any_frame_ = false;
   std::uint64_t last_frame_id_ = 0;
   std::uint64_t incomplete_since_ = 0;
+  ArrivalClock arrivals_;
+  double last_exposure_us_ = 0.0;
   std::atomic<bool> image_requested_{false};
   std::atomic<std::int64_t> last_frame_mono_ns_{0};
 };

@@ -63,9 +63,11 @@ class PipelineRig {
     camera.send({frame_id, arrival_ns(frame_id), std::move(image)});
   }
 
-  /// Every agent once, in the order that a frame goes.
+  /// Every agent in the order that a frame goes; none waits for a frame that cannot come.
   void turn() {
-    pipeline.acquisition().do_work();
+    if (pipeline.acquisition().do_work()) turn_workers();
+  }
+  void turn_workers() {
     for (int k = 0; k < workers_; ++k) pipeline.tracker(k).do_work();
     if (workers_ > 0) pipeline.reconstruction().do_work();
   }
@@ -97,7 +99,10 @@ class PipelineRig {
       answer = ask();
       done = true;
     });
-    while (!done) turn();
+    while (!done) {
+      turn();
+      if (camera.lent() > 0) turn_workers();
+    }
     asking.join();
     return answer;
   }

@@ -54,7 +54,7 @@ TEST(Plans, AFrameStillBeingTrackedKeepsItsPlan) {
   rig.use(rig.bench.plan(2));
   rig.pipeline.acquisition().do_work();
   EXPECT_EQ(rig.pipeline.oldest_plan_in_use(), 1U);
-  rig.turn();
+  rig.turn_workers();
   Taken(rig, rig.pipeline.next(0));
   rig.turn();
   EXPECT_EQ(rig.pipeline.oldest_plan_in_use(), 2U);

@@ -51,14 +51,14 @@ class BrightestPixelTracker final : public SpotTracker {
   }
 };
 
-/// The paper's lattice, charge 0, on a 512 x 512 image.
+/// The paper's lattice, charge 0 unless said, on a 512 x 512 image.
 class SpotBench {
  public:
   static constexpr int kSize = 512;
   static constexpr std::size_t kBytes = std::size_t(kSize) * kSize;
 
-  SpotBench() {
-    sensor.charge = 0;
+  explicit SpotBench(int charge = 0) {
+    sensor.charge = charge;
     lattice = *make_lattice(sensor, slm);
     model_px = model_spots_px(lattice, sensor, slm, optics, kSize, kSize);
     for (int j = 1; j <= optimal_mode_count(sensor.subapertures_across); ++j) modes_j.push_back(j);
@@ -87,11 +87,27 @@ class SpotBench {
                                                          double peak = 200.0) {
     auto image = std::make_shared<Image<std::uint8_t>>(kSize, kSize, std::uint8_t(2));
     for (int i = 0; i < int(at_px.size()); ++i) {
-      if (std::find(dark.begin(), dark.end(), i) == dark.end()) draw_spot(*image, at_px[i], peak);
+      if (std::find(dark.begin(), dark.end(), i) != dark.end()) continue;
+      add_spot(*image, at_px[i], [peak](double r2) { return peak * std::exp(-0.02 * r2); });
     }
     return image;
   }
   static std::shared_ptr<const Image<std::uint8_t>> black() { return draw({}); }
+
+  /// The same with vortices: a ring of 10 px radius about a dark core.
+  static std::shared_ptr<const Image<std::uint8_t>> draw_vortices(
+      const std::vector<Vec2>& at_px, const std::vector<int>& dark = {}) {
+    constexpr double kRingRadius = 10.0;
+    auto image = std::make_shared<Image<std::uint8_t>>(kSize, kSize, std::uint8_t(2));
+    for (int i = 0; i < int(at_px.size()); ++i) {
+      if (std::find(dark.begin(), dark.end(), i) != dark.end()) continue;
+      add_spot(*image, at_px[i], [](double r2) {
+        const double q = r2 / (kRingRadius * kRingRadius);
+        return 200.0 * q * std::exp(1.0 - q);
+      });
+    }
+    return image;
+  }
 
   /// A plan that predicts and refers to the model positions.
   std::unique_ptr<MeasurementPlan> plan(std::uint64_t id) const {
@@ -118,13 +134,14 @@ class SpotBench {
   Eigen::MatrixXd slopes;
 
  private:
-  static void draw_spot(Image<std::uint8_t>& image, Vec2 at, double peak) {
-    constexpr double kRadius = 5.0;
-    for (int y = int(at.y) - 20; y <= int(at.y) + 20; ++y) {
-      for (int x = int(at.x) - 20; x <= int(at.x) + 20; ++x) {
+  template <class Profile>
+  static void add_spot(Image<std::uint8_t>& image, Vec2 at, Profile&& profile) {
+    constexpr int kReach = 28;
+    for (int y = int(at.y) - kReach; y <= int(at.y) + kReach; ++y) {
+      for (int x = int(at.x) - kReach; x <= int(at.x) + kReach; ++x) {
         if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
         const double r2 = (x - at.x) * (x - at.x) + (y - at.y) * (y - at.y);
-        const double value = image.at(x, y) + peak * std::exp(-0.5 * r2 / (kRadius * kRadius));
+        const double value = image.at(x, y) + profile(r2);
         image.at(x, y) = std::uint8_t(std::min(std::lround(value), 255L));
       }
     }
