@@ -1,0 +1,70 @@
+#include "daemon/camera_limits.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+CameraLimits limits() {
+  CameraLimits limits;
+  limits.gain_db = {0.0, 48.0, 0.1};
+  limits.exposure_us = {10.0, 1e6, 1.0};
+  limits.frame_rate_hz = {0.1, 1000.0, 0.0};
+  limits.roi_width = {16, 1024, 4};
+  limits.roi_height = {16, 768, 4};
+  limits.sensor_width = 1024;
+  limits.sensor_height = 768;
+  limits.pixel_formats = {PixelFormat::mono8, PixelFormat::mono12};
+  return limits;
+}
+
+TEST(CameraLimits, WhatTheDeviceCanDoPassesUnchanged) {
+  const CameraSettings wanted;
+  const auto checked = within_limits(wanted, limits(), false);
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(*checked, wanted);
+}
+
+TEST(CameraLimits, ARefusalNamesTheFieldAndTheRange) {
+  CameraSettings wanted;
+  wanted.gain_db = 60.0;
+  const auto checked = within_limits(wanted, limits(), false);
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().code, Errc::invalid);
+  EXPECT_EQ(checked.error().field, "gain_db");
+  EXPECT_EQ(checked.error().max, 48.0);
+}
+
+TEST(CameraLimits, ClampBringsNumbersIntoRange) {
+  CameraSettings wanted;
+  wanted.gain_db = -3.0;
+  wanted.exposure_us = 1e9;
+  wanted.roi = {900, 700, 512, 512};
+  const auto checked = within_limits(wanted, limits(), true);
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked->gain_db, 0.0);
+  EXPECT_EQ(checked->exposure_us, 1e6);
+  EXPECT_EQ(checked->roi, (Roi{512, 256, 512, 512}));
+}
+
+TEST(CameraLimits, ARegionMustLieOnTheSensor) {
+  CameraSettings wanted;
+  wanted.roi = {513, 0, 512, 512};
+  EXPECT_EQ(within_limits(wanted, limits(), false).error().field, "roi.x");
+  wanted.roi = {0, 257, 512, 512};
+  EXPECT_EQ(within_limits(wanted, limits(), false).error().field, "roi.y");
+  wanted.roi = {0, 0, 2000, 512};
+  EXPECT_EQ(within_limits(wanted, limits(), false).error().field, "roi.width");
+}
+
+TEST(CameraLimits, AFormatThatTheCameraHasNotIsRefusedEvenWithClamp) {
+  CameraSettings wanted;
+  wanted.pixel_format = PixelFormat::mono16;
+  const auto checked = within_limits(wanted, limits(), true);
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().field, "pixel_format");
+  EXPECT_NE(checked.error().reason.find("Mono12"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ovws

@@ -1,0 +1,65 @@
+#include "daemon/jobs.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+class JobsTest : public testing::Test {
+ protected:
+  StreamQueue queue_;
+  Events events_{queue_};
+  Jobs jobs_{events_};
+  int cancelled_ = 0;
+
+  int begin() {
+    return jobs_.begin(
+        "reference.take", [this] { ++cancelled_; }, [] { return 0.25; });
+  }
+};
+
+TEST_F(JobsTest, ARunningJobTellsItsProgress) {
+  const auto job = jobs_.get(begin());
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->state, JobState::running);
+  EXPECT_EQ(job->progress, 0.25);
+}
+
+TEST_F(JobsTest, AFinishedJobKeepsItsResult) {
+  const int id = begin();
+  jobs_.finish(id, {{"frames", 100}});
+  EXPECT_EQ(jobs_.get(id)->state, JobState::done);
+  EXPECT_EQ(jobs_.get(id)->progress, 1.0);
+  EXPECT_EQ(jobs_.get(id)->result["frames"], 100);
+}
+
+TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
+  const int id = begin();
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
+  EXPECT_EQ(cancelled_, 1);
+  jobs_.finish(id, {});
+  EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
+}
+
+TEST_F(JobsTest, AFailureKeepsItsReason) {
+  const int id = begin();
+  jobs_.fail_job(id, {Errc::unavailable, "", "no frames"});
+  ASSERT_TRUE(jobs_.get(id)->error);
+  EXPECT_EQ(jobs_.get(id)->error->reason, "no frames");
+}
+
+TEST_F(JobsTest, AnUnknownNumberIsAnError) {
+  EXPECT_EQ(jobs_.get(99).error().field, "job");
+}
+
+TEST_F(JobsTest, OldJobsAreForgottenButNotTheNewest) {
+  const int first = begin();
+  int last = first;
+  for (int i = 0; i < 300; ++i) last = begin();
+  EXPECT_FALSE(jobs_.get(first));
+  EXPECT_TRUE(jobs_.get(last));
+}
+
+}  // namespace
+}  // namespace ovws

@@ -1,0 +1,82 @@
+#include "daemon/reference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+
+namespace ovws {
+namespace {
+
+constexpr int kSpots = 3;
+constexpr std::uint64_t kEpoch = 5;
+
+class ReferenceTest : public testing::Test {
+ protected:
+  ReferenceTest() {
+    plan_.sensor_epoch = kEpoch;
+    record_.plan = &plan_;
+    record_.settled = true;
+    record_.spot_count = kSpots;
+    record_.spots.resize(8);
+  }
+
+  void begin(int frames) {
+    collector_.begin(frames, kEpoch, kSpots,
+                     [this](ReferenceCollector::Average average) { average_ = average; });
+  }
+  void add(int spot, float x, float y) {
+    for (int i = 0; i < kSpots; ++i) record_.spots[std::size_t(i)] = SpotFix{};
+    record_.spots[std::size_t(spot)] = {x, y, 100.0F, 1.0F};
+    collector_.add(record_);
+  }
+
+  ReferenceCollector collector_;
+  MeasurementPlan plan_;
+  FrameRecord record_;
+  std::optional<ReferenceCollector::Average> average_;
+};
+
+TEST_F(ReferenceTest, MeanAndStandardErrorAreThoseOfTheFrames) {
+  constexpr int kFrames = 10000;
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(0.0F, 0.5F);
+  begin(kFrames);
+  for (int i = 0; i < kFrames; ++i) add(1, 100.0F + noise(random), 50.0F + 2.0F * noise(random));
+  ASSERT_TRUE(average_);
+  EXPECT_EQ(average_->frames, kFrames);
+  EXPECT_EQ(average_->found, (std::vector<int>{0, kFrames, 0}));
+  EXPECT_NEAR(average_->mean_px[1].x, 100.0, 0.02);
+  EXPECT_NEAR(average_->mean_px[1].y, 50.0, 0.04);
+  EXPECT_NEAR(average_->standard_error_px[1].x, 0.005, 0.0005);
+  EXPECT_NEAR(average_->standard_error_px[1].y, 0.010, 0.001);
+}
+
+TEST_F(ReferenceTest, UnsettledFramesAndThoseOfAnotherSensorAreNotUsed) {
+  begin(2);
+  add(0, 1, 1);
+  record_.settled = false;
+  add(0, 9, 9);
+  record_.settled = true;
+  plan_.sensor_epoch = kEpoch + 1;
+  add(0, 9, 9);
+  EXPECT_FALSE(average_);
+  plan_.sensor_epoch = kEpoch;
+  add(0, 3, 3);
+  ASSERT_TRUE(average_);
+  EXPECT_EQ(average_->mean_px[0].x, 2.0);
+}
+
+TEST_F(ReferenceTest, ProgressGoesFromZeroToTheEnd) {
+  EXPECT_EQ(collector_.progress(), 0.0);
+  begin(4);
+  add(0, 1, 1);
+  EXPECT_EQ(collector_.progress(), 0.25);
+  collector_.cancel();
+  EXPECT_EQ(collector_.progress(), 0.0);
+  for (int i = 0; i < 4; ++i) add(0, 1, 1);
+  EXPECT_FALSE(average_);
+}
+
+}  // namespace
+}  // namespace ovws

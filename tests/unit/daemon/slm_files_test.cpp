@@ -1,0 +1,75 @@
+#include "daemon/slm_files.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+namespace ovws {
+namespace {
+
+class SlmFiles : public testing::Test {
+ protected:
+  SlmFiles() {
+    folder_ = testing::TempDir() + "slm_files_" +
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::create_directories(folder_);
+  }
+  ~SlmFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& text) const {
+    const std::string path = folder_ + "/file.txt";
+    std::ofstream(path) << text;
+    return path;
+  }
+  std::string folder_;
+};
+
+std::string levels(int count) {
+  std::string text = "# grey levels\n";
+  for (int i = 0; i < count; ++i) text += std::to_string(i / 2) + (i % 16 == 15 ? "\n" : ", ");
+  return text;
+}
+
+TEST_F(SlmFiles, ALutIs256GreyLevels) {
+  const auto lut = load_lut(write(levels(256)));
+  ASSERT_TRUE(lut);
+  EXPECT_EQ((*lut)[0], 0);
+  EXPECT_EQ((*lut)[255], 127);
+}
+
+TEST_F(SlmFiles, AWrongLutNamesWhatIsWrong) {
+  EXPECT_NE(load_lut(write(levels(255))).error().reason.find("255"), std::string::npos);
+  EXPECT_NE(load_lut(write(levels(255) + " 256")).error().reason.find("256"), std::string::npos);
+  EXPECT_NE(load_lut(write(levels(255) + " 1.5")).error().reason.find("1.5"), std::string::npos);
+  EXPECT_NE(load_lut(write(levels(255) + " x1")).error().reason.find("x1"), std::string::npos);
+  EXPECT_EQ(load_lut(folder_ + "/none").error().field, "slm.lut");
+}
+
+TEST_F(SlmFiles, FlatnessInNumbersKeepsRowsAndColumns) {
+  const auto map = load_flatness(write("0 0.25 0.5\n0.75, 1.0, -1.25\n"), 3, 2);
+  ASSERT_TRUE(map);
+  EXPECT_FLOAT_EQ((*map)->at(1, 0), 0.25F);
+  EXPECT_FLOAT_EQ((*map)->at(2, 1), -1.25F);
+}
+
+TEST_F(SlmFiles, FlatnessAsAPictureCounts65536AsOneWave) {
+  const std::string path = folder_ + "/map.png";
+  cv::Mat picture(2, 3, CV_16UC1, cv::Scalar(0));
+  picture.at<std::uint16_t>(1, 2) = 16384;
+  cv::imwrite(path, picture);
+  const auto map = load_flatness(path, 3, 2);
+  ASSERT_TRUE(map);
+  EXPECT_FLOAT_EQ((*map)->at(2, 1), 0.25F);
+  EXPECT_FALSE(load_flatness(path, 2, 3));
+}
+
+TEST_F(SlmFiles, APictureThatIsNoneIsAnError) {
+  const std::string path = folder_ + "/map.png";
+  std::ofstream(path) << "not a picture";
+  EXPECT_EQ(load_flatness(path, 3, 2).error().field, "slm.flatness");
+}
+
+}  // namespace
+}  // namespace ovws
