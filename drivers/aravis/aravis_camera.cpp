@@ -20,6 +20,8 @@ class AravisCamera final : public Camera {
       : config_(config), device_(std::move(found.device)), ids_(id_width(device_)) {
     info_.address = std::move(found.address);
   }
+  AravisCamera(const AravisCamera&) = delete;
+  AravisCamera& operator=(const AravisCamera&) = delete;
   ~AravisCamera() override { AravisCamera::stop(); }
 
   /// Everything between the opened device and a camera ready to start.
@@ -43,7 +45,8 @@ class AravisCamera final : public Camera {
 
   Result<CameraSettings> apply(const CameraSettings& wanted) override {
     auto applied = features_->apply(wanted, current_, stream_ != nullptr);
-    if (applied) current_ = *applied;
+    // After an error too, what counts is what the camera has.
+    if (auto now = applied ? applied : features_->read()) current_ = *now;
     return applied;
   }
 

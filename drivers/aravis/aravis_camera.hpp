@@ -16,8 +16,21 @@ struct AravisConfig {
   int socket_buffer_bytes = 4 << 20;
 };
 
-/// Opens the camera, takes control, and stops an acquisition that a crashed client may have left
-/// running. Errors: Errc::unavailable (nothing there, or controlled by another), Errc::device.
+/// Opens the camera, takes control, stops an acquisition that a crashed client may have left
+/// running, and makes it free-running with every automatic function off. Errors: Errc::invalid (id
+/// empty, or a number here out of range), Errc::unavailable (nothing there, or controlled by
+/// another), Errc::device.
+///
+/// What this driver adds to the port's promises:
+/// - Values between two of the camera's steps go to the nearest, regions back to the next smaller.
+///   An exposure longer than the frame period is refused. `apply` is all or nothing.
+/// - A camera that knows its gain only as GainRaw has it in steps of its own: gain_db holds those.
+/// - Frame numbers go on rising over `stop` and `start`.
+/// - `alive` turns false by itself about 6 s after a GigE camera fell silent, or with the first
+///   call that gets no answer. Such a call takes 2.5 to 5 s, every later one fails at once; `stop`
+///   takes at most 10 s and the destructor 10 s more, together 12.5 s as measured.
+/// - Opening takes about 10 ms by address and 1 s by id; 2.5 s if nothing answers there; 5 s if
+///   another program has control.
 Result<std::unique_ptr<Camera>> open_aravis_camera(const AravisConfig& config);
 
 }  // namespace ovws

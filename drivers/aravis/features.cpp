@@ -1,4 +1,4 @@
-/// How the port's settings are found, checked, written in an order that cameras accept, and undone.
+/// How the port's settings are found, and read.
 #include "drivers/aravis/features.hpp"
 
 #include <initializer_list>
@@ -8,13 +8,6 @@
 namespace ovws {
 
 namespace {
-
-/// Names the setting at fault; the device only knows its features' names.
-template <class T>
-Result<T> at(const char* field, Result<T> result) {
-  if (!result) result.error().field = field;
-  return result;
-}
 
 Range<int> whole(const Range<double>& range, int sensor) {
   const int min = int(range.min);
@@ -64,10 +57,10 @@ Result<void> CameraFeatures::turn_triggers_off() {
 
 Result<void> CameraFeatures::choose_a_known_pixel_format() {
   auto now = device_->text("PixelFormat");
-  if (!now) return at<void>("camera.pixel_format", fail(now.error()));
+  if (!now) return at_field<void>("camera.pixel_format", fail(now.error()));
   if (pixel_format_from_name(*now)) return {};
   auto offered = device_->choices("PixelFormat");
-  if (!offered) return at<void>("camera.pixel_format", fail(offered.error()));
+  if (!offered) return at_field<void>("camera.pixel_format", fail(offered.error()));
   std::string names;
   for (const std::string& name : *offered) {
     if (pixel_format_from_name(name)) return device_->set_text("PixelFormat", name.c_str());
@@ -142,7 +135,7 @@ Result<CameraLimits> CameraFeatures::limits() {
 Result<CameraSettings> CameraFeatures::read() {
   CameraSettings settings;
   auto format = device_->text("PixelFormat");
-  if (!format) return at<CameraSettings>("camera.pixel_format", fail(format.error()));
+  if (!format) return at_field<CameraSettings>("camera.pixel_format", fail(format.error()));
   const auto known = pixel_format_from_name(*format);
   if (!known)
     return fail(Errc::device, "camera.pixel_format", "the camera has gone over to " + *format);
@@ -151,7 +144,7 @@ Result<CameraSettings> CameraFeatures::read() {
   Result<void> all;
   const auto take = [&](const char* field, const char* feature, auto& out) {
     if (!all) return;
-    if (auto number = at(field, device_->number(feature)); number)
+    if (auto number = at_field(field, device_->number(feature)); number)
       out = std::decay_t<decltype(out)>(*number);
     else
       all = fail(number.error());
@@ -165,132 +158,6 @@ Result<CameraSettings> CameraFeatures::read() {
   if (device_->has_number("OffsetY")) take("camera.roi", "OffsetY", settings.roi.y);
   if (!all) return fail(all.error());
   return settings;
-}
-
-Result<RoiSteps> CameraFeatures::roi_steps() {
-  RoiSteps steps{0, 0};
-  const auto step = [&](const char* feature, int& out) -> Result<void> {
-    if (!device_->has_number(feature)) return {};
-    auto range = device_->range(feature);
-    if (!range) return fail(range.error());
-    out = range->increment > 1.0 ? int(range->increment) : 1;
-    return {};
-  };
-  if (auto done = step("OffsetX", steps.x); !done) return fail(done.error());
-  if (auto done = step("OffsetY", steps.y); !done) return fail(done.error());
-  return steps;
-}
-
-Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
-                                           const CameraSettings& current) {
-  auto now = limits();
-  if (!now) return fail(now.error());
-  auto steps = roi_steps();
-  if (!steps) return fail(steps.error());
-  CameraSettings fitted = wanted;
-  if (auto known = check_pixel_format(wanted.pixel_format, *now); !known)
-    return fail(known.error());
-  auto roi = fit_roi(wanted.roi, *now, *steps);
-  if (!roi) return fail(roi.error());
-  fitted.roi = *roi;
-  auto gain = fit_value("camera.gain_db", "a gain", wanted.gain_db, now->gain_db);
-  if (!gain) return fail(gain.error());
-  fitted.gain_db = *gain;
-  // The ranges of exposure and rate are checked when they are set, because they may depend on each
-  // other. Only if the two exclude each other is the better reason looked for here.
-  if (auto both = check_exposure_fits_rate(wanted, current); !both) {
-    auto exposure =
-        fit_value("camera.exposure_us", "an exposure", wanted.exposure_us, now->exposure_us);
-    if (!exposure) return fail(exposure.error());
-    auto rate =
-        fit_value("camera.frame_rate_hz", "a frame rate", wanted.frame_rate_hz, now->frame_rate_hz);
-    return fail(rate ? both.error() : rate.error());
-  }
-  return fitted;
-}
-
-Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
-                                             const CameraSettings& current, bool streaming) {
-  auto fitted = fit(wanted, current);
-  if (!fitted) return fitted;
-  const bool same_frame =
-      fitted->roi == current.roi && fitted->pixel_format == current.pixel_format;
-  if (streaming && !same_frame)
-    return fail(Errc::refused, fitted->roi == current.roi ? "camera.pixel_format" : "camera.roi",
-                "the size of a frame cannot change while frames are coming; stop first");
-  Undo undo;
-  if (auto done = write(*fitted, current, undo); !done) {
-    for (auto step = undo.rbegin(); step != undo.rend(); ++step) (*step)();
-    return fail(done.error());
-  }
-  return read();
-}
-
-Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSettings& current,
-                                   Undo& undo) {
-  // The size of a frame first, because the fastest rate depends on it. Of the rate and the
-  // exposure, which on many cameras limit each other, the one that makes room for the other.
-  if (wanted.pixel_format != current.pixel_format) {
-    const auto set = [this](PixelFormat format) {
-      return at("camera.pixel_format",
-                device_->set_text("PixelFormat", std::string(pixel_format_name(format)).c_str()));
-    };
-    undo.emplace_back([=] { (void)set(current.pixel_format); });
-    if (auto done = set(wanted.pixel_format); !done) return done;
-  }
-  if (wanted.roi != current.roi) {
-    undo.emplace_back([this, roi = current.roi] { (void)write_roi(roi); });
-    if (auto done = at("camera.roi", write_roi(wanted.roi)); !done) return done;
-  }
-  if (wanted.gain_db != current.gain_db) {
-    undo.emplace_back([=, this] { (void)device_->set_number(gain_, current.gain_db); });
-    if (auto done = at("camera.gain_db", device_->set_number(gain_, wanted.gain_db)); !done)
-      return done;
-  }
-  if (wanted.frame_rate_hz < current.frame_rate_hz) {
-    if (auto done = write_rate(wanted, current, undo); !done) return done;
-    return write_exposure(wanted, current, undo);
-  }
-  if (auto done = write_exposure(wanted, current, undo); !done) return done;
-  return write_rate(wanted, current, undo);
-}
-
-Result<void> CameraFeatures::write_roi(const Roi& roi) {
-  const auto axis = [&](const char* offset, const char* extent, int begin,
-                        int length) -> Result<void> {
-    const bool movable = device_->has_number(offset);
-    // At offset 0 every extent is allowed; where it was, perhaps not.
-    if (movable)
-      if (auto done = device_->set_number(offset, 0); !done) return done;
-    if (auto done = device_->set_number(extent, length); !done) return done;
-    return movable ? device_->set_number(offset, begin) : Result<void>();
-  };
-  if (auto done = axis("OffsetX", "Width", roi.x, roi.width); !done) return done;
-  return axis("OffsetY", "Height", roi.y, roi.height);
-}
-
-Result<void> CameraFeatures::write_exposure(const CameraSettings& wanted,
-                                            const CameraSettings& current, Undo& undo) {
-  const char* field = "camera.exposure_us";
-  auto range = at(field, device_->range(exposure_));
-  if (!range) return fail(range.error());
-  auto value = fit_value(field, "an exposure", wanted.exposure_us, *range);
-  if (!value) return fail(value.error());
-  if (*value == current.exposure_us) return {};
-  undo.emplace_back([=, this] { (void)device_->set_number(exposure_, current.exposure_us); });
-  return at(field, device_->set_number(exposure_, *value));
-}
-
-Result<void> CameraFeatures::write_rate(const CameraSettings& wanted, const CameraSettings& current,
-                                        Undo& undo) {
-  const char* field = "camera.frame_rate_hz";
-  auto range = at(field, device_->range(rate_));
-  if (!range) return fail(range.error());
-  auto value = fit_value(field, "a frame rate", wanted.frame_rate_hz, *range);
-  if (!value) return fail(value.error());
-  if (*value == current.frame_rate_hz) return {};
-  undo.emplace_back([=, this] { (void)device_->set_number(rate_, current.frame_rate_hz); });
-  return at(field, device_->set_number(rate_, *value));
 }
 
 }  // namespace ovws

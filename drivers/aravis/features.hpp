@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "core/port/camera.hpp"
@@ -9,6 +10,13 @@
 #include "drivers/aravis/settings_check.hpp"
 
 namespace ovws {
+
+/// Names the setting at fault, where the device only knows the feature.
+template <class T>
+Result<T> at_field(const char* field, Result<T> result) {
+  if (!result) result.error().field = field;
+  return result;
+}
 
 /// Camera thread only. The device must outlive it. A camera that knows gain only as GainRaw has it
 /// in steps of its own, not in dB: gain_db then holds these steps.

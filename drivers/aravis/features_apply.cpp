@@ -1,0 +1,136 @@
+/// How the port's settings are checked, written in an order that cameras accept, and undone.
+#include <string>
+#include <utility>
+
+#include "drivers/aravis/features.hpp"
+
+namespace ovws {
+
+Result<RoiSteps> CameraFeatures::roi_steps() {
+  RoiSteps steps{0, 0};
+  const auto step = [&](const char* feature, int& out) -> Result<void> {
+    if (!device_->has_number(feature)) return {};
+    auto range = device_->range(feature);
+    if (!range) return fail(range.error());
+    out = range->increment > 1.0 ? int(range->increment) : 1;
+    return {};
+  };
+  if (auto done = step("OffsetX", steps.x); !done) return fail(done.error());
+  if (auto done = step("OffsetY", steps.y); !done) return fail(done.error());
+  return steps;
+}
+
+Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
+                                           const CameraSettings& current) {
+  auto now = limits();
+  if (!now) return fail(now.error());
+  auto steps = roi_steps();
+  if (!steps) return fail(steps.error());
+  CameraSettings fitted = wanted;
+  if (auto known = check_pixel_format(wanted.pixel_format, *now); !known)
+    return fail(known.error());
+  auto roi = fit_roi(wanted.roi, *now, *steps);
+  if (!roi) return fail(roi.error());
+  fitted.roi = *roi;
+  auto gain = fit_value("camera.gain_db", "a gain", wanted.gain_db, now->gain_db);
+  if (!gain) return fail(gain.error());
+  fitted.gain_db = *gain;
+  // The ranges of exposure and rate are checked when they are set, because they may depend on each
+  // other. Only if the two exclude each other is the better reason looked for here.
+  if (auto both = check_exposure_fits_rate(wanted, current); !both) {
+    auto exposure =
+        fit_value("camera.exposure_us", "an exposure", wanted.exposure_us, now->exposure_us);
+    if (!exposure) return fail(exposure.error());
+    auto rate =
+        fit_value("camera.frame_rate_hz", "a frame rate", wanted.frame_rate_hz, now->frame_rate_hz);
+    return fail(rate ? both.error() : rate.error());
+  }
+  return fitted;
+}
+
+Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
+                                             const CameraSettings& current, bool streaming) {
+  auto fitted = fit(wanted, current);
+  if (!fitted) return fitted;
+  const bool same_frame =
+      fitted->roi == current.roi && fitted->pixel_format == current.pixel_format;
+  if (streaming && !same_frame)
+    return fail(Errc::refused, fitted->roi == current.roi ? "camera.pixel_format" : "camera.roi",
+                "the size of a frame cannot change while frames are coming; stop first");
+  Undo undo;
+  if (auto done = write(*fitted, current, undo); !done) {
+    for (auto step = undo.rbegin(); step != undo.rend(); ++step) (*step)();
+    return fail(done.error());
+  }
+  return read();
+}
+
+Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSettings& current,
+                                   Undo& undo) {
+  // The size of a frame first, because the fastest rate depends on it. Of the rate and the
+  // exposure, which on many cameras limit each other, the one that makes room for the other.
+  if (wanted.pixel_format != current.pixel_format) {
+    const auto set = [this](PixelFormat format) {
+      return at_field(
+          "camera.pixel_format",
+          device_->set_text("PixelFormat", std::string(pixel_format_name(format)).c_str()));
+    };
+    undo.emplace_back([=] { (void)set(current.pixel_format); });
+    if (auto done = set(wanted.pixel_format); !done) return done;
+  }
+  if (wanted.roi != current.roi) {
+    undo.emplace_back([this, roi = current.roi] { (void)write_roi(roi); });
+    if (auto done = at_field("camera.roi", write_roi(wanted.roi)); !done) return done;
+  }
+  if (wanted.gain_db != current.gain_db) {
+    undo.emplace_back([=, this] { (void)device_->set_number(gain_, current.gain_db); });
+    if (auto done = at_field("camera.gain_db", device_->set_number(gain_, wanted.gain_db)); !done)
+      return done;
+  }
+  if (wanted.frame_rate_hz < current.frame_rate_hz) {
+    if (auto done = write_rate(wanted, current, undo); !done) return done;
+    return write_exposure(wanted, current, undo);
+  }
+  if (auto done = write_exposure(wanted, current, undo); !done) return done;
+  return write_rate(wanted, current, undo);
+}
+
+Result<void> CameraFeatures::write_roi(const Roi& roi) {
+  const auto axis = [&](const char* offset, const char* extent, int begin,
+                        int length) -> Result<void> {
+    const bool movable = device_->has_number(offset);
+    // At offset 0 every extent is allowed; where it was, perhaps not.
+    if (movable)
+      if (auto done = device_->set_number(offset, 0); !done) return done;
+    if (auto done = device_->set_number(extent, length); !done) return done;
+    return movable ? device_->set_number(offset, begin) : Result<void>();
+  };
+  if (auto done = axis("OffsetX", "Width", roi.x, roi.width); !done) return done;
+  return axis("OffsetY", "Height", roi.y, roi.height);
+}
+
+Result<void> CameraFeatures::write_exposure(const CameraSettings& wanted,
+                                            const CameraSettings& current, Undo& undo) {
+  const char* field = "camera.exposure_us";
+  auto range = at_field(field, device_->range(exposure_));
+  if (!range) return fail(range.error());
+  auto value = fit_value(field, "an exposure", wanted.exposure_us, *range);
+  if (!value) return fail(value.error());
+  if (*value == current.exposure_us) return {};
+  undo.emplace_back([=, this] { (void)device_->set_number(exposure_, current.exposure_us); });
+  return at_field(field, device_->set_number(exposure_, *value));
+}
+
+Result<void> CameraFeatures::write_rate(const CameraSettings& wanted, const CameraSettings& current,
+                                        Undo& undo) {
+  const char* field = "camera.frame_rate_hz";
+  auto range = at_field(field, device_->range(rate_));
+  if (!range) return fail(range.error());
+  auto value = fit_value(field, "a frame rate", wanted.frame_rate_hz, *range);
+  if (!value) return fail(value.error());
+  if (*value == current.frame_rate_hz) return {};
+  undo.emplace_back([=, this] { (void)device_->set_number(rate_, current.frame_rate_hz); });
+  return at_field(field, device_->set_number(rate_, *value));
+}
+
+}  // namespace ovws
