@@ -16,7 +16,7 @@ constexpr double kCoreOfHalfWidth = 0.6;   // a bright spot's disc
 constexpr double kFlank = 1.2;             // its flank reaches so far
 constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
 constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
-constexpr double kMinWeakestOfRing = 0.25;  // (weakest sector - core) / (mean ring - core)
+constexpr double kMinWeakestOfRing = 0.15;  // (weakest sector - core) / (mean ring - core)
 constexpr double kMaxOutsideOfRing = 1.5;   // brightest outer sector / mean ring
 constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core: one hot pixel has none
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core

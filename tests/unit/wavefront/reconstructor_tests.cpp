@@ -1,0 +1,261 @@
+/// What slope_matrix made, solve gives back, whichever spots are lost.
+#include "core/wavefront/reconstructor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "core/optics/lattice.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "tests/support/alloc_guard.hpp"
+
+namespace ovws {
+namespace {
+
+class Reconstruct : public testing::Test {
+ protected:
+  explicit Reconstruct(int across = 5) : modes_(optimal_mode_count(across)) {
+    SensorConfig sensor;
+    sensor.subapertures_across = across;
+    std::iota(modes_.begin(), modes_.end(), 1);
+    const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
+    slopes_ = slope_matrix(lattice, sensor, modes_, SlopeKind::vortex_tilt, 1928.3);
+    for (const Subaperture& s : lattice.subapertures) {
+      reference_.push_back(Vec2{300.25, 200.5} + 0.4 * s.centre_px);
+    }
+    truth_ = Eigen::VectorXd::LinSpaced(slopes_.cols(), -0.3, 0.45);
+  }
+
+  std::vector<SpotFix> spots(const Eigen::VectorXd& modes) const {
+    const Eigen::VectorXd d = slopes_ * modes;
+    std::vector<SpotFix> fixes;
+    for (std::size_t i = 0; i < reference_.size(); ++i) {
+      fixes.push_back({.x = float(reference_[i].x + d(2 * i)),
+                       .y = float(reference_[i].y + d(2 * i + 1)),
+                       .quality = 1.0F});
+    }
+    return fixes;
+  }
+
+  Reconstruction solve(const Reconstructor& r, const std::vector<SpotFix>& fixes) {
+    Reconstructor::Scratch scratch = r.make_scratch();
+    coefficients_.assign(modes_.size(), -99.0F);
+    return r.solve(fixes, scratch, coefficients_);
+  }
+
+  void expect_truth(const std::vector<SpotFix>& fixes, double tolerance = 2e-6) {
+    const Reconstructor r(slopes_, modes_, reference_);
+    const Reconstruction result = solve(r, fixes);
+    ASSERT_TRUE(result.determined);
+    for (std::size_t k = 0; k < modes_.size(); ++k) {
+      EXPECT_NEAR(coefficients_[k], truth_(k), tolerance) << "j = " << modes_[k];
+    }
+    EXPECT_LT(result.fit_residual_px, 1e-4);  // positions are floats
+    EXPECT_NEAR(result.rms_waves, truth_.tail(truth_.size() - 2).norm(), 1e-5);
+  }
+
+  std::vector<int> modes_;
+  Eigen::MatrixXd slopes_;
+  std::vector<Vec2> reference_;
+  Eigen::VectorXd truth_;
+  std::vector<float> coefficients_;
+};
+
+TEST_F(Reconstruct, GivesBackEveryModeInItsPlace) {
+  expect_truth(spots(truth_));
+  for (int k = 0; k < slopes_.cols(); ++k) {
+    truth_ = Eigen::VectorXd::Unit(slopes_.cols(), k);
+    expect_truth(spots(truth_));
+  }
+}
+
+TEST_F(Reconstruct, OfTheReferenceItselfIsZero) {
+  truth_.setZero();
+  expect_truth(spots(truth_));
+}
+
+TEST_F(Reconstruct, GivesTheSameWithAnySingleSpotLost) {
+  for (std::size_t i = 0; i < reference_.size(); ++i) {
+    auto fixes = spots(truth_);
+    fixes[i] = SpotFix{};
+    expect_truth(fixes, 1e-5);
+  }
+}
+
+TEST_F(Reconstruct, GivesTheSameWithSeveralSpotsLostOrSaysThatItCannot) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  std::mt19937 random(3);
+  std::vector<int> order(reference_.size());
+  std::iota(order.begin(), order.end(), 0);
+  int determined = 0, asked = 0;
+  for (int lost = 2; lost <= 10; ++lost) {
+    for (int repeat = 0; repeat < 40; ++repeat) {
+      std::shuffle(order.begin(), order.end(), random);
+      auto fixes = spots(truth_);
+      for (int k = 0; k < lost; ++k) fixes[order[k]] = SpotFix{};
+      const Reconstruction result = solve(r, fixes);
+      ++asked;
+      if (!result.determined) {
+        for (const float c : coefficients_) EXPECT_TRUE(std::isnan(c));
+        EXPECT_GT(lost, 2) << "two lost spots of 19 never cost a mode";
+        continue;
+      }
+      ++determined;
+      for (std::size_t k = 0; k < modes_.size(); ++k) {
+        EXPECT_NEAR(coefficients_[k], truth_(k), 5e-5);
+      }
+    }
+  }
+  EXPECT_GT(determined, asked / 3);
+  EXPECT_LT(determined, asked);  // ten lost of 19 leave 18 numbers for 18 modes: some must fail
+}
+
+TEST_F(Reconstruct, IsTheLeastSquaresSolutionOfNoisySpots) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  auto fixes = spots(truth_);
+  for (SpotFix& f : fixes) {
+    f.x += float(noise(random));
+    f.y += float(noise(random));
+  }
+  fixes[6] = SpotFix{};
+  Eigen::MatrixXd rows(36, slopes_.cols());
+  Eigen::VectorXd moves(36);
+  for (int i = 0, row = 0; i < 19; ++i) {
+    if (i == 6) continue;
+    rows.row(row) = slopes_.row(2 * i);
+    moves(row++) = double(fixes[i].x) - reference_[i].x;
+    rows.row(row) = slopes_.row(2 * i + 1);
+    moves(row++) = double(fixes[i].y) - reference_[i].y;
+  }
+  const Eigen::VectorXd expected = rows.colPivHouseholderQr().solve(moves);
+  const Reconstructor r(slopes_, modes_, reference_);
+  const Reconstruction result = solve(r, fixes);
+  ASSERT_TRUE(result.determined);
+  for (int k = 0; k < expected.size(); ++k) EXPECT_NEAR(coefficients_[k], expected(k), 1e-6);
+  EXPECT_NEAR(result.fit_residual_px, std::sqrt((moves - rows * expected).squaredNorm() / 36),
+              1e-6);
+}
+
+TEST_F(Reconstruct, ReportsTheResidualThatNoModeExplains) {
+  // The full product and the reduced one state the same RMS over x and y.
+  const Eigen::MatrixXd q = slopes_.fullPivLu().kernel();  // none, but keeps the sizes honest
+  Eigen::VectorXd residual = Eigen::VectorXd::Random(slopes_.rows());
+  residual -= slopes_ * slopes_.colPivHouseholderQr().solve(residual);
+  auto fixes = spots(truth_);
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    fixes[i].x += float(residual(2 * i));
+    fixes[i].y += float(residual(2 * i + 1));
+  }
+  const Reconstructor r(slopes_, modes_, reference_);
+  const Reconstruction result = solve(r, fixes);
+  EXPECT_NEAR(result.fit_residual_px, residual.norm() / std::sqrt(38.0), 1e-4);
+  for (std::size_t k = 0; k < modes_.size(); ++k) EXPECT_NEAR(coefficients_[k], truth_(k), 1e-5);
+}
+
+TEST_F(Reconstruct, WithoutAReferenceDeterminesNothing) {
+  const Reconstructor r(slopes_, modes_, {});
+  EXPECT_FALSE(solve(r, spots(truth_)).determined);
+  for (const float c : coefficients_) EXPECT_TRUE(std::isnan(c));
+}
+
+TEST_F(Reconstruct, TreatsASpotWithoutAReferenceAsLost) {
+  auto fixes = spots(truth_);
+  reference_[3] = {std::nan(""), std::nan("")};
+  fixes[3].x = 1e6F;
+  expect_truth(fixes, 1e-5);
+  fixes[12] = SpotFix{};
+  expect_truth(fixes, 1e-5);
+}
+
+TEST_F(Reconstruct, WithTooFewSpotsDeterminesNothing) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  auto fixes = spots(truth_);
+  for (int i = 0; i < 11; ++i) fixes[i] = SpotFix{};
+  EXPECT_FALSE(solve(r, fixes).determined);
+  EXPECT_FALSE(solve(r, std::vector<SpotFix>(19)).determined);
+}
+
+TEST_F(Reconstruct, OfMoreModesThanTheLatticeTellsDeterminesNothing) {
+  // A full lattice of 19 cannot tell 33 modes, though it has 38 numbers.
+  SensorConfig sensor;
+  const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
+  std::vector<int> many(45);
+  std::iota(many.begin(), many.end(), 1);
+  const auto slopes = slope_matrix(lattice, sensor, many, SlopeKind::vortex_tilt, 1928.3);
+  const Reconstructor r(slopes, many, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  std::vector<float> coefficients(45);
+  EXPECT_FALSE(r.solve(spots(truth_), scratch, coefficients).determined);
+}
+
+TEST_F(Reconstruct, AcceptsNoSetOfSpotsThatLetsNoiseGrowBeyondItsLimit) {
+  // Noise of 0.01 px: what is determined must be right to kMaxNoiseGrowth times the full lattice's
+  // own error, with room for 5 sigma.
+  const Reconstructor r(slopes_, modes_, reference_);
+  const Eigen::MatrixXd inverse = (slopes_.transpose() * slopes_).inverse();
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  std::vector<int> order(19);
+  std::iota(order.begin(), order.end(), 0);
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    std::shuffle(order.begin(), order.end(), random);
+    auto fixes = spots(truth_);
+    for (int k = 0; k < 1 + repeat % 9; ++k) fixes[order[k]] = SpotFix{};
+    for (SpotFix& f : fixes) {
+      f.x += float(noise(random));
+      f.y += float(noise(random));
+    }
+    if (!solve(r, fixes).determined) continue;
+    for (std::size_t k = 0; k < modes_.size(); ++k) {
+      const double sigma = 0.01 * std::sqrt(inverse(k, k)) * Reconstructor::kMaxNoiseGrowth;
+      EXPECT_NEAR(coefficients_[k], truth_(k), 5.0 * sigma);
+    }
+  }
+}
+
+TEST_F(Reconstruct, DoesNotAllocate) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  std::vector<float> coefficients(modes_.size());
+  const auto all = spots(truth_);
+  auto some = all;
+  some[2] = some[9] = SpotFix{};
+  const test::AllocGuard guard;
+  const bool a = r.solve(all, scratch, coefficients).determined;
+  const bool b = r.solve(some, scratch, coefficients).determined;
+  const auto allocations = guard.allocations();
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_TRUE(a);
+  EXPECT_TRUE(b);
+}
+
+class ReconstructLarge : public Reconstruct {
+ protected:
+  ReconstructLarge() : Reconstruct(15) {}
+};
+
+TEST_F(ReconstructLarge, GivesBackTheModesWithoutAllocating) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  std::vector<float> coefficients(modes_.size());
+  auto fixes = spots(truth_);
+  fixes[20] = fixes[33] = SpotFix{};
+  const test::AllocGuard guard;
+  const Reconstruction result = r.solve(fixes, scratch, coefficients);
+  const auto allocations = guard.allocations();
+  EXPECT_EQ(allocations, 0U);
+  ASSERT_TRUE(result.determined);
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    EXPECT_NEAR(coefficients[k], truth_(k), 1e-4) << "j = " << modes_[k];
+  }
+}
+
+}  // namespace
+}  // namespace ovws
