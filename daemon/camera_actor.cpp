@@ -25,7 +25,9 @@ CameraActor::~CameraActor() = default;
 
 bool CameraActor::do_work() {
   const bool worked = mailbox_.run_one(kTurn);
-  if (!camera_) {
+  if (lost_) {
+    give_up_camera();
+  } else if (!camera_) {
     if (monotonic_ns() >= next_try_ns_) try_open();
   } else if (!camera_->alive()) {
     lose("control of the camera was lost");
@@ -36,15 +38,13 @@ bool CameraActor::do_work() {
 }
 
 void CameraActor::on_close() {
-  if (!camera_) return;
-  deps_.pipeline.detach();
-  camera_->stop();
-  camera_.reset();
+  // A frame path that does not let go keeps pointers into the camera: better leaked than dangling.
+  if (camera_ && !give_up_camera()) (void)camera_.release();
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] {
-    if (!camera_ || !limits_) {
+    if (!camera_ || lost_) {
       return done(
           fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
     }
@@ -86,18 +86,25 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   note_applied(*applied, *applied, t_begin_ns);
   settings_ = *applied;
   attached_ns_ = monotonic_ns();
-  deps_.pipeline.attach(*camera_);
-  return {};
+  return deps_.pipeline.attach(*camera_);
 }
 
-/// Gives the camera up; it will be opened anew, as new objects.
+/// It will be opened anew, as new objects.
 void CameraActor::lose(const std::string& why) {
-  deps_.pipeline.detach();
+  lost_ = true;
+  limits_.reset();
+  publish_snapshot(why);
+  give_up_camera();
+}
+
+/// False if the frame path still holds frames of it: to be tried again.
+bool CameraActor::give_up_camera() {
+  if (!deps_.pipeline.detach()) return false;
   camera_->stop();
   camera_.reset();
-  limits_.reset();
+  lost_ = false;
   next_try_ns_ = 0;
-  publish_snapshot(why);
+  return true;
 }
 
 /// Our own watchdog: Aravis notices a dead camera only after about 5 s.
@@ -126,7 +133,10 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
 /// The image's size or format changes: one transaction, rolled back if the camera does not take it.
 Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
   const CameraSettings before = settings_;
-  deps_.pipeline.detach();
+  if (auto detached = deps_.pipeline.detach(); !detached) {
+    lose(detached.error().reason);
+    return fail(detached.error());
+  }
   camera_->stop();
   const auto started = start_stream(wanted);
   if (started) return settings_;
@@ -152,8 +162,8 @@ void CameraActor::note_applied(const CameraSettings& before, const CameraSetting
 /// Tells everybody, and the log if something new happened.
 void CameraActor::publish_snapshot(std::string fault) {
   CameraSnapshot now;
-  now.connected = camera_ != nullptr;
-  if (camera_) now.info = camera_->info();
+  now.connected = camera_ != nullptr && !lost_;
+  if (now.connected) now.info = camera_->info();
   now.settings = settings_;
   now.limits = limits_;
   now.fault = std::move(fault);

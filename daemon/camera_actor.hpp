@@ -57,6 +57,7 @@ class CameraActor : public Agent {
   void try_open();
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const std::string& why);
+  bool give_up_camera();
   bool starved() const;
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
@@ -69,6 +70,7 @@ class CameraActor : public Agent {
   CameraActorDeps deps_;
   Mailbox mailbox_;
   std::unique_ptr<Camera> camera_;
+  bool lost_ = false;  ///< camera_ is to be given up as soon as the frame path has let go of it
   CameraSettings settings_;  ///< last verified; wanted again after a reconnection
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;

@@ -40,12 +40,6 @@ std::vector<std::string> names_of(const Table& table) {
   return names;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& config) {
@@ -53,17 +47,14 @@ Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& config) {
     if (config.driver == row.name) return row.open(config);
   }
   return fail(Errc::invalid, "camera.driver",
-              "there is no camera driver \"" + config.driver + "\": choose one of " +
-                  listed(camera_driver_names()));
+              "there is no camera driver \"" + config.driver + "\"");
 }
 
 Result<std::unique_ptr<Display>> open_display(const SlmConfig& config) {
   for (const auto& row : kDisplays) {
     if (config.driver == row.name) return row.open(config);
   }
-  return fail(Errc::invalid, "slm.driver",
-              "there is no display driver \"" + config.driver + "\": choose one of " +
-                  listed(display_driver_names()));
+  return fail(Errc::invalid, "slm.driver", "there is no display driver \"" + config.driver + "\"");
 }
 
 std::vector<std::string> camera_driver_names() {

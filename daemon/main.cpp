@@ -7,6 +7,7 @@
 
 #include "config/config.hpp"
 #include "daemon/app.hpp"
+#include "daemon/config_check.hpp"
 #include "daemon/log.hpp"
 
 namespace {
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
       path.empty() ? ovws::Result<ovws::Config>{ovws::Config{}} : ovws::load_config(path);
   ovws::start_log(config ? config->log.level : "info");
   if (!config) return complain(config.error());
+  if (const auto usable = ovws::check_usable(*config); !usable) return complain(usable.error());
   if (!check_only) return serve(*config, path);
   std::printf("%s\n", ovws::dump_config(*config).c_str());
   return 0;

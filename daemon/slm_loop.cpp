@@ -30,36 +30,52 @@ SlmLoop::~SlmLoop() = default;
 
 void SlmLoop::do_work() {
   if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
-  if (auto job = wait_for_job()) {
-    if (!job->done) wanted_ = job->request;
-    Result<void> done = present(job->request);
-    if (job->done) job->done->set_value(done);
-  }
+  if (const auto job = wait_for_job()) carry_out(*job);
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error().reason);
   }
 }
 
+void SlmLoop::carry_out(const Job& job) {
+  if (!job.ticket) {
+    wanted_ = job.request;
+    (void)present(job.request);
+    return;
+  }
+  const std::optional<HologramRequest> before = wanted_;
+  Result<void> done = present(job.request);
+  bool abandoned = false;
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned = job.ticket->abandoned;
+    job.ticket->done.set_value(done);
+  }
+  // Its caller was told that it failed: what he believes to be shown is to be shown.
+  if (abandoned && done && before) (void)present(*before);
+}
+
 void SlmLoop::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  if (job_ && job_->done) job_->done->set_value(fail(stopping()));
+  if (job_ && job_->ticket) job_->ticket->done.set_value(fail(stopping()));
   job_.reset();
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
-  auto done = std::make_shared<std::promise<Result<void>>>();
-  auto result = done->get_future();
+  auto ticket = std::make_shared<Ticket>();
+  auto result = ticket->done.get_future();
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return fail(stopping());
-    job_ = Job{std::move(request), done};
+    job_ = Job{std::move(request), ticket};
   }
   ready_.notify_one();
   if (result.wait_for(kShowTimeout) == std::future_status::ready) return result.get();
   const std::lock_guard lock(mutex_);
-  if (job_ && job_->done == done) job_.reset();
+  if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
+  ticket->abandoned = true;
+  if (job_ && job_->ticket == ticket) job_.reset();
   return fail(Errc::unavailable, "slm", "the display did not take the picture within 2 s");
 }
 

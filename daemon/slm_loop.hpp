@@ -68,12 +68,18 @@ class SlmLoop {
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
+  /// What a caller of `show` waits for; he may have stopped waiting.
+  struct Ticket {
+    std::promise<Result<void>> done;
+    bool abandoned = false;  ///< guarded by mutex_
+  };
   struct Job {
     HologramRequest request;
-    std::shared_ptr<std::promise<Result<void>>> done;  ///< none: nobody waits
+    std::shared_ptr<Ticket> ticket;  ///< none: nobody waits
   };
 
   std::optional<Job> wait_for_job();
+  void carry_out(const Job& job);
   void try_open();
   Result<void> present(const HologramRequest& request);
   void fault(const std::string& why);

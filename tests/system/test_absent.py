@@ -90,7 +90,9 @@ class Refusals(unittest.TestCase):
 
     def test_check_config_says_what_is_wrong_and_ends(self):
         self.assertEqual(self.run_daemon("{}", "--check-config").returncode, 0)
-        self.assertEqual(self.run_daemon({"camera": {"gian_db": 1}}, "--check-config").returncode, 1)
+        for config in ({"camera": {"gian_db": 1}}, {"slm": {"flatness": "/nowhere.png"}}, {"sensor": {"subapertures_across": 1}},
+                       {"camera": {"driver": "webcam"}}):
+            self.assertEqual(self.run_daemon(config, "--check-config").returncode, 1, config)
 
     def test_port_in_use(self):
         for key, port in (("control", 7702), ("stream", 7701), ("stream", 7703)):

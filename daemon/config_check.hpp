@@ -1,0 +1,13 @@
+/// Whether a configuration that reads well also makes a sensor.
+#pragma once
+
+#include "config/config.hpp"
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// Errors as the daemon's start would give them: drivers that do not exist, LUT and flatness files,
+/// lattice, tracker. Opens no device.
+Result<void> check_usable(const Config& config);
+
+}  // namespace ovws
