@@ -60,8 +60,10 @@ class NamedWindow final : public OutputWindow {
 
   Result<void> open() {
     const int place = SDL_WINDOWPOS_UNDEFINED_DISPLAY(index_of(info_.output));
-    canvas_.reset(SDL_CreateWindow("ovws SLM", place, place, info_.width, info_.height,
-                                   SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS));
+    // "High DPI" makes SDL tell the size in real pixels, so that a scaled output is seen.
+    canvas_.reset(SDL_CreateWindow(
+        "ovws SLM", place, place, info_.width, info_.height,
+        SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS | SDL_WINDOW_ALLOW_HIGHDPI));
     if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
     SDL_ShowCursor(SDL_DISABLE);
     take_events();  // the compositor's first answer holds the real size

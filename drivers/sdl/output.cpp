@@ -16,20 +16,16 @@ bool overlap(const Output& a, const Output& b) {
 }
 
 Result<const Output*> find_output(const std::vector<Output>& outputs, const std::string& wanted) {
-  const auto by_name = [&](const Output& o) { return o.name == wanted; };
-  const auto by_monitor = [&](const Output& o) { return !wanted.empty() && o.monitor == wanted; };
-  if (const auto found = std::ranges::find_if(outputs, by_name); found != outputs.end()) {
-    return &*found;
-  }
-  const auto matches = std::ranges::count_if(outputs, by_monitor);
-  if (matches == 1) return &*std::ranges::find_if(outputs, by_monitor);
-  const std::string there = "; there are: " + list_outputs(outputs);
-  if (matches > 1) {
+  for (const auto name : {&Output::name, &Output::monitor}) {
+    const auto matches = std::ranges::count(outputs, wanted, name);
+    if (matches == 0 || wanted.empty()) continue;
+    if (matches == 1) return &*std::ranges::find(outputs, wanted, name);
     return fail(Errc::refused, "slm.display",
-                std::to_string(matches) + " monitors are called \"" + wanted +
-                    "\": give the name of the output instead" + there);
+                std::to_string(matches) + " outputs are called \"" + wanted +
+                    "\": give a name that only one has; there are: " + list_outputs(outputs));
   }
-  return fail(Errc::unavailable, "slm.display", "no output is called \"" + wanted + "\"" + there);
+  return fail(Errc::unavailable, "slm.display",
+              "no output is called \"" + wanted + "\"; there are: " + list_outputs(outputs));
 }
 
 // The SLM must not take the place where somebody works.

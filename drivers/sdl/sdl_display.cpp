@@ -10,7 +10,7 @@ namespace ovws {
 
 namespace {
 
-constexpr std::int64_t kVerifyEvery_ns = 1'000'000'000;
+constexpr std::int64_t kVerifyEveryNs = 1'000'000'000;
 
 bool exact(const SDL_Surface& surface, const DisplayInfo& info) {
   const SDL_PixelFormat& format = *surface.format;
@@ -52,13 +52,13 @@ class SdlDisplay final : public Display {
 
   Result<void> check() override {
     const auto events = window_->take_events();
-    if (const auto alive = window_->connection(); !alive) return alive;
+    if (auto alive = window_->connection(); !alive) return alive;
     if (events.redraw) {
-      if (const auto shown = flush(); !shown) return shown;
+      if (auto shown = flush(); !shown) return shown;
     }
     const std::int64_t now = monotonic_ns();
     if (!events.look && now < verify_at_ns_) return {};
-    verify_at_ns_ = now + kVerifyEvery_ns;
+    verify_at_ns_ = now + kVerifyEveryNs;
     return window_->verify();
   }
 

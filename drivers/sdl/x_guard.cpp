@@ -27,14 +27,25 @@ int on_refusal(Display* display, XErrorEvent* event) {
 
 }  // namespace
 
-// The dynamic linker finds this one before libX11's, for SDL as well.
-extern "C" Display* XOpenDisplay(const char* name) {  // NOLINT(readability-identifier-naming): Xlib
+// The dynamic linker finds these before those of libX11 and libXi, for SDL as well.
+// NOLINTBEGIN(readability-identifier-naming): Xlib's names
+
+extern "C" Display* XOpenDisplay(const char* name) {
   using Open = Display* (*)(const char*);
   static const auto open = reinterpret_cast<Open>(dlsym(RTLD_NEXT, "XOpenDisplay"));
   Display* display = open(name);
   if (display != nullptr) XSetIOErrorExitHandler(display, instead_of_exit, nullptr);
   return display;
 }
+
+// SDL frees the list of input devices even if the server died before giving one.
+extern "C" void XIFreeDeviceInfo(void* list) {
+  using Free = void (*)(void*);
+  static const auto free_list = reinterpret_cast<Free>(dlsym(RTLD_NEXT, "XIFreeDeviceInfo"));
+  if (list != nullptr) free_list(list);
+}
+
+// NOLINTEND(readability-identifier-naming)
 
 namespace ovws::sdl {
 

@@ -2,7 +2,8 @@
 ///
 /// Left alone, Xlib calls exit() when a connection breaks, unless XSetIOErrorExitHandler was set on
 /// that very connection. SDL opens two and shows only one of them, so x_guard.cpp stands in front
-/// of XOpenDisplay and sets the handler on every connection of the process.
+/// of XOpenDisplay and sets the handler on every connection of the process. What is left: a server
+/// that dies within the millisecond of XOpenDisplay's own handshake still ends the process.
 #pragma once
 
 #include <string>

@@ -110,6 +110,7 @@ class XWindow final : public OutputWindow {
     if (!output_.linear_gamma) set_linear_gamma(display_.get(), output_);
     if (!powered(display_.get())) DPMSForceLevel(display_.get(), DPMSModeOn);
     window_ = create_window(display_.get(), output_);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): how SDL takes an X window
     canvas_.reset(SDL_CreateWindowFrom(reinterpret_cast<void*>(window_)));
     if (x_server_lost()) return fail(lost_server());
     if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
@@ -145,8 +146,8 @@ class XWindow final : public OutputWindow {
     const auto now = std::ranges::find(outputs, output_.name, &Output::name);
     if (x_server_lost()) return fail(lost_server());
     if (now == outputs.end()) return fail(changed("output " + output_.name + " is gone"));
-    if (const auto result = verify_output(*now); !result) return result;
-    const auto result = verify_window();
+    if (auto result = verify_output(*now); !result) return result;
+    auto result = verify_window();
     if (x_server_lost()) return fail(lost_server());
     return result;
   }

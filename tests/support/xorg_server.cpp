@@ -1,73 +1,69 @@
 #include "tests/support/xorg_server.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdlib>
+#include <cstdio>
 #include <stdexcept>
-#include <vector>
 
 namespace ovws::test {
 
 namespace {
 
-[[noreturn]] void become_server(int ready_fd, const std::string& number) {
+[[noreturn]] void become_server(const std::string& name) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that dies leaves no server behind
   const int nowhere = open("/dev/null", O_WRONLY);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
-  const std::string ready = std::to_string(ready_fd);
-  std::vector<const char*> words{"Xorg",         "-displayfd", ready.c_str(), "-config",
-                                 OVWS_XORG_CONF, "-noreset",   "-nolisten",   "tcp",
-                                 "-logfile",     "/dev/null",  "-novtswitch", "-sharevts"};
-  if (!number.empty()) words.insert(words.begin() + 1, number.c_str());
-  words.push_back(nullptr);
-  execvp("Xorg", const_cast<char* const*>(words.data()));
+  execlp("Xorg", "Xorg", name.c_str(), "-config", OVWS_XORG_CONF, "-logfile", "/dev/null",
+         "-noreset", "-nolisten", "tcp", "-novtswitch", "-sharevts", nullptr);
   _exit(127);
 }
 
-// The server writes its number to `fd` once it takes connections.
-std::string read_number(int fd) {
-  std::string text;
-  pollfd waiting{fd, POLLIN, 0};
-  while (text.find('\n') == std::string::npos && poll(&waiting, 1, 10'000) > 0) {
-    std::array<char, 16> part{};
-    const ssize_t count = read(fd, part.data(), part.size());
-    if (count <= 0) break;
-    text.append(part.data(), std::size_t(count));
-  }
-  return text;
+bool answers(int number) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::snprintf(address.sun_path, sizeof address.sun_path, "/tmp/.X11-unix/X%d", number);
+  const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+  const bool connected =
+      connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return connected;
 }
 
 }  // namespace
 
-XorgServer::XorgServer(int number) {
-  const std::string argument = number < 0 ? "" : ":" + std::to_string(number);
-  std::array<int, 2> ready{};
-  if (pipe(ready.data()) != 0) throw std::runtime_error("pipe failed");
+XorgServer::XorgServer(int number) : name_(":" + std::to_string(number)) {
   pid_ = fork();
-  if (pid_ == 0) {
-    close(ready[0]);
-    become_server(ready[1], argument);
+  if (pid_ == 0) become_server(name_);
+  for (int tries = 0; tries < 1000; ++tries) {
+    if (answers(number)) return;
+    if (waitpid(pid_, nullptr, WNOHANG) == pid_) {
+      pid_ = -1;
+      break;
+    }
+    usleep(10'000);
   }
-  close(ready[1]);
-  const std::string text = read_number(ready[0]);
-  close(ready[0]);
-  if (text.empty()) {
-    kill();
-    throw std::runtime_error("Xorg did not start");
-  }
-  number_ = std::atoi(text.c_str());
+  kill();
+  throw std::runtime_error("Xorg " + name_ + " did not start");
+}
+
+XorgServer::~XorgServer() {
+  end(SIGTERM);
 }
 
 void XorgServer::kill() {
+  end(SIGKILL);
+}
+
+void XorgServer::end(int signal) {
   if (pid_ <= 0) return;
-  ::kill(pid_, SIGKILL);
+  ::kill(pid_, signal);
   waitpid(pid_, nullptr, 0);
   pid_ = -1;
 }

@@ -9,19 +9,20 @@ namespace ovws::test {
 
 class XorgServer {
  public:
-  /// Starts one, on a free display number or on the one given, and waits until it answers. Throws
-  /// std::runtime_error if it does not.
-  explicit XorgServer(int number = -1);
-  ~XorgServer() { kill(); }
+  /// Starts one of that display number and waits until it answers. Throws std::runtime_error if it
+  /// does not.
+  explicit XorgServer(int number);
+  ~XorgServer();  ///< ends it in peace, so that it removes its lock and socket
   XorgServer(const XorgServer&) = delete;
   XorgServer& operator=(const XorgServer&) = delete;
 
-  int number() const { return number_; }
-  std::string name() const { return ":" + std::to_string(number_); }  ///< for DISPLAY
-  void kill();  ///< SIGKILL, and waits until it is gone
+  const std::string& name() const { return name_; }  ///< ":7", for DISPLAY
+  void kill();                                       ///< SIGKILL, and waits until it is gone
 
  private:
-  int number_ = -1;
+  void end(int signal);
+
+  std::string name_;
   pid_t pid_ = -1;
 };
 

@@ -96,6 +96,27 @@ TEST(DisplayContract, NeitherTheFocusNorTheDesktopsPixelsChange) {
   XCloseDisplay(desktop);
 }
 
+TEST(DisplayContract, TheWindowIsOnTopAndOutOfAWindowManagersReach) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  ::Display* desktop = XOpenDisplay(nullptr);
+  ASSERT_NE(desktop, nullptr);
+  Window root = None, parent = None;
+  Window* windows = nullptr;
+  unsigned count = 0;
+  ASSERT_TRUE(XQueryTree(desktop, DefaultRootWindow(desktop), &root, &parent, &windows, &count));
+  ASSERT_GT(count, 0u);
+  XWindowAttributes top{};
+  ASSERT_TRUE(XGetWindowAttributes(desktop, windows[count - 1], &top));
+  EXPECT_TRUE(top.override_redirect);
+  EXPECT_EQ(top.x, kSlmX);
+  EXPECT_EQ(top.y, 0);
+  EXPECT_EQ(top.width, 1280);
+  EXPECT_EQ(top.height, 768);
+  XFree(windows);
+  XCloseDisplay(desktop);
+}
+
 TEST(DisplayContract, ItStartsNoThreadAndLeavesSignalsToTheProgram) {
   const long threads = process_status("Threads");
   const auto display = open_or_fail();
@@ -121,13 +142,14 @@ TEST(DisplayContract, AThousandPicturesTakeNoMemory) {
   };
   show(50);
   const long before_kb = process_status("VmRSS");
-  const std::int64_t start_ns = monotonic_ns();
   show(1000);
-  RecordProperty("present_us", int((monotonic_ns() - start_ns) / 1'000'000));
   EXPECT_LT(process_status("VmRSS") - before_kb, 1000);
 }
 
 TEST(DisplayContract, OpeningItAgainAndAgainTakesNoMemory) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer keeps freed memory; it looks for leaks itself";
+#endif
   const auto cycle = [](int count) {
     for (int i = 0; i < count; ++i) ASSERT_NE(open_or_fail(), nullptr);
   };

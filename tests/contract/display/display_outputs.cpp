@@ -76,6 +76,14 @@ TEST(DisplayOutputs, AnOutputsNameGoesBeforeAMonitorsName) {
   EXPECT_EQ(chosen->name, "DUMMY1");
 }
 
+TEST(DisplayOutputs, ANameThatTwoOutputsHaveIsRefused) {
+  auto twin = slm();
+  twin.x += twin.width;
+  const auto chosen = sdl::choose_output({desktop(), slm(), twin}, slm_config());
+  ASSERT_FALSE(chosen);
+  EXPECT_EQ(chosen.error().code, Errc::refused);
+}
+
 TEST(DisplayOutputs, AnEmptyNameChoosesNothing) {
   auto config = slm_config();
   config.output = "";

@@ -1,5 +1,6 @@
 /// The X server's death is an error, never this process's; and it can come back.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -17,9 +18,9 @@ namespace {
 class DisplayServerDeath : public testing::Test {
  protected:
   void start() {
-    server_.emplace(number_);
-    number_ = server_->number();
-    setenv("DISPLAY", server_->name().c_str(), 1);
+    server.reset();
+    server.emplace(number);
+    setenv("DISPLAY", server->name().c_str(), 1);
   }
 
   void expect_it_shows(unsigned seed) {
@@ -31,8 +32,8 @@ class DisplayServerDeath : public testing::Test {
     EXPECT_TRUE(display->check());
   }
 
-  std::optional<XorgServer> server_;
-  int number_ = -1;
+  std::optional<XorgServer> server;
+  const int number = 1000 + getpid() % 20'000;  // none that -displayfd gives to others
 };
 
 TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed) {
@@ -42,7 +43,7 @@ TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed
       const auto display = open_or_fail();
       ASSERT_NE(display, nullptr);
       ASSERT_TRUE(display->present(random_picture(round)));
-      server_->kill();
+      server->kill();
       const std::int64_t killed_ns = monotonic_ns();
       const auto shown = display->present(random_picture(round));
       ASSERT_FALSE(shown);
@@ -65,7 +66,7 @@ TEST_F(DisplayServerDeath, CheckAloneNoticesItWithinTwoSeconds) {
     const auto display = open_or_fail();
     ASSERT_NE(display, nullptr);
     EXPECT_EQ(watch(*display, 0.1), "");
-    server_->kill();
+    server->kill();
     EXPECT_NE(watch(*display, 2.0), "");
   }
   start();
@@ -77,7 +78,7 @@ TEST_F(DisplayServerDeath, ADisplayDestroyedAfterTheServerDiedUnseenIsHarmless) 
   {
     const auto display = open_or_fail();
     ASSERT_NE(display, nullptr);
-    server_->kill();
+    server->kill();
   }
   start();
   expect_it_shows(11);
@@ -93,7 +94,7 @@ TEST_F(DisplayServerDeath, TheServerMayDieAtAnyMomentOfShowing) {
     ASSERT_NE(display, nullptr);
     std::thread killer([&, wait = std::chrono::microseconds(moment_us(random))] {
       std::this_thread::sleep_for(wait);
-      server_->kill();
+      server->kill();
     });
     while (display->present(picture) && display->check()) continue;
     killer.join();

@@ -16,7 +16,7 @@
 namespace ovws::test {
 namespace {
 
-constexpr double kNotice_s = 2.5;  // the outputs are looked at once a second
+constexpr double kNoticeS = 2.5;  // the outputs are looked at once a second
 
 bool has(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
@@ -199,7 +199,7 @@ TEST_F(DisplayTrouble, AnOutputSwitchedOffIsNoticed) {
   ASSERT_NE(display, nullptr);
   ASSERT_EQ(watch(*display, 0.1), "");
   run("xrandr --output DUMMY1 --off");
-  const std::string reason = watch(*display, kNotice_s);
+  const std::string reason = watch(*display, kNoticeS);
   EXPECT_TRUE(has(reason, "DUMMY1 is switched off")) << reason;
 }
 
@@ -207,14 +207,14 @@ TEST_F(DisplayTrouble, AnotherModeAndAnotherPlaceAreNoticed) {
   auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
   run("xrandr --output DUMMY1 --mode 1024x768");
-  std::string reason = watch(*display, kNotice_s);
+  std::string reason = watch(*display, kNoticeS);
   EXPECT_TRUE(has(reason, "1024x768")) << reason;
   display.reset();
   run("xrandr --output DUMMY1 --mode 1280x768");
   display = open_or_fail();
   ASSERT_NE(display, nullptr);
   run("xrandr --output DUMMY1 --pos 1920x100");
-  reason = watch(*display, kNotice_s);
+  reason = watch(*display, kNoticeS);
   EXPECT_TRUE(has(reason, "moved")) << reason;
 }
 
@@ -224,7 +224,7 @@ TEST_F(DisplayTrouble, ABentGammaRampIsStraightenedAtOpeningAndNoticedLater) {
   ASSERT_NE(display, nullptr);
   EXPECT_EQ(watch(*display, 1.5), "");
   run("xrandr --output DUMMY1 --gamma 1:0.9:0.7");
-  const std::string reason = watch(*display, kNotice_s);
+  const std::string reason = watch(*display, kNoticeS);
   EXPECT_TRUE(has(reason, "gamma")) << reason;
 }
 
@@ -251,7 +251,7 @@ TEST_F(DisplayTrouble, AWindowOverTheSlmIsNoticedByItsNameAndOpeningAgainIsOnTop
   auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
   const Intruder intruder;
-  const std::string reason = watch(*display, kNotice_s);
+  const std::string reason = watch(*display, kNoticeS);
   EXPECT_TRUE(has(reason, "\"mail\"")) << reason;
   display.reset();
   display = open_or_fail();
