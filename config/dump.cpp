@@ -1,3 +1,4 @@
+/// From Config to text, keys in the order of ovwsd.json.
 #include <nlohmann/json.hpp>
 
 #include "config/config.hpp"

@@ -1,3 +1,4 @@
+/// From text to Config: which keys there are, and what each may be.
 #include <fstream>
 #include <iterator>
 #include <string>

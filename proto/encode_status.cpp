@@ -1,3 +1,4 @@
+/// The rare messages: status and event.
 #include "proto/encode.hpp"
 #include "proto/names.hpp"
 #include "proto/results.hpp"

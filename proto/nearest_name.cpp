@@ -1,3 +1,4 @@
+/// What a wrong name may have meant.
 #include <algorithm>
 #include <cctype>
 

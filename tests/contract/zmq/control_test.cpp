@@ -72,7 +72,7 @@ TEST(ControlServer, EchoesTheEnvelopeOfAProxy) {
 }
 
 TEST(ControlServer, WorksOverTcp) {
-  const std::string endpoint = "tcp://127.0.0.1:57702";
+  const std::string endpoint = test::tcp_endpoint();
   const Served served(endpoint);
   RawClient req(ZMQ_REQ, endpoint);
   req.send({"a"});
@@ -251,8 +251,7 @@ TEST(ControlServer, IgnoresRepliesAfterItsEnd) {
 }
 
 TEST(ControlServer, SaysWhichEndpointIsInUse) {
-  for (const std::string& endpoint :
-       {std::string("tcp://127.0.0.1:57703"), test::ipc_endpoint("taken")}) {
+  for (const std::string& endpoint : {test::tcp_endpoint(), test::ipc_endpoint("taken")}) {
     const Served served(endpoint);
     const auto second = ControlServer::bind(endpoint, kMaxRequestBytes, "", Served::echo());
     ASSERT_FALSE(second);
@@ -275,7 +274,7 @@ TEST(ControlServer, TellsWrongEndpointsFromAbsentOnes) {
   EXPECT_EQ(code("tcp://127.0.0.1:99999"), Errc::invalid);
   EXPECT_EQ(code("ipc://"), Errc::invalid);
   EXPECT_EQ(code(("ipc:///tmp/" + std::string(200, 'a')).c_str()), Errc::invalid);
-  EXPECT_EQ(code("tcp://192.0.2.1:57704"), Errc::unavailable);
+  EXPECT_EQ(code("tcp://192.0.2.1:7702"), Errc::unavailable);
 }
 
 TEST(ControlServer, TakesAnIpcPathThatADeadProgramLeft) {

@@ -106,8 +106,7 @@ TEST(Publisher, NeverWaitsForNobody) {
 }
 
 TEST(Publisher, SaysWhichEndpointIsInUse) {
-  for (const std::string& endpoint :
-       {std::string("tcp://127.0.0.1:57705"), test::ipc_endpoint("taken-stream")}) {
+  for (const std::string& endpoint : {test::tcp_endpoint(), test::ipc_endpoint("taken-stream")}) {
     const Publisher first = publisher_at(endpoint, 1);
     const auto second = Publisher::bind(endpoint, 1);
     ASSERT_FALSE(second);
