@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdio>
+#include <exception>
 #include <iostream>
 #include <string>
 
@@ -24,13 +26,16 @@ sigset_t block_end_signals() {
   return signals;
 }
 
+int refuse(const ovws::Error& error) {
+  std::cerr << "ovws-twin: " << error.field << (error.field.empty() ? "" : ": ") << error.reason
+            << "\n";
+  return 1;
+}
+
 int run(const ovws::twin::Config& config, const std::string& x_display) {
   const sigset_t end_signals = block_end_signals();
   auto twin = ovws::twin::Twin::start(config, x_display);
-  if (!twin) {
-    std::cerr << "ovws-twin: " << twin.error().field << ": " << twin.error().reason << "\n";
-    return 1;
-  }
+  if (!twin) return refuse(twin.error());
   std::cout << "ready " << (*twin)->addresses() << std::endl;
   int signal_number = 0;
   sigwait(&end_signals, &signal_number);
@@ -41,9 +46,7 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int start(int argc, char** argv) {
   CLI::App app{"Digital twin of the ovws bench: watches the SLM's display, answers as its camera"};
   std::string config_path, address, control, x_display;
   app.add_option("--config", config_path, "JSON file; without it, the defaults");
@@ -59,11 +62,15 @@ int main(int argc, char** argv) {
 
   auto config =
       config_path.empty() ? ovws::twin::parse_config("{}") : ovws::twin::load_config(config_path);
-  if (!config) {
-    std::cerr << "ovws-twin: " << config.error().field << ": " << config.error().reason << "\n";
-    return 1;
-  }
+  if (!config) return refuse(config.error());
   if (!address.empty()) config->camera.address = address;
   if (!control.empty()) config->control_endpoint = control;
   return run(*config, x_display);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try { return start(argc, argv); } catch (const std::exception& e) {
+  std::fprintf(stderr, "ovws-twin: %s\n", e.what());
+  return 1;
 }

@@ -59,10 +59,15 @@ Json json_of(const CameraStatus& camera) {
           {"roi", json_of(s.roi)}};
 }
 
-Json json_of(const CameraStatus& camera, const FrameCounts& frames) {
-  return {{"sent", camera.sent},     {"dropped", camera.dropped}, {"incomplete", camera.incomplete},
-          {"late", camera.late},     {"refused", camera.refused}, {"fresh", frames.fresh},
-          {"reused", frames.reused}, {"nudges", camera.nudges}};
+Json json_of(const FrameTally& tally, const FrameCounts& frames) {
+  return {{"sent", tally.sent.load()},
+          {"dropped", tally.dropped.load()},
+          {"incomplete", tally.incomplete.load()},
+          {"late", tally.late.load()},
+          {"refused", tally.refused.load()},
+          {"nudges", tally.nudges.load()},
+          {"fresh", frames.fresh},
+          {"reused", frames.reused}};
 }
 
 RpcAnswer failed(const Error& error) {
@@ -97,7 +102,7 @@ RpcAnswer Methods::get(const Json& params) const {
   result["spots"] = std::move(spots);
   result["charge"] = config_.sensor.charge;
   result["camera"] = json_of(camera);
-  result["frames"] = json_of(camera, deps_.frames.counts());
+  result["frames"] = json_of(deps_.camera.tally(), deps_.frames.counts());
   result["display"] = {{"output", config_.slm.display},
                        {"shown", screen.shown},
                        {"text", screen.text},

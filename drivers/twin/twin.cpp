@@ -10,7 +10,7 @@ Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::strin
   auto control = Control::bind(config.control_endpoint);
   if (!control) return fail(control.error());
   auto camera = FakeCamera::plug_in(config.camera,
-                                    {twin->bench_, twin->frames_, twin->faults_, twin->screen_});
+                                    {twin->screen_, twin->bench_, twin->frames_, twin->faults_});
   if (!camera) return fail(camera.error());
   twin->control_ = std::move(*control);
   twin->camera_ = std::move(*camera);

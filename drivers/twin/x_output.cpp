@@ -6,6 +6,7 @@
 #include <X11/extensions/Xdamage.h>
 #include <X11/extensions/Xrandr.h>
 #include <sys/ipc.h>
+#include <sys/mman.h>
 #include <sys/shm.h>
 
 #include <utility>
@@ -64,6 +65,11 @@ Result<Rectangle> find_output(::Display* display, const std::string& name) {
 }  // namespace
 
 struct XOutput::Impl {
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl();
+
   bool dead = false;  // set by Xlib's I/O error handler, which keeps this address
   ::Display* display = nullptr;
   Rectangle place;
@@ -72,7 +78,6 @@ struct XOutput::Impl {
   Damage damage = 0;
   int damage_event = 0, randr_event = 0;
 
-  ~Impl();
   Result<void> connect(const std::string& name);
   Result<void> watch(const std::string& output, int width, int height);
   bool share_memory();
@@ -115,8 +120,8 @@ bool XOutput::Impl::share_memory() {
   if (shared == nullptr) return false;
   const std::size_t size = std::size_t(shared->bytes_per_line) * std::size_t(shared->height);
   segment.shmid = shmget(IPC_PRIVATE, size, IPC_CREAT | 0600);
-  void* address = segment.shmid < 0 ? nullptr : shmat(segment.shmid, nullptr, 0);
-  const bool mapped = address != nullptr && address != reinterpret_cast<void*>(-1);
+  void* address = segment.shmid < 0 ? MAP_FAILED : shmat(segment.shmid, nullptr, 0);
+  const bool mapped = address != MAP_FAILED;  // the same (void*)-1 that shmat returns
   bool attached = false;
   if (mapped) {
     segment.shmaddr = static_cast<char*>(address);
@@ -209,7 +214,7 @@ bool XOutput::grab(Image<std::uint8_t>& grey) {
   for (int y = 0; y < place.height; ++y) {
     const char* from = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
     std::uint8_t* to = grey.row(y);
-    for (int x = 0; x < place.width; ++x) to[x] = std::uint8_t(from[4 * x]);
+    for (int x = 0; x < place.width; ++x) to[x] = std::uint8_t(from[4 * std::ptrdiff_t(x)]);
   }
   return true;
 }

@@ -85,10 +85,10 @@ TakenFrame BenchClient::newer_frame() {
 }
 
 Image<float> BenchClient::mean_frame(int frames) {
-  TakenFrame first = newer_frame();
-  Image<float> mean(first.dn.width, first.dn.height);
+  Image<float> mean;
   for (int n = 0; n < frames; ++n) {
-    const TakenFrame frame = n == 0 ? std::move(first) : grab();
+    const TakenFrame frame = n == 0 ? newer_frame() : grab();
+    if (n == 0) mean = Image<float>(frame.dn.width, frame.dn.height);
     for (std::size_t i = 0; i < mean.pixels.size(); ++i) {
       mean.pixels[i] += float(frame.dn.pixels[i]) / float(frames);
     }

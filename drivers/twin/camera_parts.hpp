@@ -1,0 +1,29 @@
+/// What the camera and its device share: the parts that make a frame, and the tally of frames.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "drivers/twin/bench.hpp"
+#include "drivers/twin/faults.hpp"
+#include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/screen.hpp"
+
+namespace ovws::twin {
+
+struct CameraDeps {
+  Screen& screen;
+  Bench& bench;
+  FrameSource& frames;
+  Faults& faults;
+};
+
+struct FrameTally {
+  std::atomic<std::uint64_t> sent{0};
+  std::atomic<std::uint64_t> dropped{0}, incomplete{0};  ///< by a fault that was ordered
+  std::atomic<std::uint64_t> late{0};     ///< not sent: the far field was not ready in time
+  std::atomic<std::uint64_t> refused{0};  ///< not sent: ROI outside the sensor, format unknown
+  std::atomic<std::uint64_t> nudges{0};   ///< times that a stalled stream was woken
+};
+
+}  // namespace ovws::twin

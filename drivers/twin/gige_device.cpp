@@ -1,0 +1,209 @@
+#include "drivers/twin/gige_device.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/port/clock.hpp"
+#include "drivers/twin/genicam.hpp"
+
+namespace ovws::twin {
+namespace {
+
+constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
+constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
+constexpr auto kDisplayTime = std::chrono::milliseconds(200);
+
+// Bootstrap registers of GigE Vision that hold text.
+constexpr std::uint32_t kVendorAddress = 0x48, kModelAddress = 0x68, kInfoAddress = 0xa8;
+
+sockaddr_in camera_address(const std::string& address) {
+  sockaddr_in result{};
+  result.sin_family = AF_INET;
+  result.sin_port = htons(kPort);
+  inet_pton(AF_INET, address.c_str(), &result.sin_addr);
+  return result;
+}
+
+std::optional<PixelFormat> pixel_format(std::uint32_t code) {
+  switch (code) {
+    case ARV_PIXEL_FORMAT_MONO_8:
+      return PixelFormat::mono8;
+    case ARV_PIXEL_FORMAT_MONO_10:
+      return PixelFormat::mono10;
+    case ARV_PIXEL_FORMAT_MONO_12:
+      return PixelFormat::mono12;
+    case ARV_PIXEL_FORMAT_MONO_16:
+      return PixelFormat::mono16;
+    default:
+      return std::nullopt;
+  }
+}
+
+bool inside(const Roi& roi, const CameraConfig& sensor) {
+  // Registers may hold anything, so nothing is added before it is known to be small.
+  return roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
+         roi.width <= sensor.sensor_width && roi.height <= sensor.sensor_height &&
+         roi.x <= sensor.sensor_width - roi.width && roi.y <= sensor.sensor_height - roi.height;
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+int try_camera_port(const std::string& address) {
+  const Descriptor probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const sockaddr_in at = camera_address(address);
+  return bind(probe.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0 ? 0 : errno;
+}
+
+GigeDevice::GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const CameraDeps& deps,
+                       std::stop_token stop, FrameTally& tally)
+    : config_(config),
+      deps_(deps),
+      stop_(std::move(stop)),
+      tally_(tally),
+      gige_(gige),
+      camera_(arv_gv_fake_camera_get_fake_camera(gige)),
+      nudger_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+  power_up();
+  arv_fake_camera_set_fill_pattern(
+      camera_,
+      [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
+        static_cast<GigeDevice*>(self)->fill(buffer);
+      },
+      this);
+}
+
+GigeDevice::~GigeDevice() {
+  g_object_unref(gige_);
+}
+
+std::uint32_t GigeDevice::read(std::uint32_t address) const {
+  guint32 value = 0;
+  arv_fake_camera_read_register(camera_, address, &value);
+  return value;
+}
+
+void GigeDevice::write(std::uint32_t address, std::uint32_t value) {
+  arv_fake_camera_write_register(camera_, address, value);
+}
+
+void GigeDevice::write_text(std::uint32_t address, const std::string& text) {
+  arv_fake_camera_write_memory(camera_, address, std::uint32_t(text.size() + 1), text.c_str());
+}
+
+void GigeDevice::power_up() {
+  const CameraSettings defaults;
+  write(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, std::uint32_t(config_.sensor_width));
+  write(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, std::uint32_t(config_.sensor_height));
+  write(ARV_FAKE_CAMERA_REGISTER_WIDTH,
+        std::uint32_t(std::min(defaults.roi.width, config_.sensor_width)));
+  write(ARV_FAKE_CAMERA_REGISTER_HEIGHT,
+        std::uint32_t(std::min(defaults.roi.height, config_.sensor_height)));
+  write(ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US, std::uint32_t(defaults.exposure_us));
+  const auto period_us = std::uint32_t(1e6 / defaults.frame_rate_hz);
+  write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
+  write(kRegisterWantedPeriodUs, period_us);
+  write_text(kVendorAddress, kVendorName);
+  write_text(kModelAddress, kModelName);
+  write_text(kInfoAddress, "digital twin of the ovws bench");
+}
+
+bool GigeDevice::streaming() const {
+  return arv_fake_camera_get_acquisition_status(camera_) != 0;
+}
+
+CameraSettings GigeDevice::settings() const {
+  CameraSettings s;
+  s.gain_db = kGainStepDb * read(ARV_FAKE_CAMERA_REGISTER_GAIN_RAW);
+  s.exposure_us = read(ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US);
+  s.frame_rate_hz = 1e6 / std::max(1U, read(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US));
+  s.pixel_format =
+      pixel_format(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT)).value_or(PixelFormat::mono8);
+  s.roi = {int(read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET)),
+           int(read(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET)), int(read(ARV_FAKE_CAMERA_REGISTER_WIDTH)),
+           int(read(ARV_FAKE_CAMERA_REGISTER_HEIGHT))};
+  return s;
+}
+
+/// In Aravis's thread, which also sends the frame afterwards and answers registers.
+void GigeDevice::fill(ArvBuffer* buffer) {
+  filling_ = true;
+  const CameraSettings now = settings();
+  // No camera sends frames faster than it exposes them.
+  const std::uint32_t period_us =
+      std::max(read(kRegisterWantedPeriodUs), std::uint32_t(now.exposure_us));
+  write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
+  FrameFate fate = deps_.faults.next_frame(stop_);
+  if (fate == FrameFate::drop) {
+    ++tally_.dropped;
+  } else if (take(buffer, now) == FrameFate::drop) {
+    fate = FrameFate::drop;
+  } else {
+    ++(fate == FrameFate::incomplete ? tally_.incomplete : tally_.sent);
+  }
+  lose_packets(fate);
+  period_ns_ = std::int64_t(period_us) * 1000;
+  filled_ns_ = monotonic_ns();
+  filling_ = false;
+}
+
+FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
+  const auto format = pixel_format(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
+  size_t not_known_here = 0;  // Aravis sets the size after this call
+  const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
+  if (!format || !inside(settings.roi, config_) || pixels == nullptr) {
+    ++tally_.refused;
+    return FrameFate::drop;
+  }
+  const std::span<std::byte> out(static_cast<std::byte*>(const_cast<void*>(pixels)),
+                                 std::size_t(settings.roi.width) *
+                                     std::size_t(settings.roi.height) *
+                                     std::size_t(bytes_per_pixel(*format)));
+  const auto start = std::chrono::steady_clock::now();
+  const auto deadline = start + kFarFieldTime;
+  // A server that hangs shows nothing new: then go by what is known.
+  deps_.screen.catch_up(start + kDisplayTime, stop_);
+  const auto scene = deps_.bench.scene(settings.roi, deadline, stop_);
+  if (scene && deps_.frames.take({scene, settings.exposure_us, settings.gain_db, *format}, deadline,
+                                 stop_, out)) {
+    return FrameFate::send;
+  }
+  ++tally_.late;
+  return FrameFate::drop;
+}
+
+/// A frame that must not be seen is numbered and sent without its packets.
+void GigeDevice::lose_packets(FrameFate fate) {
+  const double ratio = fate == FrameFate::send ? 0.0 : fate == FrameFate::drop ? 1.0 : 0.5;
+  if (ratio == lost_ratio_) return;
+  g_object_set(gige_, "gvsp-lost-ratio", ratio, nullptr);
+  lost_ratio_ = ratio;
+}
+
+/// Aravis 0.8.26 computes the time to the next frame as an unsigned number: when its thread is
+/// late by a microsecond it sleeps for 100 ms instead of not at all. Any packet wakes it, and a
+/// GigE Vision discovery asks for nothing.
+void GigeDevice::nudge_if_stalled() {
+  constexpr std::int64_t kLateNs = 2'000'000, kStoppedNs = 300'000'000;
+  const std::int64_t late_ns = monotonic_ns() - filled_ns_ - period_ns_;
+  if (filling_ || late_ns < kLateNs || late_ns > kStoppedNs || !streaming()) return;
+  constexpr unsigned char kDiscovery[] = {0x42, 0x01, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01};
+  const sockaddr_in to = camera_address(config_.address);
+  sendto(nudger_.get(), kDiscovery, sizeof kDiscovery, 0, reinterpret_cast<const sockaddr*>(&to),
+         sizeof to);
+  ++tally_.nudges;
+}
+
+}  // namespace ovws::twin

@@ -1,0 +1,71 @@
+/// One life of the GigE Vision camera, from plugging in to unplugging. Private to the camera:
+/// Aravis's types are seen here.
+#pragma once
+
+#include <arv.h>
+
+#include <atomic>
+#include <cstdint>
+#include <stop_token>
+#include <string>
+
+#include "core/port/camera.hpp"
+#include "drivers/twin/camera_parts.hpp"
+#include "drivers/twin/twin_config.hpp"
+
+namespace ovws::twin {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// Whether the camera's UDP port can be had: 0, or errno.
+int try_camera_port(const std::string& address);
+
+class GigeDevice {
+ public:
+  /// Owns `gige` from now on. Aravis's thread starts to call back at once.
+  GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const CameraDeps& deps,
+             std::stop_token stop, FrameTally& tally);
+  ~GigeDevice();  ///< ends Aravis's thread
+  GigeDevice(const GigeDevice&) = delete;
+  GigeDevice& operator=(const GigeDevice&) = delete;
+
+  // Any thread.
+  bool streaming() const;
+  CameraSettings settings() const;  ///< as the registers say
+
+  /// Watch thread, about each millisecond.
+  void nudge_if_stalled();
+
+ private:
+  void power_up();
+  void fill(ArvBuffer* buffer);
+  FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
+  void lose_packets(FrameFate fate);
+  std::uint32_t read(std::uint32_t address) const;
+  void write(std::uint32_t address, std::uint32_t value);
+  void write_text(std::uint32_t address, const std::string& text);
+
+  const CameraConfig& config_;
+  const CameraDeps deps_;
+  const std::stop_token stop_;
+  FrameTally& tally_;
+  ArvGvFakeCamera* const gige_;
+  ArvFakeCamera* const camera_;
+  Descriptor nudger_;
+  double lost_ratio_ = 0.0;  ///< Aravis's thread only, as `fill` and what it calls
+  std::atomic<bool> filling_{false};
+  std::atomic<std::int64_t> filled_ns_{0}, period_ns_{0};
+};
+
+}  // namespace ovws::twin
