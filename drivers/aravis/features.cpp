@@ -1,6 +1,7 @@
 /// How the port's settings are found, and read.
 #include "drivers/aravis/features.hpp"
 
+#include <algorithm>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -12,7 +13,6 @@ namespace {
 Range<int> whole(const Range<double>& range, int sensor) {
   const int min = int(range.min);
   const int step = range.increment > 1.0 ? int(range.increment) : 1;
-  // The camera's own maximum shrinks with the offset in use; what counts is the sensor.
   return {min, min + (sensor - min) / step * step, step};
 }
 
@@ -36,10 +36,9 @@ Result<CameraFeatures> CameraFeatures::find(GenicamDevice& device) {
     return lacks("camera.exposure_us", "ExposureTime");
   if (!pick(found.rate_, {"AcquisitionFrameRate", "AcquisitionFrameRateAbs"}))
     return lacks("camera.frame_rate_hz", "AcquisitionFrameRate");
-  // With binning, WidthMax is what a region must fit into, and SensorWidth is not.
-  if (!pick(found.sensor_width_, {"WidthMax", "SensorWidth"}) ||
-      !pick(found.sensor_height_, {"HeightMax", "SensorHeight"}))
-    return lacks("camera.roi", "WidthMax, HeightMax, SensorWidth or SensorHeight");
+  if (!pick(found.sensor_width_, {"SensorWidth", "WidthMax"}) ||
+      !pick(found.sensor_height_, {"SensorHeight", "HeightMax"}))
+    return lacks("camera.roi", "SensorWidth, SensorHeight, WidthMax or HeightMax");
   return found;
 }
 
@@ -101,14 +100,21 @@ CameraInfo CameraFeatures::info(const std::string& address) {
   return info;
 }
 
+/// What a region must fit into. With binning that is less than the sensor has; and a region's own
+/// maximum shrinks, on most cameras, by the offset in use.
+Result<int> CameraFeatures::sensor_extent(const char* sensor, const char* extent,
+                                          const char* offset) {
+  auto pixels = device_->number(sensor);
+  if (!pixels) return fail(pixels.error());
+  auto range = device_->range(extent);
+  if (!range) return fail(range.error());
+  auto begin = device_->has_number(offset) ? device_->number(offset) : Result<double>(0.0);
+  if (!begin) return fail(begin.error());
+  return int(std::min(*pixels, range->max + *begin));
+}
+
 Result<CameraLimits> CameraFeatures::limits() {
   CameraLimits limits;
-  const auto value = [&](const char* feature, auto& out) -> Result<void> {
-    auto number = device_->number(feature);
-    if (!number) return fail(number.error());
-    out = std::decay_t<decltype(out)>(*number);
-    return {};
-  };
   const auto range = [&](const char* feature, Range<double>& out) -> Result<void> {
     auto answer = device_->range(feature);
     if (!answer) return fail(answer.error());
@@ -119,8 +125,12 @@ Result<CameraLimits> CameraFeatures::limits() {
   if (auto r = range(gain_, limits.gain_db); !r) return fail(r.error());
   if (auto r = range(exposure_, limits.exposure_us); !r) return fail(r.error());
   if (auto r = range(rate_, limits.frame_rate_hz); !r) return fail(r.error());
-  if (auto r = value(sensor_width_, limits.sensor_width); !r) return fail(r.error());
-  if (auto r = value(sensor_height_, limits.sensor_height); !r) return fail(r.error());
+  auto sensor_width = sensor_extent(sensor_width_, "Width", "OffsetX");
+  if (!sensor_width) return fail(sensor_width.error());
+  auto sensor_height = sensor_extent(sensor_height_, "Height", "OffsetY");
+  if (!sensor_height) return fail(sensor_height.error());
+  limits.sensor_width = *sensor_width;
+  limits.sensor_height = *sensor_height;
   if (auto r = range("Width", width); !r) return fail(r.error());
   if (auto r = range("Height", height); !r) return fail(r.error());
   limits.roi_width = whole(width, limits.sensor_width);

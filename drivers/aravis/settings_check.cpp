@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace ovws {
 
@@ -39,10 +40,14 @@ bool lies_on_sensor(int offset, int extent, int sensor) {
 
 Result<double> fit_value(const std::string& field, const char* what, double wanted,
                          const Range<double>& range) {
-  if (!std::isfinite(wanted) || wanted < range.min || wanted > range.max)
-    return fail(Errc::invalid, field,
+  if (!std::isfinite(wanted) || wanted < range.min || wanted > range.max) {
+    Error error{Errc::invalid, field,
                 std::string(what) + " of " + describe(wanted) +
-                    " is not possible now; this camera takes " + describe(range));
+                    " is not possible now; this camera takes " + describe(range)};
+    error.min = range.min;
+    error.max = range.max;
+    return fail(std::move(error));
+  }
   if (range.increment <= 0.0) return wanted;
   const double steps = std::round((wanted - range.min) / range.increment);
   return std::clamp(range.min + steps * range.increment, range.min, range.max);

@@ -1,8 +1,6 @@
 /// Rows of the camera contract: the Aravis driver against a GigE Vision camera in another process.
 #include <signal.h>
 
-#include <cmath>
-
 #include "drivers/aravis/aravis_camera.hpp"
 #include "tests/contract/camera/camera_contract.hpp"
 #include "tests/contract/camera/child_process.hpp"
@@ -22,9 +20,10 @@ class AravisBench final : public CameraBench {
  public:
   explicit AravisBench(const Description& description) : description_(description) { plug_in(); }
 
-  Result<std::unique_ptr<Camera>> open() override {
+  Result<std::unique_ptr<Camera>> open() override { return open_by(kAddress); }
+  static Result<std::unique_ptr<Camera>> open_by(const std::string& id) {
     AravisConfig config;
-    config.id = kAddress;
+    config.id = id;
     return open_aravis_camera(config);
   }
   CameraSettings settings() const override {
@@ -97,6 +96,41 @@ std::string name_of(const ::testing::TestParamInfo<CameraRow>& row) {
 INSTANTIATE_TEST_SUITE_P(Aravis, CameraContract, ::testing::Values(kOldNames, kTodaysNames),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Aravis, CameraLossContract, ::testing::Values(kTodaysNames), name_of);
+
+// What only this driver promises.
+
+TEST(AravisCamera, OpensByAddressByIdAndBySerialNumber) {
+  const auto bench = todays_names();
+  for (const char* id : {kAddress, "Aravis-Fake-OVWS7", "OVWS7"}) {
+    auto camera = AravisBench::open_by(id);
+    ASSERT_TRUE(camera) << id << ": " << camera.error().reason;
+    EXPECT_EQ((*camera)->info().address, kAddress);
+    EXPECT_EQ((*camera)->info().serial, "OVWS7");
+  }
+}
+
+TEST(AravisCamera, AnUnknownIdIsUnavailableAndTheErrorListsWhatIsThere) {
+  const auto bench = todays_names();
+  auto camera = AravisBench::open_by("OVWS8");
+  ASSERT_FALSE(camera);
+  EXPECT_EQ(camera.error().code, Errc::unavailable);
+  EXPECT_EQ(camera.error().field, "camera.id");
+  EXPECT_NE(camera.error().reason.find("Aravis-Fake-OVWS7 at 127.0.0.1"), std::string::npos)
+      << camera.error().reason;
+}
+
+TEST(AravisCamera, AWrongConfigurationIsInvalid) {
+  const auto bench = todays_names();
+  const auto refused = [](AravisConfig config, const char* field) {
+    auto camera = open_aravis_camera(config);
+    ASSERT_FALSE(camera) << field;
+    EXPECT_EQ(camera.error().code, Errc::invalid) << camera.error().reason;
+    EXPECT_EQ(camera.error().field, field) << camera.error().reason;
+  };
+  refused({.id = ""}, "camera.id");
+  refused({.id = kAddress, .buffers = 1}, "camera.buffers");
+  refused({.id = kAddress, .packet_size_bytes = 100}, "camera.packet_size_bytes");
+}
 
 }  // namespace
 }  // namespace ovws::testing

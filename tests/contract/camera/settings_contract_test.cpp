@@ -41,6 +41,24 @@ TEST_P(CameraContract, LimitsAreSane) {
   EXPECT_FALSE(limits->pixel_formats.empty());
 }
 
+TEST_P(CameraContract, TheSensorIsTheSameWhereverTheRegionIs) {
+  auto camera = open_ready();
+  ASSERT_TRUE(camera);
+  auto limits = camera->limits();
+  ASSERT_TRUE(limits);
+  for (const Roi& roi : {Roi{0, 0, 64, 64}, Roi{64, 32, 64, 64}, Roi{512, 256, 128, 128}}) {
+    CameraSettings wanted = bench_->settings();
+    wanted.roi = roi;
+    ASSERT_TRUE(camera->apply(wanted));
+    auto now = camera->limits();
+    ASSERT_TRUE(now);
+    EXPECT_EQ(now->sensor_width, limits->sensor_width);
+    EXPECT_EQ(now->sensor_height, limits->sensor_height);
+    EXPECT_EQ(now->roi_width.max, limits->roi_width.max);
+    EXPECT_EQ(now->roi_height.max, limits->roi_height.max);
+  }
+}
+
 TEST_P(CameraContract, SaysWhatItIs) {
   auto camera = open_ready();
   ASSERT_TRUE(camera);
