@@ -6,6 +6,7 @@ from case import BenchCase, main
 
 FRAMES = 10
 OTHERS_WAVES = 0.02
+LEAST_TRACKED = 18  # 0.2 wave of spherical aberration smears the spot at the pupil's rim until it is no clear vortex
 
 
 def within(wanted, measured):
@@ -23,9 +24,8 @@ class Modes(BenchCase):
         first = self.settled_frames(stream, 1, answer["hologram_id"])[0]
         took_s = time.monotonic() - asked
         frames = [first] + self.settled_frames(stream, FRAMES - 1, answer["hologram_id"])
-        for frame in frames:
-            self.assertEqual(frame["tracked"], 19)
-            self.assertEqual(frame["gap"], 0)
+        self.tracked = min(frame["tracked"] for frame in frames)
+        self.assertEqual({frame["gap"] for frame in frames}, {0})
         return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}, took_s
 
     def check_all_modes(self, charge, tracker, judged=True):
@@ -34,13 +34,13 @@ class Modes(BenchCase):
         self.take_reference()
         stream = self.stream("wavefront")
         cases = [(j, sign * 0.2) for j in range(3, 15) for sign in (1, -1)] + [(3, 0.5)]
-        print(f"\ncharge {charge}, {tracker}:   j  asked   found   largest other  answer (ms)")
+        print(f"\ncharge {charge}, {tracker}:   j  asked   found   largest other  spots  answer (ms)")
         failures = []
         for j, waves in cases:
             found, took_s = self.measure(stream, j, waves)
             other_j, other = max(((k, v) for k, v in found.items() if k != j), key=lambda item: abs(item[1]))
-            print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {1e3 * took_s:6.0f}")
-            if not (within(waves, found[j]) and abs(other) < OTHERS_WAVES and took_s < 1.0):
+            print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {self.tracked:2d}/19  {1e3 * took_s:6.0f}")
+            if not (within(waves, found[j]) and abs(other) < OTHERS_WAVES and took_s < 1.0 and self.tracked >= LEAST_TRACKED):
                 failures.append((j, waves, found[j], other_j, other, took_s))
         if judged:
             self.assertEqual(failures, [])
