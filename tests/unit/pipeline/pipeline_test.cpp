@@ -70,6 +70,18 @@ TEST(Pipeline, AnIncompleteFrameIsAGapButNotALossBesides) {
   EXPECT_EQ(rig.count(Counter::frames_grabbed), 2U);
 }
 
+TEST(Pipeline, OfAGapOnlyWhatWasNotIncompleteIsLost) {
+  Running rig;
+  Taken(rig, rig.measure(1, rig.still));
+  rig.camera.send({3, 0, nullptr, true});
+  rig.turn();
+  EXPECT_EQ(Taken(rig, rig.measure(5, rig.still))->gap, 3U);
+  EXPECT_EQ(rig.count(Counter::frames_incomplete), 1U);
+  EXPECT_EQ(rig.count(Counter::frames_lost), 2U);
+  EXPECT_EQ(Taken(rig, rig.measure(7, rig.still))->gap, 1U);
+  EXPECT_EQ(rig.count(Counter::frames_lost), 3U);
+}
+
 TEST(Pipeline, ANewStreamBeginsWithoutAGap) {
   Running rig;
   Taken(rig, rig.measure(100, rig.still));
@@ -248,14 +260,13 @@ TEST(Pipeline, AFrameWhileTheHologramChangesIsPublishedInvalid) {
 TEST(Pipeline, WithoutAReferenceNothingIsValid) {
   PipelineRig rig;
   auto plan = rig.bench.plan(1);
-  plan->reference_px.clear();
-  plan->reconstructor =
-      std::make_unique<Reconstructor>(rig.bench.slopes, rig.bench.modes_j, std::vector<Vec2>{});
+  plan->reference_px.clear();  // although the reconstructor would tell the modes
   rig.use(std::move(plan));
   ASSERT_TRUE(rig.attach());
   Taken record(rig, rig.measure(1, SpotBench::draw(rig.bench.model_px)));
   EXPECT_TRUE(record->settled);
   EXPECT_EQ(record->tracked, 19);
+  EXPECT_TRUE(record->reconstruction.determined);
   EXPECT_FALSE(record->valid);
 }
 
