@@ -19,7 +19,7 @@ enum class DaemonState : std::uint8_t {
   waiting_for_display,  ///< a camera, and no display
   job_running,          ///< a reference is being taken
   running,
-  count_,
+  count,
 };
 
 enum class DaemonEvent : std::uint8_t {
@@ -33,7 +33,7 @@ enum class DaemonEvent : std::uint8_t {
   fault_raised,
   fault_cleared,
   stop_requested,
-  count_,
+  count,
 };
 
 /// What a client may ask for, as far as the state decides.
@@ -47,7 +47,7 @@ enum class Action : std::uint8_t {
   clear_reference,
   cancel_job,
   save_config,
-  count_,
+  count,
 };
 
 /// Everything the state is made of.
@@ -64,7 +64,7 @@ struct Conditions {
 namespace control {
 
 template <class Key, class Row>
-using Table = std::array<Row, std::size_t(Key::count_)>;
+using Table = std::array<Row, std::size_t(Key::count)>;
 
 struct StateRow {
   std::string_view name;

@@ -37,7 +37,7 @@ void LatencyHistogram::record(std::int64_t latency_ns) OVWS_NONBLOCKING {
 }
 
 LatencySummary LatencyHistogram::take() {
-  std::array<std::uint32_t, kSubBuckets * kOctaves> counts{};
+  std::array<std::uint32_t, kBuckets> counts{};
   LatencySummary summary;
   for (std::size_t b = 0; b < counts.size(); ++b) {
     counts[b] = buckets_[b].exchange(0, std::memory_order_relaxed);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 
 #include "core/base/realtime.hpp"
@@ -25,7 +26,8 @@ class LatencyHistogram {
  private:
   static constexpr int kSubBuckets = 16;
   static constexpr int kOctaves = 30;
-  std::array<std::atomic<std::uint32_t>, kSubBuckets * kOctaves> buckets_{};
+  static constexpr std::size_t kBuckets = std::size_t(kSubBuckets) * kOctaves;
+  std::array<std::atomic<std::uint32_t>, kBuckets> buckets_{};
   std::atomic<std::int64_t> max_ns_{0};
 };
 

@@ -10,9 +10,9 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kEventCount = std::size_t(DaemonEvent::count_);
-constexpr std::size_t kActionCount = std::size_t(Action::count_);
-constexpr std::size_t kStateCount = std::size_t(DaemonState::count_);
+constexpr std::size_t kEventCount = std::size_t(DaemonEvent::count);
+constexpr std::size_t kActionCount = std::size_t(Action::count);
+constexpr std::size_t kStateCount = std::size_t(DaemonState::count);
 
 std::vector<Conditions> all_conditions() {
   std::vector<Conditions> all;
@@ -49,7 +49,7 @@ Conditions example(DaemonState state) {
     case DaemonState::job_running:
       return after(up(), DaemonEvent::job_begun);
     case DaemonState::running:
-    case DaemonState::count_:
+    case DaemonState::count:
       break;
   }
   return up();
