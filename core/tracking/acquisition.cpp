@@ -18,7 +18,7 @@ Vec2 position(const SpotFix& fix) {
 
 }  // namespace
 
-Acquisition::Acquisition(SpotModel spots, std::vector<Vec2> predicted_px, int image_width,
+Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
                          int image_height)
     : spots_(spots),
       image_width_(image_width),

@@ -16,7 +16,8 @@ namespace ovws {
 /// Memory for one image size, made off the frame path.
 class Acquisition {
  public:
-  Acquisition(SpotModel spots, std::vector<Vec2> predicted_px, int image_width, int image_height);
+  Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
+              int image_height);
 
   /// Candidates are found over the whole image and verified by `tracker`; those that pass are
   /// assigned by a smooth-wavefront consensus: displacements from `predicted_px` are fitted by an

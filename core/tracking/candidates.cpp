@@ -89,7 +89,7 @@ void CandidateFinder::average(const ImageView& image) {
 }
 
 void CandidateFinder::correlate() {
-  const Eigen::Index inner = grid_.cols() - 2 * margin_;
+  const Eigen::Index inner = grid_.cols() - 2 * Eigen::Index(margin_);
   for (Eigen::Index r = margin_; r < grid_.rows() - margin_; ++r) {
     auto out = score_.row(r).segment(margin_, inner);
     out.setZero();

@@ -12,8 +12,8 @@ constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda
 constexpr double kThreshold = 0.2;        // of the local peak above the local background
 constexpr double kLeastLight = 0.25;
 constexpr int kMaxMoves = 60;
-constexpr double kAtRest_px = 5e-4;      // of a mean shift, which halves what is left each time
-constexpr double kDiscAtRest_px = 0.02;  // of the disc: hardly a pixel enters or leaves it then
+constexpr double kAtRestPx = 5e-4;      // of a mean shift, which halves what is left each time
+constexpr double kDiscAtRestPx = 0.02;  // of the disc: hardly a pixel enters or leaves it then
 
 struct Sums {
   double light = 0.0;
@@ -58,7 +58,7 @@ std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2
     const Vec2 move{m.x / light, m.y / light};
     at = at + move;
     if (norm(at - start) > reach) return std::nullopt;
-    if (norm(move) < kAtRest_px) return at;
+    if (norm(move) < kAtRestPx) return at;
   }
   return std::nullopt;
 }
@@ -98,7 +98,7 @@ std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, 
     if (!(sums.light > 0.0) || norm(sums.centroid - start) > capture_px()) return std::nullopt;
     const double move = norm(sums.centroid - at);
     at = sums.centroid;
-    if (move > kDiscAtRest_px) continue;
+    if (move > kDiscAtRestPx) continue;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     if (!verdict.passed) return std::nullopt;
     return Found{at, verdict};

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 
 namespace ovws {
 namespace {
@@ -47,7 +48,7 @@ void GaussianWindow::Centre::follow(Vec2 at) {
 
 Moments GaussianWindow::at(const Patch& patch, Vec2 c, Centre centre,
                            std::span<float> scratch) const {
-  const int width = blocks_ * kPatchSlack;
+  const std::ptrdiff_t width = std::ptrdiff_t(blocks_) * kPatchSlack;
   const int count = 2 * half_ + 1;
   const int left = centre.x - half_, top = centre.y - half_;
   float* gx = scratch.data();
@@ -57,9 +58,9 @@ Moments GaussianWindow::at(const Patch& patch, Vec2 c, Centre centre,
   axis(c.y, top, gy);
 
   const float* first = patch.at(left, top);
-  for (int b = 0; b < blocks_; ++b) {
+  for (std::ptrdiff_t b = 0; b < width; b += kPatchSlack) {
     Block s0 = Block::Zero(), s1 = Block::Zero(), s2 = Block::Zero();
-    const float* p = first + b * kPatchSlack;
+    const float* p = first + b;
     for (int k = 0; k < count; ++k, p += patch.side) {
       const Block pixels = Eigen::Map<const Block>(p) * gy[k];
       const float dy = float(top + k - c.y);
@@ -67,9 +68,9 @@ Moments GaussianWindow::at(const Patch& patch, Vec2 c, Centre centre,
       s1 += dy * pixels;
       s2 += (dy * dy) * pixels;
     }
-    Eigen::Map<Block>(columns + b * kPatchSlack) = s0;
-    Eigen::Map<Block>(columns + width + b * kPatchSlack) = s1;
-    Eigen::Map<Block>(columns + 2 * width + b * kPatchSlack) = s2;
+    Eigen::Map<Block>(columns + b) = s0;
+    Eigen::Map<Block>(columns + width + b) = s1;
+    Eigen::Map<Block>(columns + 2 * width + b) = s2;
   }
 
   Moments m;

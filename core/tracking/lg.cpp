@@ -7,8 +7,8 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxSteps = 20;
-constexpr double kConverged_px = 2e-3;  // Newton squares it: the position is right to 1e-5
-constexpr double kMaxStep = 0.5;        // in units of w
+constexpr double kConvergedPx = 2e-3;  // Newton squares it: the position is right to 1e-5
+constexpr double kMaxStep = 0.5;       // in units of w
 // Smaller curvature against the spot's level; without aberration 0.25. Below this the zero is about
 // to merge with a saddle and lies pixels off where the slope of the phase says.
 constexpr double kMinSharpness = 0.03;
@@ -57,7 +57,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (length > kMaxStep * w) step = (kMaxStep * w / length) * step;
     at = at + step;
     if (norm(at - start) > capture_px()) return std::nullopt;
-    if (length > kConverged_px) continue;
+    if (length > kConvergedPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     const double sharpness = least_curvature(h) / (m.weight * verdict.level);

@@ -66,7 +66,8 @@ Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<flo
     load_rows<std::uint16_t>(image, patch, samples.data());
   }
   patch.darkest =
-      Eigen::Map<const Eigen::ArrayXf>(patch.pixels, patch.side * patch.side).minCoeff();
+      Eigen::Map<const Eigen::ArrayXf>(patch.pixels, Eigen::Index(patch.side) * patch.side)
+          .minCoeff();
   return patch;
 }
 

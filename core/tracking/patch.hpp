@@ -1,6 +1,7 @@
 /// A square of camera pixels around a start position, as floats: what every tracker computes on.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "core/base/image.hpp"
@@ -18,7 +19,7 @@ struct Patch {
   int image_width = 0, image_height = 0;
   float darkest = 0.0F;
 
-  const float* at(int x, int y) const { return pixels + (y - y0) * side + (x - x0); }
+  const float* at(int x, int y) const { return pixels + std::ptrdiff_t(y - y0) * side + (x - x0); }
   /// Brightest pixel of the square of half-width `half` around `centre`, clipped at the patch.
   float brightest(Vec2 centre, int half) const OVWS_NONBLOCKING;
   /// Whether the image holds every pixel within `margin` of `at`.

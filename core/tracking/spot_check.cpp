@@ -35,7 +35,8 @@ double noise_of(const Patch& patch) {
   double sum = 0.0;
   int rows = 0;
   for (int k = 0; k < patch.side && count > 0; k += kNoiseRowStep, ++rows) {
-    const Eigen::Map<const Eigen::ArrayXf> row(patch.pixels + k * patch.side, patch.side);
+    const Eigen::Map<const Eigen::ArrayXf> row(patch.pixels + std::ptrdiff_t(k) * patch.side,
+                                               patch.side);
     const auto at = [&](int shift) { return row.segment(shift, count); };
     sum += double((at(0) + at(4) - 4.0F * (at(1) + at(3)) + 6.0F * at(2)).square().sum());
   }
@@ -131,7 +132,7 @@ SpotCheck::Outside SpotCheck::outside(const float* centre) const {
   Means means = outer_.means(centre);
   const auto half = means.begin() + kSectors / 2;
   std::nth_element(means.begin(), half, means.end());
-  return {mean_of(means), std::accumulate(means.begin(), half, 0.0) / (kSectors / 2),
+  return {mean_of(means), std::accumulate(means.begin(), half, 0.0) / (0.5 * kSectors),
           *std::max_element(half, means.end())};
 }
 

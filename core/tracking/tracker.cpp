@@ -11,7 +11,7 @@ namespace ovws {
 namespace {
 
 constexpr double kMinKernel = 0.1, kMaxKernel = 2.0;
-constexpr double kMinSpot_px = 4.0, kMaxSpot_px = 200.0;
+constexpr double kMinSpotPx = 4.0, kMaxSpotPx = 200.0;
 constexpr int kMaxCharge = 8;
 
 bool follows_bright_spot(TrackerKind kind) {
@@ -23,7 +23,7 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
     return fail(Errc::invalid, "tracking.kernel_radius",
                 "must be from 0.1 to 2 in units of lambda/d");
   }
-  if (!(spots.lambda_d_px >= kMinSpot_px && spots.lambda_d_px <= kMaxSpot_px)) {
+  if (!(spots.lambda_d_px >= kMinSpotPx && spots.lambda_d_px <= kMaxSpotPx)) {
     return fail(Errc::invalid, "optics",
                 "lambda/d on the camera must be from 4 to 200 pixels for a spot to be tracked: "
                 "change the optics or the number of subapertures");

@@ -70,6 +70,7 @@ std::vector<RadialNode> radial_nodes(const SlopeModel& model) {
   if (model.kind == SlopeKind::gradient_tilt) return {{1.0, 1.0}};
   const std::vector<RadialNode> legendre = gauss_legendre(kNodes);
   std::vector<RadialNode> nodes;
+  nodes.reserve(legendre.size());
   for (const RadialNode& n : legendre) {
     nodes.push_back({n.r, n.weight * n.r * weight_at(model, legendre, n.r)});
   }

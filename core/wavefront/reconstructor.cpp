@@ -55,8 +55,8 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
     reference(2 * i + 1) = reference_px_[i].y;
     ++referenced_;
   }
-  if (2 * referenced_ < slopes_.cols()) return;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes_, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (2 * Eigen::Index(referenced_) < slopes_.cols()) return;
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(slopes_, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto& s = svd.singularValues();
   determined_ = s.size() > 0 && s(s.size() - 1) * kMaxCondition > s(0);
   if (!determined_) return;
@@ -87,7 +87,7 @@ Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scr
     scratch.measured(2 * i) = there ? double(spots[i].x) : 0.0;
     scratch.measured(2 * i + 1) = there ? double(spots[i].y) : 0.0;
   }
-  if (!determined_ || 2 * found < slopes_.cols()) return result;
+  if (!determined_ || 2 * Eigen::Index(found) < slopes_.cols()) return result;
   if (found == referenced_) {
     scratch.modes.noalias() = inverse_ * scratch.measured;
     scratch.modes -= offset_;
