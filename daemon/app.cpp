@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
+
 #include "daemon/camera_actor.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/image_publisher.hpp"
@@ -19,7 +21,8 @@ namespace ovws {
 namespace {
 
 constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
-constexpr int kImageQueue = 4;           ///< an image is a MiB or more
+constexpr double kStopPatienceS = 1.2;
+constexpr int kImageQueue = 4;  ///< an image is a MiB or more
 
 }  // namespace
 
@@ -167,8 +170,10 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
   parts_->slm.close();
-  parts_->threads.stop_all();
-  return {};
+  const std::string held = parts_->threads.stop_all(kStopPatienceS);
+  if (held.empty()) return {};
+  spdlog::warn("thread {} is held by a device that does not answer: ending without it", held);
+  std::_Exit(0);
 }
 
 }  // namespace ovws

@@ -14,6 +14,13 @@ namespace {
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
+/// A driver names settings as the configuration does, a client as the method's params do.
+Error in_params(Error error) {
+  constexpr std::string_view kRoom = "camera.";
+  if (error.field.starts_with(kRoom)) error.field.erase(0, kRoom.size());
+  return error;
+}
+
 }  // namespace
 
 CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
@@ -51,7 +58,8 @@ void CameraActor::change(CameraSet change, Applied done) {
     const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
     if (!wanted) return done(fail(wanted.error()));
     const auto applied = apply(*wanted);
-    if (!applied) return done(fail(applied.error()));
+    if (!applied) return done(fail(in_params(applied.error())));
+    refresh_limits();
     publish_snapshot("");
     done(snapshot_.get());
   });
@@ -68,6 +76,7 @@ void CameraActor::try_open() {
   const auto wanted = within_limits(settings_, *limits_, false);
   if (!wanted) return lose("camera." + wanted.error().field + ": " + wanted.error().reason);
   if (const auto started = start_stream(*wanted); !started) return lose(started.error().reason);
+  refresh_limits();
   if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
   ever_connected_ = true;
   const CameraInfo& info = camera_->info();
@@ -79,11 +88,11 @@ void CameraActor::try_open() {
 
 /// Applies, starts, and lends the camera to the frame path.
 Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
-  const std::int64_t t_begin_ns = monotonic_ns();
   const auto applied = camera_->apply(wanted);
   if (!applied) return fail(applied.error());
   if (auto started = camera_->start(); !started) return started;
-  note_applied(*applied, *applied, t_begin_ns);
+  const std::int64_t now_ns = monotonic_ns();
+  tell_frame_path(*applied, *applied, now_ns, now_ns);
   settings_ = *applied;
   attached_ns_ = monotonic_ns();
   return deps_.pipeline.attach(*camera_);
@@ -115,6 +124,12 @@ bool CameraActor::starved() const {
   return double(monotonic_ns() - last_ns) > patience_ns;
 }
 
+/// A camera's limits depend on its settings: the longest exposure on the rate, the rate on the
+/// region.
+void CameraActor::refresh_limits() {
+  if (auto limits = camera_->limits()) limits_ = *limits;
+}
+
 Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
   const bool same_image =
       wanted.roi == settings_.roi && wanted.pixel_format == settings_.pixel_format;
@@ -123,9 +138,11 @@ Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
 
 Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   const std::int64_t t_begin_ns = monotonic_ns();
+  // Frames that are exposed while the registers are written belong to neither.
+  tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
+  tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, monotonic_ns());
   if (!applied) return applied;
-  note_applied(settings_, *applied, t_begin_ns);
   settings_ = *applied;
   return applied;
 }
@@ -145,8 +162,8 @@ Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) 
   return fail(started.error());
 }
 
-void CameraActor::note_applied(const CameraSettings& before, const CameraSettings& after,
-                               std::int64_t t_begin_ns) {
+void CameraActor::tell_frame_path(const CameraSettings& before, const CameraSettings& after,
+                                  std::int64_t t_begin_ns, std::int64_t t_end_ns) {
   AppliedSettings applied;
   applied.gain_db = after.gain_db;
   applied.exposure_us = after.exposure_us;
@@ -154,7 +171,7 @@ void CameraActor::note_applied(const CameraSettings& before, const CameraSetting
   applied.previous_gain_db = before.gain_db;
   applied.previous_exposure_us = before.exposure_us;
   applied.t_write_begin_mono_ns = t_begin_ns;
-  applied.t_write_end_mono_ns = monotonic_ns();
+  applied.t_write_end_mono_ns = t_end_ns;
   applied.transfer_ns = std::int64_t(config_.transfer_ms * 1e6);
   deps_.settings.write(applied);
 }

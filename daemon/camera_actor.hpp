@@ -58,12 +58,13 @@ class CameraActor : public Agent {
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const std::string& why);
   bool give_up_camera();
+  void refresh_limits();
   bool starved() const;
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
   Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
-  void note_applied(const CameraSettings& before, const CameraSettings& after,
-                    std::int64_t t_begin_ns);
+  void tell_frame_path(const CameraSettings& before, const CameraSettings& after,
+                       std::int64_t t_begin_ns, std::int64_t t_end_ns);
   void publish_snapshot(std::string fault);
 
   CameraConfig config_;

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <ctime>
 
 #include "core/port/clock.hpp"
 
@@ -26,6 +28,20 @@ namespace {
 const ThreadRow& row_of(ThreadRole role) {
   return *std::find_if(kThreadTable.begin(), kThreadTable.end(),
                        [role](const ThreadRow& row) { return row.role == role; });
+}
+
+/// pthread_timedjoin_np counts by CLOCK_REALTIME.
+timespec realtime_in(double seconds) {
+  timespec time{};
+  clock_gettime(CLOCK_REALTIME, &time);
+  const double whole = std::floor(seconds);
+  time.tv_sec += time_t(whole);
+  time.tv_nsec += long(1e9 * (seconds - whole));
+  if (time.tv_nsec >= 1'000'000'000) {
+    time.tv_nsec -= 1'000'000'000;
+    ++time.tv_sec;
+  }
+  return time;
 }
 
 int set_fifo(std::thread& thread, int priority) {
@@ -83,13 +99,20 @@ void ThreadPlan::run(Running& running) {
   running.agent->on_close();
 }
 
-void ThreadPlan::stop_all() {
-  while (!threads_.empty()) {
-    Running& last = *threads_.back();
-    last.stop = true;
-    if (last.thread.joinable()) last.thread.join();
-    threads_.pop_back();
+std::string ThreadPlan::stop_all(double patience_s) {
+  std::string held;
+  const timespec until = realtime_in(patience_s);
+  for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {
+    Running& one = **running;
+    one.stop = true;
+    if (!one.thread.joinable()) continue;
+    if (pthread_timedjoin_np(one.thread.native_handle(), nullptr, &until) == 0) {
+      one.thread.detach();  // std::thread must not believe that there is still one to join
+    } else {
+      held = one.row->name;
+    }
   }
+  return held;
 }
 
 std::string ThreadPlan::hung_thread() const {

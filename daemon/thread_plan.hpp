@@ -64,8 +64,10 @@ class ThreadPlan {
   Result<void> prepare_process();
   /// `agent` is turned until stop_all. With `enforce`, a priority that cannot be had is an error.
   Result<void> start(ThreadRole role, Agent& agent);
-  /// Asks all to end, last started first, and waits for each.
-  void stop_all();
+  /// Asks all to end, last started first, and waits for each, for `patience_s` in all. A thread may
+  /// be held by a device that no longer answers: then its name is returned, and the process is to
+  /// end without destroying what that thread uses. Empty: all ended.
+  std::string stop_all(double patience_s);
 
   /// Thread-safe: empty, or the name of a thread whose turn takes too long.
   std::string hung_thread() const;

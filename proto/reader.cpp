@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace ovws {
@@ -10,7 +11,12 @@ namespace {
 
 using nlohmann::json;
 
+/// As a person writes it: 100000, not 1e+05.
 std::string text_of(double value) {
+  constexpr double kMostDigits = 1e15;
+  if (value == std::floor(value) && std::abs(value) < kMostDigits) {
+    return std::to_string(std::int64_t(value));
+  }
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   return {buffer, end};
@@ -65,7 +71,7 @@ const json* ObjectReader::raw(const char* key) {
 }
 
 void ObjectReader::require(const char* key) {
-  if (!error_ && !has(key)) fault(key, "is missing");
+  if (!missing_ && !has(key)) missing_ = Error{Errc::invalid, path_of(key), "is missing"};
 }
 
 void ObjectReader::fault(std::string_view key, std::string reason) {
@@ -135,7 +141,8 @@ void ObjectReader::choice(const char* key, int& out, const std::vector<std::stri
     return;
   }
   const auto nearest = nearest_name(value->get_ref<const std::string&>(), names).value_or("");
-  fault(key, seen(*value) + " is unknown; " + meant(nearest, names));
+  fault(key, seen(*value) + " is unknown; known are " + listed(names) +
+                 (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
   error_->nearest = nearest;
 }
 
@@ -168,6 +175,7 @@ Result<void> ObjectReader::finish() {
     error_->nearest = nearest;
     return fail(*error_);
   }
+  if (missing_) return fail(*missing_);
   return {};
 }
 

@@ -32,7 +32,7 @@ class ObjectReader {
   void clamp(bool on) { clamp_ = on; }
 
   bool has(const char* key) const;  ///< present (null counts as present)
-  void require(const char* key);    ///< a fault if absent
+  void require(const char* key);    ///< a fault if absent, told by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
@@ -68,6 +68,8 @@ class ObjectReader {
   std::string path_;
   std::vector<std::string> known_;
   std::optional<Error> error_;
+  std::optional<Error>
+      missing_;  ///< told only if nothing else is wrong: a key that is misspelt is missing, too
   bool clamp_ = false;
 };
 

@@ -23,7 +23,8 @@ struct Error {
   std::string field;   ///< the setting at fault, as a dotted path ("camera.gain_db"); empty if none
   std::string reason;  ///< what was wrong and what to do, one sentence
   std::optional<double> min{}, max{};  ///< of a value out of range: its limits, in the field's unit
-  std::string nearest{};  ///< of an unknown name: the known one that was meant; empty if none is near
+  std::string
+      nearest{};  ///< of an unknown name: the known one that was meant; empty if none is near
 };
 
 template <class T>

@@ -132,39 +132,12 @@ void print_results() {
 
 /// A value of any kind, sometimes a right one, for a key of any method.
 json any_value(std::mt19937& random) {
-  static const std::vector<json> values{
-      0,
-      1,
-      -1,
-      7,
-      1000,
-      1e9,
-      -1e9,
-      0.5,
-      1.0,
-      nullptr,
-      true,
-      "lg",
-      "square",
-      "flat",
-      "sensor",
-      "grating",
-      "identify",
-      "rms",
-      "unit",
-      "Mono12",
-      "nonsense",
-      json::array(),
-      {20, 30},
-      {1, "x"},
-      {1, 2, 3},
-      json::object(),
-      {{"x", 0}, {"y", 0}, {"width", 64}, {"height", 64}},
-      {{"x", 0}},
-      json::array({{{"j", 3}, {"waves", 0.5}}}),
-      json::array({{{"n", 2}, {"m", 0}, {"waves", 0.5}}}),
-      json::array({{{"n", 2}, {"waves", 1}}}),
-      json::array({{{"j", 3}, {"n", 2}, {"m", -2}, {"waves", 1}}})};
+  static const json values = json::parse(R"([
+      0, 1, -1, 7, 1000, 1e9, -1e9, 0.5, 1.0, null, true, "lg", "square", "flat", "sensor", "grating",
+      "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], {},
+      {"x": 0, "y": 0, "width": 64, "height": 64}, {"x": 0}, [{"j": 3, "waves": 0.5}],
+      [{"n": 2, "m": 0, "waves": 0.5}], [{"n": 2, "waves": 1}],
+      [{"j": 3, "n": 2, "m": -2, "waves": 1}]])");
   return values[random() % values.size()];
 }
 
