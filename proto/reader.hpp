@@ -55,7 +55,7 @@ class ObjectReader {
   const nlohmann::json* raw(const char* key);
 
   void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller
-  bool failed() const { return error_.has_value(); }
+  bool failed() const { return error_ || missing_; }
   Result<void> finish();
 
  private:

@@ -105,7 +105,6 @@ TEST(ObjectReader, RefusesWrongTypes) {
   EXPECT_EQ(refused([&](ObjectReader& r) { r.number("e", d, 0, 9); }), "e");
   EXPECT_EQ(refused([&](ObjectReader& r) { r.choice("b", i, {"one"}); }), "b");
   EXPECT_EQ(refused([&](ObjectReader& r) { r.object("a", [](ObjectReader&) {}); }), "a");
-  EXPECT_EQ(refused([&](ObjectReader& r) { r.require("zz"); }), "zz");
 }
 
 TEST(ObjectReader, NamesAnUnknownKeyAndWhatWasMeant) {
@@ -144,6 +143,33 @@ TEST(ObjectReader, KeepsTheFirstFault) {
   r.integer("a", value, 0, 10);
   r.integer("b", value, 0, 10);
   EXPECT_EQ(first_error(r).field, "a");
+}
+
+TEST(ObjectReader, TellsWhatIsMissing) {
+  const json object = json::object();
+  ObjectReader r(object, "in");
+  r.require("pattern");
+  const Error error = first_error(r);
+  EXPECT_EQ(error.field, "in.pattern");
+  EXPECT_EQ(error.reason, "is missing");
+}
+
+TEST(ObjectReader, TellsOfAMisspeltKeyRatherThanOfTheMissingOne) {
+  const json object{{"patern", "flat"}};
+  std::string pattern;
+  ObjectReader r(object, "");
+  r.require("pattern");
+  r.string("pattern", pattern);
+  EXPECT_TRUE(r.failed());
+  EXPECT_EQ(first_error(r).nearest, "pattern");
+}
+
+TEST(ObjectReader, WritesLimitsAsAPersonDoes) {
+  const json object{{"frames", 1000000}};
+  int frames = 0;
+  ObjectReader r(object, "");
+  r.integer("frames", frames, 1, 100000);
+  EXPECT_EQ(first_error(r).reason, "must be a whole number from 1 to 100000, not 1000000");
 }
 
 TEST(ObjectReader, ClampsIfAsked) {

@@ -102,6 +102,7 @@ TEST(AberrationRequest, RefusesWhatIsNoMode) {
   EXPECT_EQ(field(R"({"modes": [{"j": 3}]})"), "modes[0].waves");
   EXPECT_EQ(field(R"({"modes": [{"waves": 1}]})"), "modes[0].n");
   EXPECT_EQ(field(R"({"modes": [{"n": 2, "waves": 1}]})"), "modes[0].m");
+  EXPECT_EQ(field(R"({"modes": [{"n": 3, "waves": 1}]})"), "modes[0].m");
   EXPECT_EQ(field(R"({"modes": [{"n": 2, "m": 1, "waves": 1}]})"), "modes[0].n");
   EXPECT_EQ(field(R"({"modes": [{"n": 1, "m": 3, "waves": 1}]})"), "modes[0].n");
   EXPECT_EQ(field(R"({"modes": [{"n": 21, "m": 1, "waves": 1}]})"), "modes[0].n");
