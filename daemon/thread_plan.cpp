@@ -55,7 +55,8 @@ int set_fifo(std::thread& thread, int priority) {
 ThreadPlan::ThreadPlan(RealtimePolicy policy) : policy_(policy) {}
 
 ThreadPlan::~ThreadPlan() {
-  stop_all();
+  constexpr double kForEver = 1e6;
+  stop_all(kForEver);
 }
 
 Result<void> ThreadPlan::prepare_process() {

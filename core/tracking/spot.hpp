@@ -37,7 +37,7 @@ std::optional<TrackerKind> tracker_from_name(std::string_view name);
 
 struct TrackingConfig {
   TrackerKind tracker = TrackerKind::lg;
-  double kernel_radius = 0.4;  ///< LG kernel's 1/e radius w in units of lambda/d on the camera
+  double kernel_radius = 0.3;  ///< LG kernel's 1/e radius w in units of lambda/d on the camera
 
   friend bool operator==(const TrackingConfig&, const TrackingConfig&) = default;
 };

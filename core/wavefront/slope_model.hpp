@@ -27,7 +27,7 @@ enum class SlopeKind {
 struct SlopeModel {
   SlopeKind kind = SlopeKind::vortex_tilt;
   int charge = 1;
-  double kernel_radius = 0.4;  ///< 1/e radius, units of lambda/d
+  double kernel_radius = 0.3;  ///< 1/e radius, units of lambda/d
 
   SlopeModel() = default;
   SlopeModel(SlopeKind k) : kind(k) {}  // NOLINT(google-explicit-constructor): a kind is a model
