@@ -172,13 +172,14 @@ class Bench:
     def start_display(self, number=None, timeout=20.0):
         """An X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (1280 x 768, the SLM), on a
         free display number unless one is given. Sets `display`."""
-        xorg = shutil.which("Xorg") or "/usr/lib/xorg/Xorg"
+        # Not the wrapper /usr/bin/Xorg, which may refuse whoever does not sit at the console.
+        xorg = next(filter(os.path.exists, ("/usr/lib/xorg/Xorg", "/usr/libexec/Xorg")), "Xorg")
         shutil.copy(HERE / "xorg-bench.conf", self.directory / "xorg-bench.conf")
         for display in [number] if number is not None else free_displays():
             server = self.start("xorg", [
                 xorg, f":{display}", "-config", self.directory / "xorg-bench.conf",
                 "-logfile", self.directory / "xorg-details.log",
-                "-noreset", "-nolisten", "tcp", "-novtswitch", "-sharevts"])
+                "-noreset", "-nolisten", "tcp", "-novtswitch", "-sharevts", "-s", "0", "-dpms"])
             deadline = time.monotonic() + timeout
             while server.alive() and time.monotonic() < deadline:
                 if _serves_display(server.pid, display):

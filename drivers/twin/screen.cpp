@@ -7,6 +7,7 @@
 
 #include <array>
 #include <chrono>
+#include <thread>
 
 #include "drivers/twin/x_output.hpp"
 
@@ -38,10 +39,12 @@ void Screen::work(const std::stop_token& stop) {
       report(true, slm_.display);
       follow(**output, stop);
       if (!stop.stop_requested()) report(false, "the X server went away or changed its screens");
-      bench_.go_dark();
-    } else {
-      report(false, output.error().reason);
+      // If the screens were only arranged anew, the SLM goes on to show what it showed.
+      std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
+      continue;
     }
+    report(false, output.error().reason);
+    bench_.go_dark();
     const auto next_try = std::chrono::steady_clock::now() + kBetweenTries;
     while (!stop.stop_requested() && std::chrono::steady_clock::now() < next_try) {
       answer(asked());
