@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
+#include <chrono>
 #include <cstring>
-#include <ctime>
+#include <future>
 
 #include "core/port/clock.hpp"
 
@@ -20,6 +20,7 @@ struct ThreadPlan::Running {
   Agent* agent = nullptr;
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> turn_began_ns{0};
+  std::promise<void> ended;
   std::thread thread;
 };
 
@@ -28,20 +29,6 @@ namespace {
 const ThreadRow& row_of(ThreadRole role) {
   return *std::find_if(kThreadTable.begin(), kThreadTable.end(),
                        [role](const ThreadRow& row) { return row.role == role; });
-}
-
-/// pthread_timedjoin_np counts by CLOCK_REALTIME.
-timespec realtime_in(double seconds) {
-  timespec time{};
-  clock_gettime(CLOCK_REALTIME, &time);
-  const double whole = std::floor(seconds);
-  time.tv_sec += time_t(whole);
-  time.tv_nsec += long(1e9 * (seconds - whole));
-  if (time.tv_nsec >= 1'000'000'000) {
-    time.tv_nsec -= 1'000'000'000;
-    ++time.tv_sec;
-  }
-  return time;
 }
 
 int set_fifo(std::thread& thread, int priority) {
@@ -55,8 +42,8 @@ int set_fifo(std::thread& thread, int priority) {
 ThreadPlan::ThreadPlan(RealtimePolicy policy) : policy_(policy) {}
 
 ThreadPlan::~ThreadPlan() {
-  constexpr double kForEver = 1e6;
-  stop_all(kForEver);
+  constexpr double kOneDayS = 86400.0;
+  stop_all(kOneDayS);
 }
 
 Result<void> ThreadPlan::prepare_process() {
@@ -98,17 +85,18 @@ void ThreadPlan::run(Running& running) {
     running.agent->do_work();
   }
   running.agent->on_close();
+  running.ended.set_value();
 }
 
 std::string ThreadPlan::stop_all(double patience_s) {
   std::string held;
-  const timespec until = realtime_in(patience_s);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {
     Running& one = **running;
     one.stop = true;
     if (!one.thread.joinable()) continue;
-    if (pthread_timedjoin_np(one.thread.native_handle(), nullptr, &until) == 0) {
-      one.thread.detach();  // std::thread must not believe that there is still one to join
+    if (one.ended.get_future().wait_until(until) == std::future_status::ready) {
+      one.thread.join();
     } else {
       held = one.row->name;
     }
