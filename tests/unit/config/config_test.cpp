@@ -150,7 +150,7 @@ TEST(ParseConfig, ReadsTheKeysThatTheWireDocumentPromises) {
   "optics":  { "wavelength_nm": 632.0, "focal_length_mm": 200.0, "magnification": 1.0, "camera_pitch_um": 3.45, "centre_px": null },
   "sensor":  { "charge": 1, "grid": "hexagonal", "subapertures_across": 5, "pupil_diameter_px": 768,
                "grooves": [200, 20], "spacing": 0.25 },
-  "tracking": { "tracker": "lg", "kernel_radius": 0.3 },
+  "tracking": { "tracker": "lg", "kernel_radius": 0.4 },
   "stream":  { "endpoint": "tcp://127.0.0.1:7701", "image_endpoint": "tcp://127.0.0.1:7703", "image_rate_hz": 10 },
   "control": { "endpoint": "tcp://127.0.0.1:7702" } })");
   ASSERT_TRUE(config) << config.error().field << ": " << config.error().reason;
