@@ -14,7 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxDepth = 16;
-constexpr std::size_t kMaxFileBytes = 1024 * 1024;
+constexpr std::size_t kMaxFileBytes = 1 << 20;
 
 void number(ObjectReader& r, const char* key, double& out, limits::Numbers range) {
   r.number(key, out, range.min, range.max);

@@ -14,7 +14,7 @@ namespace ovws {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMaxRequestBytes = 64 * 1024;
+constexpr std::size_t kMaxRequestBytes = 64 << 10;
 
 /// The standard codes, and the daemon's own from -32000 on (one per Errc).
 enum class RpcCode : int {

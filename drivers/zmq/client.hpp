@@ -19,6 +19,8 @@ class ControlClient {
   /// Errors: Errc::invalid (endpoint not understood). That nobody is there shows with the first
   /// request.
   static Result<ControlClient> connect(const std::string& endpoint);
+  ControlClient(const ControlClient&) = delete;
+  ControlClient& operator=(const ControlClient&) = delete;
   ControlClient(ControlClient&&) noexcept;
   ControlClient& operator=(ControlClient&&) noexcept;
   ~ControlClient();
@@ -46,6 +48,8 @@ class Subscriber {
   /// newest are lost.
   static Result<Subscriber> connect(const std::string& endpoint,
                                     const std::vector<std::string>& topics, int receive_queue);
+  Subscriber(const Subscriber&) = delete;
+  Subscriber& operator=(const Subscriber&) = delete;
   Subscriber(Subscriber&&) noexcept;
   Subscriber& operator=(Subscriber&&) noexcept;
   ~Subscriber();

@@ -28,6 +28,8 @@ class ControlServer : public Agent {
                                                      std::size_t max_request_bytes,
                                                      std::string oversize_reply,
                                                      ControlHandler handler);
+  ControlServer(const ControlServer&) = delete;
+  ControlServer& operator=(const ControlServer&) = delete;
   ~ControlServer() override;
   bool do_work() override;
 

@@ -16,6 +16,8 @@ class Publisher {
   /// `send_queue` messages per subscriber; a slow one loses its own. Errors: Errc::unavailable
   /// (port in use, said with the endpoint), Errc::invalid (endpoint not understood).
   static Result<Publisher> bind(const std::string& endpoint, int send_queue);
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
   Publisher(Publisher&&) noexcept;
   Publisher& operator=(Publisher&&) noexcept;
   ~Publisher();
