@@ -1,5 +1,6 @@
 #include "drivers/twin/frame_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <tuple>
@@ -39,17 +40,22 @@ auto fields(const DetectorConfig& c) {
                   c.read_noise_e, c.full_well_e, c.black_level_dn, c.bits, c.seed);
 }
 
+template <class Pixel>
+void pack(const Image<std::uint16_t>& dn, int up, std::vector<std::byte>& bytes) {
+  auto* to = reinterpret_cast<Pixel*>(bytes.data());
+  const std::uint16_t* from = dn.pixels.data();
+  const int down = std::max(0, -up), left = std::max(0, up);
+  for (std::size_t i = 0; i < dn.pixels.size(); ++i) to[i] = Pixel((from[i] << left) >> down);
+}
+
 /// The converter's `bits` as the left-most of the format's, as cameras do.
 std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format) {
   const int up = significant_bits(format) - bits;
   std::vector<std::byte> bytes(dn.pixels.size() * std::size_t(bytes_per_pixel(format)));
-  for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
-    const auto value = std::uint16_t(up >= 0 ? dn.pixels[i] << up : dn.pixels[i] >> -up);
-    if (bytes_per_pixel(format) == 1) {
-      bytes[i] = std::byte(value);
-    } else {
-      std::memcpy(&bytes[2 * i], &value, 2);
-    }
+  if (bytes_per_pixel(format) == 1) {
+    pack<std::uint8_t>(dn, up, bytes);
+  } else {
+    pack<std::uint16_t>(dn, up, bytes);
   }
   return bytes;
 }
