@@ -62,7 +62,7 @@ struct App::Parts {
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {
-      instrument->camera_changed(now.settings.roi, now.settings.pixel_format);
+      instrument->camera_changed(now.settings);
     }
     state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
   }
@@ -107,7 +107,7 @@ Result<void> App::Parts::bind_streams() {
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
-      Services{config, config_path, state, camera, slm, *instrument, jobs, *status, counters});
+      Services{config, config_path, state, camera, *instrument, jobs, *status, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));

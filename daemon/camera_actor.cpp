@@ -112,7 +112,6 @@ bool CameraActor::give_up_camera() {
   camera_->stop();
   camera_.reset();
   lost_ = false;
-  next_try_ns_ = 0;
   return true;
 }
 
@@ -157,6 +156,10 @@ Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) 
   camera_->stop();
   const auto started = start_stream(wanted);
   if (started) return settings_;
+  if (const auto detached = deps_.pipeline.detach(); !detached) {
+    lose(detached.error().reason);
+    return fail(started.error());
+  }
   camera_->stop();
   if (const auto back = start_stream(before); !back) lose(back.error().reason);
   return fail(started.error());
@@ -185,10 +188,11 @@ void CameraActor::publish_snapshot(std::string fault) {
   now.limits = limits_;
   now.fault = std::move(fault);
   const CameraSnapshot before = snapshot_.get();
+  snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {
     deps_.events.emit("camera", Severity::error, "camera: " + now.fault);
   }
-  snapshot_.set(now);
+  deps_.events.status_changed();
   deps_.on_change(now);
 }
 

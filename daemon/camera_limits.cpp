@@ -52,10 +52,12 @@ Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraL
   CameraSettings settings = wanted;
   Judge judge(clamp);
   judge.number("gain_db", settings.gain_db, limits.gain_db.min, limits.gain_db.max, "dB");
-  judge.number("exposure_us", settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max,
-               "us");
-  judge.number("frame_rate_hz", settings.frame_rate_hz, limits.frame_rate_hz.min,
-               limits.frame_rate_hz.max, "Hz");
+  if (clamp) {
+    settings.exposure_us =
+        std::clamp(settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max);
+    settings.frame_rate_hz =
+        std::clamp(settings.frame_rate_hz, limits.frame_rate_hz.min, limits.frame_rate_hz.max);
+  }
   judge.format(settings.pixel_format, limits.pixel_formats);
   Roi& roi = settings.roi;
   judge.number("roi.width", roi.width, limits.roi_width.min, limits.sensor_width, "px");

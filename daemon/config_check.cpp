@@ -20,6 +20,12 @@ Result<void> check_driver(const char* field, const std::string& name,
 
 }  // namespace
 
+Result<void> check_daemon_tracker(const TrackingConfig& tracking) {
+  if (tracking.tracker != TrackerKind::lg_contour) return {};
+  return fail(Errc::invalid, "tracker",
+              "lg_contour is exact and slow, for work offline: choose lg, which finds the same");
+}
+
 Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("camera.driver", config.camera.driver, camera_driver_names());
       !known) {
@@ -32,6 +38,7 @@ Result<void> check_usable(const Config& config) {
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);
   if (!renderer) return fail(renderer.error());
+  if (auto fast = check_daemon_tracker(config.tracking); !fast) return fast;
   const SpotModel spots{config.sensor.charge,
                         lambda_d_px(config.optics, config.slm.geometry, config.sensor)};
   const auto tracker = make_tracker(config.tracking, spots);

@@ -19,6 +19,9 @@ class Events {
   void emit(std::string kind, Severity severity, std::string text,
             nlohmann::json data = nlohmann::json::object());
 
+  /// Thread-safe: what `status` tells has changed, without being an event; it is published at once.
+  void status_changed() { queue_.ask_for_status(); }
+
  private:
   StreamQueue& queue_;
 };

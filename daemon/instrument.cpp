@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/port/clock.hpp"
+#include "daemon/config_check.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
 
@@ -85,12 +86,13 @@ void Instrument::show(HologramKind pattern, Changed done) {
   });
 }
 
-void Instrument::camera_changed(Roi roi, PixelFormat format) {
-  mailbox_.post([this, roi, format] {
-    if (roi == state_.roi && format == state_.format) return;
+void Instrument::camera_changed(const CameraSettings& camera) {
+  mailbox_.post([this, camera] {
+    frame_period_s_ = std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us);
+    if (camera.roi == state_.roi && camera.pixel_format == state_.format) return;
     State next = state_;
-    next.roi = roi;
-    next.format = format;
+    next.roi = camera.roi;
+    next.format = camera.pixel_format;
     ++next.sensor_epoch;
     if (reference_job_) {
       fail_reference(Error{Errc::refused, "camera", "the camera's image changed meanwhile"});
@@ -101,7 +103,7 @@ void Instrument::camera_changed(Roi roi, PixelFormat format) {
                                "no plan for the camera's image: " + plan.error().reason);
     }
     // The same picture stays on the SLM, but what is measured of it belongs to the new image.
-    deps_.slm.show_when_possible({shown_hologram_id_, next.sensor_epoch, next.pattern, grey_});
+    deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
     adopt(std::move(next), std::move(*plan));
   });
 }
@@ -109,6 +111,7 @@ void Instrument::camera_changed(Roi roi, PixelFormat format) {
 /// Prepares everything, shows it, and only then makes it the state; on any error nothing has
 /// changed.
 Result<SensorSnapshot> Instrument::change_to(State next) {
+  if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
   if (reference_job_) {
     return fail(
         Errc::refused, "",
@@ -142,11 +145,15 @@ Result<SensorSnapshot> Instrument::change_to(State next) {
   return snapshot_.get();
 }
 
+/// 0, nothing to measure, unless the picture is the sensor's.
+std::uint64_t Instrument::shown_epoch(const State& state) {
+  return state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
+}
+
 HologramRequest Instrument::render(const State& state) {
   auto grey = std::make_shared<Image<std::uint8_t>>();
   state.renderer->render(state.pattern, state.aberration, *grey);
-  const std::uint64_t epoch = state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
-  return {next_hologram_id_++, epoch, state.pattern, std::move(grey)};
+  return {next_hologram_id_++, shown_epoch(state), state.pattern, std::move(grey)};
 }
 
 Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state,

@@ -64,7 +64,7 @@ class Instrument : public Agent {
   void take_reference(int frames, std::function<void(Result<int>)> done);
   void clear_reference(Changed done);
   /// The camera's image changed; frames are measured with a plan made for it from then on.
-  void camera_changed(Roi roi, PixelFormat format);
+  void camera_changed(const CameraSettings& camera);
 
   SensorSnapshot snapshot() const { return snapshot_.get(); }
 
@@ -84,12 +84,14 @@ class Instrument : public Agent {
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
+  static std::uint64_t shown_epoch(const State& state);
   HologramRequest render(const State& state);
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
   void retire_plans();
   std::optional<Reference> reference_for(const State& state) const;
   void finish_reference(int job, const ReferenceCollector::Average& average);
+  Result<SensorSnapshot> change_reference(std::optional<Reference> reference);
   void fail_reference(const Error& why);
   void end_reference_job();
   void watch_reference_job();
@@ -107,7 +109,8 @@ class Instrument : public Agent {
   std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
   std::vector<Reference> references_;                  ///< one a key
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
-  std::optional<int> reference_job_;                   ///< the job's number
+  double frame_period_s_ = 0.0;
+  std::optional<int> reference_job_;  ///< the job's number
   Guarded<SensorSnapshot> snapshot_;
 };
 

@@ -27,11 +27,17 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
                        "the SLM does not show the sensor: call slm.show with \"sensor\" first"));
     }
     const int job = deps_.jobs.begin(
-        "reference.take", [this] { mailbox_.post([this] { end_reference_job(); }); },
+        "reference.take",
+        [this] {
+          mailbox_.post([this] {
+            if (reference_job_ && !deps_.jobs.runs(*reference_job_)) end_reference_job();
+          });
+        },
         [this] { return deps_.collector.progress(); });
     reference_job_ = job;
     deps_.on_job(true);
-    deps_.collector.begin(frames, state_.sensor_epoch, snapshot_.get().subapertures,
+    deps_.collector.begin(frames, state_.sensor_epoch, shown_hologram_id_,
+                          snapshot_.get().subapertures,
                           [this, job](ReferenceCollector::Average average) {
                             mailbox_.post([this, job, average] { finish_reference(job, average); });
                           });
@@ -40,11 +46,7 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
 }
 
 void Instrument::clear_reference(Changed done) {
-  mailbox_.post([this, done = std::move(done)] {
-    const ReferenceKey key{state_.sensor, state_.tracking, state_.roi};
-    std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
-    done(change_to(state_));
-  });
+  mailbox_.post([this, done = std::move(done)] { done(change_reference(std::nullopt)); });
 }
 
 std::optional<Reference> Instrument::reference_for(const State& state) const {
@@ -56,7 +58,7 @@ std::optional<Reference> Instrument::reference_for(const State& state) const {
 }
 
 void Instrument::finish_reference(int job, const ReferenceCollector::Average& average) {
-  if (reference_job_ != job) return;
+  if (reference_job_ != job || !deps_.jobs.runs(job)) return;
   std::vector<int> too_rare;
   for (std::size_t i = 0; i < average.found.size(); ++i) {
     if (2 * average.found[i] < average.frames) too_rare.push_back(int(i));
@@ -75,11 +77,22 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
   reference.aberration = state_.aberration;
   reference.positions_px = average.mean_px;
   reference.standard_error_px = average.standard_error_px;
-  std::erase_if(references_, [&](const Reference& known) { return known.key == reference.key; });
-  references_.push_back(std::move(reference));
   end_reference_job();
-  if (auto changed = change_to(state_); !changed) return deps_.jobs.fail_job(job, changed.error());
+  if (auto changed = change_reference(std::move(reference)); !changed) {
+    return deps_.jobs.fail_job(job, changed.error());
+  }
   deps_.jobs.finish(job, {{"frames", average.frames}});
+}
+
+/// Puts a reference in force for the present state, or none; on an error the one before stays.
+Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> reference) {
+  const ReferenceKey key{state_.sensor, state_.tracking, state_.roi};
+  std::vector<Reference> before = references_;
+  std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
+  if (reference) references_.push_back(std::move(*reference));
+  auto changed = change_to(state_);
+  if (!changed) references_ = std::move(before);
+  return changed;
 }
 
 void Instrument::fail_reference(const Error& why) {
@@ -98,12 +111,12 @@ void Instrument::end_reference_job() {
 /// A reference that gets no settled frames must end: its caller waits, and the sensor is locked
 /// meanwhile.
 void Instrument::watch_reference_job() {
-  constexpr double kPatienceS = 10.0;
-  if (!reference_job_ || deps_.collector.idle_s() < kPatienceS) return;
+  const double patience_s = std::max(10.0, 3.0 * frame_period_s_);
+  if (!reference_job_ || deps_.collector.idle_s() < patience_s) return;
   fail_reference(Error{Errc::unavailable, "",
                        fmt::format("no settled frame came for {:.0f} s: see system.status for what "
                                    "the camera and the SLM do",
-                                   kPatienceS)});
+                                   patience_s)});
 }
 
 }  // namespace ovws

@@ -74,6 +74,12 @@ Result<JobReport> Jobs::get(int id) const {
   return job;
 }
 
+bool Jobs::runs(int id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  return found != jobs_.end() && found->second.job.state == JobState::running;
+}
+
 bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
   std::string text;
   {

@@ -27,6 +27,7 @@ class Jobs {
   /// Errc::invalid if there is no such job; a job that has ended stays as it is.
   Result<JobReport> cancel(int id);
   Result<JobReport> get(int id) const;
+  bool runs(int id) const;  ///< false once it was finished, failed or cancelled
 
  private:
   struct Entry {

@@ -19,13 +19,14 @@ double standard_error(double m2, int count) {
 
 }  // namespace
 
-void ReferenceCollector::begin(int frames, std::uint64_t sensor_epoch, int subapertures,
-                               Done done) {
+void ReferenceCollector::begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id,
+                               int subapertures, Done done) {
   const std::lock_guard lock(mutex_);
   wanted_ = frames;
   used_ = 0;
   t_last_used_ns_ = monotonic_ns();
   sensor_epoch_ = sensor_epoch;
+  hologram_id_ = hologram_id;
   sums_.assign(std::size_t(subapertures), Sums{});
   done_ = std::move(done);
 }
@@ -42,6 +43,7 @@ void ReferenceCollector::add(const FrameRecord& record) {
   {
     const std::lock_guard lock(mutex_);
     if (wanted_ == 0 || !record.settled || record.plan->sensor_epoch != sensor_epoch_) return;
+    if (record.hologram_id != hologram_id_) return;
     if (std::size_t(record.spot_count) != sums_.size()) return;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       const SpotFix& spot = record.spots[i];

@@ -29,7 +29,6 @@ struct Reference {
   ReferenceKey key;
   int frames = 0;
   std::int64_t t_taken_ns = 0;
-  double gain_db = 0.0, exposure_us = 0.0;
   std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
@@ -46,9 +45,10 @@ class ReferenceCollector {
   };
   using Done = std::function<void(Average)>;
 
-  /// Averages `frames` settled frames measured with a plan of this epoch, then calls `done` in the
-  /// publish thread.
-  void begin(int frames, std::uint64_t sensor_epoch, int subapertures, Done done);
+  /// Averages `frames` settled frames measured with a plan of this epoch while this hologram was
+  /// shown, then calls `done` in the publish thread.
+  void begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id, int subapertures,
+             Done done);
   void cancel();
   void add(const FrameRecord& record);
   /// 0 .. 1; 0 when nothing is being taken.
@@ -67,6 +67,7 @@ class ReferenceCollector {
   int wanted_ = 0;
   int used_ = 0;
   std::uint64_t sensor_epoch_ = 0;
+  std::uint64_t hologram_id_ = 0;
   std::int64_t t_last_used_ns_ = 0;
   std::vector<Sums> sums_;
   Done done_;

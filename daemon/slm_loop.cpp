@@ -113,7 +113,7 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   ShownHologram next = shown_;
   next.healthy = true;
   next.previous = shown_.healthy ? shown_.current : ShownHologram::One{};
-  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), INT64_MAX};
+  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), ShownHologram::kNever};
   deps_.shown.write(next);
   const auto presented_ns = display_->present(*request.grey);
   if (!presented_ns) {
@@ -150,10 +150,11 @@ void SlmLoop::publish_snapshot(std::string why) {
   now.present_ms = present_ms_;
   now.fault = std::move(why);
   const SlmSnapshot before = snapshot_.get();
+  snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {
     deps_.events.emit("slm", Severity::error, "slm: " + now.fault);
   }
-  snapshot_.set(now);
+  deps_.events.status_changed();
   if (now.healthy != before.healthy) deps_.on_change(now);
 }
 

@@ -61,7 +61,6 @@ class StatusReporter : public Agent {
   bool hang_reported_ = false;
   Marks marks_;
   Guarded<Measured> measured_;
-  std::string last_line_;
 };
 
 }  // namespace ovws

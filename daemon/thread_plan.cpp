@@ -59,11 +59,15 @@ Result<void> ThreadPlan::prepare_process() {
 }
 
 Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
-  threads_.push_back(std::make_unique<Running>());
-  Running& running = *threads_.back();
+  auto made = std::make_unique<Running>();
+  Running& running = *made;
   running.row = &row_of(role);
   running.agent = &agent;
   running.turn_began_ns = monotonic_ns();
+  {
+    const std::lock_guard lock(mutex_);
+    threads_.push_back(std::move(made));
+  }
   running.thread = std::thread([this, &running] { run(running); });
   pthread_setname_np(running.thread.native_handle(), running.row->name);
   if (running.row->fifo_priority == 0) return {};
@@ -89,15 +93,18 @@ void ThreadPlan::run(Running& running) {
 }
 
 std::string ThreadPlan::stop_all(double patience_s) {
+  constexpr std::chrono::milliseconds kLeast(200);  // even behind one that is held
   std::string held;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {
     Running& one = **running;
     one.stop = true;
     if (!one.thread.joinable()) continue;
-    if (one.ended.get_future().wait_until(until) == std::future_status::ready) {
+    auto ended = one.ended.get_future();
+    if (ended.wait_until(until) == std::future_status::ready ||
+        ended.wait_for(kLeast) == std::future_status::ready) {
       one.thread.join();
-    } else {
+    } else if (held.empty()) {
       held = one.row->name;
     }
   }
@@ -105,6 +112,7 @@ std::string ThreadPlan::stop_all(double patience_s) {
 }
 
 std::string ThreadPlan::hung_thread() const {
+  const std::lock_guard lock(mutex_);
   const std::int64_t now_ns = monotonic_ns();
   for (const auto& running : threads_) {
     const double turn_s = 1e-9 * double(now_ns - running->turn_began_ns.load());

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -77,6 +78,8 @@ class ThreadPlan {
   void run(Running& running);
 
   RealtimePolicy policy_;
+  mutable std::mutex
+      mutex_;  ///< of the list: the status thread reads it while later threads are started
   std::vector<std::unique_ptr<Running>> threads_;
 };
 

@@ -6,6 +6,7 @@
 int main(int argc, char** argv) {
   CLI::App app{"Optical Vortex Wavefront Sensor: command line"};
   app.require_subcommand(1);
+  app.fallthrough();  // --json may also stand after the subcommand
   app.set_version_flag("--version", OVWS_VERSION);
   ovws::cli::Common common;
   app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")

@@ -8,7 +8,6 @@
 #include "daemon/camera_actor.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
-#include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
 
@@ -19,7 +18,6 @@ struct Services {
   const std::string& config_path;  ///< empty: started without a file
   StateKeeper& state;
   CameraActor& camera;
-  SlmLoop& slm;
   Instrument& instrument;
   Jobs& jobs;
   StatusReporter& status;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSpots = 3;
 constexpr std::uint64_t kEpoch = 5;
+constexpr std::uint64_t kHologram = 9;
 
 class ReferenceTest : public testing::Test {
  protected:
@@ -17,12 +18,13 @@ class ReferenceTest : public testing::Test {
     plan_.sensor_epoch = kEpoch;
     record_.plan = &plan_;
     record_.settled = true;
+    record_.hologram_id = kHologram;
     record_.spot_count = kSpots;
     record_.spots.resize(8);
   }
 
   void begin(int frames) {
-    collector_.begin(frames, kEpoch, kSpots,
+    collector_.begin(frames, kEpoch, kHologram, kSpots,
                      [this](ReferenceCollector::Average average) { average_ = average; });
   }
   void add(int spot, float x, float y) {
@@ -52,7 +54,7 @@ TEST_F(ReferenceTest, MeanAndStandardErrorAreThoseOfTheFrames) {
   EXPECT_NEAR(average_->standard_error_px[1].y, 0.010, 0.001);
 }
 
-TEST_F(ReferenceTest, UnsettledFramesAndThoseOfAnotherSensorAreNotUsed) {
+TEST_F(ReferenceTest, UnsettledFramesAndThoseOfAnotherSensorOrHologramAreNotUsed) {
   begin(2);
   add(0, 1, 1);
   record_.settled = false;
@@ -62,6 +64,9 @@ TEST_F(ReferenceTest, UnsettledFramesAndThoseOfAnotherSensorAreNotUsed) {
   add(0, 9, 9);
   EXPECT_FALSE(average_);
   plan_.sensor_epoch = kEpoch;
+  record_.hologram_id = kHologram - 1;
+  add(0, 9, 9);
+  record_.hologram_id = kHologram;
   add(0, 3, 3);
   ASSERT_TRUE(average_);
   EXPECT_EQ(average_->mean_px[0].x, 2.0);
