@@ -1,13 +1,14 @@
 """The demonstration ends by itself, shows what it promises, and leaves nothing behind."""
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import unittest
 
-from case import ROOT, main
+from case import ROOT, Client, main
 
 
 def processes_of(marker):
@@ -40,6 +41,26 @@ class Demo(unittest.TestCase):
         self.assertRegex(summary, r"^ovws demo: \d+ frames shown, 0 lost, largest error 0\.0\d+ wave$")
         self.assertLess(float(summary.split()[-2]), 0.02)
         self.assertEqual(processes_of(self.marker), [])
+
+    def test_keep_stays_up_until_ctrl_c(self):
+        marker = f"OVWS_DEMO_TEST=keep{os.getpid()}"
+        key, value = marker.split("=")
+        demo = subprocess.Popen([sys.executable, "-u", ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], "--keep"],
+                                stdout=subprocess.PIPE, text=True, env=os.environ | {key: value})
+        with demo:
+            while "staying up" not in (line := demo.stdout.readline()):
+                self.assertTrue(line, "the demo ended by itself")
+            for port in (7702, 7790):
+                with self.subTest(port):
+                    client = Client(f"tcp://127.0.0.1:{port}")
+                    self.addCleanup(client.close)
+                    self.assertTrue(client.call("system.status" if port == 7702 else "twin.get"))
+            for port in (7701, 7703):
+                with socket.create_connection(("127.0.0.1", port), timeout=2.0):
+                    pass
+            demo.send_signal(signal.SIGINT)
+            self.assertEqual(demo.wait(20.0), 0)
+        self.assertEqual(processes_of(marker), [])
 
     def test_a_taken_port_is_said(self):
         for port in (7702, 7790):

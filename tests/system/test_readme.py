@@ -1,0 +1,46 @@
+"""The commands and the code that the README shows are run as they stand there."""
+import re
+import shlex
+import subprocess
+import sys
+
+from case import ROOT, BenchCase, main
+
+TEXT = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+
+
+class Readme(BenchCase):
+    def run_here(self, command):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30, cwd=self.bench.directory)
+        print("\n  $", shlex.join(map(str, command))[:100])
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_the_commands_for_a_running_daemon(self):
+        commands = [shlex.split(line) for block in blocks("sh") for line in block.splitlines() if "/bin/ovws " in line]
+        self.assertGreaterEqual(len(commands), 4)
+        for program, *arguments in commands:
+            if arguments == ["watch"]:
+                arguments += ["-n", "1"]  # it would go on for ever
+            self.assertTrue(self.run_here([self.bench.programs / program.rsplit("/", 1)[1], *arguments]))
+        self.assertTrue((self.bench.directory / "coma-camera.png").exists())
+
+    def test_the_code_for_numbers(self):
+        self.take_reference(20)
+        (code,) = blocks("python")
+        printed = self.run_here([sys.executable, "-c", code])
+        self.assertEqual(len(eval(printed, {"__builtins__": {}})), 18)  # a list of numbers, as printed
+
+    def test_the_two_commands_and_what_installs_exist(self):
+        for name in re.findall(r"(?:daemon|tests)/(?:demo|run|setup)", TEXT):
+            self.assertTrue((ROOT / name).stat().st_mode & 0o100, name)
+        for link in re.findall(r"\]\(([^)#:]+)\)", TEXT):
+            self.assertTrue((ROOT / link).exists(), link)
+
+
+if __name__ == "__main__":
+    main()
