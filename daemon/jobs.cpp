@@ -26,14 +26,19 @@ const char* state_name(JobState state) {
 }  // namespace
 
 int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<double()> progress) {
-  const std::lock_guard lock(mutex_);
-  const int id = next_id_++;
-  Entry& entry = jobs_[id];
-  entry.job.job = id;
-  entry.job.kind = std::move(kind);
-  entry.cancel = std::move(cancel);
-  entry.progress = std::move(progress);
-  if (jobs_.size() > kMostRemembered) jobs_.erase(jobs_.begin());
+  int id = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    id = next_id_++;
+    Entry& entry = jobs_[id];
+    entry.job.job = id;
+    entry.job.kind = kind;
+    entry.cancel = std::move(cancel);
+    entry.progress = std::move(progress);
+    if (jobs_.size() > kMostRemembered) jobs_.erase(jobs_.begin());
+  }
+  events_.emit("job", Severity::info, fmt::format("job {} ({}) is running", id, kind),
+               {{"job", id}, {"state", state_name(JobState::running)}});
   return id;
 }
 
