@@ -57,6 +57,7 @@ struct App::Parts {
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
+                               [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
         threads(config.realtime) {}
 

@@ -55,6 +55,7 @@ void CameraActor::change(CameraSet change, Applied done) {
       return done(
           fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
     }
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
     if (!wanted) return done(fail(wanted.error()));
     const auto applied = apply(*wanted);

@@ -32,6 +32,8 @@ struct CameraActorDeps {
   LatestValue<AppliedSettings>& settings;
   Counters& counters;
   Events& events;
+  /// Whether settings may be changed now; asked in the camera thread, when a change is carried out.
+  std::function<Result<void>()> may_change;
   /// Called in the camera thread after the image's size or format may have changed, and when the
   /// camera came or went.
   std::function<void(const CameraSnapshot&)> on_change;

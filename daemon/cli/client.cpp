@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <string_view>
 
 #include "drivers/zmq/client.hpp"
 
@@ -13,6 +14,25 @@ using nlohmann::json;
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {
   return tl::make_unexpected(CallFailure{false, {{"message", why}}});
+}
+
+/// HOST of "tcp://HOST:PORT"; empty for anything else.
+std::string host_of(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const auto colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
+  return endpoint.substr(kTcp.size(), colon - kTcp.size());
+}
+
+/// A daemon names its streams as it bound them. Seen from another machine, "every address" and
+/// "this machine" are the host under which its control socket was reached.
+std::string as_seen_from_here(const std::string& stream, const std::string& control) {
+  const std::string bound = host_of(stream);
+  const std::string reached = host_of(control);
+  const bool own_name = bound == "*" || bound == "0.0.0.0" || bound == "127.0.0.1" ||
+                        bound == "localhost" || bound == "[::]" || bound == "[::1]";
+  if (!own_name || reached.empty()) return stream;
+  return "tcp://" + reached + stream.substr(stream.rfind(':'));
 }
 
 }  // namespace
@@ -45,7 +65,7 @@ int report_failure(const Common& common, const CallFailure& failure) {
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
-  return (*config)["stream"][key].get<std::string>();
+  return as_seen_from_here((*config)["stream"][key].get<std::string>(), common.endpoint);
 }
 
 int report(const Common& common, const Error& error) {

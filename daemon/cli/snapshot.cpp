@@ -45,6 +45,7 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
     }
     if (!found.contains("image") || !found.contains("phase")) continue;
     const auto frame = json::parse(found["image"].json)["frame_id"].get<std::uint64_t>();
+    if (json::parse(found["phase"].json)["frame_id"].get<std::uint64_t>() != frame) continue;
     if (const auto spots = spots_by_frame.find(frame); spots != spots_by_frame.end()) {
       found["spots"] = spots->second;
       return found;
