@@ -42,8 +42,9 @@ tl::expected<json, CallFailure> call(const Common& common, const std::string& me
   auto client = ControlClient::connect(common.endpoint);
   if (!client) return no_answer(client.error().reason);
   const json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
-  const auto reply = client->request(
-      request.dump(), std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
+  const auto reply =
+      client->request(request.dump(-1, ' ', false, json::error_handler_t::replace),
+                      std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
   if (!reply) return no_answer(reply.error().reason);
   json answer = json::parse(*reply, nullptr, false);
   if (answer.is_object() && answer.contains("result")) return std::move(answer["result"]);
