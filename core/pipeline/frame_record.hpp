@@ -47,7 +47,7 @@ struct AppliedSettings {
 struct FrameRecord {
   GrabbedFrame frame;  ///< its pixels are lent only to who asked for the image
   const MeasurementPlan* plan =
-      nullptr;            ///< lives until the publisher has seen a record of a newer plan
+      nullptr;            ///< lives as long as a record refers to it (Pipeline::oldest_plan_in_use)
   std::uint64_t gap = 0;  ///< frames of this stream missing since the published record before
   std::uint64_t hologram_id = 0;
   bool settled = false;
