@@ -65,9 +65,11 @@ struct App::Parts {
     if (now.connected) {
       instrument->camera_changed(now.settings);
     }
+    state.set_fault("camera", now.at_fault ? now.fault : "");
     state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
   }
   void display_changed(const SlmSnapshot& now) {
+    state.set_fault("slm", now.at_fault ? now.fault : "");
     state.take(now.healthy ? DaemonEvent::display_connected : DaemonEvent::display_lost);
   }
 
@@ -101,8 +103,8 @@ Result<void> App::Parts::bind_streams() {
   image_config.wavelength_nm = wavelength_nm;
   images = std::make_unique<ImagePublisher>(std::move(*pictures), image_config, pipeline, counters);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
-                                                       pipeline, published_latency, counters, queue,
-                                                       [this] { return threads.hung_thread(); }});
+                                                       pipeline, published_latency, counters,
+                                                       events, queue, threads});
   return {};
 }
 
@@ -133,6 +135,7 @@ Result<void> App::Parts::start_threads() {
   };
   std::vector<Start> starts{{ThreadRole::publish, *stream},
                             {ThreadRole::images, *images},
+                            {ThreadRole::control, *control},
                             {ThreadRole::prepare, *instrument},
                             {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
@@ -142,7 +145,6 @@ Result<void> App::Parts::start_threads() {
   }
   starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
   starts.push_back({ThreadRole::camera, camera});
-  starts.push_back({ThreadRole::control, *control});
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }
@@ -167,7 +169,7 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   service::notify_ready();
   spdlog::info("control {}, streams {} and {}", parts_->config.control.endpoint,
                parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
-  while (!stop.load(std::memory_order_relaxed)) parts_->slm.do_work();
+  parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
   parts_->slm.close();

@@ -25,7 +25,7 @@ Error in_params(Error error) {
 
 CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
     : config_(std::move(config)), deps_(std::move(deps)), settings_(config_.settings) {
-  snapshot_.set({false, {}, settings_, {}, "not opened yet"});
+  snapshot_.set({false, {}, settings_, {}, "not opened yet", false});
 }
 
 CameraActor::~CameraActor() = default;
@@ -37,14 +37,15 @@ bool CameraActor::do_work() {
   } else if (!camera_) {
     if (monotonic_ns() >= next_try_ns_) try_open();
   } else if (!camera_->alive()) {
-    lose("control of the camera was lost");
+    lose({Errc::device, "camera", "control of the camera was lost"});
   } else if (starved()) {
-    lose("the camera sends no frames");
+    lose({Errc::device, "camera", "the camera sends no frames"});
   }
   return worked;
 }
 
 void CameraActor::on_close() {
+  mailbox_.close();
   // A frame path that does not let go keeps pointers into the camera: better leaked than dangling.
   if (camera_ && !give_up_camera()) (void)camera_.release();
 }
@@ -61,7 +62,7 @@ void CameraActor::change(CameraSet change, Applied done) {
     const auto applied = apply(*wanted);
     if (!applied) return done(fail(in_params(applied.error())));
     refresh_limits();
-    publish_snapshot("");
+    publish_connected();
     done(snapshot_.get());
   });
 }
@@ -69,14 +70,17 @@ void CameraActor::change(CameraSet change, Applied done) {
 void CameraActor::try_open() {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_camera(config_);
-  if (!opened) return publish_snapshot(opened.error().reason);
+  if (!opened) return publish_absent(opened.error());
   camera_ = std::move(*opened);
   auto limits = camera_->limits();
-  if (!limits) return lose(limits.error().reason);
+  if (!limits) return lose(limits.error());
   limits_ = *limits;
   const auto wanted = within_limits(settings_, *limits_, false);
-  if (!wanted) return lose("camera." + wanted.error().field + ": " + wanted.error().reason);
-  if (const auto started = start_stream(*wanted); !started) return lose(started.error().reason);
+  if (!wanted) {
+    return lose({wanted.error().code, "camera",
+                 "camera." + wanted.error().field + ": " + wanted.error().reason});
+  }
+  if (const auto started = start_stream(*wanted); !started) return lose(started.error());
   refresh_limits();
   if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
   ever_connected_ = true;
@@ -84,7 +88,7 @@ void CameraActor::try_open() {
   deps_.events.emit("camera", Severity::info,
                     fmt::format("camera {} {} ({}) at {} is connected", info.vendor, info.model,
                                 info.serial, info.address));
-  publish_snapshot("");
+  publish_connected();
 }
 
 /// Applies, starts, and lends the camera to the frame path.
@@ -93,6 +97,7 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   if (!applied) return fail(applied.error());
   if (auto started = camera_->start(); !started) return started;
   const std::int64_t now_ns = monotonic_ns();
+  settings_since_ns_ = now_ns;
   tell_frame_path(*applied, *applied, now_ns, now_ns);
   settings_ = *applied;
   attached_ns_ = monotonic_ns();
@@ -100,10 +105,10 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
 }
 
 /// It will be opened anew, as new objects.
-void CameraActor::lose(const std::string& why) {
+void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();
-  publish_snapshot(why);
+  publish_absent(why);
   give_up_camera();
 }
 
@@ -141,7 +146,9 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   // Frames that are exposed while the registers are written belong to neither.
   tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
-  tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, monotonic_ns());
+  const std::int64_t t_end_ns = monotonic_ns();
+  tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
+  settings_since_ns_ = t_end_ns;
   if (!applied) return applied;
   settings_ = *applied;
   return applied;
@@ -151,18 +158,18 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
 Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
   const CameraSettings before = settings_;
   if (auto detached = deps_.pipeline.detach(); !detached) {
-    lose(detached.error().reason);
+    lose(detached.error());
     return fail(detached.error());
   }
   camera_->stop();
   const auto started = start_stream(wanted);
   if (started) return settings_;
   if (const auto detached = deps_.pipeline.detach(); !detached) {
-    lose(detached.error().reason);
+    lose(detached.error());
     return fail(started.error());
   }
   camera_->stop();
-  if (const auto back = start_stream(before); !back) lose(back.error().reason);
+  if (const auto back = start_stream(before); !back) lose(back.error());
   return fail(started.error());
 }
 
@@ -174,20 +181,32 @@ void CameraActor::tell_frame_path(const CameraSettings& before, const CameraSett
   applied.frame_rate_hz = after.frame_rate_hz;
   applied.previous_gain_db = before.gain_db;
   applied.previous_exposure_us = before.exposure_us;
+  applied.roi = after.roi;
+  applied.t_previous_end_mono_ns = settings_since_ns_;
   applied.t_write_begin_mono_ns = t_begin_ns;
   applied.t_write_end_mono_ns = t_end_ns;
   applied.transfer_ns = std::int64_t(config_.transfer_ms * 1e6);
   deps_.settings.write(applied);
 }
 
-/// Tells everybody, and the log if something new happened.
-void CameraActor::publish_snapshot(std::string fault) {
+void CameraActor::publish_connected() {
   CameraSnapshot now;
-  now.connected = camera_ != nullptr && !lost_;
-  if (now.connected) now.info = camera_->info();
-  now.settings = settings_;
+  now.connected = true;
+  now.info = camera_->info();
   now.limits = limits_;
-  now.fault = std::move(fault);
+  publish(std::move(now));
+}
+
+void CameraActor::publish_absent(const Error& why) {
+  CameraSnapshot now;
+  now.fault = why.reason;
+  now.at_fault = needs_a_person(why);
+  publish(std::move(now));
+}
+
+/// Tells everybody, and the log if something new happened.
+void CameraActor::publish(CameraSnapshot now) {
+  now.settings = settings_;
   const CameraSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {

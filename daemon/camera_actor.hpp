@@ -24,7 +24,8 @@ struct CameraSnapshot {
   std::optional<CameraInfo> info;
   CameraSettings settings;  ///< as read back; while not connected, as wanted
   std::optional<CameraLimits> limits;
-  std::string fault;  ///< why it is not connected; empty if it is
+  std::string fault;      ///< why it is not connected; empty if it is
+  bool at_fault = false;  ///< it is there, and cannot be used until somebody mends that
 };
 
 struct CameraActorDeps {
@@ -58,7 +59,7 @@ class CameraActor : public Agent {
  private:
   void try_open();
   Result<void> start_stream(const CameraSettings& wanted);
-  void lose(const std::string& why);
+  void lose(const Error& why);
   bool give_up_camera();
   void refresh_limits();
   bool starved() const;
@@ -67,14 +68,17 @@ class CameraActor : public Agent {
   Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
   void tell_frame_path(const CameraSettings& before, const CameraSettings& after,
                        std::int64_t t_begin_ns, std::int64_t t_end_ns);
-  void publish_snapshot(std::string fault);
+  void publish_connected();
+  void publish_absent(const Error& why);
+  void publish(CameraSnapshot now);
 
   CameraConfig config_;
   CameraActorDeps deps_;
   Mailbox mailbox_;
   std::unique_ptr<Camera> camera_;
   bool lost_ = false;  ///< camera_ is to be given up as soon as the frame path has let go of it
-  CameraSettings settings_;  ///< last verified; wanted again after a reconnection
+  CameraSettings settings_;             ///< last verified; wanted again after a reconnection
+  std::int64_t settings_since_ns_ = 0;  ///< when the write of settings_ had ended
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;

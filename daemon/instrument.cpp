@@ -88,15 +88,15 @@ void Instrument::show(HologramKind pattern, Changed done) {
 
 void Instrument::camera_changed(const CameraSettings& camera) {
   mailbox_.post([this, camera] {
-    frame_period_s_ = std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us);
+    if (reference_job_ && camera_ && !(camera == *camera_)) {
+      fail_reference(Error{Errc::refused, "camera", "the camera's settings changed meanwhile"});
+    }
+    camera_ = camera;
     if (camera.roi == state_.roi && camera.pixel_format == state_.format) return;
     State next = state_;
     next.roi = camera.roi;
     next.format = camera.pixel_format;
     ++next.sensor_epoch;
-    if (reference_job_) {
-      fail_reference(Error{Errc::refused, "camera", "the camera's image changed meanwhile"});
-    }
     auto plan = plan_for(next, shown_hologram_id_);
     if (!plan) {
       return deps_.events.emit("sensor", Severity::error,

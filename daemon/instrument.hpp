@@ -56,6 +56,7 @@ class Instrument : public Agent {
   static Result<std::unique_ptr<Instrument>> make(const Config& config, const InstrumentDeps& deps);
 
   bool do_work() override;
+  void on_close() override { mailbox_.close(); }
 
   void change_sensor(SensorSet change, Changed done);
   void set_aberration(std::vector<Mode> modes, Changed done);
@@ -63,8 +64,11 @@ class Instrument : public Agent {
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
   void clear_reference(Changed done);
-  /// The camera's image changed; frames are measured with a plan made for it from then on.
+  /// What the camera uses now. If its image changed, frames are measured with a plan made for it
+  /// from then on; a reference that is being taken ends with any change.
   void camera_changed(const CameraSettings& camera);
+  /// Calls `then` in the prepare thread when every change asked for so far was carried out.
+  void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
 
   SensorSnapshot snapshot() const { return snapshot_.get(); }
 
@@ -109,8 +113,8 @@ class Instrument : public Agent {
   std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
   std::vector<Reference> references_;                  ///< one a key
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
-  double frame_period_s_ = 0.0;
-  std::optional<int> reference_job_;  ///< the job's number
+  std::optional<CameraSettings> camera_;               ///< as last told
+  std::optional<int> reference_job_;                   ///< the job's number
   Guarded<SensorSnapshot> snapshot_;
 };
 

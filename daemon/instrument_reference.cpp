@@ -111,8 +111,12 @@ void Instrument::end_reference_job() {
 /// A reference that gets no settled frames must end: its caller waits, and the sensor is locked
 /// meanwhile.
 void Instrument::watch_reference_job() {
-  const double patience_s = std::max(10.0, 3.0 * frame_period_s_);
-  if (!reference_job_ || deps_.collector.idle_s() < patience_s) return;
+  if (!reference_job_) return;
+  deps_.jobs.tell_progress(*reference_job_);
+  const double period_s =
+      camera_ ? std::max(1.0 / camera_->frame_rate_hz, 1e-6 * camera_->exposure_us) : 0.0;
+  const double patience_s = std::max(10.0, 3.0 * period_s);
+  if (deps_.collector.idle_s() < patience_s) return;
   fail_reference(Error{Errc::unavailable, "",
                        fmt::format("no settled frame came for {:.0f} s: see system.status for what "
                                    "the camera and the SLM do",

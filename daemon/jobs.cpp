@@ -23,6 +23,10 @@ const char* state_name(JobState state) {
   return "failed";
 }
 
+nlohmann::json event_data(int id, JobState state, double progress) {
+  return {{"job", id}, {"state", state_name(state)}, {"progress", progress}};
+}
+
 }  // namespace
 
 int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<double()> progress) {
@@ -38,8 +42,24 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
     if (jobs_.size() > kMostRemembered) jobs_.erase(jobs_.begin());
   }
   events_.emit("job", Severity::info, fmt::format("job {} ({}) is running", id, kind),
-               {{"job", id}, {"state", state_name(JobState::running)}});
+               event_data(id, JobState::running, 0.0));
   return id;
+}
+
+void Jobs::tell_progress(int id) {
+  constexpr int kQuarters = 4;
+  const auto now = get(id);
+  if (!now || now->state != JobState::running) return;
+  const int quarters = int(now->progress * kQuarters);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found == jobs_.end() || quarters >= kQuarters) return;
+    if (quarters <= std::exchange(found->second.told_quarters, quarters)) return;
+  }
+  events_.emit("job", Severity::info,
+               fmt::format("job {} ({}) is at {} %", id, now->kind, 100 * quarters / kQuarters),
+               event_data(id, JobState::running, double(quarters) / kQuarters));
 }
 
 void Jobs::finish(int id, nlohmann::json result) {
@@ -87,6 +107,7 @@ bool Jobs::runs(int id) const {
 
 bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
   std::string text;
+  double progress = 0.0;
   {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
@@ -94,13 +115,14 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
     JobReport& job = found->second.job;
     job.state = state;
     if (state == JobState::done) job.progress = 1.0;
+    progress = job.progress;
     job.result = std::move(result);
     job.error = error;
     text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
                        error ? ": " + error->reason : "");
   }
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;
-  events_.emit("job", severity, text, {{"job", id}, {"state", state_name(state)}});
+  events_.emit("job", severity, text, event_data(id, state, progress));
   return true;
 }
 

@@ -22,6 +22,8 @@ class Jobs {
   /// `cancel` is called by `cancel(id)`, `progress` by `get`; both from any thread, without our
   /// lock held.
   int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
+  /// An event when a running job has come past the next quarter.
+  void tell_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
   /// Errc::invalid if there is no such job; a job that has ended stays as it is.
@@ -34,6 +36,7 @@ class Jobs {
     JobReport job;
     std::function<void()> cancel;
     std::function<double()> progress;
+    int told_quarters = 0;
   };
   bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
 

@@ -19,9 +19,18 @@ class Mailbox {
   void post(Task task) {
     {
       const std::lock_guard lock(mutex_);
+      if (closed_) return;
       tasks_.push_back(std::move(task));
     }
     ready_.notify_one();
+  }
+
+  /// The owner's thread: forgets what waits, and takes nothing more.
+  void close() {
+    std::deque<Task> forgotten;  // destroyed without the lock: a task may tell who asked for it
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    forgotten.swap(tasks_);
   }
 
   /// The owner's thread: runs one task; waits for it at most `timeout`. False if there was none.
@@ -41,6 +50,7 @@ class Mailbox {
   std::mutex mutex_;
   std::condition_variable ready_;
   std::deque<Task> tasks_;
+  bool closed_ = false;
 };
 
 }  // namespace ovws

@@ -58,8 +58,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->charge = inputs.sensor.charge;
   plan->tracker_kind = inputs.tracking.tracker;
   plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor)};
-  plan->image_width = inputs.roi.width;
-  plan->image_height = inputs.roi.height;
+  plan->roi = inputs.roi;
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);
   if (inputs.reference) plan->reference_px = inputs.reference->positions_px;

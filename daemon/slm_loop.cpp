@@ -28,13 +28,15 @@ SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
 
 SlmLoop::~SlmLoop() = default;
 
-void SlmLoop::do_work() {
+bool SlmLoop::do_work() {
   if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
-  if (const auto job = wait_for_job()) carry_out(*job);
+  const auto job = wait_for_job();
+  if (job) carry_out(*job);
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
-    if (const auto healthy = display_->check(); !healthy) fault(healthy.error().reason);
+    if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
   }
+  return job.has_value();
 }
 
 void SlmLoop::carry_out(const Job& job) {
@@ -96,14 +98,14 @@ std::optional<SlmLoop::Job> SlmLoop::wait_for_job() {
 void SlmLoop::try_open() {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_display(config_);
-  if (!opened) return publish_snapshot(opened.error().reason);
+  if (!opened) return publish_snapshot(opened.error());
   display_ = std::move(*opened);
   if (wanted_ && !present(*wanted_)) return;
   const DisplayInfo& info = display_->info();
   deps_.events.emit("slm", Severity::info,
                     fmt::format("SLM output {} is up: {} x {} at {:.1f} Hz ({})", info.output,
                                 info.width, info.height, info.refresh_hz, info.driver));
-  publish_snapshot("");
+  publish_snapshot(std::nullopt);
 }
 
 Result<void> SlmLoop::present(const HologramRequest& request) {
@@ -117,7 +119,7 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   deps_.shown.write(next);
   const auto presented_ns = display_->present(*request.grey);
   if (!presented_ns) {
-    fault(presented_ns.error().reason);
+    fault(presented_ns.error());
     return fail(presented_ns.error());
   }
   next.current.t_settled_mono_ns = *presented_ns + std::int64_t(config_.settle_ms * 1e6);
@@ -126,12 +128,12 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   wanted_ = request;
   present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
   t_presented_ns_ = utc_ns();
-  publish_snapshot("");
+  publish_snapshot(std::nullopt);
   return {};
 }
 
 /// From now on nothing is known to be shown; the display is opened anew, as a new object.
-void SlmLoop::fault(const std::string& why) {
+void SlmLoop::fault(const Error& why) {
   display_.reset();
   shown_ = ShownHologram{};
   deps_.shown.write(shown_);
@@ -139,7 +141,7 @@ void SlmLoop::fault(const std::string& why) {
   publish_snapshot(why);
 }
 
-void SlmLoop::publish_snapshot(std::string why) {
+void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   SlmSnapshot now;
   now.healthy = display_ != nullptr;
   if (display_) now.info = display_->info();
@@ -148,14 +150,15 @@ void SlmLoop::publish_snapshot(std::string why) {
   now.t_presented_ns = t_presented_ns_;
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
   now.present_ms = present_ms_;
-  now.fault = std::move(why);
+  if (why) now.fault = why->reason;
+  now.at_fault = why && needs_a_person(*why);
   const SlmSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {
     deps_.events.emit("slm", Severity::error, "slm: " + now.fault);
   }
   deps_.events.status_changed();
-  if (now.healthy != before.healthy) deps_.on_change(now);
+  if (now.healthy != before.healthy || now.fault != before.fault) deps_.on_change(now);
 }
 
 }  // namespace ovws

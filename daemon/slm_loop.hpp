@@ -14,6 +14,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/port/display.hpp"
+#include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/latest_value.hpp"
 #include "daemon/events.hpp"
@@ -38,23 +39,24 @@ struct SlmSnapshot {
   std::int64_t t_settled_mono_ns = 0;
   double present_ms = 0.0;  ///< how long the last call to show a picture took
   std::string fault;        ///< why it is not healthy; empty if it is
+  bool at_fault = false;    ///< it is there, and cannot be used until somebody mends that
 };
 
 struct SlmLoopDeps {
   LatestValue<ShownHologram>& shown;
   Counters& counters;
   Events& events;
-  /// Main thread: health changed.
+  /// Main thread: health, or why it is not healthy, changed.
   std::function<void(const SlmSnapshot&)> on_change;
 };
 
-class SlmLoop {
+class SlmLoop : public Agent {
  public:
   SlmLoop(SlmConfig config, SlmLoopDeps deps);
-  ~SlmLoop();
+  ~SlmLoop() override;
 
   /// Main thread: one turn, at most 20 ms when there is nothing to do.
-  void do_work();
+  bool do_work() override;
   /// Main thread: no more turns will come; whoever waits in `show` is answered, and later calls are
   /// refused.
   void close();
@@ -82,8 +84,8 @@ class SlmLoop {
   void carry_out(const Job& job);
   void try_open();
   Result<void> present(const HologramRequest& request);
-  void fault(const std::string& why);
-  void publish_snapshot(std::string why);
+  void fault(const Error& why);
+  void publish_snapshot(const std::optional<Error>& why);
 
   SlmConfig config_;
   SlmLoopDeps deps_;

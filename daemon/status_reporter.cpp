@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "core/port/clock.hpp"
@@ -16,6 +17,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000'000;
+constexpr double kStopPatienceS = 1.5;
 constexpr auto kTurn = std::chrono::milliseconds(20);
 
 std::optional<std::string> if_any(const std::string& text) {
@@ -69,6 +71,7 @@ StatusReporter::StatusReporter(StatusDeps deps)
 
 bool StatusReporter::do_work() {
   std::this_thread::sleep_for(kTurn);
+  watch_threads();
   feed_watchdog();
   const bool asked = deps_.queue.take_status_request();
   const bool due = monotonic_ns() >= next_ns_;
@@ -88,8 +91,13 @@ StatusMessage StatusReporter::current() const {
   status.t_ns = utc_ns();
   status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
   status.state = deps_.state.name();
+  status.fault = deps_.state.fault();
   status.camera = camera_part(deps_.camera.snapshot(), deps_.pipeline);
   status.slm = slm_part(deps_.slm.snapshot());
+  for (const HungThread& one : deps_.threads.hung_threads()) {
+    if (one.row->role != ThreadRole::display) continue;
+    status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
+  }
   status.sensor = sensor_part(deps_.instrument.snapshot());
   const Measured measured = measured_.get();
   status.rates = measured.rates;
@@ -120,15 +128,30 @@ void StatusReporter::measure() {
   measured_.set(std::move(measured));
 }
 
-/// Only while every thread turns: a daemon that hangs is to be restarted.
-void StatusReporter::feed_watchdog() {
-  const std::string hung = deps_.hung_thread();
-  if (!hung.empty()) {
-    if (!hang_reported_) spdlog::critical("thread {} hangs: the watchdog is no longer fed", hung);
-    hang_reported_ = true;
-    return;
+/// A daemon that hangs is to be restarted; a device that hangs is to be told.
+void StatusReporter::watch_threads() {
+  if (deps_.threads.stop_overdue(kStopPatienceS)) {
+    spdlog::warn("the display does not let go: ending without it");
+    std::_Exit(0);
   }
-  hang_reported_ = false;
+  std::set<const ThreadRow*> hung;
+  for (const HungThread& one : deps_.threads.hung_threads()) {
+    hung.insert(one.row);
+    if (hung_.contains(one.row)) continue;
+    deps_.events.emit(
+        "thread", Severity::error,
+        fmt::format("thread {} hangs; it may wait for: {}", one.row->name, one.row->may_wait_for));
+  }
+  for (const ThreadRow* row : hung_) {
+    if (hung.contains(row)) continue;
+    deps_.events.emit("thread", Severity::info, fmt::format("thread {} turns again", row->name));
+  }
+  hung_ = std::move(hung);
+}
+
+void StatusReporter::feed_watchdog() {
+  const auto ours = [](const ThreadRow* row) { return row->on_hang == OnHang::restart; };
+  if (std::any_of(hung_.begin(), hung_.end(), ours)) return;
   const std::uint64_t interval_us = service::watchdog_interval_us();
   if (interval_us == 0 || monotonic_ns() < next_food_ns_) return;
   service::notify_watchdog();

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <mutex>
+#include <set>
 #include <string>
 
 #include "core/control/state_machine.hpp"
@@ -15,6 +14,7 @@
 #include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/stream_queue.hpp"
+#include "daemon/thread_plan.hpp"
 #include "proto/messages.hpp"
 
 namespace ovws {
@@ -28,9 +28,9 @@ struct StatusDeps {
   Pipeline& pipeline;
   LatencyHistogram& published_latency;
   Counters& counters;
+  Events& events;
   StreamQueue& queue;
-  /// Thread-safe: the name of a thread that hangs, or empty.
-  std::function<std::string()> hung_thread;
+  const ThreadPlan& threads;
 };
 
 /// The status thread's agent: once a second, and at once when something changed.
@@ -52,13 +52,14 @@ class StatusReporter : public Agent {
     std::uint64_t grabbed = 0, published = 0, images = 0;
   };
   void measure();
+  void watch_threads();
   void feed_watchdog();
 
   StatusDeps deps_;
   std::int64_t started_ns_;
   std::int64_t next_ns_ = 0;
   std::int64_t next_food_ns_ = 0;
-  bool hang_reported_ = false;
+  std::set<const ThreadRow*> hung_;  ///< and said so
   Marks marks_;
   Guarded<Measured> measured_;
 };

@@ -20,7 +20,8 @@ struct ThreadPlan::Running {
   Agent* agent = nullptr;
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> turn_began_ns{0};
-  std::promise<void> ended;
+  std::promise<void> ending;
+  std::future<void> ended = ending.get_future();
   std::thread thread;
 };
 
@@ -39,7 +40,8 @@ int set_fifo(std::thread& thread, int priority) {
 
 }  // namespace
 
-ThreadPlan::ThreadPlan(RealtimePolicy policy) : policy_(policy) {}
+ThreadPlan::ThreadPlan(RealtimePolicy policy)
+    : policy_(policy), here_(std::make_unique<Running>()) {}
 
 ThreadPlan::~ThreadPlan() {
   constexpr double kOneDayS = 86400.0;
@@ -89,7 +91,23 @@ void ThreadPlan::run(Running& running) {
     running.agent->do_work();
   }
   running.agent->on_close();
-  running.ended.set_value();
+  running.ending.set_value();
+}
+
+void ThreadPlan::run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop) {
+  Running& here = *here_;
+  here.turn_began_ns = monotonic_ns();
+  {
+    const std::lock_guard lock(mutex_);
+    here.row = &row_of(role);
+    stop_here_ = &stop;
+  }
+  while (!stop.load(std::memory_order_relaxed)) {
+    here.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
+    agent.do_work();
+  }
+  const std::lock_guard lock(mutex_);
+  stop_here_ = nullptr;
 }
 
 std::string ThreadPlan::stop_all(double patience_s) {
@@ -100,9 +118,8 @@ std::string ThreadPlan::stop_all(double patience_s) {
     Running& one = **running;
     one.stop = true;
     if (!one.thread.joinable()) continue;
-    auto ended = one.ended.get_future();
-    if (ended.wait_until(until) == std::future_status::ready ||
-        ended.wait_for(kLeast) == std::future_status::ready) {
+    if (one.ended.wait_until(until) == std::future_status::ready ||
+        one.ended.wait_for(kLeast) == std::future_status::ready) {
       one.thread.join();
     } else if (held.empty()) {
       held = one.row->name;
@@ -111,14 +128,23 @@ std::string ThreadPlan::stop_all(double patience_s) {
   return held;
 }
 
-std::string ThreadPlan::hung_thread() const {
+std::vector<HungThread> ThreadPlan::hung_threads() const {
+  std::vector<HungThread> hung;
   const std::lock_guard lock(mutex_);
   const std::int64_t now_ns = monotonic_ns();
-  for (const auto& running : threads_) {
-    const double turn_s = 1e-9 * double(now_ns - running->turn_began_ns.load());
-    if (turn_s > running->row->longest_turn_s) return running->row->name;
-  }
-  return {};
+  const auto look_at = [&](const Running& running) {
+    const double turn_s = 1e-9 * double(now_ns - running.turn_began_ns.load());
+    if (turn_s > running.row->longest_turn_s) hung.push_back({running.row, turn_s});
+  };
+  for (const auto& running : threads_) look_at(*running);
+  if (stop_here_ != nullptr) look_at(*here_);
+  return hung;
+}
+
+bool ThreadPlan::stop_overdue(double patience_s) const {
+  const std::lock_guard lock(mutex_);
+  return stop_here_ != nullptr && stop_here_->load() &&
+         1e-9 * double(monotonic_ns() - here_->turn_began_ns.load()) > patience_s;
 }
 
 }  // namespace ovws

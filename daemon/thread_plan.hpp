@@ -26,7 +26,14 @@ enum class ThreadRole {
   prepare,
   control,
   images,
-  status
+  status,
+  display,
+};
+
+/// What a turn that takes too long calls for.
+enum class OnHang {
+  restart,  ///< our own fault: the watchdog is no longer fed
+  report,   ///< a device holds the thread, and a new process would be held as well
 };
 
 struct ThreadRow {
@@ -34,25 +41,31 @@ struct ThreadRow {
   const char* name;          ///< as in /proc and top
   int fifo_priority;         ///< SCHED_FIFO priority; 0: the system's normal scheduling
   const char* may_wait_for;  ///< and nothing else
-  double longest_turn_s;     ///< a turn that takes longer counts as hung, and the watchdog is no
-                             ///< longer fed
+  double longest_turn_s;     ///< a turn that takes longer counts as hung
+  OnHang on_hang;
 };
 
-/// The main thread, which shows the hologram, is not in the table: the system created it.
-constexpr std::array<ThreadRow, 9> kThreadTable{{
-    {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0},
-    {ThreadRole::track, "track", 75, "its ring", 2.0},
-    {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0},
-    {ThreadRole::publish, "publish", 60, "its ring", 5.0},
-    {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0},
-    {ThreadRole::prepare, "prepare", 0, "its mailbox, the display taking a hologram", 30.0},
-    {ThreadRole::control, "control", 0, "requests", 5.0},
-    {ThreadRole::images, "images", 0, "the next lent frame", 5.0},
-    {ThreadRole::status, "status", 0, "the clock", 5.0},
+constexpr std::array<ThreadRow, 10> kThreadTable{{
+    {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
+    {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
+    {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
+    {ThreadRole::publish, "publish", 60, "its ring", 5.0, OnHang::restart},
+    {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
+    {ThreadRole::prepare, "prepare", 0, "its mailbox, the display taking a hologram", 30.0,
+     OnHang::restart},
+    {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
+    {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
+    {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
+    {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
 }};
 
-/// Starts agents on threads, watches that they turn, and stops them. Main thread only, `all_alive`
-/// apart.
+struct HungThread {
+  const ThreadRow* row = nullptr;
+  double turn_s = 0.0;  ///< so far
+};
+
+/// Starts agents on threads, watches that they turn, and stops them. Main thread only, but for what
+/// says otherwise.
 class ThreadPlan {
  public:
   explicit ThreadPlan(RealtimePolicy policy);
@@ -65,13 +78,17 @@ class ThreadPlan {
   Result<void> prepare_process();
   /// `agent` is turned until stop_all. With `enforce`, a priority that cannot be had is an error.
   Result<void> start(ThreadRole role, Agent& agent);
+  /// Turns `agent` in the calling thread until `stop` is set.
+  void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
   /// Asks all to end, last started first, and waits for each, for `patience_s` in all. A thread may
   /// be held by a device that no longer answers: then its name is returned, and the process is to
   /// end without destroying what that thread uses. Empty: all ended.
   std::string stop_all(double patience_s);
 
-  /// Thread-safe: empty, or the name of a thread whose turn takes too long.
-  std::string hung_thread() const;
+  /// Thread-safe: those whose turn takes too long.
+  std::vector<HungThread> hung_threads() const;
+  /// Thread-safe: since `stop` of run_here was set no turn has begun for `patience_s`.
+  bool stop_overdue(double patience_s) const;
 
  private:
   struct Running;
@@ -81,6 +98,8 @@ class ThreadPlan {
   mutable std::mutex
       mutex_;  ///< of the list: the status thread reads it while later threads are started
   std::vector<std::unique_ptr<Running>> threads_;
+  std::unique_ptr<Running> here_;
+  const std::atomic<bool>* stop_here_ = nullptr;
 };
 
 }  // namespace ovws

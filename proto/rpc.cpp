@@ -74,7 +74,8 @@ class PendingCall {
   PendingCall& operator=(const PendingCall&) = delete;
   ~PendingCall() {
     try {
-      answer(tl::make_unexpected(failure(RpcCode::internal, "", "the daemon gave no answer")));
+      answer(tl::make_unexpected(
+          failure(RpcCode::internal, "", "the daemon did not carry this out; it may be stopping")));
     } catch (...) {  // out of memory: there is nobody left to tell
     }
   }

@@ -30,6 +30,11 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// Waiting does not help: somebody has to mend a value or a state first.
+inline bool needs_a_person(const Error& error) {
+  return error.code == Errc::invalid || error.code == Errc::refused;
+}
+
 /// `return fail(Errc::invalid, "camera.gain_db", "…");` converts to any Result.
 [[nodiscard]] inline tl::unexpected<Error> fail(Errc code, std::string field, std::string reason) {
   return tl::make_unexpected(Error{code, std::move(field), std::move(reason)});

@@ -14,7 +14,7 @@ namespace ovws {
 enum class DaemonState : std::uint8_t {
   stopping,             ///< asked to end
   starting,             ///< drivers have not been tried yet
-  fault,                ///< something failed that does not mend itself
+  fault,                ///< a device is there and cannot be used until somebody mends it
   waiting_for_camera,   ///< no camera; perhaps no display either
   waiting_for_display,  ///< a camera, and no display
   job_running,          ///< a reference is being taken
@@ -106,17 +106,16 @@ struct Obstacle {
   Errc code;
   std::string_view reason;
 };
-constexpr std::array<Obstacle, 6> kObstacles{{
+constexpr std::array<Obstacle, 5> kObstacles{{
     {&Conditions::stopping, true, Errc::refused,
      "the daemon is stopping; start it again and repeat the request"},
     {&Conditions::started, false, Errc::refused,
      "the daemon is still starting; repeat the request in a moment"},
-    {&Conditions::fault, true, Errc::refused,
-     "a fault keeps the devices from being used; remove the cause that system.status names"},
     {&Conditions::camera, false, Errc::unavailable,
-     "no camera is connected; connect the camera, it is opened by itself"},
+     "no camera is in use; system.status says why, and it is opened by itself when it can be"},
     {&Conditions::display, false, Errc::unavailable,
-     "the SLM's display is not there; connect the display, it is opened by itself"},
+     "the SLM's display is not in use; system.status says why, and it is opened by itself when it "
+     "can be"},
     {&Conditions::job, true, Errc::refused,
      "a job is running; wait for its end or cancel it with job.cancel"},
 }};
@@ -125,17 +124,17 @@ constexpr std::array<Obstacle, 6> kObstacles{{
 struct ActionRow {
   std::array<bool, kObstacles.size()> minds;
 };
-//                               stopping starting fault  camera display job
+//                               stopping starting camera display job
 constexpr Table<Action, ActionRow> kActions{{
-    {{false, false, false, false, false, false}},  // read
-    {{true, true, true, true, false, true}},       // set_camera
-    {{true, true, true, false, true, true}},       // set_sensor
-    {{true, true, true, false, true, true}},       // set_aberration
-    {{true, true, true, false, true, true}},       // show_pattern
-    {{true, true, true, true, true, true}},        // take_reference
-    {{true, true, false, false, false, true}},     // clear_reference
-    {{true, true, false, false, false, false}},    // cancel_job
-    {{true, true, false, false, false, false}},    // save_config
+    {{false, false, false, false, false}},  // read
+    {{true, true, true, false, true}},      // set_camera
+    {{true, true, false, true, true}},      // set_sensor
+    {{true, true, false, true, true}},      // set_aberration
+    {{true, true, false, true, true}},      // show_pattern
+    {{true, true, true, true, true}},       // take_reference
+    {{true, true, false, false, true}},     // clear_reference
+    {{true, true, false, false, false}},    // cancel_job
+    {{true, true, false, false, false}},    // save_config
 }};
 
 }  // namespace control

@@ -37,6 +37,8 @@ struct ShownHologram {
 struct AppliedSettings {
   double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
   double previous_gain_db = 0.0, previous_exposure_us = 0.0;
+  Roi roi;                                  ///< does not change within one stream
+  std::int64_t t_previous_end_mono_ns = 0;  ///< the write of the previous values had ended
   std::int64_t t_write_begin_mono_ns = 0;
   std::int64_t t_write_end_mono_ns = 0;
   std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival, by configuration

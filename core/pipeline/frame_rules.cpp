@@ -23,9 +23,11 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
     return {true, settings.gain_db, settings.exposure_us,
             exposure_begin(settings, settings.exposure_us, arrival_mono_ns)};
   }
-  if (settings.previous_exposure_us > 0.0 && arrival_mono_ns <= settings.t_write_begin_mono_ns) {
-    return {true, settings.previous_gain_db, settings.previous_exposure_us,
-            exposure_begin(settings, settings.previous_exposure_us, arrival_mono_ns)};
+  const std::int64_t previous =
+      exposure_begin(settings, settings.previous_exposure_us, arrival_mono_ns);
+  if (settings.previous_exposure_us > 0.0 && arrival_mono_ns <= settings.t_write_begin_mono_ns &&
+      previous >= settings.t_previous_end_mono_ns) {
+    return {true, settings.previous_gain_db, settings.previous_exposure_us, previous};
   }
   return {false, settings.gain_db, settings.exposure_us, earliest};
 }

@@ -16,8 +16,8 @@ struct SettingsVerdict {
   std::int64_t exposure_begin_mono_ns = 0;
 };
 
-/// New values if the exposure began at or after the end of the write, previous values if the frame
-/// arrived at or before its begin.
+/// New values if the exposure began at or after the end of their write; previous values if it began
+/// at or after the end of theirs, and the frame arrived at or before the begin of the new write.
 SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns);
 
 struct HologramVerdict {

@@ -16,7 +16,7 @@ constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent
 constexpr std::chrono::microseconds kIdleWait = 2ms;
 
 bool fits(const MeasurementPlan& plan, const ImageView& image) {
-  return image.width == plan.image_width && image.height == plan.image_height &&
+  return image.width == plan.roi.width && image.height == plan.roi.height &&
          image.format == plan.format;
 }
 
@@ -132,7 +132,8 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
                                                   settings.exposure_begin_mono_ns, arrival);
   entry.hologram_id = hologram.hologram_id;
-  entry.settled = hologram.settled;
+  // Until the plan for a new region is there, positions would be taken for those of the old one.
+  entry.settled = hologram.settled && applied.roi == entry.plan->roi;
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
@@ -25,7 +26,7 @@ struct MeasurementPlan {
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
   SpotModel spots;
-  int image_width = 0, image_height = 0;  ///< what a frame must be
+  Roi roi;  ///< of the camera: what a frame must be an image of
   PixelFormat format = PixelFormat::mono8;
   /// Where each spot should be: reference, else model, moved by the aberration shown on purpose.
   std::vector<Vec2> predicted_px;

@@ -16,15 +16,13 @@ constexpr SpotStart kUnknown{{kNone, kNone}, false};
 SpotHistory::SpotHistory() : tracks_(kMaxSubapertures) {}
 
 void SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
-  if (plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ &&
-      plan.image_width == image_width_ && plan.image_height == image_height_) {
+  if (plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_) {
     return;
   }
   live_ = false;
   sensor_epoch_ = plan.sensor_epoch;
   count_ = plan.subapertures();
-  image_width_ = plan.image_width;
-  image_height_ = plan.image_height;
+  roi_ = plan.roi;
 }
 
 Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {

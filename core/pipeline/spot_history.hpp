@@ -49,7 +49,7 @@ class SpotHistory {
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
   std::uint64_t sensor_epoch_ = 0;
-  int image_width_ = 0, image_height_ = 0;
+  Roi roi_;
 };
 
 }  // namespace ovws

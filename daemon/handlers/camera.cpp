@@ -13,9 +13,11 @@ void get(Services& services, const nlohmann::json& params, RpcReply reply) {
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto change = decode_camera_set(params);
   if (!change) return reply(failed(change.error()));
-  services.camera.change(*change, [params, reply](Result<CameraSnapshot> applied) {
+  services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
     if (!applied) return reply(failed(applied.error()));
-    reply(camera_set_result(params, applied->settings, applied->limits));
+    services.instrument.after_changes([params, reply, camera = *applied] {
+      reply(camera_set_result(params, camera.settings, camera.limits));
+    });
   });
 }
 

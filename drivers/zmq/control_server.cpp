@@ -10,7 +10,8 @@ namespace ovws {
 namespace {
 
 constexpr long kWaitMs = 50;
-constexpr int kTurn = 64;                  // requests taken before replies are looked at
+constexpr int kLingerMs = 100;  // what was answered last may leave before the socket closes
+constexpr int kTurn = 64;       // requests taken before replies are looked at
 constexpr std::size_t kMaxPending = 1024;  // beyond, requests wait in the sockets
 // ROUTER drops what one client's queue does not hold: all that can be pending must fit.
 constexpr int kReplyQueue = 2 * int(kMaxPending);
@@ -106,7 +107,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& en
   impl->max_request_bytes = max_request_bytes;
   impl->oversize_reply = std::move(oversize_reply);
   impl->handler = std::move(handler);
-  impl->socket.set(zmq::sockopt::linger, 0);
+  impl->socket.set(zmq::sockopt::linger, kLingerMs);
   impl->socket.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
   impl->socket.set(zmq::sockopt::rcvhwm, kReceiveQueue);
   impl->socket.set(zmq::sockopt::sndhwm, kReplyQueue);
@@ -114,6 +115,10 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& en
     return fail(bound.error());
   }
   return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
+}
+
+void ControlServer::on_close() {
+  impl_->send_replies();
 }
 
 bool ControlServer::do_work() {

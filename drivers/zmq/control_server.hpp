@@ -32,6 +32,8 @@ class ControlServer : public Agent {
   ControlServer& operator=(const ControlServer&) = delete;
   ~ControlServer() override;
   bool do_work() override;
+  /// Sends the replies that are there.
+  void on_close() override;
 
  private:
   struct Impl;

@@ -1,10 +1,13 @@
 """What is not there: camera, display, port, a right configuration. The daemon says so, and works when it comes."""
 import json
+import os
+import signal
 import socket
 import subprocess
+import time
 import unittest
 
-from case import BenchCase, main
+from case import BenchCase, main, wait_for
 
 
 class Absent(BenchCase):
@@ -58,9 +61,52 @@ class Absent(BenchCase):
         self.bench.start_twin()
         self.daemon_config = {"slm": {"display": "DUMMY0", "width": 1920, "height": 1080}}
         self.start_daemon()
-        fault = self.wait_until("waiting_for_display")["slm"]["fault"]
-        print("\n  primary output:", fault)
-        self.assertIn("allow_primary", fault)
+        status = self.wait_until("fault")
+        print("\n  primary output:", status["fault"])
+        self.assertIn("allow_primary", status["slm"]["fault"])
+        wait_for(lambda: self.call("system.status")["camera"]["connected"], what="the camera")
+        self.assertEqual(self.call("camera.set", {"gain_db": 3.0})["applied"]["gain_db"], 3.0)
+        self.refused("aberration.clear")
+
+    def test_settings_that_the_camera_refuses(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+        self.daemon_config = {"camera": {"gain_db": 99.0}}
+        self.start_daemon()
+        status = self.wait_until("fault")
+        print("\n  refused by the camera:", status["fault"])
+        self.assertIn("camera.gain_db", status["camera"]["fault"])
+        wait_for(lambda: self.call("system.status")["slm"]["connected"], what="the display")
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
+
+    def test_a_display_that_hangs_is_told_and_ends_nothing(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+        self.start_daemon()
+        self.wait_until("running")
+        server = self.bench.process("xorg").pid
+        os.kill(server, signal.SIGSTOP)
+        self.addCleanup(os.kill, server, signal.SIGCONT)
+        self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
+        told = wait_for(lambda: (slm := self.call("system.status")["slm"])["fault"] and slm, 15.0, "the fault")
+        print("\n  display frozen:", told["fault"])
+        os.kill(server, signal.SIGCONT)
+        wait_for(lambda: not self.call("system.status")["slm"]["fault"], 15.0, "the end of the fault")
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
+
+    def test_a_display_that_hangs_does_not_keep_the_daemon_from_ending(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+        self.start_daemon()
+        self.wait_until("running")
+        server = self.bench.process("xorg").pid
+        os.kill(server, signal.SIGSTOP)
+        self.addCleanup(os.kill, server, signal.SIGCONT)
+        self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
+        asked = time.monotonic()
+        self.assertEqual(self.bench.stop("ovwsd"), 0)
+        print(f"\n  ended {time.monotonic() - asked:.2f} s after SIGTERM with a frozen display")
+        self.assertLess(time.monotonic() - asked, 4.0)
 
 
 class Refusals(unittest.TestCase):

@@ -6,7 +6,7 @@ from case import BenchCase, main
 
 FRAMES = 10
 OTHERS_WAVES = 0.02
-LEAST_TRACKED = 18  # 0.2 wave of spherical aberration smears the spot at the pupil's rim until it is no clear vortex
+LEAST_TRACKED = 19  # all
 
 
 def within(wanted, measured):

@@ -41,7 +41,7 @@ Conditions example(DaemonState state) {
     case DaemonState::starting:
       return {};
     case DaemonState::fault:
-      return after(up(), DaemonEvent::fault_raised);
+      return after(after(up(), DaemonEvent::display_lost), DaemonEvent::fault_raised);
     case DaemonState::waiting_for_camera:
       return after(up(), DaemonEvent::camera_lost);
     case DaemonState::waiting_for_display:
@@ -76,8 +76,8 @@ TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
        S::stopping, S::stopping, S::stopping},
       {S::waiting_for_camera, S::starting, S::starting, S::starting, S::starting, S::starting,
        S::starting, S::starting, S::starting, S::stopping},
-      {S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::running,
-       S::stopping},
+      {S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault,
+       S::waiting_for_display, S::stopping},
       {S::waiting_for_camera, S::running, S::waiting_for_camera, S::waiting_for_camera,
        S::waiting_for_camera, S::waiting_for_camera, S::waiting_for_camera, S::fault,
        S::waiting_for_camera, S::stopping},
@@ -134,7 +134,7 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   constexpr bool kAllowed[kStateCount][kActionCount] = {
       {true, false, false, false, false, false, false, false, false},  // stopping
       {true, false, false, false, false, false, false, false, false},  // starting
-      {true, false, false, false, false, false, true, true, true},     // fault
+      {true, true, false, false, false, false, true, true, true},      // fault
       {true, false, true, true, true, false, true, true, true},        // waiting_for_camera
       {true, true, false, false, false, false, true, true, true},      // waiting_for_display
       {true, false, false, false, false, false, false, true, true},    // job_running
@@ -164,7 +164,7 @@ TEST(StateMachine, ARefusalNamesTheStateAndTheWayOut) {
 TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
   const Result<void> camera = permit(example(DaemonState::waiting_for_camera), Action::set_camera);
   EXPECT_EQ(camera.error().code, Errc::unavailable);
-  EXPECT_NE(camera.error().reason.find("no camera is connected"), std::string::npos);
+  EXPECT_NE(camera.error().reason.find("no camera is in use"), std::string::npos);
   const Result<void> display =
       permit(example(DaemonState::waiting_for_display), Action::set_aberration);
   EXPECT_EQ(display.error().code, Errc::unavailable);
@@ -175,7 +175,7 @@ TEST(StateMachine, WithBothMissingTheReasonIsTheDeviceThatTheActionNeeds) {
   const Conditions neither = by({DaemonEvent::started});
   const Result<void> answer = permit(neither, Action::set_aberration);
   ASSERT_FALSE(answer);
-  EXPECT_NE(answer.error().reason.find("the SLM's display is not there"), std::string::npos);
+  EXPECT_NE(answer.error().reason.find("the SLM's display is not in use"), std::string::npos);
 }
 
 TEST(StateMachine, ASensorIsNotChangedUnderARunningJob) {

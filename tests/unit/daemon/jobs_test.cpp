@@ -11,10 +11,20 @@ class JobsTest : public testing::Test {
   Events events_{queue_};
   Jobs jobs_{events_};
   int cancelled_ = 0;
+  double progress_ = 0.25;
 
   int begin() {
     return jobs_.begin(
-        "reference.take", [this] { ++cancelled_; }, [] { return 0.25; });
+        "reference.take", [this] { ++cancelled_; }, [this] { return progress_; });
+  }
+
+  /// The progress that each event since the last call told.
+  std::vector<double> told() {
+    std::vector<double> all;
+    while (const auto message = queue_.take()) {
+      all.push_back(std::get<Event>(*message).data["progress"].get<double>());
+    }
+    return all;
   }
 };
 
@@ -40,6 +50,17 @@ TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
   EXPECT_EQ(cancelled_, 1);
   jobs_.finish(id, {});
   EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
+}
+
+TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
+  const int id = begin();
+  for (const double progress : {0.0, 0.2, 0.25, 0.4, 0.8, 0.9, 1.0}) {
+    progress_ = progress;
+    jobs_.tell_progress(id);
+  }
+  jobs_.finish(id, {});
+  jobs_.tell_progress(id);
+  EXPECT_EQ(told(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
 }
 
 TEST_F(JobsTest, AFailureKeepsItsReason) {

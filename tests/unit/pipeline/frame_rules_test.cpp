@@ -104,6 +104,13 @@ TEST(SettingsRule, AFrameThatArrivesAsTheWriteBeginsHasThePreviousValues) {
   EXPECT_EQ(verdict.exposure_begin_mono_ns, 497 * kMs);
 }
 
+TEST(SettingsRule, ThePreviousValuesMustHaveBeenWrittenBeforeTheExposureToo) {
+  AppliedSettings settings = changed();
+  settings.t_previous_end_mono_ns = 497 * kMs;  // 500 - 1 - 2
+  EXPECT_TRUE(judge_settings(settings, 500 * kMs).known);
+  EXPECT_FALSE(judge_settings(settings, 500 * kMs - 1).known);
+}
+
 TEST(SettingsRule, AFrameThatArrivesANanosecondLaterIsUnknown) {
   EXPECT_FALSE(judge_settings(changed(), 500 * kMs + 1).known);
 }

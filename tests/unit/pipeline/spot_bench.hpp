@@ -116,8 +116,7 @@ class SpotBench {
     plan->sensor_epoch = 1;
     plan->charge = sensor.charge;
     plan->spots = {sensor.charge, lambda_d_px(optics, slm, sensor)};
-    plan->image_width = kSize;
-    plan->image_height = kSize;
+    plan->roi = {0, 0, kSize, kSize};
     plan->predicted_px = model_px;
     plan->reference_px = model_px;
     plan->tracker = std::make_unique<BrightestPixelTracker>();

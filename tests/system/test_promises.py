@@ -1,0 +1,88 @@
+"""What clients are promised while things change: nothing is published that cannot be stood behind, and every request is answered."""
+import json
+import time
+
+import zmq
+
+from case import BenchCase, main, wait_for
+
+HALF = {"x": 128, "y": 128, "width": 256, "height": 256}
+WHOLE = {"x": 0, "y": 0, "width": 512, "height": 512}
+
+
+class Promises(BenchCase):
+    def listen(self, seconds):
+        stream = self.stream("wavefront")
+        end, heard = time.monotonic() + seconds, []
+        while time.monotonic() < end:
+            message = stream.next(0.2)
+            if message is not None:
+                heard.append(message)
+        self.assertTrue(heard)
+        return heard
+
+    def test_a_picture_that_is_no_sensor_is_never_settled(self):
+        self.take_reference(20)
+        self.call("slm.show", {"pattern": "flat"})
+        for change in ({}, {"roi": HALF}, {"roi": WHOLE}):
+            if change:
+                self.call("camera.set", change)
+            self.assertFalse(any(m["settled"] or m["valid"] for m in self.listen(1.0)), change)
+        self.call("slm.show", {"pattern": "sensor"})
+        self.settled_frames(self.stream("wavefront"), 10)
+
+    def test_a_reference_holds_for_its_region_only(self):
+        self.take_reference(20)
+        self.call("camera.set", {"roi": {"x": 8, "y": 16, "width": 488, "height": 480}})
+        self.assertFalse(self.call("system.status")["sensor"]["referenced"])
+        self.assertFalse(any(m["valid"] for m in self.listen(0.5)))
+        self.call("camera.set", {"roi": WHOLE})
+        wait_for(lambda: self.call("system.status")["sensor"]["referenced"], what="the reference of before")
+        self.settled_frames(self.stream("wavefront"), 10)
+
+    def test_nothing_changes_under_a_job_and_a_cancelled_one_gives_all_free(self):
+        self.take_reference(20)
+        before = self.call("reference.get")
+        job = self.call("reference.take", {"frames": 10000})["job"]
+        for method, params in (("reference.clear", {}), ("reference.take", {}), ("camera.set", {"gain_db": 1.0}),
+                               ("sensor.set", {"charge": 0}), ("aberration.clear", {}), ("slm.show", {"pattern": "flat"})):
+            self.assertIn("job", str(self.refused(method, params)), method)
+        self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
+        self.wait_until("running")
+        self.assertEqual(self.call("reference.get"), before)
+        self.call("camera.set", {"gain_db": 1.0})
+        self.call("reference.clear")
+        self.assertIsNone(self.call("reference.get")["frames"])
+
+    def test_a_job_tells_its_quarters(self):
+        stream = self.stream("event")
+        time.sleep(0.3)  # a subscription takes a moment
+        self.run_job("reference.take", {"frames": 100})
+        told = []
+        while (message := stream.next(1.0)) is not None:
+            if message["kind"] == "job":
+                told.append((message["data"]["state"], message["data"]["progress"]))
+        self.assertEqual(told, [("running", 0.0), ("running", 0.25), ("running", 0.5), ("running", 0.75), ("done", 1.0)])
+
+    def test_every_request_on_its_way_is_answered_when_the_daemon_ends(self):
+        requests = 40
+        socket = zmq.Context.instance().socket(zmq.DEALER)
+        self.addCleanup(socket.close, 0)
+        socket.connect("tcp://127.0.0.1:7702")
+        for i in range(requests):
+            params = {"modes": [{"j": 3, "waves": 0.01 * i}]}
+            socket.send(json.dumps({"jsonrpc": "2.0", "id": i, "method": "aberration.set", "params": params}).encode())
+        replies = [json.loads(socket.recv())]
+        self.assertEqual(self.bench.stop("ovwsd"), 0)
+        while socket.poll(500):
+            replies.append(json.loads(socket.recv()))
+        done = sum("result" in reply for reply in replies)
+        print(f"\n  {done} of {requests} carried out before the end, {len(replies) - done} refused with a reason")
+        self.assertEqual(sorted(reply["id"] for reply in replies), list(range(requests)))
+        for reply in replies:
+            if "error" in reply:
+                self.assertIn("stopping", reply["error"]["data"]["reason"])
+
+
+if __name__ == "__main__":
+    main()

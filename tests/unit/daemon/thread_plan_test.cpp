@@ -1,0 +1,82 @@
+/// Threads that hang and threads that do not end, with agents that do so when told.
+#include "daemon/thread_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <semaphore>
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Its second turn lasts until it is let go.
+class Sticky : public Agent {
+ public:
+  bool do_work() override {
+    if (++turns == 2) go_.acquire();
+    std::this_thread::sleep_for(1ms);
+    return true;
+  }
+  void on_close() override { closed = true; }
+  void let_go() { go_.release(); }
+
+  std::atomic<int> turns{0};
+  std::atomic<bool> closed{false};
+
+ private:
+  std::counting_semaphore<> go_{0};
+};
+
+void wait_for(const std::function<bool()>& condition) {
+  for (int tries = 0; tries < 5000 && !condition(); ++tries) std::this_thread::sleep_for(2ms);
+  ASSERT_TRUE(condition());
+}
+
+std::string names(const std::vector<HungThread>& hung) {
+  std::string text;
+  for (const HungThread& one : hung) text += std::string(one.row->name) + " ";
+  return text;
+}
+
+TEST(ThreadPlan, ATurnThatTakesTooLongIsNamedUntilItEnds) {
+  Sticky agent;
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::track, agent));  // the shortest patience of the table
+  EXPECT_EQ(names(plan.hung_threads()), "");
+  wait_for([&] { return names(plan.hung_threads()) == "track "; });
+  agent.let_go();
+  wait_for([&] { return plan.hung_threads().empty(); });
+}
+
+TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
+  Sticky agent;
+  Sticky other;
+  other.let_go();
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::publish, other));
+  ASSERT_TRUE(plan.start(ThreadRole::camera, agent));
+  wait_for([&] { return agent.turns == 2; });
+  EXPECT_EQ(plan.stop_all(0.05), "camera");
+  EXPECT_TRUE(other.closed);
+  EXPECT_FALSE(agent.closed);
+  agent.let_go();
+}
+
+TEST(ThreadPlan, TheCallersOwnTurnsAreWatchedAndAnOverdueStopIsSeen) {
+  Sticky agent;
+  std::atomic<bool> stop{false};
+  ThreadPlan plan(RealtimePolicy::ignore);
+  std::thread caller([&] { plan.run_here(ThreadRole::display, agent, stop); });
+  wait_for([&] { return agent.turns == 2; });
+  EXPECT_FALSE(plan.stop_overdue(0.0));
+  stop = true;
+  wait_for([&] { return plan.stop_overdue(0.1); });
+  agent.let_go();
+  caller.join();
+  EXPECT_FALSE(plan.stop_overdue(0.0));
+}
+
+}  // namespace
+}  // namespace ovws
