@@ -16,6 +16,7 @@ holds one bench; `own_network()` moves the calling process into a namespace of i
 """
 
 import ctypes
+import functools
 import json
 import os
 import pathlib
@@ -137,7 +138,7 @@ class Bench:
     """A bench in a folder of its own, which goes with it unless `directory` is given."""
 
     def __init__(self, build=None, directory=None):
-        self.programs = find_programs(build)
+        self._build = build
         self._own_directory = directory is None
         self.directory = pathlib.Path(directory or tempfile.mkdtemp(prefix="ovws-bench-"))
         self.directory.mkdir(parents=True, exist_ok=True)
@@ -149,6 +150,11 @@ class Bench:
 
     def __exit__(self, *_):
         self.close()
+
+    @functools.cached_property
+    def programs(self):
+        """The folder with the built programs."""
+        return find_programs(self._build)
 
     def log(self, name):
         """What a program wrote on standard error."""

@@ -11,7 +11,7 @@
 
 namespace ovws::test {
 
-/// The SLM of xorg_two_outputs.conf: 1280x768 on DUMMY1, at +1920+0.
+/// The SLM of drivers/twin/xorg-bench.conf: 1280x768 on DUMMY1, at +1920+0.
 inline SdlConfig slm_config() {
   return {.output = "DUMMY1", .width = 1280, .height = 768, .allow_primary = false};
 }
