@@ -38,8 +38,8 @@ bool CameraActor::do_work() {
     if (monotonic_ns() >= next_try_ns_) try_open();
   } else if (!camera_->alive()) {
     lose({Errc::device, "camera", "control of the camera was lost"});
-  } else if (starved()) {
-    lose({Errc::device, "camera", "the camera sends no frames"});
+  } else {
+    watch_frames();
   }
   return worked;
 }
@@ -51,20 +51,35 @@ void CameraActor::on_close() {
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
-  mailbox_.post([this, change, done = std::move(done)] {
-    if (!camera_ || lost_) {
-      return done(
-          fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
-    }
-    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
-    const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
-    if (!wanted) return done(fail(wanted.error()));
-    const auto applied = apply(*wanted);
-    if (!applied) return done(fail(in_params(applied.error())));
-    refresh_limits();
-    publish_connected();
-    done(snapshot_.get());
-  });
+  mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
+}
+
+void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
+  if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+  if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
+  if (!camera_ || lost_) {
+    return done(
+        fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
+  }
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+  if (!wanted) return done(fail(wanted.error()));
+  const auto applied = apply(*wanted);
+  if (!applied) return done(fail(in_params(applied.error())));
+  refresh_limits();
+  publish_connected();
+  done(snapshot_.get());
+}
+
+/// The camera is there and refuses the settings of the configuration: perhaps it takes these.
+void CameraActor::mend(const CameraSet& change, const Applied& done) {
+  const CameraSettings before = settings_;
+  settings_ = change.applied_to(settings_);
+  try_open();
+  const CameraSnapshot now = snapshot_.get();
+  if (now.connected) return done(now);
+  settings_ = before;
+  done(
+      fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
 }
 
 void CameraActor::try_open() {
@@ -122,11 +137,24 @@ bool CameraActor::give_up_camera() {
 }
 
 /// Our own watchdog: Aravis notices a dead camera only after about 5 s.
-bool CameraActor::starved() const {
-  const std::int64_t last_ns = std::max(attached_ns_, deps_.pipeline.last_frame_mono_ns());
-  const double period_ns = 1e9 / std::max(settings_.frame_rate_hz, 1e-3);
-  const double patience_ns = std::max(3.0 * period_ns, settings_.exposure_us * 1e3 + 1e9);
-  return double(monotonic_ns() - last_ns) > patience_ns;
+void CameraActor::watch_frames() {
+  const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
+  const double patience_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
+  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s) {
+    return lose({Errc::device, "camera", "the camera sends no frames"});
+  }
+  const bool torn = silent_s(deps_.pipeline.last_frame_mono_ns()) > patience_s;
+  if (torn && !torn_) {
+    deps_.events.emit("camera", Severity::error,
+                      "camera: every frame arrives incomplete, packets are lost on the way; check "
+                      "cable, switch and camera.packet_size_bytes");
+  }
+  torn_ = torn;
+}
+
+/// Since then, or since the stream began.
+double CameraActor::silent_s(std::int64_t last_ns) const {
+  return 1e-9 * double(monotonic_ns() - std::max(attached_ns_, last_ns));
 }
 
 /// A camera's limits depend on its settings: the longest exposure on the rate, the rate on the

@@ -52,17 +52,20 @@ class CameraActor : public Agent {
   void on_close() override;
 
   /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
-  /// uses now.
+  /// uses now. A camera at fault is tried anew with the change.
   void change(CameraSet change, Applied done);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
+  void carry_out(const CameraSet& change, const Applied& done);
+  void mend(const CameraSet& change, const Applied& done);
   void try_open();
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const Error& why);
   bool give_up_camera();
   void refresh_limits();
-  bool starved() const;
+  double silent_s(std::int64_t last_ns) const;
+  void watch_frames();
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
   Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
@@ -83,6 +86,7 @@ class CameraActor : public Agent {
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;
   bool ever_connected_ = false;
+  bool torn_ = false;  ///< frames arrive, and none of them whole; it was said
   Guarded<CameraSnapshot> snapshot_;
 };
 

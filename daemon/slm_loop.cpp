@@ -30,28 +30,27 @@ SlmLoop::~SlmLoop() = default;
 
 bool SlmLoop::do_work() {
   if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
-  const auto job = wait_for_job();
-  if (job) carry_out(*job);
+  const Asked asked = wait_for_work();
+  if (asked.when_possible) {
+    wanted_ = asked.when_possible;
+    (void)present(*wanted_);
+  }
+  if (asked.job) carry_out(*asked.job);
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
   }
-  return job.has_value();
+  return asked.when_possible || asked.job;
 }
 
-void SlmLoop::carry_out(const Job& job) {
-  if (!job.ticket) {
-    wanted_ = job.request;
-    (void)present(job.request);
-    return;
-  }
+void SlmLoop::carry_out(Job& job) {
   const std::optional<HologramRequest> before = wanted_;
   Result<void> done = present(job.request);
   bool abandoned = false;
   {
     const std::lock_guard lock(mutex_);
-    abandoned = job.ticket->abandoned;
-    job.ticket->done.set_value(done);
+    abandoned = job.abandoned;
+    job.done.set_value(done);
   }
   // Its caller was told that it failed: what he believes to be shown is to be shown.
   if (abandoned && done && before) (void)present(*before);
@@ -60,39 +59,40 @@ void SlmLoop::carry_out(const Job& job) {
 void SlmLoop::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  if (job_ && job_->ticket) job_->ticket->done.set_value(fail(stopping()));
-  job_.reset();
+  if (asked_.job) asked_.job->done.set_value(fail(stopping()));
+  asked_ = {};
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
-  auto ticket = std::make_shared<Ticket>();
-  auto result = ticket->done.get_future();
+  auto job = std::make_shared<Job>();
+  job->request = std::move(request);
+  auto result = job->done.get_future();
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return fail(stopping());
-    job_ = Job{std::move(request), ticket};
+    asked_.job = job;
   }
   ready_.notify_one();
   if (result.wait_for(kShowTimeout) == std::future_status::ready) return result.get();
   const std::lock_guard lock(mutex_);
   if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
-  ticket->abandoned = true;
-  if (job_ && job_->ticket == ticket) job_.reset();
+  job->abandoned = true;
+  if (asked_.job == job) asked_.job.reset();
   return fail(Errc::unavailable, "slm", "the display did not take the picture within 2 s");
 }
 
 void SlmLoop::show_when_possible(HologramRequest request) {
   {
     const std::lock_guard lock(mutex_);
-    job_ = Job{std::move(request), nullptr};
+    asked_.when_possible = std::move(request);
   }
   ready_.notify_one();
 }
 
-std::optional<SlmLoop::Job> SlmLoop::wait_for_job() {
+SlmLoop::Asked SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
-  ready_.wait_for(lock, kTurn, [this] { return job_.has_value(); });
-  return std::exchange(job_, std::nullopt);
+  ready_.wait_for(lock, kTurn, [this] { return asked_.when_possible || asked_.job; });
+  return std::exchange(asked_, {});
 }
 
 void SlmLoop::try_open() {

@@ -64,24 +64,25 @@ class SlmLoop : public Agent {
   /// Thread-safe, any other thread: shows the picture and returns when the display took it, with an
   /// error if it did not within 2 s; the picture shown before then stays the wanted one.
   Result<void> show(HologramRequest request);
-  /// Thread-safe: to be shown as soon as there is a display.
+  /// Thread-safe: to be shown as soon as there is a display, before what `show` asks for later.
   void show_when_possible(HologramRequest request);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
-  /// What a caller of `show` waits for; he may have stopped waiting.
-  struct Ticket {
+  /// A call of `show`; its caller may have stopped waiting.
+  struct Job {
+    HologramRequest request;
     std::promise<Result<void>> done;
     bool abandoned = false;  ///< guarded by mutex_
   };
-  struct Job {
-    HologramRequest request;
-    std::shared_ptr<Ticket> ticket;  ///< none: nobody waits
+  struct Asked {
+    std::optional<HologramRequest> when_possible;
+    std::shared_ptr<Job> job;
   };
 
-  std::optional<Job> wait_for_job();
-  void carry_out(const Job& job);
+  Asked wait_for_work();
+  void carry_out(Job& job);
   void try_open();
   Result<void> present(const HologramRequest& request);
   void fault(const Error& why);
@@ -100,7 +101,7 @@ class SlmLoop : public Agent {
 
   std::mutex mutex_;
   std::condition_variable ready_;
-  std::optional<Job> job_;
+  Asked asked_;
   bool closed_ = false;
 };
 

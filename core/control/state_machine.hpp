@@ -127,7 +127,7 @@ struct ActionRow {
 //                               stopping starting camera display job
 constexpr Table<Action, ActionRow> kActions{{
     {{false, false, false, false, false}},  // read
-    {{true, true, true, false, true}},      // set_camera
+    {{true, true, false, false, true}},     // set_camera: the camera's keeper knows more
     {{true, true, false, true, true}},      // set_sensor
     {{true, true, false, true, true}},      // set_aberration
     {{true, true, false, true, true}},      // show_pattern

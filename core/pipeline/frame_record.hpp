@@ -49,8 +49,10 @@ struct AppliedSettings {
 struct FrameRecord {
   GrabbedFrame frame;  ///< its pixels are lent only to who asked for the image
   const MeasurementPlan* plan =
-      nullptr;            ///< lives as long as a record refers to it (Pipeline::oldest_plan_in_use)
-  std::uint64_t gap = 0;  ///< frames of this stream missing since the published record before
+      nullptr;  ///< lives as long as a record refers to it (Pipeline::oldest_plan_in_use)
+  /// Frames missing since the published record before; over a stream begun anew as many as the
+  /// frame rate would have given meanwhile.
+  std::uint64_t gap = 0;
   std::uint64_t hologram_id = 0;
   bool settled = false;
   bool settings_known = false;  ///< gain and exposure are of this very frame

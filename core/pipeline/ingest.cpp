@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "core/pipeline/frame_rules.hpp"
+#include "core/port/clock.hpp"
 
 namespace ovws {
 namespace {
@@ -38,6 +39,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
     any_frame_ = false;
     arrivals_.forget();
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
+    last_sign_mono_ns_.store(0, std::memory_order_relaxed);
     deps_.cameras.follow();
   }
   return deps_.cameras.streaming();
@@ -60,6 +62,7 @@ Entry* Ingest::turn(bool& waited_in_vain) {
     case GrabStatus::incomplete:
       waited_in_vain = false;
       deps_.counters.add(Counter::frames_incomplete);
+      last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
       ++incomplete_since_;
       return nullptr;
     case GrabStatus::frame:
@@ -72,6 +75,7 @@ Entry* Ingest::turn(bool& waited_in_vain) {
 Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   deps_.counters.add(Counter::frames_grabbed);
   last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
+  last_sign_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   count_lost(frame.frame_id);
   Entry* const entry = measurable(frame);
   if (entry == nullptr) {

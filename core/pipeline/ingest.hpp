@@ -41,6 +41,9 @@ class Ingest {
   std::int64_t last_frame_mono_ns() const {
     return last_frame_mono_ns_.load(std::memory_order_relaxed);
   }
+  std::int64_t last_sign_mono_ns() const {
+    return last_sign_mono_ns_.load(std::memory_order_relaxed);
+  }
 
  private:
   bool serve_camera() OVWS_NONBLOCKING;
@@ -58,6 +61,7 @@ class Ingest {
   double last_exposure_us_ = 0.0;
   std::atomic<bool> image_requested_{false};
   std::atomic<std::int64_t> last_frame_mono_ns_{0};
+  std::atomic<std::int64_t> last_sign_mono_ns_{0};
 };
 
 }  // namespace ovws

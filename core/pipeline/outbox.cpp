@@ -34,9 +34,18 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
 void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
   const std::uint64_t id = entry.frame.frame_id;
   const bool goes_on = entry.stream == last_stream_ && id > last_frame_id_;
-  entry.gap = goes_on ? id - last_frame_id_ - 1 : 0;
+  entry.gap = goes_on ? id - last_frame_id_ - 1 : gap_between_streams(entry);
+  last_arrival_mono_ns_ = entry.frame.t_arrival_mono_ns;
   last_stream_ = entry.stream;
   last_frame_id_ = id;
+}
+
+/// Frame numbers begin anew: what the camera would have sent meanwhile.
+std::uint64_t Outbox::gap_between_streams(const Entry& entry) const {
+  if (last_arrival_mono_ns_ == 0 || entry.period_ns <= 0) return 0;
+  const double periods =
+      double(entry.frame.t_arrival_mono_ns - last_arrival_mono_ns_) / double(entry.period_ns);
+  return periods > 1.5 ? std::uint64_t(periods - 0.5) : 0;
 }
 
 void Outbox::count(const Entry& entry) OVWS_NONBLOCKING {

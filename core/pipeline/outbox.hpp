@@ -29,6 +29,7 @@ class Outbox {
 
  private:
   void link(Entry& entry) OVWS_NONBLOCKING;
+  std::uint64_t gap_between_streams(const Entry& entry) const;
   void count(const Entry& entry) OVWS_NONBLOCKING;
 
   const int most_published_;
@@ -36,8 +37,9 @@ class Outbox {
   SpscRing<Entry*> published_;
   SpscRing<Entry*> images_;
   std::atomic<int> with_publisher_{0};
-  std::uint64_t last_stream_ = 0;    ///< last stage's thread
-  std::uint64_t last_frame_id_ = 0;  ///< last stage's thread
+  std::uint64_t last_stream_ = 0;          ///< last stage's thread
+  std::uint64_t last_frame_id_ = 0;        ///< last stage's thread
+  std::int64_t last_arrival_mono_ns_ = 0;  ///< last stage's thread; 0: none yet
 };
 
 }  // namespace ovws

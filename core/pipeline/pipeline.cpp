@@ -157,6 +157,10 @@ std::int64_t Pipeline::last_frame_mono_ns() const {
   return impl_->ingest.last_frame_mono_ns();
 }
 
+std::int64_t Pipeline::last_sign_mono_ns() const {
+  return impl_->ingest.last_sign_mono_ns();
+}
+
 // Every record that leaves the pool is an Entry.
 FrameRecord* Pipeline::next(int timeout_us) {
   return impl_->outbox.next(timeout_us);

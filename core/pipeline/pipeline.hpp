@@ -57,6 +57,8 @@ class Pipeline {
   Result<void> detach();
   /// CLOCK_MONOTONIC ns of the last complete frame; 0: none since attach. Thread-safe.
   std::int64_t last_frame_mono_ns() const;
+  /// The same of any frame, incomplete ones too.
+  std::int64_t last_sign_mono_ns() const;
 
   // Publisher thread: the next finished record, in frame order, or nullptr after `timeout_us`; give
   // it back with release.

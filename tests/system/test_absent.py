@@ -78,6 +78,9 @@ class Absent(BenchCase):
         self.assertIn("camera.gain_db", status["camera"]["fault"])
         wait_for(lambda: self.call("system.status")["slm"]["connected"], what="the display")
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
+        self.assertIn("98", str(self.refused("camera.set", {"gain_db": 98.0})))
+        self.assertEqual(self.call("camera.set", {"gain_db": 3.0})["applied"]["gain_db"], 3.0)
+        self.wait_until("running")
 
     def test_a_display_that_hangs_is_told_and_ends_nothing(self):
         self.bench.start_display()
@@ -90,8 +93,12 @@ class Absent(BenchCase):
         self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
         told = wait_for(lambda: (slm := self.call("system.status")["slm"])["fault"] and slm, 15.0, "the fault")
         print("\n  display frozen:", told["fault"])
+        self.call("camera.set", {"roi": {"x": 8}})  # what the display shows belongs to another region from now on
+        self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
         os.kill(server, signal.SIGCONT)
         wait_for(lambda: not self.call("system.status")["slm"]["fault"], 15.0, "the end of the fault")
+        self.take_reference(20)
+        self.settled_frames(self.stream("wavefront"), 10)
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
 
     def test_a_display_that_hangs_does_not_keep_the_daemon_from_ending(self):

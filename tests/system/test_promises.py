@@ -4,7 +4,7 @@ import time
 
 import zmq
 
-from case import BenchCase, main, wait_for
+from case import BenchCase, Client, main, wait_for
 
 HALF = {"x": 128, "y": 128, "width": 256, "height": 256}
 WHOLE = {"x": 0, "y": 0, "width": 512, "height": 512}
@@ -53,6 +53,33 @@ class Promises(BenchCase):
         self.call("camera.set", {"gain_db": 1.0})
         self.call("reference.clear")
         self.assertIsNone(self.call("reference.get")["frames"])
+
+    def test_every_lattice_has_as_many_modes_as_it_can_tell(self):
+        for grid, across in (("hexagonal", 4), ("hexagonal", 6), ("square", 4)):
+            with self.subTest(grid=grid, across=across):
+                self.call("sensor.set", {"grid": grid, "subapertures_across": across})
+                self.take_reference(20)
+                modes = self.call("system.status")["sensor"]["modes"]
+                print(f"\n  {grid} {across}: {modes} modes")
+                self.assertGreaterEqual(modes, 5)
+                frames = self.settled_frames(self.stream("wavefront"), 10)
+                self.assertEqual(len(frames[0]["coefficients"]), modes)
+
+    def test_frames_missing_over_a_reconnection_are_counted(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        stream = self.stream("wavefront")
+        first = stream.next(5.0)
+        twin.call("twin.fault", {"kind": "unplug", "seconds": 2.0})
+        frames, last = 1, first
+        while last["t_arrival_ns"] < first["t_arrival_ns"] + 6_000_000_000:
+            last = stream.next(10.0)
+            frames += 1 + last["gap"]
+        due = 1 + 100.0 * 1e-9 * (last["t_arrival_ns"] - first["t_arrival_ns"])
+        reconnects = self.call("system.status")["counters"]["camera_reconnects"]
+        print(f"\n  {frames} frames sent or counted as missing, {due:.0f} due, {reconnects} reconnections")
+        self.assertGreaterEqual(reconnects, 1)
+        self.assertLess(abs(frames - due), 0.1 * due)
 
     def test_a_job_tells_its_quarters(self):
         stream = self.stream("event")

@@ -135,7 +135,7 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
       {true, false, false, false, false, false, false, false, false},  // stopping
       {true, false, false, false, false, false, false, false, false},  // starting
       {true, true, false, false, false, false, true, true, true},      // fault
-      {true, false, true, true, true, false, true, true, true},        // waiting_for_camera
+      {true, true, true, true, true, false, true, true, true},         // waiting_for_camera
       {true, true, false, false, false, false, true, true, true},      // waiting_for_display
       {true, false, false, false, false, false, false, true, true},    // job_running
       {true, true, true, true, true, true, true, true, true},          // running
@@ -162,7 +162,8 @@ TEST(StateMachine, ARefusalNamesTheStateAndTheWayOut) {
 }
 
 TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
-  const Result<void> camera = permit(example(DaemonState::waiting_for_camera), Action::set_camera);
+  const Result<void> camera =
+      permit(example(DaemonState::waiting_for_camera), Action::take_reference);
   EXPECT_EQ(camera.error().code, Errc::unavailable);
   EXPECT_NE(camera.error().reason.find("no camera is in use"), std::string::npos);
   const Result<void> display =
