@@ -65,11 +65,13 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan->spots);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
-  const std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
+  std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
   const Eigen::MatrixXd slopes = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
                                               slope_model(inputs.sensor.charge, inputs.tracking),
                                               camera_px_per_cycle(inputs.optics, inputs.slm));
-  plan->reconstructor = std::make_unique<Reconstructor>(slopes, modes_j, plan->reference_px);
+  modes_j.resize(std::size_t(determined_modes(slopes)));
+  plan->reconstructor =
+      std::make_unique<Reconstructor>(slopes.leftCols(modes_j.size()), modes_j, plan->reference_px);
   return plan;
 }
 

@@ -1,6 +1,6 @@
 #include "core/wavefront/reconstructor.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -39,7 +39,31 @@ void invert_lower(Eigen::MatrixXd& l) {
   }
 }
 
+/// `squares`, increasing: the squared singular values of the slopes.
+bool well_conditioned(const Eigen::VectorXd& squares) {
+  const Eigen::Index count = squares.size();
+  return count > 0 && squares(0) * kMaxCondition * kMaxCondition > squares(count - 1);
+}
+
+bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.topLeftCorner(modes, modes),
+                                                             Eigen::EigenvaluesOnly);
+  return well_conditioned(eigen.eigenvalues());
+}
+
 }  // namespace
+
+int determined_modes(const Eigen::MatrixXd& slopes) {
+  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  Eigen::Index known = 0;
+  Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;
+  if (well_conditioned(normal, too_many - 1)) return int(too_many) - 1;
+  while (too_many - known > 1) {  // one more mode never makes the condition better
+    const Eigen::Index middle = (known + too_many) / 2;
+    (well_conditioned(normal, middle) ? known : too_many) = middle;
+  }
+  return int(known);
+}
 
 Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
                              std::vector<Vec2> reference_px)
@@ -56,13 +80,14 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
     ++referenced_;
   }
   if (2 * Eigen::Index(referenced_) < slopes_.cols()) return;
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(slopes_, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const auto& s = svd.singularValues();
-  determined_ = s.size() > 0 && s(s.size() - 1) * kMaxCondition > s(0);
-  if (!determined_) return;
-  inverse_ = svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
-  offset_ = inverse_ * reference;
   normal_ = slopes_.transpose() * slopes_;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal_);
+  determined_ = well_conditioned(eigen.eigenvalues());
+  if (!determined_) return;
+  const auto& v = eigen.eigenvectors();
+  inverse_ =
+      v * eigen.eigenvalues().cwiseInverse().asDiagonal() * v.transpose() * slopes_.transpose();
+  offset_ = inverse_ * reference;
   variances_ = inverse_.rowwise().squaredNorm();
 }
 

@@ -18,6 +18,10 @@ struct Reconstruction {
   double rms_waves = 0.0;  ///< root sum square of the coefficients without tilts (j = 1, 2)
 };
 
+/// How many of the first columns of `slopes` (2N x Z, as from slope_matrix) the whole lattice
+/// tells: condition number below 1000.
+int determined_modes(const Eigen::MatrixXd& slopes);
+
 /// Immutable after construction. The reference is folded into the product: a = P m - P ref.
 ///
 /// Determined means: the whole lattice tells the modes (condition number of the slopes below 1000),
