@@ -15,14 +15,15 @@ constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 SpotHistory::SpotHistory() : tracks_(kMaxSubapertures) {}
 
-void SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
+bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   if (plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_) {
-    return;
+    return false;
   }
   live_ = false;
   sensor_epoch_ = plan.sensor_epoch;
   count_ = plan.subapertures();
   roi_ = plan.roi;
+  return true;
 }
 
 Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {

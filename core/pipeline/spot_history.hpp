@@ -23,7 +23,7 @@ class SpotHistory {
 
   /// Forgets everything if `plan` measures other spots (sensor epoch, count or image size) than
   /// before.
-  void fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
+  bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
   /// False: nothing is known of any spot, a whole-image search is needed.
   bool live() const { return live_; }

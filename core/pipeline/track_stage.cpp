@@ -7,6 +7,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/pipeline/measurement.hpp"
 #include "core/port/clock.hpp"
+#include "core/tracking/patch.hpp"
 
 namespace ovws {
 namespace {
@@ -30,7 +31,7 @@ TrackStage::TrackStage(const Config& config, const Deps& deps)
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
-  history_.fit_to(*entry.plan);
+  if (history_.fit_to(*entry.plan)) search_back_off_.reset();
   history_.starts(entry, starts_);
 }
 
@@ -116,7 +117,13 @@ void TrackStage::search(Entry& entry, int found) OVWS_NONBLOCKING {
 }
 
 void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
-  const std::span<const SpotFix> spots = spots_of(entry);
+  const std::span<SpotFix> spots = spots_of(entry);
+  // Saturation is what loses spots: those that are lost tell of it too.
+  const int half_px = int(entry.plan->spots.lambda_d_px);
+  for (int i = 0; i < entry.spot_count; ++i) {
+    if (spots[i].found() || spots[i].peak > 0.0F) continue;
+    spots[i].peak = brightest_pixel(entry.frame.image, entry.plan->predicted_px[i], half_px);
+  }
   const auto full = float((1 << significant_bits(entry.frame.image.format)) - 1);
   const auto saturated =
       std::count_if(spots.begin(), spots.end(), [&](const SpotFix& s) { return s.peak >= full; });

@@ -34,7 +34,29 @@ void load_rows(const ImageView& image, const Patch& patch, float* out) {
   std::fill(out, out + kPatchSlack, 0.0F);
 }
 
+template <class T>
+float brightest_of(const ImageView& image, int left, int right, int top, int bottom) {
+  T most = 0;
+  for (int y = top; y < bottom; ++y) {
+    const T* row = image.row<T>(y);
+    for (int x = left; x < right; ++x) most = std::max(most, row[x]);
+  }
+  return float(most);
+}
+
 }  // namespace
+
+float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
+  const auto inside = [](double at, int size) {
+    return int(std::clamp(std::isnan(at) ? -1.0 : at, -1.0, double(size)));
+  };
+  const int cx = inside(centre.x, image.width), cy = inside(centre.y, image.height);
+  const int left = std::max(cx - half, 0), right = std::min(cx + half + 1, image.width);
+  const int top = std::max(cy - half, 0), bottom = std::min(cy + half + 1, image.height);
+  return bytes_per_pixel(image.format) == 1
+             ? brightest_of<std::uint8_t>(image, left, right, top, bottom)
+             : brightest_of<std::uint16_t>(image, left, right, top, bottom);
+}
 
 float Patch::brightest(Vec2 centre, int half) const {
   const int cx = int(std::lround(centre.x)), cy = int(std::lround(centre.y));

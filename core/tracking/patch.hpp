@@ -26,6 +26,10 @@ struct Patch {
   bool holds(Vec2 at, double margin) const OVWS_NONBLOCKING;
 };
 
+/// Brightest pixel of the square of half-width `half` around `centre`, clipped at the image; 0 if
+/// none of it is inside. RT-safe.
+float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
+
 /// Rows may be read this many floats past a patch's end, in blocks of this length.
 constexpr int kPatchSlack = 8;
 
