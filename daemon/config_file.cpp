@@ -30,16 +30,32 @@ bool sync_folder(const std::filesystem::path& folder) {
   return synced;
 }
 
+/// The file keeps its owner, as far as we may give it, and its permissions.
+bool like_before(int fd, const std::string& path) {
+  struct stat before {};
+  if (::stat(path.c_str(), &before) != 0) return ::fchmod(fd, 0644) == 0;
+  if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
+  return ::fchmod(fd, before.st_mode & 07777) == 0;
+}
+
+/// What a link leads to is replaced, not the link.
+std::string target_of(const std::string& path) {
+  std::error_code unknown;
+  const auto target = std::filesystem::canonical(path, unknown);
+  return unknown ? path : target.string();
+}
+
 }  // namespace
 
-Result<void> replace_file(const std::string& path, const std::string& content) {
+Result<void> replace_file(const std::string& link, const std::string& content) {
+  const std::string path = target_of(link);
   const auto failure = [&path] {
     return fail(Errc::unavailable, "path", path + " cannot be written: " + std::strerror(errno));
   };
   std::string temporary = path + ".XXXXXX";
   const int fd = ::mkostemp(temporary.data(), O_CLOEXEC);
   if (fd < 0) return failure();
-  const bool written = write_all(fd, content) && ::fchmod(fd, 0644) == 0 && ::fsync(fd) == 0;
+  const bool written = write_all(fd, content) && like_before(fd, path) && ::fsync(fd) == 0;
   const bool moved = ::close(fd) == 0 && written && ::rename(temporary.c_str(), path.c_str()) == 0;
   if (!moved) {
     auto error = failure();

@@ -1,5 +1,8 @@
 /// ovwsd: the daemon.
+#include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
@@ -24,9 +27,22 @@ int complain(const ovws::Error& error) {
   return 1;
 }
 
+/// The first three descriptors are the log's and nobody else's; all others may be as many as the
+/// system lets us have: every client costs one.
+void prepare_descriptors() {
+  int fd = ::open("/dev/null", O_RDWR);
+  while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
+  if (fd > STDERR_FILENO) ::close(fd);
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &files);
+}
+
 int serve(const ovws::Config& config, const std::string& path) {
   std::signal(SIGTERM, request_stop);
   std::signal(SIGINT, request_stop);
+  std::signal(SIGHUP, request_stop);
   std::signal(SIGPIPE, SIG_IGN);
   auto app = ovws::App::make(config, path);
   if (!app) return complain(app.error());
@@ -37,6 +53,7 @@ int serve(const ovws::Config& config, const std::string& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  prepare_descriptors();
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;
@@ -51,6 +68,7 @@ int main(int argc, char** argv) {
   if (!config) return complain(config.error());
   if (const auto usable = ovws::check_usable(*config); !usable) return complain(usable.error());
   if (!check_only) return serve(*config, path);
+  spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
   std::printf("%s\n", ovws::dump_config(*config).c_str());
   return 0;
 }

@@ -55,9 +55,18 @@ Result<std::vector<double>> checked_numbers(const std::string& path, const char*
   return *numbers;
 }
 
+/// Empty if it cannot be read: OpenCV throws at a header that asks for too much.
+cv::Mat read_picture(const std::string& path) {
+  try {
+    return cv::imread(path, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 Result<std::shared_ptr<const Image<float>>> flatness_from_png(const std::string& path, int width,
                                                               int height) {
-  const cv::Mat grey = cv::imread(path, cv::IMREAD_UNCHANGED);
+  const cv::Mat grey = read_picture(path);
   if (grey.empty()) {
     return fail(Errc::invalid, "slm.flatness", "the picture " + path + " cannot be read");
   }

@@ -25,6 +25,21 @@ TEST(StoredFile, TheNewContentReplacesTheOldWhole) {
   std::filesystem::remove(path);
 }
 
+TEST(StoredFile, ALinkIsFollowedAndPermissionsStay) {
+  namespace fs = std::filesystem;
+  const fs::path folder = testing::TempDir() + "ovws_stored_file_link";
+  fs::create_directories(folder);
+  std::ofstream(folder / "target") << "old";
+  fs::permissions(folder / "target", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(folder / "target", folder / "link");
+  ASSERT_TRUE(replace_file(folder / "link", "new"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(content_of(folder / "target"), "new");
+  EXPECT_EQ(fs::status(folder / "target").permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
+  fs::remove_all(folder);
+}
+
 TEST(StoredFile, AFolderThatIsNotThereIsAnErrorWithThePath) {
   const auto stored = replace_file("/nowhere/at/all.json", "x");
   ASSERT_FALSE(stored);
