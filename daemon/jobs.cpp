@@ -106,16 +106,17 @@ bool Jobs::runs(int id) const {
 }
 
 bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
+  const auto now = get(id);
+  double progress = now ? now->progress : 0.0;
   std::string text;
-  double progress = 0.0;
   {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
     if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
     JobReport& job = found->second.job;
     job.state = state;
-    if (state == JobState::done) job.progress = 1.0;
-    progress = job.progress;
+    if (state == JobState::done) progress = 1.0;
+    job.progress = progress;
     job.result = std::move(result);
     job.error = error;
     text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),

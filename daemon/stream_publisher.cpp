@@ -60,7 +60,7 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   static_cast<FrameMessage&>(wavefront) = frame_message(record, wavelength_nm_);
   const std::int64_t latency_ns = monotonic_ns() - record.frame.t_arrival_mono_ns;
   wavefront.t_publish_ns = utc_ns();
-  wavefront.latency_us = 1e-3 * double(latency_ns);
+  wavefront.latency_us = double(latency_ns) / 1000.0;
   SpotsMessage spots;
   static_cast<FrameMessage&>(spots) = wavefront;
 

@@ -43,15 +43,12 @@ bool read_clamp(ObjectReader& reader) {
   return clamp;
 }
 
-void read_roi(ObjectReader& reader, std::optional<Roi>& out) {
-  reader.object("roi", [&out](ObjectReader& r) {
-    Roi roi;
-    for (const char* key : {"x", "y", "width", "height"}) r.require(key);
-    r.integer("x", roi.x, limits::kRoiOffset.min, limits::kRoiOffset.max);
-    r.integer("y", roi.y, limits::kRoiOffset.min, limits::kRoiOffset.max);
-    r.integer("width", roi.width, limits::kRoiSize.min, limits::kRoiSize.max);
-    r.integer("height", roi.height, limits::kRoiSize.min, limits::kRoiSize.max);
-    out = roi;
+void read_roi(ObjectReader& reader, CameraSet& set) {
+  reader.object("roi", [&set](ObjectReader& r) {
+    read_integer(r, "x", set.roi.x, limits::kRoiOffset);
+    read_integer(r, "y", set.roi.y, limits::kRoiOffset);
+    read_integer(r, "width", set.roi.width, limits::kRoiSize);
+    read_integer(r, "height", set.roi.height, limits::kRoiSize);
   });
 }
 
@@ -87,7 +84,10 @@ CameraSettings CameraSet::applied_to(CameraSettings settings) const {
   settings.exposure_us = exposure_us.value_or(settings.exposure_us);
   settings.frame_rate_hz = frame_rate_hz.value_or(settings.frame_rate_hz);
   settings.pixel_format = pixel_format.value_or(settings.pixel_format);
-  settings.roi = roi.value_or(settings.roi);
+  settings.roi.x = roi.x.value_or(settings.roi.x);
+  settings.roi.y = roi.y.value_or(settings.roi.y);
+  settings.roi.width = roi.width.value_or(settings.roi.width);
+  settings.roi.height = roi.height.value_or(settings.roi.height);
   return settings;
 }
 
@@ -114,7 +114,7 @@ Result<CameraSet> decode_camera_set(const json& params) {
   read_number(reader, "exposure_us", set.exposure_us, limits::kExposureUs);
   read_number(reader, "frame_rate_hz", set.frame_rate_hz, limits::kFrameRateHz);
   read_choice(reader, "pixel_format", set.pixel_format, pixel_format_names());
-  read_roi(reader, set.roi);
+  read_roi(reader, set);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return set;
 }

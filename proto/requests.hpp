@@ -22,7 +22,9 @@ namespace ovws {
 struct CameraSet {
   std::optional<double> gain_db, exposure_us, frame_rate_hz;
   std::optional<PixelFormat> pixel_format;
-  std::optional<Roi> roi;
+  struct {
+    std::optional<int> x, y, width, height;
+  } roi;
   bool clamp = false;
 
   CameraSettings applied_to(CameraSettings settings) const;

@@ -10,6 +10,8 @@
 namespace ovws {
 namespace {
 
+constexpr std::size_t kMaxIdBytes = 256;  // it comes back with every reply, and those may queue
+
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -100,9 +102,13 @@ class PendingCall {
 Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   ObjectReader reader(member, "");
   const Json* id = reader.raw("id");
-  const bool id_is_right = id != nullptr && (id->is_string() || id->is_number() || id->is_null());
+  const bool id_is_right =
+      id != nullptr &&
+      (id->is_number() || id->is_null() ||
+       (id->is_string() && id->get_ref<const std::string&>().size() <= kMaxIdBytes));
   if (id_is_right) call.is_request(*id);
-  if (id != nullptr && !id_is_right) reader.fault("id", "must be a string, a number or null");
+  if (id != nullptr && !id_is_right)
+    reader.fault("id", "must be a number, null, or a string of at most 256 bytes");
   std::string version, method;
   reader.require("jsonrpc");
   reader.string("jsonrpc", version);

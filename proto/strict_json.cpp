@@ -74,6 +74,10 @@ tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_d
                                                 JsonComments comments) {
   const bool ignore_comments = comments == JsonComments::allowed;
   if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: there is nothing to read"});
+  if (const auto nul = text.find('\0'); nul != text.npos) {  // the library takes it for the end
+    return tl::make_unexpected(
+        JsonFault{true, "not JSON at byte " + std::to_string(nul + 1) + ": a NUL byte"});
+  }
   Inspector inspector(max_depth);
   if (!json::sax_parse(text.begin(), text.end(), &inspector, json::input_format_t::json, true,
                        ignore_comments)) {

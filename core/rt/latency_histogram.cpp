@@ -23,7 +23,7 @@ std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
 double bucket_middle_us(std::size_t bucket) {
   const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
   const double sub = double(bucket & ((1U << kSubBits) - 1U)) + 0.5;
-  return octave * (1.0 + sub / double(1U << kSubBits)) * 1e-3;
+  return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ LatencySummary LatencyHistogram::take() {
     counts[b] = buckets_[b].exchange(0, std::memory_order_relaxed);
     summary.count += counts[b];
   }
-  summary.max_us = double(max_ns_.exchange(0, std::memory_order_relaxed)) * 1e-3;
+  summary.max_us = double(max_ns_.exchange(0, std::memory_order_relaxed)) / 1000.0;
   if (summary.count == 0) return summary;
 
   const auto percentile_us = [&](double fraction) {

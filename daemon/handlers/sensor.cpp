@@ -15,11 +15,19 @@ void get(Services& services, const nlohmann::json& params, RpcReply reply) {
   reply(sensor_get_result(report_of(services.instrument.snapshot())));
 }
 
+/// The core names settings as the configuration does, a client as the method's params do.
+Error in_params(Error error) {
+  for (const std::string_view room : {"sensor.", "tracking."}) {
+    if (error.field.starts_with(room)) error.field.erase(0, room.size());
+  }
+  return error;
+}
+
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto change = decode_sensor_set(params);
   if (!change) return reply(failed(change.error()));
   services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
-    if (!applied) return reply(failed(applied.error()));
+    if (!applied) return reply(failed(in_params(applied.error())));
     reply(sensor_set_result(params, report_of(*applied)));
   });
 }
