@@ -56,7 +56,7 @@ tl::expected<json, CallFailure> call(const Common& common, const std::string& me
 
 int report_failure(const Common& common, const CallFailure& failure) {
   if (common.json) {
-    fmt::print("{}\n", json{{"error", failure.error}}.dump());
+    print("{}\n", json{{"error", failure.error}}.dump());
   } else {
     fmt::print(stderr, "ovws: {}\n", failure.error.value("message", "unknown error"));
   }
@@ -67,6 +67,13 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
   return as_seen_from_here((*config)["stream"][key].get<std::string>(), common.endpoint);
+}
+
+std::string why_not_valid(const json& message, bool referenced) {
+  if (!message["settled"].get<bool>()) return "hologram changing";
+  if (!referenced) return "no reference: ovws call reference.take";
+  return fmt::format("{} of {} spots found", message["tracked"].get<int>(),
+                     message["subapertures"].get<int>());
 }
 
 int report(const Common& common, const Error& error) {

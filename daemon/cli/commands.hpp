@@ -1,7 +1,10 @@
 /// The subcommands of ovws: each adds itself to the command line and says how it ended.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <string>
 
 #include "core/base/result.hpp"
@@ -19,6 +22,19 @@ struct Common {
   bool json = false;
   double timeout_s = 3.0;
 };
+
+/// Prints on standard output. A failure stays in ferror(stdout); `main` makes an exit code of it.
+template <class... Args>
+void print(fmt::format_string<Args...> format, Args&&... args) {
+  const std::string text = fmt::format(format, std::forward<Args>(args)...);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+/// Whether standard output is a pipe or terminal that nobody reads any more.
+bool output_has_no_reader();
+
+/// A finite number from `min` to `max`: CLI::Range lets NaN pass.
+CLI::Validator number_from(double min, double max);
 
 // `common` and `status` outlive the parsing.
 void add_status(CLI::App& app, const Common& common, int& status);

@@ -1,10 +1,8 @@
 /// ovws hologram and ovws farfield: the sensor's pictures from a configuration, without a daemon.
-#include <fmt/core.h>
-
 #include <complex>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 #include <optional>
 
 #include "config/config.hpp"
@@ -13,7 +11,9 @@
 #include "core/optics/hologram.hpp"
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/modes_text.hpp"
+#include "daemon/cli/picture_file.hpp"
 #include "daemon/slm_files.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -53,14 +53,9 @@ Result<Config> config_of(const PictureOptions& options) {
 template <class Pixel>
 Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
   const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
-  // imwrite takes a const picture, cv::Mat has no const constructor.
+  // write_picture takes a const picture, cv::Mat has no const constructor.
   const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
-  try {
-    if (cv::imwrite(path, mat)) return {};
-  } catch (const cv::Exception& error) {
-    return fail(Errc::unavailable, "output", path + ": " + error.err);
-  }
-  return fail(Errc::unavailable, "output", path + " cannot be written");
+  return write_picture(path, mat);
 }
 
 /// The hologram's grey levels with the modes asked for; refused where the SLM cannot sample it.
@@ -145,9 +140,9 @@ Result<void> make_farfield(const FarFieldOptions& options) {
 int finish(const Common& common, const std::string& output, const Result<void>& done) {
   if (!done) return report(common, done.error());
   if (common.json) {
-    fmt::print("{}\n", nlohmann::json{{"file", output}}.dump());
+    print("{}\n", nlohmann::json{{"file", output}}.dump());
   } else {
-    fmt::print("{}\n", output);
+    print("{}\n", output);
   }
   return kOk;
 }
@@ -167,13 +162,19 @@ void add_farfield(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand("farfield", "write what the camera would see");
   auto options = std::make_shared<FarFieldOptions>();
   add_picture_options(*command, options->picture);
-  auto* peak = command->add_option("--peak", options->peak_e,
-                                   "electrons in the brightest pixel (default 8000)");
+  auto* peak =
+      command
+          ->add_option("--peak", options->peak_e, "electrons in the brightest pixel (default 8000)")
+          ->check(number_from(1e-3, 1e9));
   command->add_option("--photons", options->total_e, "electrons in the whole image")
+      ->check(number_from(1e-3, 1e15))
       ->excludes(peak);
   command->add_option("--read-noise", options->read_noise_e, "electrons RMS")
+      ->check(number_from(0.0, 1e6))
       ->capture_default_str();
-  command->add_option("--gain-db", options->gain_db, "camera gain, dB")->capture_default_str();
+  command->add_option("--gain-db", options->gain_db, "camera gain, dB")
+      ->check(number_from(limits::kGainDb.min, limits::kGainDb.max))
+      ->capture_default_str();
   command->add_option("--bits", options->bits, "of the image; above 8 a 16-bit PNG")
       ->check(CLI::Range(8, 16))
       ->capture_default_str();

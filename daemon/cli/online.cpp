@@ -1,6 +1,4 @@
 /// ovws status, describe and call: one question to a daemon, one answer.
-#include <fmt/core.h>
-
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -22,54 +20,54 @@ void print_status(const json& status) {
   const json& camera = status["camera"];
   const json& slm = status["slm"];
   const json& sensor = status["sensor"];
-  fmt::print("state      {}\n", text_or(status, "state", "?"));
+  print("state      {}\n", text_or(status, "state", "?"));
   if (camera["info"].is_object()) {
-    fmt::print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera["info"], "vendor", ""),
-               text_or(camera["info"], "model", ""), text_or(camera["info"], "address", ""),
-               status["rates"]["grabbed_hz"].get<double>());
+    print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera["info"], "vendor", ""),
+          text_or(camera["info"], "model", ""), text_or(camera["info"], "address", ""),
+          status["rates"]["grabbed_hz"].get<double>());
   }
-  if (camera["fault"].is_string()) fmt::print("camera     {}\n", text_or(camera, "fault", ""));
+  if (camera["fault"].is_string()) print("camera     {}\n", text_or(camera, "fault", ""));
   if (slm["info"].is_object()) {
-    fmt::print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm["info"], "output", ""),
-               slm["info"]["width"].get<int>(), slm["info"]["height"].get<int>(),
-               text_or(slm, "pattern", ""), slm["hologram_id"].get<std::uint64_t>());
+    print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm["info"], "output", ""),
+          slm["info"]["width"].get<int>(), slm["info"]["height"].get<int>(),
+          text_or(slm, "pattern", ""), slm["hologram_id"].get<std::uint64_t>());
   }
-  if (slm["fault"].is_string()) fmt::print("slm        {}\n", text_or(slm, "fault", ""));
-  fmt::print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
-             sensor["charge"].get<int>(), sensor["subapertures"].get<int>(),
-             sensor["modes"].get<int>(), text_or(sensor, "tracker", ""),
-             sensor["referenced"].get<bool>() ? "referenced" : "no reference");
+  if (slm["fault"].is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
+  print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
+        sensor["charge"].get<int>(), sensor["subapertures"].get<int>(), sensor["modes"].get<int>(),
+        text_or(sensor, "tracker", ""),
+        sensor["referenced"].get<bool>() ? "referenced" : "no reference");
   for (const auto& [stage, latency] : status["latency"].items()) {
-    fmt::print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
-               latency["p50_us"].get<double>(), latency["p99_us"].get<double>(),
-               latency["max_us"].get<double>());
+    if (latency["count"].get<std::uint64_t>() == 0) continue;
+    print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
+          latency["p50_us"].get<double>(), latency["p99_us"].get<double>(),
+          latency["max_us"].get<double>());
   }
   for (const auto& [name, count] : status["counters"].items()) {
     if (count.get<std::uint64_t>() != 0) {
-      fmt::print("counter    {} {}\n", name, count.get<std::uint64_t>());
+      print("counter    {} {}\n", name, count.get<std::uint64_t>());
     }
   }
 }
 
 void print_description(const json& description) {
   for (const auto& [name, schema] : description["methods"].items()) {
-    fmt::print("{:<20} {}\n", name, text_or(schema, "description", ""));
+    print("{:<20} {}\n", name, text_or(schema, "description", ""));
   }
   for (const auto& [name, schema] : description["streams"].items()) {
-    fmt::print("stream {:<13} {}\n", name, text_or(schema, "description", ""));
+    print("stream {:<13} {}\n", name, text_or(schema, "description", ""));
   }
 }
 
-/// Calls, prints with `print` or as one line of JSON, and says how it ended.
-template <class Print>
-int call_and_print(const Common& common, const std::string& method, const json& params,
-                   Print print) {
+/// Calls, prints with `show` or as one line of JSON, and says how it ended.
+template <class Show>
+int call_and_print(const Common& common, const std::string& method, const json& params, Show show) {
   const auto answer = call(common, method, params);
   if (!answer) return report_failure(common, answer.error());
   if (common.json) {
-    fmt::print("{}\n", answer->dump());
+    print("{}\n", answer->dump());
   } else {
-    print(*answer);
+    show(*answer);
   }
   return kOk;
 }
@@ -81,7 +79,7 @@ int call_anything(const Common& common, const std::string& method, const std::st
     return kUsage;
   }
   return call_and_print(common, method, params,
-                        [](const json& result) { fmt::print("{}\n", result.dump(2)); });
+                        [](const json& result) { print("{}\n", result.dump(2)); });
 }
 
 }  // namespace

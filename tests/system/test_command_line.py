@@ -1,4 +1,5 @@
 """ovws as a person and a script use it: words, JSON and exit codes."""
+import itertools
 import json
 import subprocess
 
@@ -36,17 +37,58 @@ class CommandLine(BenchCase):
 
     def test_exit_codes(self):
         self.ovws("call", "sensor.get", "{not json", code=2)
-        self.ovws("no-such-command", code=2)
         self.ovws(code=2)
+        self.ovws("status", "more", code=2)
+        for timeout in ("nan", "-nan", "inf", "0", "soon"):
+            self.assertIn("timeout", self.ovws("--timeout", timeout, "status", code=2))
         self.ovws("--endpoint", "tcp://127.0.0.1:7999", "--timeout", 0.3, "status", code=3)
+        self.assertIn("Exit codes: 0", self.ovws("--help"))
+
+    def test_an_unknown_command(self):
+        self.assertIn("unknown command statsu; did you mean status?", self.ovws("statsu", code=2))
+        self.assertIn("unknown command no-such-command", self.ovws("no-such-command", code=2))
+
+    def test_output_that_cannot_be_written(self):
+        program = self.bench.programs / "ovws"
+        for arguments in ("status", "describe", "call sensor.get", "watch", "watch spots", "snapshot -o shot", "--help", "--version"):
+            for way in (">/dev/full", ">&-"):
+                with self.subTest(arguments + " " + way):
+                    done = subprocess.run(f"{program} {arguments} {way}", shell=True, stderr=subprocess.PIPE, text=True, timeout=10,
+                                          cwd=self.bench.directory)
+                    self.assertEqual(done.returncode, 1, done.stderr)
+                    self.assertIn("ovws: standard output", done.stderr)
+
+    def test_watch_ends_when_nobody_reads(self):
+        for topic in ("wavefront", "event"):  # of events none comes
+            with self.subTest(topic):
+                watch = subprocess.Popen([self.bench.programs / "ovws", "watch", topic], stdout=subprocess.PIPE)
+                watch.stdout.close()
+                self.assertEqual(watch.wait(5.0), 1)
 
     def test_watch(self):
+        self.assertIn("NOT VALID: no reference: ovws call reference.take", self.ovws("watch", "-n", 1))
         self.take_reference(10)
         lines = self.ovws("--json", "watch", "wavefront", "-n", 5).splitlines()
         self.assertEqual(len(lines), 5)
         self.assertTrue(all(json.loads(line)["schema"] == "ovws.wavefront/1" for line in lines))
-        self.assertIn("oblique astigmatism", self.ovws("watch", "-n", 1))
+        first, *rows, _ = self.ovws("watch", "-n", 1).splitlines()
+        self.assertRegex(first, r"saturated \d+ %.* valid$")
+        self.assertIn("oblique astigmatism", "\n".join(rows))
+        self.assertEqual(len({row.index("|") for row in rows}), 1, rows)
         self.assertEqual(json.loads(self.ovws("--json", "watch", "phase", "-n", 1))["schema"], "ovws.phase/1")
+        self.ovws("watch", "-n", -1, code=2)
+
+    def test_watch_says_why_not_valid(self):
+        self.take_reference(10)
+        watch = subprocess.Popen([self.bench.programs / "ovws", "watch"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(watch.stdout.close)
+        self.addCleanup(watch.wait)
+        self.addCleanup(watch.kill)
+        self.assertIn("valid", watch.stdout.readline())
+        self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.2}]})
+        self.assertTrue(any("NOT VALID: hologram changing" in line for line in itertools.islice(watch.stdout, 2000)))
+        self.client.call("sensor.set", {"charge": 2})
+        self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
 
     def test_snapshot(self):
         self.take_reference(10)
@@ -54,6 +96,29 @@ class CommandLine(BenchCase):
         self.ovws("snapshot", "-o", prefix)
         self.assertEqual(pixels(f"{prefix}-camera.png").shape, (1024, 1024, 3))
         self.assertEqual(pixels(f"{prefix}-phase.png").shape, (512, 512, 3))
+
+    def test_snapshot_right_after_a_change(self):
+        self.take_reference(10)
+        for waves in (0.1, 0.2, 0.3):
+            self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": waves}]})
+            done = self.ovws("--json", "snapshot", "-o", self.bench.directory / "shot")
+            self.assertTrue(json.loads(done)["valid"])
+
+    def test_snapshot_without_a_reference(self):
+        done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory],
+                              capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("NOT VALID: no reference", done.stderr)
+        for name in ("camera", "phase"):  # the prefix is a folder
+            self.assertTrue((self.bench.directory / f"ovws-{name}.png").exists())
+
+    def test_snapshot_that_cannot_be_written(self):
+        done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
+        self.assertIn(f"there is no folder {self.bench.directory}/nowhere", done)
+        self.assertFalse((self.bench.directory / "nowhere").exists())
+        (self.bench.directory / "shot-camera.png").mkdir()
+        done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "shot", code=1)
+        self.assertIn(f"the folder {self.bench.directory} exists", done)
 
     def test_pictures_without_a_daemon(self):
         hologram, far = self.bench.directory / "hologram.png", self.bench.directory / "far.png"

@@ -1,0 +1,48 @@
+/// Picture files: written whole, or the error says why not.
+#pragma once
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/result.hpp"
+
+namespace ovws::cli {
+
+inline Result<void> cannot_write(const std::filesystem::path& path, const std::string& why) {
+  return fail(Errc::unavailable, "output", path.string() + " cannot be written: " + why);
+}
+
+/// Why a file could not be opened, beginning with what a person can mend.
+inline std::string why_not_opened(const std::filesystem::path& path, int error_number) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder, ignored)) {
+    return "there is no folder " + folder.string();
+  }
+  return std::string(std::strerror(error_number)) + " (the folder " + folder.string() + " exists)";
+}
+
+/// In the format that the name's ending says; PNG if it has none.
+inline Result<void> write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  const std::string format = path.has_extension() ? path.extension().string() : ".png";
+  try {
+    if (!cv::imencode(format, picture, bytes)) return cannot_write(path, "not as " + format);
+  } catch (const cv::Exception&) {
+    return cannot_write(path, "no picture format is called " + format);
+  }
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return cannot_write(path, why_not_opened(path, errno));
+  errno = 0;
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const bool closed = std::fclose(file) == 0;
+  if (!written || !closed) return cannot_write(path, std::strerror(errno));
+  return {};
+}
+
+}  // namespace ovws::cli
