@@ -9,7 +9,6 @@ import signal
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -20,8 +19,10 @@ sys.path.insert(0, str(ROOT / "proto" / "python"))
 from bench import Bench, BenchError  # noqa: E402
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
-NAMES = {3: "Z(2,-2)", 4: "Z(2,0)", 5: "Z(2,2)"}
-SHOWN_J = (3, 4, 5, 7, 8)
+NAMES = {3: "Z(2,-2)", 4: "Z(2,0)", 5: "Z(2,2)", 7: "Z(3,-1)", 8: "Z(3,1)"}
+SHOWN_J = tuple(NAMES)
+# Charge 0 is 3.9 times as bright as charge 1, and 12 dB are a factor of 4: a quarter keeps both below saturation.
+EXPOSURE_US, SHORT_EXPOSURE_US = 2000.0, 500.0
 FRAMES = 60
 TTY = sys.stdout.isatty()
 
@@ -34,6 +35,8 @@ class Demo:
         self.stream = Stream(["wavefront"])
         self.worst_error = 0.0
         self.frames = 0
+        self.saturated = 0
+        self.written = []
 
     # What a client does -------------------------------------------------------------------------------------------
 
@@ -58,25 +61,29 @@ class Demo:
         if report["state"] != "done":
             raise ClientError(f"the reference failed: {report['error']}")
 
-    def measure(self, hologram_id=None, need_valid=True, gain_db=None):
-        """FRAMES settled frames of that hologram; also how long the first of them took to come."""
+    def measure(self, **wanted):
+        """FRAMES settled and valid frames with these values, e.g. hologram_id; also how long the first took to come."""
         start, first, frames = time.monotonic(), None, []
         while len(frames) < FRAMES:
             if time.monotonic() - start > 15.0:
                 raise ClientError(f"only {len(frames)} settled frames in 15 s")
             message = self.stream.next(timeout_s=1.0)
-            if message is None or not message["settled"] or (need_valid and not message["valid"]):
+            if message is None or not message["settled"] or not message["valid"]:
                 continue
-            if hologram_id is not None and message["hologram_id"] != hologram_id:
-                continue
-            if gain_db is not None and message["gain_db"] != gain_db:
+            if any(message[key] != value for key, value in wanted.items()):
                 continue
             first = first or time.monotonic() - start
             frames.append(message)
             self.live("  " + live_row(message))
         self.live("")
         self.frames += len(frames)
+        self.saturated += sum(message["saturated"] > 0.0 for message in frames)
         return first, frames
+
+    def set_camera(self, **settings):
+        """Returns what measure() must wait for: the same keys as the camera has taken them."""
+        applied = self.client.call("camera.set", settings)["applied"]
+        return {key: applied[key] for key in settings}
 
     # What a person sees -------------------------------------------------------------------------------------------
 
@@ -93,45 +100,60 @@ class Demo:
         latency = statistics.median(m["latency_us"] for m in frames)
         tracked = min(m["tracked"] for m in frames)
         columns = " ".join(f"{mean[j]:+8.4f}" for j in SHOWN_J)
-        print(f"{what:<34} {columns}  {error:7.4f}  {spread:7.4f}  {tracked:2d}/{frames[0]['subapertures']}  {latency:7.0f}  {1e3 * first_s:6.0f}")
+        answer = "-" if first_s is None else f"{1e3 * first_s:.0f}"
+        print(f"{what:<34} {columns}  {error:7.4f}  {spread:7.4f}  {tracked:2d}/{frames[0]['subapertures']}  {latency:7.0f}  {answer:>6}")
 
     def pictures(self, name):
+        self.out.mkdir(parents=True, exist_ok=True)
         prefix = self.out / name
         subprocess.run([self.bench.programs / "ovws", "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
-        return [f"{prefix}-camera.png", f"{prefix}-phase.png"]
+        self.written += [f"{prefix}-camera.png", f"{prefix}-phase.png"]
 
     # The story ----------------------------------------------------------------------------------------------------
 
-    def run(self):
-        status = self.wait_until_running()
+    def aberrate(self, n, m, waves):
+        """Returns what measure() must wait for."""
+        shown = self.client.call("aberration.set", {"modes": [{"n": n, "m": m, "waves": waves}]})
+        return {"hologram_id": shown["hologram_id"]}
+
+    def heading(self, status):
         print(f"camera {status['camera']['info']['model']} at {status['camera']['info']['address']}, "
               f"SLM {status['slm']['info']['output']} {status['slm']['info']['width']} x {status['slm']['info']['height']}, "
               f"{status['sensor']['subapertures']} subapertures, {status['sensor']['modes']} modes\n")
-        self.take_reference()
-        print("coefficients in waves (OSA/ANSI, RMS-normalised), mean of %d frames each" % FRAMES)
-        print(f"{'':<34} " + " ".join(f"{NAMES.get(j, 'j=%d' % j):>8}" for j in SHOWN_J)
+        print(f"coefficients in waves (OSA/ANSI, RMS-normalised), mean of {FRAMES} frames each")
+        print("answer: from the command's reply to the first settled frame; latency: frame complete to message")
+        print(f"{'':<34} " + " ".join(f"{NAMES[j]:>8}" for j in SHOWN_J)
               + "    error   spread  spots  latency  answer\n" + " " * 80 + "(waves)  (waves)            (us)    (ms)")
-        self.step("no aberration", {}, *self.measure())
-        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": -2, "waves": 0.5}]})
-        self.step("Z(2,-2) = 0.5 wave", {3: 0.5}, *self.measure(shown["hologram_id"]))
-        pictures = self.pictures("astigmatism")
-        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.3}]})
-        self.step("Z(2,0) = 0.3 wave", {4: 0.3}, *self.measure(shown["hologram_id"]))
+
+    def run(self):
+        status = self.wait_until_running()
+        self.set_camera(exposure_us=EXPOSURE_US)
+        self.take_reference()
+        self.heading(status)
+        self.step("no aberration", {}, None, self.measure()[1])
+        self.step("Z(2,-2) = 0.5 wave", {3: 0.5}, *self.measure(**self.aberrate(2, -2, 0.5)))
+        self.pictures("astigmatism")
+        self.step("Z(2,0) = 0.3 wave", {4: 0.3}, *self.measure(**self.aberrate(2, 0, 0.3)))
         self.client.call("aberration.clear")
+        self.show_bright_spots()
+        shown = self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
+        self.step("vortices again, Z(2,0)", {4: 0.3}, *self.measure(hologram_id=shown["hologram_id"]))
+        wanted = self.set_camera(gain_db=12.0, exposure_us=SHORT_EXPOSURE_US)
+        self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(**wanted))
+        self.set_camera(gain_db=0.0, exposure_us=EXPOSURE_US)
+        self.client.call("aberration.clear")
+        print("\npictures: " + "\n          ".join(self.written))
+        lost = self.client.call("system.status")["counters"]["frames_lost"]
+        print(f"\novws demo: {self.frames} frames shown, {lost} lost, {self.saturated} saturated, "
+              f"largest error {self.worst_error:.4f} wave")
+
+    def show_bright_spots(self):
+        self.set_camera(exposure_us=SHORT_EXPOSURE_US)
         self.client.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
         self.take_reference()
-        shown = self.client.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.3}]})
-        self.step("Shack-Hartmann (charge 0), Z(2,0)", {4: 0.3}, *self.measure(shown["hologram_id"]))
-        pictures += self.pictures("shack-hartmann")[:1]
-        shown = self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
-        self.step("vortices again, Z(2,0)", {4: 0.3}, *self.measure(shown["hologram_id"]))
-        self.client.call("camera.set", {"gain_db": 12.0})
-        self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(gain_db=12.0))
-        self.client.call("camera.set", {"gain_db": 0.0})
-        self.client.call("aberration.clear")
-        print("\npictures: " + "\n          ".join(pictures))
-        lost = self.client.call("system.status")["counters"]["frames_lost"]
-        print(f"\novws demo: {self.frames} frames shown, {lost} lost, largest error {self.worst_error:.4f} wave")
+        self.step("Shack-Hartmann (charge 0), Z(2,0)", {4: 0.3}, *self.measure(**self.aberrate(2, 0, 0.3)))
+        self.pictures("shack-hartmann")
+        self.set_camera(exposure_us=EXPOSURE_US)
 
 
 def live_row(message):
@@ -145,26 +167,33 @@ def main():
     parser = argparse.ArgumentParser(prog="daemon/demo", description=__doc__.splitlines()[0])
     parser.add_argument("--keep", action="store_true", help="stay up until Ctrl-C")
     parser.add_argument("--build", type=Path, default=ROOT / "build" / "release", help="build folder")
-    parser.add_argument("--out", type=Path, help="folder for the pictures")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the pictures (default: build/demo)")
     arguments = parser.parse_args()
-    out = arguments.out or Path(tempfile.mkdtemp(prefix="ovws-demo-"))
-    out.mkdir(parents=True, exist_ok=True)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job begins with it ignored
     try:
         with Bench(arguments.build) as bench:
             bench.start_display()
             bench.start_twin()
             bench.start_daemon()
-            Demo(bench, out).run()
+            Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
-                print("\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; Ctrl-C ends it")
-                signal.pause()
+                print("\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; Ctrl-C ends it", flush=True)
+                wait_for_ctrl_c()
     except KeyboardInterrupt:
         print()
+        return 130
     except (BenchError, ClientError) as error:
         print(f"ovws demo: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def wait_for_ctrl_c():
+    try:
+        signal.pause()
+    except KeyboardInterrupt:
+        print()
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The demonstration ends by itself, shows what it promises, and leaves nothing behind."""
 import os
 import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -35,17 +36,22 @@ class Demo(unittest.TestCase):
             done = self.run_demo("--out", out)
             print("\n" + done.stdout + done.stderr)
             self.assertEqual(done.returncode, 0)
+            self.assertEqual(sorted(re.findall(rf"{out}/(\S+)", done.stdout)), sorted(os.listdir(out)), "every picture is listed")
             for picture in ("astigmatism-camera.png", "astigmatism-phase.png", "shack-hartmann-camera.png"):
                 self.assertGreater((pathlib.Path(out) / picture).stat().st_size, 5000)
         summary = done.stdout.strip().splitlines()[-1]
-        self.assertRegex(summary, r"^ovws demo: \d+ frames shown, 0 lost, largest error 0\.0\d+ wave$")
+        self.assertRegex(summary, r"^ovws demo: \d+ frames shown, 0 lost, 0 saturated, largest error 0\.0\d+ wave$")
         self.assertLess(float(summary.split()[-2]), 0.02)
         self.assertEqual(processes_of(self.marker), [])
 
     def test_keep_stays_up_until_ctrl_c(self):
         marker = f"OVWS_DEMO_TEST=keep{os.getpid()}"
         key, value = marker.split("=")
-        demo = subprocess.Popen([sys.executable, "-u", ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], "--keep"],
+        out = tempfile.TemporaryDirectory()
+        self.addCleanup(out.cleanup)
+        # As a shell starts a job in the background: Ctrl-C ignored.
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.SIG_IGN))
+        demo = subprocess.Popen([sys.executable, "-u", ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], "--keep", "--out", out.name],
                                 stdout=subprocess.PIPE, text=True, env=os.environ | {key: value})
         with demo:
             while "staying up" not in (line := demo.stdout.readline()):
@@ -67,7 +73,9 @@ class Demo(unittest.TestCase):
             with self.subTest(port), socket.socket() as taken:
                 taken.bind(("127.0.0.1", port))
                 taken.listen()
-                done = self.run_demo()
+                with tempfile.TemporaryDirectory() as folder:
+                    done = self.run_demo("--out", f"{folder}/demo")
+                    self.assertEqual(os.listdir(folder), [], "no folder without pictures")
                 print("\n" + done.stderr)
                 self.assertEqual(done.returncode, 1)
                 self.assertIn(str(port), done.stderr)
