@@ -1,6 +1,7 @@
 """What `cmake --install` puts in place is complete and right."""
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -8,7 +9,8 @@ import unittest
 UNIT = "usr/lib/systemd/system/ovwsd.service"
 FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
-         "usr/share/ovws/schema/stream.wavefront.json")
+         "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client.py")
+DOCUMENTS = ("README.md", "proto/WIRE.md", "config/README.md", "daemon/ARCHITECTURE.md", "drivers/twin/README.md")
 
 
 def run(*command, **more):
@@ -34,6 +36,13 @@ class Install(unittest.TestCase):
     def test_the_installed_daemon_accepts_the_installed_configuration(self):
         done = run(self.root / "usr/bin/ovwsd", "--check-config", "--config", self.root / "etc/ovws/ovwsd.json")
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_documents_links_resolve(self):
+        for name in DOCUMENTS:
+            document = self.root / "usr/share/doc/ovws" / name
+            for link in re.findall(r"\]\(([^)#:]+)[^):]*\)", document.read_text()):
+                with self.subTest(document=name, link=link):
+                    self.assertTrue((document.parent / link).exists())
 
     def test_the_unit_is_right(self):
         # systemd-analyze verify exits 0 even on bad keys: what it says is what counts.
