@@ -1,14 +1,12 @@
 /// ovws hologram and ovws farfield: the sensor's pictures from a configuration, without a daemon.
-#include <complex>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <optional>
 
 #include "config/config.hpp"
 #include "core/optics/detector.hpp"
-#include "core/optics/far_field.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/optics/sensor_model.hpp"
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/modes_text.hpp"
 #include "daemon/cli/picture_file.hpp"
@@ -58,10 +56,13 @@ Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
   return write_picture(path, mat);
 }
 
+Result<std::vector<Mode>> modes_of(const PictureOptions& options) {
+  return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
+}
+
 /// The hologram's grey levels with the modes asked for; refused where the SLM cannot sample it.
 Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const PictureOptions& options) {
-  const auto modes =
-      parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
+  const auto modes = modes_of(options);
   if (!modes) return fail(modes.error());
   auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return fail(renderer.error());
@@ -83,36 +84,13 @@ Result<void> make_hologram(const PictureOptions& options) {
 
 /// Intensity in the camera's window for an SLM that shows exactly the phase it is asked for.
 Result<Image<float>> intensity(const Config& config, const PictureOptions& options) {
-  HologramConfig ideal;
-  ideal.slm = config.slm.geometry;
-  ideal.sensor = config.sensor;
-  const auto grey = render(ideal, options);
-  if (!grey) return fail(grey.error());
-  Image<std::complex<float>> field(grey->width, grey->height);
-  for (std::size_t i = 0; i < field.pixels.size(); ++i) {
-    field.pixels[i] =
-        std::polar(1.0F, 2.0F * std::numbers::pi_v<float> * float(grey->pixels[i]) / 256.0F);
-  }
+  const auto modes = modes_of(options);
+  if (!modes) return fail(modes.error());
   const Roi& roi = config.camera.settings.roi;
-  FarField far_field(
-      ideal.slm, far_field_window(config.sensor, ideal.slm, config.optics, roi.width, roi.height));
-  Image<std::complex<float>> far;
-  far_field.propagate(field, far);
-  Image<float> result(far.width, far.height);
-  for (std::size_t i = 0; i < far.pixels.size(); ++i) result.pixels[i] = std::norm(far.pixels[i]);
-  return result;
-}
-
-void scale_to(Image<float>& image, const FarFieldOptions& options, double full_well_e) {
-  double peak = 0.0;
-  double total = 0.0;
-  for (const float value : image.pixels) {
-    peak = std::max(peak, double(value));
-    total += value;
-  }
-  const double scale = options.total_e ? *options.total_e / total
-                                       : options.peak_e.value_or(0.8 * full_well_e) / peak;
-  for (float& value : image.pixels) value = float(value * scale);
+  auto model =
+      SensorModel::make(config.sensor, config.slm.geometry, config.optics, roi.width, roi.height);
+  if (!model) return fail(model.error());
+  return model->light(*modes);
 }
 
 Result<void> make_farfield(const FarFieldOptions& options) {
@@ -127,7 +105,11 @@ Result<void> make_farfield(const FarFieldOptions& options) {
   detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
   detector.shot_noise = !options.noise_free;
   if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
-  scale_to(*photons, options, detector.full_well_e);
+  if (options.total_e) {
+    scale_to_total(*photons, *options.total_e);
+  } else {
+    scale_to_peak(*photons, options.peak_e.value_or(0.8 * detector.full_well_e));
+  }
   Image<std::uint16_t> dn;
   Detector(detector, photons->width, photons->height)
       .expose(*photons, config->camera.settings.exposure_us, options.gain_db, dn);

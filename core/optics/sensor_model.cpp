@@ -1,0 +1,64 @@
+#include "core/optics/sensor_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <numeric>
+
+namespace ovws {
+namespace {
+
+std::array<std::complex<float>, 256> phasors() {
+  std::array<std::complex<float>, 256> table;
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    table[k] = std::polar(1.0F, 2.0F * std::numbers::pi_v<float> * float(k) / 256.0F);
+  }
+  return table;
+}
+
+void scale(Image<float>& light, double factor) {
+  for (float& pixel : light.pixels) pixel = float(pixel * factor);
+}
+
+}  // namespace
+
+Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeometry& slm,
+                                      const OpticsConfig& optics, int cols, int rows) {
+  HologramConfig hologram;
+  hologram.slm = slm;
+  hologram.sensor = sensor;
+  auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return fail(renderer.error());
+  SensorModel model(std::move(*renderer),
+                    FarField(slm, far_field_window(sensor, slm, optics, cols, rows)));
+  model.spots_px_ = model_spots_px(model.lattice(), sensor, slm, optics, cols, rows);
+  model.lambda_d_px_ = ovws::lambda_d_px(optics, slm, sensor);
+  model.px_per_cycle_ = camera_px_per_cycle(optics, slm);
+  return model;
+}
+
+Result<Image<float>> SensorModel::light(std::span<const Mode> modes) {
+  if (auto sampled = renderer_.check_sampling(modes); !sampled) return fail(sampled.error());
+  static const auto kPhasors = phasors();
+  renderer_.render(HologramKind::sensor, modes, grey_);
+  field_.width = grey_.width;
+  field_.height = grey_.height;
+  field_.pixels.resize(grey_.pixels.size());
+  std::transform(grey_.pixels.begin(), grey_.pixels.end(), field_.pixels.begin(),
+                 [](std::uint8_t level) { return kPhasors[level]; });
+  far_field_.propagate(field_, far_);
+  Image<float> result(far_.width, far_.height);
+  std::transform(far_.pixels.begin(), far_.pixels.end(), result.pixels.begin(),
+                 [](std::complex<float> value) { return std::norm(value); });
+  return result;
+}
+
+void scale_to_peak(Image<float>& light, double peak) {
+  scale(light, peak / double(*std::max_element(light.pixels.begin(), light.pixels.end())));
+}
+
+void scale_to_total(Image<float>& light, double total) {
+  scale(light, total / std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0));
+}
+
+}  // namespace ovws

@@ -1,0 +1,53 @@
+/// What the camera would see of the sensor, by diffraction: an ideal SLM, lens and camera window.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/optics/far_field.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/hologram.hpp"
+
+namespace ovws {
+
+/// For one thread at a time. The SLM shows the hologram's grey levels exactly, no flatness error,
+/// uniform illumination, everything outside the subapertures included.
+class SensorModel {
+ public:
+  /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
+  static Result<SensorModel> make(const SensorConfig& sensor, const SlmGeometry& slm,
+                                  const OpticsConfig& optics, int cols, int rows);
+
+  const Lattice& lattice() const { return renderer_.lattice(); }
+  /// Where each spot is for a flat wavefront.
+  const std::vector<Vec2>& spots_px() const { return spots_px_; }
+  double lambda_d_px() const { return lambda_d_px_; }
+  double px_per_cycle() const { return px_per_cycle_; }
+
+  /// Intensity with these modes shown (RMS-normalised waves), |F|^2 of the far field per camera
+  /// pixel; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
+  Result<Image<float>> light(std::span<const Mode> modes);
+
+ private:
+  SensorModel(HologramRenderer renderer, FarField far_field)
+      : renderer_(std::move(renderer)), far_field_(std::move(far_field)) {}
+
+  HologramRenderer renderer_;
+  FarField far_field_;
+  std::vector<Vec2> spots_px_;
+  double lambda_d_px_ = 0.0;
+  double px_per_cycle_ = 0.0;
+  Image<std::uint8_t> grey_;
+  Image<std::complex<float>> field_;
+  Image<std::complex<float>> far_;
+};
+
+/// Scales an intensity so that its brightest pixel holds `peak`.
+void scale_to_peak(Image<float>& light, double peak);
+/// Scales an intensity so that the whole image holds `total`.
+void scale_to_total(Image<float>& light, double total);
+
+}  // namespace ovws
