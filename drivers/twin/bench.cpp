@@ -1,21 +1,39 @@
 #include "drivers/twin/bench.hpp"
 
 namespace ovws::twin {
+namespace {
+
+/// While the display changes faster than far fields are computed, no far field is ever of what is
+/// shown at this moment; without this allowance no frame could be sent at all. A frame begun before
+/// a change may show what was there before it, but not be delivered at any time: a client knows its
+/// arrival better than its begin, for where all frames come late it takes the smallest delay of
+/// its camera for none (ArrivalClock). So one is sent only this soon after the newest change of the
+/// display: by its arrival too it was then exposed before the liquid crystal stood still, whatever
+/// the client thinks of its delay, and is taken for no measurement of the new picture. To be less
+/// than the daemon's settle_ms by what a frame's delivery and the news of a change may take.
+constexpr auto kTurning = std::chrono::milliseconds(10);
+
+}  // namespace
 
 Bench::Bench(const Config& config) : model_(config) {
   const SlmGeometry& slm = config.slm.geometry;
   state_.grey = std::make_shared<Image<std::uint8_t>>(slm.width_px, slm.height_px);
   state_.truth = config.truth;
-  state_.number = 1;
+  state_.number = ordered_ = 1;
   last_.truth = config.truth;
 }
 
-void Bench::show(const Image<std::uint8_t>& grey) {
+void Bench::note_change() {
+  ++state_.number;
+  changed_.notify_all();
+}
+
+void Bench::show(const Image<std::uint8_t>& grey, Deadline since) {
   const std::lock_guard lock(mutex_);
   if (state_.grey->pixels == grey.pixels) return;
   state_.grey = std::make_shared<Image<std::uint8_t>>(grey);
-  ++state_.number;
-  changed_.notify_all();
+  shown_since_ = since;
+  note_change();
 }
 
 void Bench::go_dark() {
@@ -24,7 +42,7 @@ void Bench::go_dark() {
     const std::lock_guard lock(mutex_);
     dark = Image<std::uint8_t>(state_.grey->width, state_.grey->height);
   }
-  show(dark);
+  show(dark, std::chrono::steady_clock::now());
 }
 
 Truth Bench::truth() const {
@@ -35,21 +53,34 @@ Truth Bench::truth() const {
 void Bench::set_truth(const Truth& truth) {
   const std::lock_guard lock(mutex_);
   state_.truth = truth;
-  ++state_.number;
-  changed_.notify_all();
+  note_change();
+  ordered_ = state_.number;
 }
 
-std::shared_ptr<const Scene> Bench::scene(const Roi& window, Deadline deadline,
-                                          const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
+std::uint64_t Bench::begin(const Roi& window) {
+  const std::lock_guard lock(mutex_);
   if (state_.window != window) {
     state_.window = window;
-    ++state_.number;
-    changed_.notify_all();
+    note_change();
+    ordered_ = state_.number;
   }
-  const bool current =
-      changed_.wait_until(lock, stop, deadline, [this] { return computed_ == state_.number; });
-  return current ? scene_ : nullptr;
+  return state_.number;
+}
+
+/// What the twin itself was ordered is in force at once: it knows no settling.
+bool Bench::may_be_sent() const {
+  if (computed_ == state_.number) return true;
+  return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kTurning;
+}
+
+std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
+                                          const std::shared_ptr<const Scene>& ready,
+                                          Deadline deadline, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const bool there = changed_.wait_until(lock, stop, deadline, [&] {
+    return computed_ >= begun && (scene_ != ready || may_be_sent());
+  });
+  return there ? scene_ : nullptr;
 }
 
 BenchStatus Bench::status() const {

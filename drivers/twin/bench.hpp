@@ -38,17 +38,22 @@ class Bench {
 
   void work(const std::stop_token& stop);  ///< body of the bench's thread
 
-  void show(const Image<std::uint8_t>& grey);  ///< requires the SLM's size
-  void go_dark();                              ///< the SLM is off: flat, every grey level 0
+  /// `since`: not later than the first moment at which the display showed this. Requires the SLM's
+  /// size.
+  void show(const Image<std::uint8_t>& grey, Deadline since);
+  void go_dark();  ///< the SLM is off: flat, every grey level 0
 
   Truth truth() const;
   void set_truth(const Truth& truth);
 
-  /// The light in this window of the sensor, for the display and the truth as they are at the
-  /// return: waits until nothing has changed since the far field was computed. Null if that is not
-  /// so by the deadline, or on stop.
-  std::shared_ptr<const Scene> scene(const Roi& window, Deadline deadline,
-                                     const std::stop_token& stop);
+  /// A frame of this window of the sensor begins now. Returns the number of the present state.
+  std::uint64_t begin(const Roi& window);
+  /// The light for a frame that was begun in state `begun`, of that state or of a newer one. A
+  /// scene that is not `ready` yet is for preparing the frame: it becomes so, or a newer one does.
+  /// Returns `ready` itself when a frame of it may be sent, which is decided anew after each
+  /// preparation; null if nothing comes by the deadline, or on stop.
+  std::shared_ptr<const Scene> scene(std::uint64_t begun, const std::shared_ptr<const Scene>& ready,
+                                     Deadline deadline, const std::stop_token& stop);
   BenchStatus status() const;
 
  private:
@@ -60,12 +65,16 @@ class Bench {
     std::uint64_t number = 0;  ///< counts the changes
   };
   std::shared_ptr<const Scene> compute(const State& now);
+  void note_change();        // call with mutex_ locked
+  bool may_be_sent() const;  // call with mutex_ locked
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   State state_;
   std::shared_ptr<const Scene> scene_;
   std::uint64_t computed_ = 0;  ///< the State::number that scene_ shows
+  std::uint64_t ordered_ = 0;   ///< the newest change of truth or window
+  Deadline shown_since_;        ///< when the display began to show what it shows
   BenchStatus status_;
 
   // The bench's thread only.

@@ -1,7 +1,9 @@
 #include "drivers/twin/bench_model.hpp"
 
 #include <Eigen/Core>
+#include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/slope_model.hpp"
@@ -23,18 +25,48 @@ BenchModel::BenchModel(const Config& config)
 void BenchModel::set_window(const Roi& window) {
   OpticsConfig optics = config_.optics;
   optics.centre_px = *optics.centre_px - Vec2{double(window.x), double(window.y)};
-  far_field_.emplace(config_.slm.geometry, far_field_window(config_.sensor, config_.slm.geometry,
-                                                            optics, window.width, window.height));
+  const SlmGeometry& slm = config_.slm.geometry;
+  const FarFieldWindow looked_at =
+      far_field_window(config_.sensor, slm, optics, window.width, window.height);
+  halves_.clear();
+  SlmGeometry upper = slm, lower = slm;
+  upper.height_px = slm.height_px / 2;
+  lower.height_px = slm.height_px - upper.height_px;
+  halves_.push_back({0, FarField(upper, looked_at), {slm.width_px, upper.height_px}, {}});
+  halves_.push_back(
+      {upper.height_px, FarField(lower, looked_at), {slm.width_px, lower.height_px}, {}});
+  // The middles of two halves are half of the whole apart, however it was cut.
+  between_.resize(std::size_t(looked_at.rows));
+  for (int r = 0; r < looked_at.rows; ++r) {
+    const double v = looked_at.origin_cpp.y + r * looked_at.step_cpp;
+    const double angle = -std::numbers::pi * std::remainder(v * slm.height_px, 2.0);
+    between_[std::size_t(r)] = {float(std::cos(angle)), float(std::sin(angle))};
+  }
+}
+
+void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
+  slm_.modulate(grey, half.first_row, half.field);
+  half.far_field.propagate(half.field, half.far);
 }
 
 Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
-  slm_.modulate(grey, field_);
-  far_field_->propagate(field_, far_);
-  Image<float> intensity(far_.width, far_.height);
+  Half& upper = halves_.front();
+  Half& lower = halves_.back();
+  std::jthread helper([&] { propagate(grey, lower); });
+  propagate(grey, upper);
+  helper.join();
+  Image<float> intensity(upper.far.width, upper.far.height);
   const float scale = float(1.0 / unit_);
-  for (std::size_t i = 0; i < far_.pixels.size(); ++i) {
-    const float re = far_.pixels[i].real(), im = far_.pixels[i].imag();
-    intensity.pixels[i] = scale * (re * re + im * im);
+  for (int r = 0; r < intensity.height; ++r) {
+    const std::complex<float> turn = between_[std::size_t(r)];
+    const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
+    float* out = intensity.row(r);
+    for (int c = 0; c < intensity.width; ++c) {
+      // By hand, as in SlmModel::modulate.
+      const float re = up[c].real() + turn.real() * low[c].real() - turn.imag() * low[c].imag();
+      const float im = up[c].imag() + turn.real() * low[c].imag() + turn.imag() * low[c].real();
+      out[c] = scale * (re * re + im * im);
+    }
   }
   return intensity;
 }

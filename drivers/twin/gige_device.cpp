@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -175,10 +176,15 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto deadline = start + kFarFieldTime;
   // A server that hangs shows nothing new: then go by what is known.
   deps_.screen.catch_up(start + kDisplayTime, stop_);
-  const auto scene = deps_.bench.scene(settings.roi, deadline, stop_);
-  if (scene && deps_.frames.take({scene, settings.exposure_us, settings.gain_db, *format}, deadline,
-                                 stop_, out)) {
-    return FrameFate::send;
+  const std::uint64_t begun = deps_.bench.begin(settings.roi);
+  std::shared_ptr<const Scene> ready;
+  while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
+    if (scene == ready) return FrameFate::send;
+    if (!deps_.frames.take({scene, settings.exposure_us, settings.gain_db, *format}, deadline,
+                           stop_, out)) {
+      break;
+    }
+    ready = scene;
   }
   ++tally_.late;
   return FrameFate::drop;

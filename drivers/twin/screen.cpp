@@ -55,21 +55,28 @@ void Screen::work(const std::stop_token& stop) {
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Image<std::uint8_t> grey;
-  if (!tell(output, grey)) return;
+  // What one look finds came after the look before, or after the waiting that it ended.
+  auto since = std::chrono::steady_clock::now();
+  if (!tell(output, grey, since)) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
     // Who asks wants all that the server knows; else what it has sent is enough.
+    const auto looked = std::chrono::steady_clock::now();
     XOutput::News news = asked_now != answered_ ? output.ask_news() : output.read_news();
     if (news == XOutput::News::lost) return;
-    if (news == XOutput::News::pixels && !tell(output, grey)) return;
+    if (news == XOutput::News::pixels && !tell(output, grey, since)) return;
     answer(asked_now);
-    if (news == XOutput::News::none) wait_for_news(output.descriptor());
+    since = looked;
+    if (news == XOutput::News::none) {
+      wait_for_news(output.descriptor());
+      since = std::chrono::steady_clock::now();
+    }
   }
 }
 
-bool Screen::tell(XOutput& output, Image<std::uint8_t>& grey) {
+bool Screen::tell(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since) {
   if (!output.grab(grey)) return false;
-  bench_.show(grey);
+  bench_.show(grey, since);
   const std::lock_guard lock(mutex_);
   ++status_.grabs;
   return true;

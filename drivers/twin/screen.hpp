@@ -39,7 +39,7 @@ class Screen {
 
  private:
   void follow(XOutput& output, const std::stop_token& stop);
-  bool tell(XOutput& output, Image<std::uint8_t>& grey);
+  bool tell(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since);
   void wait_for_news(int descriptor);
   void answer(std::uint64_t asked);
   std::uint64_t asked() const;

@@ -91,13 +91,13 @@ void SlmModel::set_aberration(std::span<const Mode> modes) {
   }
 }
 
-void SlmModel::modulate(const Image<std::uint8_t>& grey, Image<std::complex<float>>& field) const {
-  if (field.width != grey.width || field.height != grey.height) {
-    field = Image<std::complex<float>>(grey.width, grey.height);
-  }
-  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
+void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row,
+                        Image<std::complex<float>>& field) const {
+  const std::uint8_t* from = grey.row(first_row);
+  const std::complex<float>* incident = incident_.row(first_row);
+  for (std::size_t i = 0; i < field.pixels.size(); ++i) {
     // By hand: std::complex's product checks for infinities, which costs ten times as much.
-    const std::complex<float> a = incident_.pixels[i], b = phasor_of_grey_[grey.pixels[i]];
+    const std::complex<float> a = incident[i], b = phasor_of_grey_[from[i]];
     field.pixels[i] = {a.real() * b.real() - a.imag() * b.imag(),
                        a.real() * b.imag() + a.imag() * b.real()};
   }

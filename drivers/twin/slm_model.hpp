@@ -19,8 +19,10 @@ class SlmModel {
   /// The wavefront of the light that meets the SLM, over the sensor's pupil and continued outside.
   void set_aberration(std::span<const Mode> modes);
 
-  /// `grey`: width x height of the SLM; `field` likewise, amplitude 1 in the middle of the beam.
-  void modulate(const Image<std::uint8_t>& grey, Image<std::complex<float>>& field) const;
+  /// `grey`: width x height of the SLM. `field`: as wide, and filled with the rows of the SLM from
+  /// `first_row` on; amplitude 1 in the middle of the beam. May be called by several threads.
+  void modulate(const Image<std::uint8_t>& grey, int first_row,
+                Image<std::complex<float>>& field) const;
 
  private:
   Config config_;

@@ -151,26 +151,83 @@ TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
   EXPECT_NEAR(peak(config) / peak(perfect), std::pow(std::sin(x) / x, 2), 0.08);
 }
 
-TEST(Bench, GivesTheLightOfWhatIsShownNow) {
+/// A bench at work, and the picture of a hologram to show on it.
+class RunningBench : public ::testing::Test {
+ protected:
+  using Light = std::shared_ptr<const Scene>;
+
+  Light scene(std::uint64_t begun, const Light& ready, milliseconds wait = milliseconds(20'000)) {
+    return bench.scene(begun, ready, steady_clock::now() + wait, stop.get_token());
+  }
+  /// What a frame begun in that state is sent with.
+  Light sent(std::uint64_t begun) {
+    Light ready = scene(begun, nullptr);
+    for (Light next; (next = scene(begun, ready)) != ready;) ready = next;
+    return ready;
+  }
+  void show(const Image<std::uint8_t>& grey) { bench.show(grey, steady_clock::now()); }
+
+  static constexpr Roi kWindow{192, 192, 128, 128};
   const Config config = config_of("{}");
-  Bench bench(config);
-  const std::jthread worker([&bench](const std::stop_token& stop) { bench.work(stop); });
-  const std::stop_source stop;
-  const Roi window{192, 192, 128, 128};
-  const auto scene = [&] {
-    return bench.scene(window, steady_clock::now() + milliseconds(20'000), stop.get_token());
-  };
-  const auto dark = scene();
+  const Image<std::uint8_t> picture = hologram(config.sensor);
+  std::stop_source stop;
+  Bench bench{config};
+  std::jthread worker{[this](const std::stop_token& token) { bench.work(token); }};
+};
+
+TEST_F(RunningBench, GivesTheLightOfWhatIsShownNow) {
+  const auto dark = sent(bench.begin(kWindow));
   ASSERT_TRUE(dark);
-  bench.show(hologram(config.sensor));
-  const auto light = scene();
+  show(picture);
+  const auto light = sent(bench.begin(kWindow));
   ASSERT_TRUE(light);
   EXPECT_GT(light->intensity->at(63, 55), 0.3F);
   EXPECT_LT(dark->intensity->at(63, 55), 0.3F);
-  EXPECT_EQ(scene(), light);
+  EXPECT_EQ(sent(bench.begin(kWindow)), light);
   bench.go_dark();
-  EXPECT_EQ(scene()->intensity->pixels, dark->intensity->pixels);
-  EXPECT_FALSE(bench.scene({0, 0, 64, 64}, steady_clock::now(), stop.get_token()));
+  EXPECT_EQ(sent(bench.begin(kWindow))->intensity->pixels, dark->intensity->pixels);
+  EXPECT_FALSE(scene(bench.begin({0, 0, 64, 64}), nullptr, milliseconds(0)));
+}
+
+TEST_F(RunningBench, AFrameBegunBeforeAChangeMayShowTheOldPictureForAShortTimeOnly) {
+  const auto before = sent(bench.begin(kWindow));
+  worker = {};  // no far field is ready from now on
+  const std::uint64_t begun = bench.begin(kWindow);
+  bench.show(picture, steady_clock::now() + std::chrono::seconds(10));
+  EXPECT_EQ(scene(begun, before, milliseconds(0)), before);
+  EXPECT_FALSE(scene(bench.begin(kWindow), before, milliseconds(0))) << "begun after the change";
+  bench.show(Image<std::uint8_t>(picture.width, picture.height, 7),
+             steady_clock::now() - milliseconds(15));
+  EXPECT_FALSE(scene(begun, before, milliseconds(0))) << "the change is too long ago";
+}
+
+TEST_F(RunningBench, NoFrameShowsTheOldTruthAfterAnOrder) {
+  const auto before = sent(bench.begin(kWindow));
+  const std::uint64_t begun = bench.begin(kWindow);
+  Truth truth = bench.truth();
+  truth.aberration = {{3, 0.3}};
+  bench.set_truth(truth);
+  show(picture);
+  EXPECT_EQ(sent(begun)->truth.aberration, truth.aberration);
+  EXPECT_NE(sent(begun), before);
+}
+
+TEST_F(RunningBench, SendsFramesWhileTheDisplayChangesFasterThanFarFieldsAreComputed) {
+  sent(bench.begin(kWindow));
+  const std::jthread changes([this](const std::stop_token& token) {
+    Image<std::uint8_t> grey = picture;
+    while (!token.stop_requested()) {
+      ++grey.pixels.front();
+      show(grey);
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+  });
+  for (int frame = 0; frame < 10; ++frame) {
+    const std::uint64_t begun = bench.begin(kWindow);
+    Light ready, light;
+    while ((light = scene(begun, ready, milliseconds(400))) != ready) ready = light;
+    ASSERT_TRUE(light) << "frame " << frame;
+  }
 }
 
 class Frames : public ::testing::Test {

@@ -146,6 +146,34 @@ TEST_F(TwinOnBench, NoFrameBegunAfterAChangeShowsTheOldHologram) {
   }
 }
 
+TEST_F(TwinOnBench, GoesOnSendingWhileTheDisplayChangesFasterThanItsLightIsComputed) {
+  using std::chrono::steady_clock;
+  const std::vector<std::vector<Mode>> aberrations{{}, {{1, 0.3}}};
+  bench.show(sensor);
+  bench.start(settings);
+  bench.newer_frame();
+  int frames = 0;
+  double longest_gap_s = 0.0;
+  auto arrived = steady_clock::now();
+  const auto end = arrived + std::chrono::seconds(4);
+  for (std::size_t turn = 0; steady_clock::now() < end; ++turn) {
+    const auto next = steady_clock::now() + std::chrono::milliseconds(25);
+    bench.show(sensor, aberrations[turn % 2]);
+    while (steady_clock::now() < next) {
+      GrabbedFrame frame;
+      if (bench.camera().grab(frame, std::chrono::milliseconds(5)) != GrabStatus::frame) continue;
+      bench.camera().release(frame.slot);
+      const std::chrono::duration<double> gap = steady_clock::now() - arrived;
+      longest_gap_s = std::max(longest_gap_s, gap.count());
+      arrived = steady_clock::now();
+      ++frames;
+    }
+  }
+  std::printf("  %.1f frames/s, longest gap %.2f s\n", frames / 4.0, longest_gap_s);
+  EXPECT_GT(frames, 8);
+  EXPECT_LT(longest_gap_s, 1.0);
+}
+
 TEST_F(TwinOnBench, SustainsTwoHundredFramesPerSecondWithoutLosingOne) {
   bench.show(sensor);
   settings.frame_rate_hz = 200.0;
