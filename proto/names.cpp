@@ -34,7 +34,9 @@ const std::vector<std::string>& pixel_format_names() {
 const std::vector<std::string>& tracker_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (int k = 0; k <= int(TrackerKind::lg); ++k) all.emplace_back(tracker_name(TrackerKind(k)));
+    for (int k = 0; k <= int(TrackerKind::matched); ++k) {
+      all.emplace_back(tracker_name(TrackerKind(k)));
+    }
     return all;
   }();
   return names;

@@ -43,7 +43,7 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
   for (int i = begin; i < end; ++i) {
     const SpotStart& start = starts_[i];
     entry.spots[i] =
-        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch) : SpotFix{};
+        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch, i) : SpotFix{};
   }
 }
 
@@ -92,10 +92,10 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
   const Vec2 remembered_px = starts_[i].at_px;
   const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
   if (!starts_[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
-    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch);
+    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch, i);
     if (spots[i].found() && !neighbourhood.doubled(i, spots)) return spots[i];
   }
-  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch);
+  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch, i);
   return neighbourhood.doubled(i, spots) ? SpotFix{} : spots[i];
 }
 

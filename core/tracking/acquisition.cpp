@@ -39,6 +39,7 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (matched[i] == Consensus::kNone) continue;
     out[i] = verified_[std::size_t(matched[i])];
+    if (tracker.per_spot()) look_again(int(i), image, tracker, scratch, out[i]);
     any = true;
   }
   if (!any) return 0;
@@ -66,9 +67,16 @@ void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
 SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
                                          TrackScratch& scratch) const {
   const Vec2 expected = consensus_.expected(i);
-  const SpotFix fix = tracker.track(image, expected, scratch);
+  const SpotFix fix = tracker.track(image, expected, scratch, i);
   if (!fix.found() || norm(position(fix) - expected) > consensus_.tolerance_px()) return {};
   return fix;
+}
+
+// Found as anybody's spot; now that its number is known, by what is known of that spot.
+void Acquisition::look_again(int i, const ImageView& image, const SpotTracker& tracker,
+                             TrackScratch& scratch, SpotFix& fix) const {
+  const SpotFix own = tracker.track(image, position(fix), scratch, i);
+  if (own.found()) fix = own;
 }
 
 bool Acquisition::taken(Vec2 at, std::span<const SpotFix> fixes) const {

@@ -32,6 +32,8 @@ class Acquisition {
   void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
   SpotFix look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
                               TrackScratch& scratch) const;
+  void look_again(int i, const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
+                  SpotFix& fix) const;
   bool taken(Vec2 at, std::span<const SpotFix> fixes) const;
 
   SpotModel spots_;

@@ -11,6 +11,7 @@
 namespace ovws {
 namespace {
 
+constexpr double kSeedAside = 0.5;   // of the extent: a row, or a side, may be missing
 constexpr double kTolerance = 0.35;  // of the pitch, from the expected position
 constexpr double kRing = 1.6;        // of the pitch: how much further a field reaches each round
 constexpr int kSettle = 2;           // rounds after the last ring
@@ -63,12 +64,14 @@ void Consensus::find_neighbours() {
 }
 
 void Consensus::find_seeds() {
-  seeds_.resize(predicted_.size());
-  std::iota(seeds_.begin(), seeds_.end(), 0);
-  std::sort(seeds_.begin(), seeds_.end(), [this](int a, int b) {
-    return norm(predicted_[a] - centre_) < norm(predicted_[b] - centre_);
-  });
-  seeds_.resize(std::min(seeds_.size(), std::size_t(kSeeds)));
+  const double aside = kSeedAside * extent_;
+  for (const Vec2 off : {Vec2{}, {0.0, aside}, {0.0, -aside}, {aside, 0.0}, {-aside, 0.0}}) {
+    const auto nearest = std::min_element(
+        predicted_.begin(), predicted_.end(),
+        [at = centre_ + off](Vec2 a, Vec2 b) { return norm(a - at) < norm(b - at); });
+    const int seed = int(nearest - predicted_.begin());
+    if (std::find(seeds_.begin(), seeds_.end(), seed) == seeds_.end()) seeds_.push_back(seed);
+  }
 }
 
 double Consensus::tolerance_px() const {
@@ -95,9 +98,14 @@ std::span<const int> Consensus::match(std::span<const Vec2> found) {
       most = explained;
       least_shift = shift;
       best_field_ = field_;
-      best_matched_ = matched_;  // same size: no allocation
+      best_matched_ = matched_;                // same size: no allocation
+      if (most == size()) return best(found);  // the starts are sorted: no smaller shift comes
     }
   }
+  return best(found);
+}
+
+std::span<const int> Consensus::best(std::span<const Vec2> found) {
   field_ = best_field_;
   matched_ = best_matched_;
   note_residuals(found);

@@ -35,7 +35,6 @@ class Consensus {
   double tolerance_px() const;
 
  private:
-  static constexpr int kSeeds = 3;  ///< central subapertures; more than one, as any may be missing
   static constexpr int kStarts = 32;  ///< positions tried for each: some three pitches around it
 
   /// displacement(p) = shift + linear (p - centre)
@@ -52,6 +51,7 @@ class Consensus {
   void find_seeds();
   int nearest_positions(std::span<const Vec2> found, Vec2 at, std::array<int, kStarts>& out) const;
   int grow(std::span<const Vec2> found, int seed, Vec2 shift);
+  std::span<const int> best(std::span<const Vec2> found);
   int assign(std::span<const Vec2> found, Vec2 from, double reach);
   Choice nearest(std::span<const Vec2> found, Vec2 at) const;
   bool fit(std::span<const Vec2> found);
@@ -64,8 +64,8 @@ class Consensus {
   double pitch_ = 0.0;
   double extent_ = 0.0;  ///< from the centre to the farthest subaperture
   std::vector<std::vector<int>> neighbours_;
-  std::vector<int> seeds_;
-  std::vector<int> by_y_;  ///< numbers of the found positions, by increasing y
+  std::vector<int> seeds_;  ///< the centre, and around it: any one may be missing
+  std::vector<int> by_y_;   ///< numbers of the found positions, by increasing y
   Field field_;
   std::vector<int> matched_;  ///< subaperture -> position
   std::vector<int> owner_;    ///< position -> subaperture

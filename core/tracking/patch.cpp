@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -35,13 +36,44 @@ void load_rows(const ImageView& image, const Patch& patch, float* out) {
 }
 
 template <class T>
+void load_rectangle_at_edge(const ImageView& image, int left, int top, int columns, int rows,
+                            float* out) {
+  const auto row_at = [&](int y) { return image.row<T>(std::clamp(y, 0, image.height - 1)); };
+  const auto column_at = [&](int x) { return std::clamp(x, 0, image.width - 1); };
+  const float offset = float(row_at(top)[column_at(left)]);
+  for (int k = 0; k < rows; ++k, out += columns) {
+    const T* row = row_at(top + k);
+    for (int x = 0; x < columns; ++x) out[x] = float(row[column_at(left + x)]) - offset;
+  }
+}
+
+template <class T>
+void load_rectangle(const ImageView& image, int left, int top, int columns, int rows,
+                    float* __restrict out) {
+  if (left < 0 || top < 0 || left + columns > image.width || top + rows > image.height) {
+    return load_rectangle_at_edge<T>(image, left, top, columns, rows, out);
+  }
+  const float offset = float(image.row<T>(top)[left]);
+  for (int k = 0; k < rows; ++k, out += columns) {
+    const T* __restrict row = image.row<T>(top + k) + left;
+    for (int x = 0; x < columns; x += kBlock) {
+      for (int i = 0; i < kBlock; ++i) out[x + i] = float(row[x + i]) - offset;
+    }
+  }
+}
+
+template <class T>
 float brightest_of(const ImageView& image, int left, int right, int top, int bottom) {
-  T most = 0;
+  std::array<T, kBlock> most{};
   for (int y = top; y < bottom; ++y) {
     const T* row = image.row<T>(y);
-    for (int x = left; x < right; ++x) most = std::max(most, row[x]);
+    int x = left;
+    for (; x + kBlock <= right; x += kBlock) {
+      for (int i = 0; i < kBlock; ++i) most[i] = std::max(most[i], row[x + i]);
+    }
+    for (; x < right; ++x) most[0] = std::max(most[0], row[x]);
   }
-  return float(most);
+  return float(*std::max_element(most.begin(), most.end()));
 }
 
 }  // namespace
@@ -56,6 +88,14 @@ float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
   return bytes_per_pixel(image.format) == 1
              ? brightest_of<std::uint8_t>(image, left, right, top, bottom)
              : brightest_of<std::uint16_t>(image, left, right, top, bottom);
+}
+
+void load_window(const ImageView& image, int left, int top, int columns, int rows, float* out) {
+  if (bytes_per_pixel(image.format) == 1) {
+    load_rectangle<std::uint8_t>(image, left, top, columns, rows, out);
+  } else {
+    load_rectangle<std::uint16_t>(image, left, top, columns, rows, out);
+  }
 }
 
 float Patch::brightest(Vec2 centre, int half) const {

@@ -38,6 +38,12 @@ constexpr int patch_floats(int half) {
   return (2 * half + 1) * (2 * half + 1) + kPatchSlack;
 }
 
+/// Reads the rectangle of `columns` (a multiple of 16) x `rows` pixels from (left, top) on as
+/// floats less the value of its first pixel, so that sums of a small spot on a high background lose
+/// nothing. Beyond the image its edge is repeated. RT-safe.
+void load_window(const ImageView& image, int left, int top, int columns, int rows,
+                 float* out) OVWS_NONBLOCKING;
+
 /// Reads the square of half-width `half` around the pixel (cx, cy), which must be in the image.
 Patch load_patch(const ImageView& image, int cx, int cy, int half,
                  std::span<float> samples) OVWS_NONBLOCKING;

@@ -28,7 +28,8 @@ TrackScratch PatchTracker::make_scratch() const {
           std::vector<float>(std::size_t(sum_floats_))};
 }
 
-SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch) const {
+SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
+                            int) const {
   SpotFix fix;
   const bool inside = start_px.x >= 0.0 && start_px.y >= 0.0 && start_px.x <= image.width - 1.0 &&
                       start_px.y <= image.height - 1.0;

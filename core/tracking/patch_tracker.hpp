@@ -13,8 +13,8 @@ class PatchTracker : public SpotTracker {
  public:
   int window_half_px() const final { return half_; }
   TrackScratch make_scratch() const final;
-  SpotFix track(const ImageView& image, Vec2 start_px,
-                TrackScratch& scratch) const OVWS_NONBLOCKING final;
+  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
+                int spot = kAnySpot) const OVWS_NONBLOCKING final;
 
  protected:
   struct Found {

@@ -12,12 +12,13 @@ namespace {
 
 constexpr float kFaint = 0.1F;  // of the median level
 
-constexpr std::array<std::pair<TrackerKind, std::string_view>, 5> kNames{
+constexpr std::array<std::pair<TrackerKind, std::string_view>, 6> kNames{
     {{TrackerKind::centroid, "centroid"},
      {TrackerKind::thresholded, "thresholded"},
      {TrackerKind::weighted, "weighted"},
      {TrackerKind::lg_contour, "lg_contour"},
-     {TrackerKind::lg, "lg"}}};
+     {TrackerKind::lg, "lg"},
+     {TrackerKind::matched, "matched"}}};
 
 }  // namespace
 

@@ -30,7 +30,7 @@ struct SpotFix {
 /// spots.
 int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
-enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg };
+enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg, matched };
 
 std::string_view tracker_name(TrackerKind kind);
 std::optional<TrackerKind> tracker_from_name(std::string_view name);

@@ -22,7 +22,7 @@ double walk(int charge, double from, Stop stop) {
 
 }  // namespace
 
-double spot_intensity(int charge, double radius) {
+double spot_amplitude(int charge, double radius) {
   // Simpson's rule: the integrand is smooth and makes radius/2 swings over the interval.
   const int order = std::abs(charge);
   const int half_steps = 12 + 2 * int(std::ceil(radius));
@@ -33,7 +33,11 @@ double spot_intensity(int charge, double radius) {
     const double weight = k == 2 * half_steps ? 1.0 : (k % 2 == 1 ? 4.0 : 2.0);
     sum += weight * s * std::cyl_bessel_j(double(order), std::numbers::pi * radius * s);
   }
-  const double amplitude = sum * h / 3.0;
+  return sum * h / 3.0;
+}
+
+double spot_intensity(int charge, double radius) {
+  const double amplitude = spot_amplitude(charge, radius);
   return amplitude * amplitude;
 }
 

@@ -3,8 +3,11 @@
 
 namespace ovws {
 
-/// Intensity at `radius` (units of lambda/d) of a circular aperture that carries charge l:
-/// |integral_0^1 J_l(pi radius s) s ds|^2, not normalised.
+/// Amplitude at `radius` (units of lambda/d) of a circular aperture that carries charge l:
+/// integral_0^1 J_|l|(pi radius s) s ds, not normalised.
+double spot_amplitude(int charge, double radius);
+
+/// Its square.
 double spot_intensity(int charge, double radius);
 
 /// Radii in units of lambda/d, read off that profile. Charge 0 has no ring: all three ring radii

@@ -6,6 +6,7 @@
 #include "core/tracking/centroid.hpp"
 #include "core/tracking/lg.hpp"
 #include "core/tracking/lg_contour.hpp"
+#include "core/tracking/matched.hpp"
 
 namespace ovws {
 namespace {
@@ -15,7 +16,8 @@ constexpr double kMinSpotPx = 4.0, kMaxSpotPx = 200.0;
 constexpr int kMaxCharge = 8;
 
 bool follows_bright_spot(TrackerKind kind) {
-  return kind != TrackerKind::lg && kind != TrackerKind::lg_contour;
+  return kind == TrackerKind::centroid || kind == TrackerKind::thresholded ||
+         kind == TrackerKind::weighted;
 }
 
 Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
@@ -32,9 +34,10 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
     return fail(Errc::invalid, "sensor.charge", "must be from -8 to 8 to be tracked");
   }
   if (spots.charge != 0 && follows_bright_spot(config.tracker)) {
-    return fail(Errc::invalid, "tracking.tracker",
-                "'" + std::string(tracker_name(config.tracker)) +
-                    "' follows a bright spot and a vortex has none: use lg, or charge 0");
+    return fail(
+        Errc::invalid, "tracking.tracker",
+        "'" + std::string(tracker_name(config.tracker)) +
+            "' follows a bright spot and a vortex has none: use lg or matched, or charge 0");
   }
   return {};
 }
@@ -56,6 +59,8 @@ Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& co
       return std::make_unique<LgContourTracker>(spots, kernel);
     case TrackerKind::lg:
       return std::make_unique<LgTracker>(spots, kernel);
+    case TrackerKind::matched:
+      return std::make_unique<MatchedTracker>(spots);
   }
   return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
 }

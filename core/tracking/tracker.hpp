@@ -24,6 +24,9 @@ struct TrackScratch {
   std::vector<float> sums;
 };
 
+/// A subaperture's number that is not known.
+constexpr int kAnySpot = -1;
+
 /// Immutable after construction; one object serves all threads, each with a scratch of its own.
 class SpotTracker {
  public:
@@ -33,11 +36,14 @@ class SpotTracker {
   virtual int window_half_px() const = 0;
   virtual TrackScratch make_scratch() const = 0;
 
-  /// Finds the spot near `start_px`. Lost (see SpotFix) if what is there does not look like the
-  /// spot: no guess is ever returned. The window is clipped at the image's edge; a spot too near
-  /// the edge is lost. RT-safe.
-  virtual SpotFix track(const ImageView& image, Vec2 start_px,
-                        TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
+  /// Whether `track` cares which spot it is asked for.
+  virtual bool per_spot() const { return false; }
+
+  /// Finds the spot near `start_px`; `spot` is its subaperture's number, or kAnySpot. Lost (see
+  /// SpotFix) if what is there does not look like the spot: no guess is ever returned. The window
+  /// is clipped at the image's edge; a spot too near the edge is lost. RT-safe.
+  virtual SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
+                        int spot = kAnySpot) const OVWS_NONBLOCKING = 0;
 };
 
 /// Errors (Errc::invalid, field "tracking.…"): kernel_radius outside [0.1, 2]; a tracker that makes

@@ -13,7 +13,8 @@ struct RadialNode {
   double weight = 0.0;
 };
 
-/// Exact for polynomials f up to degree 24 (kernel_tilt: to rounding, q being analytic).
+/// Exact for polynomials f up to degree 24 (kernel_tilt, matched_tilt: to rounding, q being
+/// analytic).
 std::vector<RadialNode> radial_nodes(const SlopeModel& model);
 
 /// Gauss-Legendre nodes and weights on [0, 1].

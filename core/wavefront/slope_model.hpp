@@ -21,21 +21,23 @@ enum class SlopeKind {
   vortex_tilt,    ///< V-tilt, q = 1: what the very core of a vortex of charge +-1 follows
   kernel_tilt,    ///< what the zero of the LG kernel's Psi follows, for its charge and its radius:
                   ///< tends to V-tilt (charge +-1) and to Z-tilt (charge 0) for a small kernel
+  matched_tilt,   ///< what the matched filter follows, for its charge, weights between the
+                  ///< extremes: as the light's noise is, the cubic part of phi differs by +-1.8 %
 };
 
 /// Which of them, with what kernel_tilt needs.
 struct SlopeModel {
   SlopeKind kind = SlopeKind::vortex_tilt;
   int charge = 1;
-  double kernel_radius = 0.3;  ///< 1/e radius, units of lambda/d
+  double kernel_radius = 0.3;  ///< 1/e radius; matched_tilt: the window's radius; units of lambda/d
 
   SlopeModel() = default;
   SlopeModel(SlopeKind k) : kind(k) {}  // NOLINT(google-explicit-constructor): a kind is a model
   SlopeModel(SlopeKind k, int l, double w) : kind(k), charge(l), kernel_radius(w) {}
 };
 
-/// The model of the tracker in use: kernel_tilt for lg, lg_contour and weighted, Z-tilt for
-/// thresholded, G-tilt for centroid.
+/// The model of the tracker in use: kernel_tilt for lg, lg_contour and weighted, matched_tilt for
+/// matched, Z-tilt for thresholded, G-tilt for centroid.
 SlopeModel slope_model(int charge, const TrackingConfig& tracking);
 
 /// The text-book choice without regard to the tracker: G-tilt for charge 0, V-tilt otherwise.

@@ -85,7 +85,9 @@ INSTANTIATE_TEST_SUITE_P(Trackers, RealTracker,
                          ::testing::Values(Case{TrackerKind::lg, 1, "lg_charge_1"},
                                            Case{TrackerKind::lg, 0, "lg_charge_0"},
                                            Case{TrackerKind::thresholded, 0, "thresholded"},
-                                           Case{TrackerKind::weighted, 0, "weighted"}),
+                                           Case{TrackerKind::weighted, 0, "weighted"},
+                                           Case{TrackerKind::matched, 1, "matched_charge_1"},
+                                           Case{TrackerKind::matched, 0, "matched_charge_0"}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,12 +19,17 @@ namespace {
 using test::expose8;
 using test::SensorBench;
 
-class Acquire : public testing::TestWithParam<int> {
+struct Method {
+  int charge;
+  TrackerKind tracker;
+};
+
+class Acquire : public testing::TestWithParam<Method> {
  protected:
   Acquire()
-      : bench_(test::sensor_bench(GetParam())),
-        tracking_{GetParam() == 0 ? TrackerKind::thresholded : TrackerKind::lg, 0.4},
-        model_{GetParam(), bench_.lambda_d},
+      : bench_(test::sensor_bench(GetParam().charge)),
+        tracking_{GetParam().tracker, 0.4},
+        model_{GetParam().charge, bench_.lambda_d},
         tracker_(make_tracker(tracking_, model_).value()),
         scratch_(tracker_->make_scratch()),
         acquisition_(model_, bench_.model_px, 512, 512) {}
@@ -37,8 +43,9 @@ class Acquire : public testing::TestWithParam<int> {
     Vec2 at = bench_.model_px[i];
     for (const Mode& mode : modes) {
       const std::vector<int> j{mode.j};
-      const auto slopes = slope_matrix(bench_.lattice, bench_.sensor, j,
-                                       slope_model(GetParam(), tracking_), bench_.px_per_cycle);
+      const auto slopes =
+          slope_matrix(bench_.lattice, bench_.sensor, j, slope_model(GetParam().charge, tracking_),
+                       bench_.px_per_cycle);
       at = at + mode.waves * Vec2{slopes(2 * i, 0), slopes(2 * i + 1, 0)};
     }
     return at;
@@ -127,10 +134,18 @@ TEST_P(Acquire, DoesNotAllocate) {
   EXPECT_EQ(found, 18);
 }
 
-std::string charge_name(const testing::TestParamInfo<int>& info) {
-  return info.param < 0 ? "minus_" + std::to_string(-info.param) : std::to_string(info.param);
+std::string method_name(const testing::TestParamInfo<Method>& info) {
+  const int charge = info.param.charge;
+  return std::string(tracker_name(info.param.tracker)) + (charge < 0 ? "_minus_" : "_") +
+         std::to_string(std::abs(charge));
 }
-INSTANTIATE_TEST_SUITE_P(Charge, Acquire, testing::Values(1, 0, 2, -1), charge_name);
+INSTANTIATE_TEST_SUITE_P(Methods, Acquire,
+                         testing::Values(Method{1, TrackerKind::lg}, Method{-1, TrackerKind::lg},
+                                         Method{2, TrackerKind::lg},
+                                         Method{0, TrackerKind::thresholded},
+                                         Method{0, TrackerKind::matched},
+                                         Method{1, TrackerKind::matched}),
+                         method_name);
 
 }  // namespace
 }  // namespace ovws

@@ -12,8 +12,9 @@ namespace ovws {
 namespace {
 
 TEST(TrackerNames, GoThereAndBack) {
-  for (const TrackerKind kind : {TrackerKind::centroid, TrackerKind::thresholded,
-                                 TrackerKind::weighted, TrackerKind::lg_contour, TrackerKind::lg}) {
+  for (const TrackerKind kind :
+       {TrackerKind::centroid, TrackerKind::thresholded, TrackerKind::weighted,
+        TrackerKind::lg_contour, TrackerKind::lg, TrackerKind::matched}) {
     EXPECT_EQ(tracker_from_name(tracker_name(kind)), kind);
   }
   EXPECT_EQ(tracker_name(TrackerKind::lg_contour), "lg_contour");

@@ -1,0 +1,60 @@
+/// One fit of a spot's template to one image.
+#pragma once
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/base/vec2.hpp"
+#include "core/tracking/template_bank.hpp"
+#include "core/tracking/template_sums.hpp"
+#include "core/tracking/tracker.hpp"
+
+namespace ovws {
+
+/// What MatchedTracker does at one start; nothing of it outlives the frame. The scratch holds a
+/// window of the bank's pixels and one row more. RT-safe throughout.
+class MatchedFit {
+ public:
+  MatchedFit(const TemplateBank& bank, const TemplateKernels& kernels, const ImageView& image,
+             const SpotModel& spots, TrackScratch& scratch);
+
+  /// Gauss-Newton from `from`, at most `reach_px` away from `start`: whether it came to rest on a
+  /// bright template.
+  bool follow(Vec2 from, Vec2 start, double reach_px) OVWS_NONBLOCKING;
+
+  /// How much of the light's contrast a template at `at` explains, in units that only compare: 0 if
+  /// it would be dark.
+  double score(Vec2 at) OVWS_NONBLOCKING;
+
+  /// Whether what `follow` came to rest on is a spot. Sets quality().
+  bool is_spot() OVWS_NONBLOCKING;
+
+  Vec2 found() const;                                          ///< image pixels
+  double amplitude() const { return double(fit_.amplitude); }  ///< DN
+  double quality() const { return quality_; }                  ///< [0, 1]
+
+ private:
+  Vec2 full_move() const;
+  void damp(Vec2 step, Vec2 change);
+  bool solve(const TemplateBank::Place& place);
+  bool settle();
+  bool weigh();
+  int count_of(int part) const;
+  double mean_of(int part) const;
+  bool whole(double noise) const;
+
+  const TemplateBank& bank_;
+  const TemplateKernels& kernels_;
+  const ImageView& image_;
+  TrackScratch& scratch_;
+  double longest_move_px_;
+  double max_misfit_;
+  bool loaded_ = false;  ///< the window at place_
+  int level_ = kMiddleNoise;
+  TemplateBank::Place place_;
+  TemplateFit fit_;
+  double gain_ = 1.0;
+  ResidualSums sums_;
+  double quality_ = 0.0;
+};
+
+}  // namespace ovws
