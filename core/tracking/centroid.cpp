@@ -79,7 +79,7 @@ std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec
       climb(patch, locator_, start, capture_px(), check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
-  if (!verdict.passed) return std::nullopt;
+  if (!verdict.passed && !verdict.unsure) return std::nullopt;
   const Sums sums = disc_centroid(patch, start, kRegion * spots().lambda_d_px, 0.0);
   return Found{sums.centroid, verdict};
 }
@@ -100,7 +100,7 @@ std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, 
     at = sums.centroid;
     if (move > kDiscAtRestPx) continue;
     const SpotCheck::Verdict verdict = check().look(patch, at);
-    if (!verdict.passed) return std::nullopt;
+    if (!verdict.passed && !verdict.unsure) return std::nullopt;
     return Found{at, verdict};
   }
   return std::nullopt;
@@ -116,7 +116,7 @@ std::optional<PatchTracker::Found> WeightedTracker::find(const Patch& patch, Vec
       climb(patch, window_, start, capture_px(), check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
-  if (!verdict.passed) return std::nullopt;
+  if (!verdict.passed && !verdict.unsure) return std::nullopt;
   return Found{*spot, verdict};
 }
 

@@ -60,6 +60,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (length > kConvergedPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
+    if (verdict.unsure) return Found{at, verdict};
     const double sharpness = least_curvature(h) / (m.weight * verdict.level);
     if (!verdict.passed || sharpness < kMinSharpness) return std::nullopt;
     return Found{at, verdict};

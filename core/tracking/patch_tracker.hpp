@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/tracking/matched.hpp"
 #include "core/tracking/patch.hpp"
 #include "core/tracking/spot_check.hpp"
 #include "core/tracking/tracker.hpp"
@@ -28,8 +29,9 @@ class PatchTracker : public SpotTracker {
   /// `kernel_half_px`: half-width of the square that `find` reads around a position.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats);
 
-  /// The spot nearest in the sense of the tracker, checked. The patch reaches capture_px() plus
-  /// kernel_half_px and check's reach around the start.
+  /// The spot nearest in the sense of the tracker, checked; or one that the check is unsure of,
+  /// which is then asked of the matched filter. The patch reaches capture_px() plus kernel_half_px
+  /// and check's reach around the start.
   virtual std::optional<Found> find(const Patch& patch, Vec2 start,
                                     TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 
@@ -39,12 +41,15 @@ class PatchTracker : public SpotTracker {
   double capture_px() const { return kCapture * spots_.lambda_d_px; }
 
  private:
+  bool confirm(const ImageView& image, Found& found, TrackScratch& scratch) const;
+
   SpotModel spots_;
   SpotGeometry geometry_;
   int kernel_half_;
   int half_;
   int sum_floats_;
   SpotCheck check_;
+  MatchedTracker second_;  ///< in noise it sees the whole spot where the check sees parts
 };
 
 }  // namespace ovws

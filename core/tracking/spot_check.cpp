@@ -22,6 +22,7 @@ constexpr double kMaxOutsideOfRing = 1.5;   // brightest outer sector / mean rin
 constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core: one hot pixel has none
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
+constexpr double kUnsure = 6.0;  // level / pixel noise below which small areas do not tell
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
 constexpr int kNoiseRowStep = 6;            // every 6th row tells the noise well enough
 
@@ -155,6 +156,10 @@ double SpotCheck::significance(std::size_t around) const {
   return kSignificance * std::sqrt(1.0 / double(core_.size()) + 1.0 / double(around));
 }
 
+SpotCheck::Verdict SpotCheck::refused(double level, double noise) {
+  return {false, 0.0, level, level > 0.0 && level < kUnsure * noise};
+}
+
 SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outside& out,
                                      double noise) const {
   const double mean = mean_of(ring);
@@ -165,8 +170,8 @@ SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outsi
   const bool closed = weakest - core > kMinWeakestOfRing * above;
   const bool dark = core - out.background < kMaxCoreOfRing * level;
   const bool alone = out.brightest - out.background < kMaxOutsideOfRing * level;
-  if (!stands_out || !closed || !dark || !alone || level <= 0.0) return {};
-  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level};
+  if (!stands_out || !closed || !dark || !alone || level <= 0.0) return refused(level, noise);
+  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level, false};
 }
 
 SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outside& out,
@@ -175,8 +180,8 @@ SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outs
   const bool stands_out = core - out.mean > noise * significance(outer_.offsets.size());
   const bool broad = mean_of(flank) - out.background > kMinFlankOfCore * level;
   const bool alone = out.brightest - out.background < kMaxSurroundOfCore * level;
-  if (!stands_out || !broad || !alone) return {};
-  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level};
+  if (!stands_out || !broad || !alone) return refused(level, noise);
+  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, false};
 }
 
 }  // namespace ovws

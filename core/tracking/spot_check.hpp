@@ -27,6 +27,8 @@ class SpotCheck {
     bool passed = false;
     double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
     double level = 0.0;    ///< the bright part above the local background, DN
+    /// Not passed, but in so much noise that the ratios of small areas do not tell.
+    bool unsure = false;
   };
 
   /// `patch_half`: half-width of the patches that will be looked at.
@@ -60,6 +62,7 @@ class SpotCheck {
     double brightest = 0.0;   ///< sector
   };
   Outside outside(const float* centre) const;
+  static Verdict refused(double level, double noise);
   Verdict vortex(double core, const Means& ring, const Outside& out, double noise) const;
   Verdict bright(double core, const Means& flank, const Outside& out, double noise) const;
   double significance(std::size_t around) const;
