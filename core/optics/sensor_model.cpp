@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -14,10 +15,6 @@ std::array<std::complex<float>, 256> phasors() {
     table[k] = std::polar(1.0F, 2.0F * std::numbers::pi_v<float> * float(k) / 256.0F);
   }
   return table;
-}
-
-void scale(Image<float>& light, double factor) {
-  for (float& pixel : light.pixels) pixel = float(pixel * factor);
 }
 
 }  // namespace
@@ -33,6 +30,7 @@ Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeome
                     FarField(slm, far_field_window(sensor, slm, optics, cols, rows)));
   model.spots_px_ = model_spots_px(model.lattice(), sensor, slm, optics, cols, rows);
   model.lambda_d_px_ = ovws::lambda_d_px(optics, slm, sensor);
+  model.pupil_radius_px_ = 0.5 * sensor.pupil_diameter_px;
   model.px_per_cycle_ = camera_px_per_cycle(optics, slm);
   return model;
 }
@@ -53,12 +51,29 @@ Result<Image<float>> SensorModel::light(std::span<const Mode> modes) {
   return result;
 }
 
-void scale_to_peak(Image<float>& light, double peak) {
-  scale(light, peak / double(*std::max_element(light.pixels.begin(), light.pixels.end())));
+double SensorModel::peak_of_spots(const Image<float>& light, std::span<const Mode> modes) const {
+  float peak = 0.0F;
+  const int reach = int(std::ceil(2.0 * lambda_d_px_));
+  for (std::size_t i = 0; i < spots_px_.size(); ++i) {
+    const Vec2 at = (1.0 / pupil_radius_px_) * lattice().subapertures[i].centre_px;
+    const Vec2 slope = (1.0 / pupil_radius_px_) * wavefront_gradient(modes, at);
+    const Vec2 spot = spots_px_[i] + px_per_cycle_ * slope;
+    const int left = std::max(0, int(spot.x) - reach);
+    const int right = std::min(light.width, int(spot.x) + reach + 1);
+    const int bottom = std::min(light.height, int(spot.y) + reach + 1);
+    for (int y = std::max(0, int(spot.y) - reach); y < bottom; ++y) {
+      for (int x = left; x < right; ++x) peak = std::max(peak, light.at(x, y));
+    }
+  }
+  return double(peak);
 }
 
-void scale_to_total(Image<float>& light, double total) {
-  scale(light, total / std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0));
+void scale(Image<float>& light, double factor) {
+  for (float& pixel : light.pixels) pixel = float(pixel * factor);
+}
+
+double total(const Image<float>& light) {
+  return std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0);
 }
 
 }  // namespace ovws

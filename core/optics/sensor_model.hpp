@@ -30,6 +30,9 @@ class SensorModel {
   /// Intensity with these modes shown (RMS-normalised waves), |F|^2 of the far field per camera
   /// pixel; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
   Result<Image<float>> light(std::span<const Mode> modes);
+  /// The brightest pixel of all spots: within 2 lambda/d of where the modes move them. What lies
+  /// outside, above all the tail of the zero order, is no part of them.
+  double peak_of_spots(const Image<float>& light, std::span<const Mode> modes) const;
 
  private:
   SensorModel(HologramRenderer renderer, FarField far_field)
@@ -38,6 +41,7 @@ class SensorModel {
   HologramRenderer renderer_;
   FarField far_field_;
   std::vector<Vec2> spots_px_;
+  double pupil_radius_px_ = 0.0;
   double lambda_d_px_ = 0.0;
   double px_per_cycle_ = 0.0;
   Image<std::uint8_t> grey_;
@@ -45,9 +49,9 @@ class SensorModel {
   Image<std::complex<float>> far_;
 };
 
-/// Scales an intensity so that its brightest pixel holds `peak`.
-void scale_to_peak(Image<float>& light, double peak);
-/// Scales an intensity so that the whole image holds `total`.
-void scale_to_total(Image<float>& light, double total);
+/// Multiplies every pixel.
+void scale(Image<float>& light, double factor);
+/// Sum of all pixels.
+double total(const Image<float>& light);
 
 }  // namespace ovws

@@ -82,22 +82,26 @@ Result<void> make_hologram(const PictureOptions& options) {
   return write_png(options.output, *grey);
 }
 
-/// Intensity in the camera's window for an SLM that shows exactly the phase it is asked for.
-Result<Image<float>> intensity(const Config& config, const PictureOptions& options) {
-  const auto modes = modes_of(options);
+/// Electrons in the camera's window for an SLM that shows exactly the phase it is asked for.
+Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
+                               double full_well_e) {
+  const auto modes = modes_of(options.picture);
   if (!modes) return fail(modes.error());
   const Roi& roi = config.camera.settings.roi;
   auto model =
       SensorModel::make(config.sensor, config.slm.geometry, config.optics, roi.width, roi.height);
   if (!model) return fail(model.error());
-  return model->light(*modes);
+  auto light = model->light(*modes);
+  if (!light) return light;
+  const double peak_e = options.peak_e.value_or(0.8 * full_well_e);
+  scale(*light, options.total_e ? *options.total_e / total(*light)
+                                : peak_e / model->peak_of_spots(*light, *modes));
+  return light;
 }
 
 Result<void> make_farfield(const FarFieldOptions& options) {
   const auto config = config_of(options.picture);
   if (!config) return fail(config.error());
-  auto photons = intensity(*config, options.picture);
-  if (!photons) return fail(photons.error());
   DetectorConfig detector;
   detector.quantum_efficiency = 1.0;
   detector.bits = options.bits;
@@ -105,14 +109,11 @@ Result<void> make_farfield(const FarFieldOptions& options) {
   detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
   detector.shot_noise = !options.noise_free;
   if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
-  if (options.total_e) {
-    scale_to_total(*photons, *options.total_e);
-  } else {
-    scale_to_peak(*photons, options.peak_e.value_or(0.8 * detector.full_well_e));
-  }
+  const auto collected = electrons(*config, options, detector.full_well_e);
+  if (!collected) return fail(collected.error());
   Image<std::uint16_t> dn;
-  Detector(detector, photons->width, photons->height)
-      .expose(*photons, config->camera.settings.exposure_us, options.gain_db, dn);
+  Detector(detector, collected->width, collected->height)
+      .expose(*collected, config->camera.settings.exposure_us, options.gain_db, dn);
   if (options.bits > 8) return write_png(options.picture.output, dn);
   Image<std::uint8_t> narrow(dn.width, dn.height);
   std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
@@ -144,10 +145,10 @@ void add_farfield(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand("farfield", "write what the camera would see");
   auto options = std::make_shared<FarFieldOptions>();
   add_picture_options(*command, options->picture);
-  auto* peak =
-      command
-          ->add_option("--peak", options->peak_e, "electrons in the brightest pixel (default 8000)")
-          ->check(number_from(1e-3, 1e9));
+  auto* peak = command
+                   ->add_option("--peak", options->peak_e,
+                                "electrons in the spots' brightest pixel (default 8000)")
+                   ->check(number_from(1e-3, 1e9));
   command->add_option("--photons", options->total_e, "electrons in the whole image")
       ->check(number_from(1e-3, 1e15))
       ->excludes(peak);
