@@ -44,6 +44,8 @@ void add_watch(CLI::App& app, const Common& common, int& status);
 void add_snapshot(CLI::App& app, const Common& common, int& status);
 void add_hologram(CLI::App& app, const Common& common, int& status);
 void add_farfield(CLI::App& app, const Common& common, int& status);
+void add_measure(CLI::App& app, const Common& common, int& status);
+void add_study(CLI::App& app, const Common& common, int& status);
 
 /// Tells an error on stderr (as JSON on stdout with --json) and returns kError.
 int report(const Common& common, const Error& error);

@@ -86,6 +86,8 @@ int run(int argc, char** argv) {
   add_snapshot(app, common, status);
   add_hologram(app, common, status);
   add_farfield(app, common, status);
+  add_measure(app, common, status);
+  add_study(app, common, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,118 @@
+#include "daemon/cli/measurement.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+
+#include "daemon/plan_builder.hpp"
+
+namespace ovws::cli {
+namespace {
+
+Error unreadable(const std::string& path, const std::string& why) {
+  return {Errc::invalid, "image", path + " " + why};
+}
+
+template <class T>
+Image<T> pixels_of(const cv::Mat& mat) {
+  Image<T> image(mat.cols, mat.rows);
+  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<T>(y), mat.cols, image.row(y));
+  return image;
+}
+
+Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
+                                                  const std::optional<Reference>& reference) {
+  auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return fail(lattice.error());
+  const Roi roi{0, 0, like.width, like.height};
+  const std::vector<Mode> nothing_shown;
+  return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
+                     config.slm.geometry, roi, like.format, nothing_shown, reference, 0});
+}
+
+std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
+  std::vector<Vec2> positions;
+  for (const SpotFix& spot : spots) positions.push_back({double(spot.x), double(spot.y)});
+  return positions;
+}
+
+std::string missing(std::span<const SpotFix> spots) {
+  std::string text;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (!spots[i].found()) text += (text.empty() ? "" : ", ") + std::to_string(i);
+  }
+  return text;
+}
+
+}  // namespace
+
+ImageView Picture::view() const {
+  return narrow.pixels.empty() ? view_of(wide, PixelFormat::mono16) : view_of(narrow);
+}
+
+Result<Picture> read_picture(const std::string& path) {
+  cv::Mat mat;
+  try {
+    mat = cv::imread(path, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return fail(unreadable(path, "cannot be read: its header asks for too much"));
+  }
+  if (mat.empty()) return fail(unreadable(path, "cannot be read as a picture"));
+  Picture picture;
+  if (mat.type() == CV_8UC1) {
+    picture.narrow = pixels_of<std::uint8_t>(mat);
+  } else if (mat.type() == CV_16UC1) {
+    picture.wide = pixels_of<std::uint16_t>(mat);
+  } else {
+    return fail(unreadable(path, "is not grey with 8 or 16 bit: convert it, e.g. to a grey TIFF"));
+  }
+  return picture;
+}
+
+Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
+    : plan_(std::move(plan)),
+      acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height),
+      track_scratch_(plan_->tracker->make_scratch()),
+      solve_scratch_(plan_->reconstructor->make_scratch()) {}
+
+Result<Measurement> Measurement::make(const Config& config, const ImageView& like,
+                                      const std::optional<ImageView>& reference) {
+  auto by_model = plan_for(config, like, std::nullopt);
+  if (!by_model) return fail(by_model.error());
+  Reference taken;
+  taken.positions_px = (*by_model)->predicted_px;
+  if (reference) {
+    if (reference->width != like.width || reference->height != like.height) {
+      return fail(Errc::invalid, "reference", "the reference image is of another size");
+    }
+    Measurement first(std::move(*by_model));
+    const Measured measured = first.measure(*reference);
+    if (measured.tracked < int(measured.spots.size())) {
+      return fail(Errc::invalid, "reference",
+                  "in the reference image these spots are not found: " + missing(measured.spots));
+    }
+    taken.positions_px = positions_of(measured.spots);
+  }
+  auto plan = plan_for(config, like, taken);
+  if (!plan) return fail(plan.error());
+  return Measurement(std::move(*plan));
+}
+
+Measured Measurement::measure(const ImageView& image) {
+  Measured measured;
+  measured.spots.resize(std::size_t(plan_->subapertures()));
+  measured.coefficients.resize(plan_->reconstructor->modes_j().size(), NAN);
+  measured.tracked = acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
+  measured.reconstruction =
+      plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
+  measured.valid = measured.reconstruction.determined;
+  const auto full = float((1 << significant_bits(image.format)) - 1);
+  const auto saturated = std::count_if(measured.spots.begin(), measured.spots.end(),
+                                       [&](const SpotFix& spot) { return spot.peak >= full; });
+  measured.saturated = double(saturated) / double(measured.spots.size());
+  return measured;
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,57 @@
+/// Images of any lab through the code that measures the daemon's frames.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/pipeline/plan.hpp"
+#include "core/tracking/acquisition.hpp"
+
+namespace ovws::cli {
+
+/// A grey picture of 8 or 16 bit.
+struct Picture {
+  Image<std::uint8_t> narrow;
+  Image<std::uint16_t> wide;  ///< one of the two is empty
+  ImageView view() const;
+};
+/// PNG, TIFF, PGM. Errors (Errc::invalid, field "image"): unreadable, or not grey of 8 or 16 bit.
+Result<Picture> read_picture(const std::string& path);
+
+/// What one image told.
+struct Measured {
+  std::vector<SpotFix> spots;  ///< one a subaperture
+  int tracked = 0;
+  double saturated = 0.0;           ///< fraction of spots
+  std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
+  Reconstruction reconstruction;
+  bool valid = false;
+};
+
+/// For images of one size. One thread at a time.
+class Measurement {
+ public:
+  /// `reference`: an image taken without aberration; none: the model's positions are the reference.
+  /// Errors: a configuration that makes no sensor; a reference image of another size, or in which
+  /// spots are missing (they are named).
+  static Result<Measurement> make(const Config& config, const ImageView& like,
+                                  const std::optional<ImageView>& reference);
+
+  /// Every spot is searched without history. An image of another size has none.
+  Measured measure(const ImageView& image);
+  const MeasurementPlan& plan() const { return *plan_; }
+
+ private:
+  explicit Measurement(std::unique_ptr<MeasurementPlan> plan);
+  std::unique_ptr<MeasurementPlan> plan_;
+  Acquisition acquisition_;
+  TrackScratch track_scratch_;
+  Reconstructor::Scratch solve_scratch_;
+};
+
+}  // namespace ovws::cli

@@ -1,0 +1,135 @@
+/// Spots found in one image without history: how many are refused, how many wrong.
+#include <spdlog/fmt/fmt.h>
+
+#include <random>
+
+#include "core/tracking/acquisition.hpp"
+#include "daemon/study/figure.hpp"
+#include "daemon/study/parallel.hpp"
+#include "daemon/study/sensor.hpp"
+#include "daemon/study/studies.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr double kGross = 0.5;  ///< lambda/d: further off is another spot, or none
+constexpr double kRandomRmsWaves = 0.5;
+
+struct Scene {
+  std::string name;
+  Image<float> electrons_px;
+  std::vector<Vec2> at_px;  ///< where the mean slopes put the spots
+};
+
+struct Counts {
+  int spots = 0, refused = 0, gross = 0;
+};
+
+/// j = 3 .. 18, equally strong on average, scaled to the RMS that is wanted.
+std::vector<Mode> random_modes(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::vector<Mode> modes;
+  double squares = 0.0;
+  for (int j = 3; j <= 18; ++j) {
+    modes.push_back({j, normal(random)});
+    squares += modes.back().waves * modes.back().waves;
+  }
+  for (Mode& mode : modes) mode.waves *= kRandomRmsWaves / std::sqrt(squares);
+  return modes;
+}
+
+std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Measurer& measurer) {
+  std::vector<std::pair<std::string, std::vector<Mode>>> all;
+  for (const double unit_waves : {2.0, -2.0}) {
+    for (const int j : {3, 4}) {
+      const double waves = unit_waves / zernike_rms_factor(j);
+      all.push_back({fmt::format("{} {:+} waves", zernike_name(j), unit_waves), {{j, waves}}});
+    }
+  }
+  std::mt19937_64 random(settings.seed);
+  for (int k = 0; k < (settings.quick ? 2 : 8); ++k) {
+    all.push_back({fmt::format("random {}", k), random_modes(random)});
+  }
+  std::vector<Scene> out;
+  for (const auto& [name, modes] : all) {
+    out.push_back(
+        {name, electrons(model, model, modes, Light::equal_peak), measurer.predicted_px(modes)});
+  }
+  return out;
+}
+
+Counts acquire(const Measurer& measurer, const Scene& scene, double snr, int images,
+               std::uint64_t seed) {
+  Counts counts;
+  Acquisition acquisition({1, measurer.lambda_d_px()}, measurer.reference_px(),
+                          scene.electrons_px.width, scene.electrons_px.height);
+  TrackScratch scratch = measurer.tracker().make_scratch();
+  std::vector<SpotFix> fixes(scene.at_px.size());
+  for (int k = 0; k < images; ++k) {
+    const Exposure exposure =
+        expose(scene.electrons_px, read_noise_of_snr(snr), seed + unsigned(k));
+    acquisition.acquire(exposure.view(), measurer.tracker(), scratch, fixes);
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      ++counts.spots;
+      const Vec2 at{fixes[i].x, fixes[i].y};
+      if (!fixes[i].found()) {
+        ++counts.refused;
+      } else if (norm(at - scene.at_px[i]) > kGross * measurer.lambda_d_px()) {
+        ++counts.gross;
+      }
+    }
+  }
+  return counts;
+}
+
+}  // namespace
+
+Summary acquisition(const Settings& settings) {
+  const std::vector<double> snrs = settings.quick
+                                       ? std::vector<double>{2.0, 5.0, 22.0}
+                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
+  const int images = settings.quick ? 5 : 50;
+  nlohmann::json summary{{"study", "acquisition"},
+                         {"images", images},
+                         {"peak_e", kPeakE},
+                         {"rows", nlohmann::json::array()}};
+  Figure figure{"acquisition", "Spots found without history, up to 2 waves of aberration",
+                "peak SNR",    "fraction of spots",
+                false,         false,
+                false,         {}};
+  const auto model = model_of(default_bench(), 1);
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
+    const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
+    const std::vector<Scene> all = scenes(settings, *model, measurer);
+    std::vector<Counts> counts(all.size() * snrs.size());
+    parallel_for("acquisition", counts.size(), settings.threads, [&](std::size_t k) {
+      counts[k] = acquire(measurer, all[k / snrs.size()], snrs[k % snrs.size()], images,
+                          settings.seed + 1000 * k);
+    });
+    Series refused{std::string(tracker_name(kind)) + ", refused", snrs, {}, {}};
+    Series gross{std::string(tracker_name(kind)) + ", wrong", snrs, {}, {}};
+    for (std::size_t s = 0; s < snrs.size(); ++s) {
+      Counts sum;
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const Counts& one = counts[c * snrs.size() + s];
+        sum.spots += one.spots;
+        sum.refused += one.refused;
+        sum.gross += one.gross;
+        summary["rows"].push_back({{"tracker", tracker_name(kind)},
+                                   {"scene", all[c].name},
+                                   {"snr", snrs[s]},
+                                   {"spots", one.spots},
+                                   {"refused", one.refused},
+                                   {"gross", one.gross}});
+      }
+      refused.y.push_back(double(sum.refused) / sum.spots);
+      gross.y.push_back(double(sum.gross) / sum.spots);
+    }
+    figure.series.push_back(std::move(refused));
+    figure.series.push_back(std::move(gross));
+  }
+  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
+  return summary;
+}
+
+}  // namespace ovws::study

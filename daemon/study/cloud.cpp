@@ -1,0 +1,70 @@
+#include "daemon/study/cloud.hpp"
+
+#include <cmath>
+#include <random>
+
+namespace ovws::study {
+namespace {
+
+constexpr int kCropHalfPx = 64;
+constexpr double kStartWithin = 0.3;  ///< lambda/d
+
+Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
+  const int x0 = int(std::lround(centre.x)) - kCropHalfPx;
+  const int y0 = int(std::lround(centre.y)) - kCropHalfPx;
+  Image<float> out(2 * kCropHalfPx + 1, 2 * kCropHalfPx + 1);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) out.at(x, y) = light.at(x0 + x, y0 + y);
+  }
+  at = centre - Vec2{double(x0), double(y0)};
+  return out;
+}
+
+}  // namespace
+
+SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
+                     const std::shared_ptr<SensorModel>& vortex) {
+  SpotBench bench{
+      light, method, std::make_shared<Measurer>(default_bench(), method, model), {}, {}};
+  const auto base = std::size_t(bench.measurer->spots() / 2);
+  bench.electrons_px = crop(electrons(*model, *vortex, {}, light),
+                            bench.measurer->reference_px()[base], bench.at_px);
+  return bench;
+}
+
+std::vector<SpotBench> all_spot_benches() {
+  const auto vortex = model_of(default_bench(), 1);
+  const auto bright = model_of(default_bench(), 0);
+  std::vector<SpotBench> all;
+  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const Method& method : all_methods()) {
+      if (method.fixed_cell) continue;  // a spot by itself has no cell
+      all.push_back(spot_bench(method, light, method.charge == 0 ? bright : vortex, vortex));
+    }
+  }
+  return all;
+}
+
+Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed) {
+  Cloud cloud;
+  std::mt19937_64 random(seed);
+  const double reach_px = kStartWithin * bench.measurer->lambda_d_px();
+  std::uniform_real_distribution<double> within(-reach_px, reach_px);
+  for (int k = 0; k < realisations; ++k) {
+    const std::vector<Vec2> start{bench.at_px + Vec2{within(random), within(random)}};
+    const Vec2 truth = bench.measurer->noise_free_px(bench.electrons_px, start).front();
+    const Exposure exposure = expose(bench.electrons_px, read_noise_e, random());
+    const SpotFix fix = bench.measurer->track(exposure, start).front();
+    if (!fix.found()) {
+      ++cloud.lost;
+      continue;
+    }
+    const Vec2 error{fix.x - truth.x, fix.y - truth.y};
+    cloud.x_px.push_back(error.x);
+    cloud.y_px.push_back(error.y);
+    cloud.squares_px2.push_back(0.5 * (error.x * error.x + error.y * error.y));
+  }
+  return cloud;
+}
+
+}  // namespace ovws::study

@@ -1,0 +1,36 @@
+/// One spot by itself, and what a tracker makes of it under noise.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "daemon/study/sensor.hpp"
+
+namespace ovws::study {
+
+/// A spot, a light, a method.
+struct SpotBench {
+  Light light = Light::equal_peak;
+  Method method;
+  std::shared_ptr<Measurer> measurer;
+  Image<float> electrons_px;  ///< the image around the base spot
+  Vec2 at_px;                 ///< the spot in it, as the method reads it without noise
+};
+
+/// Every method at both lights.
+std::vector<SpotBench> all_spot_benches();
+SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
+                     const std::shared_ptr<SensorModel>& vortex);
+
+struct Cloud {
+  std::vector<double> x_px, y_px;   ///< errors of each realisation
+  std::vector<double> squares_px2;  ///< half of each squared distance: an axis's share
+  int lost = 0;
+};
+
+/// Starts lie within 0.3 lambda/d of the spot, each way. Errors are against the same tracker's own
+/// reading without noise from the same start. Thread-safe.
+Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed);
+
+}  // namespace ovws::study

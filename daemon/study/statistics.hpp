@@ -1,0 +1,40 @@
+/// What is said of many realisations.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace ovws::study {
+
+/// Mean of many values and how sure it is.
+struct Mean {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double standard_error = 0.0;
+  std::size_t count = 0;
+};
+
+inline Mean mean_of(const std::vector<double>& values) {
+  Mean mean;
+  mean.count = values.size();
+  if (values.empty()) return mean;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double value : values) sum += value;
+  mean.value = sum / double(values.size());
+  for (const double value : values) squares += (value - mean.value) * (value - mean.value);
+  if (values.size() > 1) {
+    mean.standard_error = std::sqrt(squares / double(values.size() - 1) / double(values.size()));
+  }
+  return mean;
+}
+
+/// Root of the mean of `squares`, its error carried over.
+inline Mean root_of(const std::vector<double>& squares) {
+  Mean mean = mean_of(squares);
+  mean.value = std::sqrt(mean.value);
+  if (mean.value > 0.0) mean.standard_error /= 2.0 * mean.value;
+  return mean;
+}
+
+}  // namespace ovws::study

@@ -1,0 +1,127 @@
+/// How long the work of a frame takes, against yardsticks in the same run. Read it as ratios:
+///   ovws_bench --benchmark_format=json
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+#include <random>
+
+#include "core/optics/hologram.hpp"
+#include "core/tracking/acquisition.hpp"
+#include "core/tracking/lg_contour.hpp"
+#include "core/wavefront/reconstructor.hpp"
+#include "tests/bench/spot_field.hpp"
+
+namespace ovws::bench {
+namespace {
+
+using benchmark::State;
+
+void mark(State& state) {
+  const SpotField field(int(state.range(0)), int(state.range(1)), 1);
+  for (auto _ : state) benchmark::DoNotOptimize(centroid_mark(field));
+}
+
+void track(State& state, TrackerKind kind) {
+  const SpotField field(int(state.range(0)), int(state.range(1)), 1);
+  const auto tracker = make_tracker({kind}, field.spots).value();
+  TrackScratch scratch = tracker->make_scratch();
+  int found = 0;
+  for (auto _ : state) {
+    found = 0;
+    for (const Vec2 start : field.middles_px) {
+      found += tracker->track(field.view(), start, scratch).found() ? 1 : 0;
+    }
+    benchmark::DoNotOptimize(found);
+  }
+  if (found != int(field.middles_px.size())) state.SkipWithError("spots were lost");
+}
+
+void acquire_cold(State& state) {
+  const SpotField field(int(state.range(0)), int(state.range(1)), 1);
+  const auto tracker = make_tracker({TrackerKind::lg}, field.spots).value();
+  TrackScratch scratch = tracker->make_scratch();
+  Acquisition acquisition(field.spots, field.middles_px, field.picture.width, field.picture.height);
+  std::vector<SpotFix> fixes(field.middles_px.size());
+  int found = 0;
+  for (auto _ : state) found = acquisition.acquire(field.view(), *tracker, scratch, fixes);
+  if (found != int(fixes.size())) state.SkipWithError("spots were not found");
+}
+
+void reconstruct(State& state) {
+  const int spots = int(state.range(0));
+  const int across = int(std::lround(std::sqrt(spots / 0.76)));
+  const int modes = optimal_mode_count(across);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd slopes =
+      Eigen::MatrixXd::NullaryExpr(2 * spots, modes, [&] { return normal(random); });
+  std::vector<int> modes_j;
+  for (int j = 1; j <= modes; ++j) modes_j.push_back(j);
+  std::vector<SpotFix> fixes;
+  for (int i = 0; i < spots; ++i) {
+    fixes.push_back({});
+    fixes.back().x = float(i);
+    fixes.back().y = float(2 * i);
+  }
+  const Reconstructor reconstructor(slopes, modes_j, std::vector<Vec2>(std::size_t(spots)));
+  Reconstructor::Scratch scratch = reconstructor.make_scratch();
+  std::vector<float> coefficients(modes_j.size());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(reconstructor.solve(fixes, scratch, coefficients));
+  }
+}
+
+void hologram(State& state) {
+  HologramConfig config;
+  config.slm.width_px = int(state.range(0));
+  config.slm.height_px = int(state.range(1));
+  config.sensor.pupil_diameter_px = config.slm.height_px;
+  config.flatness_waves =
+      std::make_shared<Image<float>>(config.slm.width_px, config.slm.height_px, 0.3F);
+  for (std::size_t k = 0; k < config.lut.size(); ++k) config.lut[k] = std::uint8_t(220 * k / 255);
+  const auto renderer = HologramRenderer::make(config).value();
+  std::vector<Mode> modes;
+  for (int j = 1; j <= 18; ++j) modes.push_back({j, 0.02 * j});
+  Image<std::uint8_t> grey;
+  for (auto _ : state) {
+    renderer.render(HologramKind::sensor, modes, grey);
+    benchmark::DoNotOptimize(grey.pixels.data());
+  }
+}
+
+/// One 32-bit frame copied.
+void memcpy_mark(State& state) {
+  const std::vector<std::uint32_t> from(std::size_t(state.range(0) * state.range(1)), 7U);
+  std::vector<std::uint32_t> to(from.size());
+  for (auto _ : state) {
+    std::memcpy(to.data(), from.data(), from.size() * sizeof from[0]);
+    benchmark::DoNotOptimize(to.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+void regions(benchmark::internal::Benchmark* b) {
+  b->ArgsProduct({{19, 91, 400}, {32, 64}})->Unit(benchmark::kMicrosecond);
+}
+void screens(benchmark::internal::Benchmark* b) {
+  b->Args({1280, 768})->Args({1920, 1080})->Args({3840, 2160})->Unit(benchmark::kMicrosecond);
+}
+
+BENCHMARK(mark)->Name("BM_CentroidMark")->Apply(regions);
+BENCHMARK_CAPTURE(track, lg, TrackerKind::lg)->Name("BM_Lg")->Apply(regions);
+BENCHMARK_CAPTURE(track, matched, TrackerKind::matched)->Name("BM_Matched")->Apply(regions);
+BENCHMARK_CAPTURE(track, lg_contour, TrackerKind::lg_contour)->Name("BM_LgContour")->Apply(regions);
+BENCHMARK(acquire_cold)->Name("BM_AcquireCold")->Apply(regions);
+BENCHMARK(reconstruct)
+    ->Name("BM_Reconstruct")
+    ->Arg(19)
+    ->Arg(91)
+    ->Arg(400)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(hologram)->Name("BM_Hologram")->Apply(screens);
+BENCHMARK(memcpy_mark)->Name("BM_MemcpyMark")->Apply(screens);
+
+}  // namespace
+}  // namespace ovws::bench
+
+BENCHMARK_MAIN();

@@ -1,0 +1,32 @@
+"""The paper's figure of residual phase variance against SNR, and what `matched` adds to it."""
+import unittest
+
+import case
+
+
+class Wavefront(case.StudyCase):
+    study = "wavefront"
+    figures = ("wavefront-astigmatism", "wavefront-defocus", "wavefront-astigmatism-photons", "wavefront-defocus-photons")
+
+    def variances(self, aberration, snr):
+        rows = self.rows(light="equal peak", aberration=aberration, snr=snr)
+        return {row["method"]: (row["variance_rad2"], row["standard_error_rad2"]) for row in rows if row["undetermined"] == 0}
+
+    def test_the_vortex_beats_the_text_book_sensor_at_every_snr(self):
+        for aberration in ("astigmatism", "defocus"):
+            for snr in (2.0, 5.0, 22.0):
+                found = self.variances(aberration, snr)
+                print(f"\n  {aberration}, SNR {snr:.0f}: " + ", ".join(f"{name} {value:.2g}" for name, (value, _) in found.items()))
+                self.assertLess(found["vortex, lg"][0], found["Shack-Hartmann, centroid of a fixed cell"][0])
+
+    def test_matched_halves_the_variance_of_the_best_shack_hartmann_sensor_in_noise(self):
+        for aberration in ("astigmatism", "defocus"):
+            for snr in (2.0, 5.0):
+                found = self.variances(aberration, snr)
+                best, best_error = min(value for name, value in found.items() if name.startswith("Shack"))
+                vortex, error = found["vortex, matched"]
+                self.assertLess(vortex, 0.5 * best + 2.0 * (error + 0.5 * best_error), (aberration, snr))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,141 @@
+"""ovws measure: image files of any lab, good and bad, and what it says of them."""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+OVWS = Path(os.environ["OVWS_BUILD"]) / "bin" / "ovws"
+
+
+class Measure(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def ovws(self, *arguments, status=0):
+        done = subprocess.run([OVWS, "--json", *map(str, arguments)], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def farfield(self, name, modes="", bits=12, *more):
+        path = self.folder / name
+        self.ovws("farfield", "--modes", modes, "--bits", bits, *more, "-o", path)
+        return path
+
+    def save(self, name, pixels):
+        path = self.folder / name
+        Image.fromarray(pixels).save(path)
+        return path
+
+    def measure(self, *images, reference=None, more=()):
+        base = ("--reference", reference) if reference else ("--model-reference",)
+        return self.ovws("measure", *base, *more, *images)
+
+    def assert_mode(self, line, wanted):
+        self.assertTrue(line["valid"], line)
+        for j, value in zip(line["j"], line["coefficients"]):
+            self.assertAlmostEqual(value, wanted.get(j, 0.0), delta=0.02, msg=f"j = {j}")
+
+    def test_png_tiff_and_pgm_of_8_and_16_bit_tell_the_same(self):
+        wide = self.farfield("wide.png", "2,-2:0.3")
+        pixels = np.asarray(Image.open(wide)).astype(np.uint16)
+        files = [wide, self.save("wide.tiff", pixels), self.farfield("narrow.png", "2,-2:0.3", 8)]
+        narrow = np.asarray(Image.open(files[2]))
+        files += [self.save("narrow.pgm", narrow), self.save("narrow.tif", narrow)]
+        high = self.folder / "wide.pgm"
+        high.write_bytes(b"P5 512 512 65535\n" + pixels.astype(">u2").tobytes())
+        reference = self.farfield("flat.png", "")
+        lines = self.measure(*files, high, reference=reference)
+        self.assertEqual([Path(line["file"]).name for line in lines], [f.name for f in [*files, high]])
+        for line in lines:
+            self.assert_mode(line, {3: 0.3})
+            self.assertEqual(len(line["spots"]), 19)
+            self.assertEqual(sorted(line["spots"][0]), ["i", "quality", "x", "y"])
+
+    def test_the_model_is_a_reference_too(self):
+        (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
+        self.assert_mode(line, {4: 0.2})
+
+    def test_every_tracker_of_a_bright_spot(self):
+        config = self.folder / "bright.json"
+        config.write_text(json.dumps({"sensor": {"charge": 0}}))
+        image = self.farfield("bright.png", "2,-2:0.2", 12, "--config", config)
+        flat = self.farfield("flat.png", "", 12, "--config", config)
+        for tracker in ("centroid", "thresholded", "weighted", "lg", "lg_contour", "matched"):
+            with self.subTest(tracker):
+                (line,) = self.measure(image, reference=flat, more=("--config", config, "--tracker", tracker))
+                self.assertTrue(line["valid"])
+                self.assertEqual(line["tracker"], tracker)
+                self.assertAlmostEqual(line["coefficients"][2], 0.2, delta=0.03)
+
+    def test_bad_images_are_lost_or_refused_and_never_measured(self):
+        good = np.asarray(Image.open(self.farfield("good.png", "", 8)))
+        rng = np.random.default_rng(1)
+        stripe = good.copy()
+        stripe[240:260] = 255
+        bad = {"black": np.zeros_like(good), "white": np.full_like(good, 255), "noise": rng.integers(0, 255, good.shape, dtype=np.uint8),
+               "tiny": np.zeros((1, 1), np.uint8), "narrow": good[:, :40].copy(), "stripe": stripe}
+        for name, pixels in bad.items():
+            with self.subTest(name):
+                (line,) = self.measure(self.save(name + ".png", pixels))
+                wrong = [s for s in line["spots"] if s["x"] is not None and self.off(line, s) > 6.0]
+                print(f"\n  {name}: {line['tracked']} of 19, valid {line['valid']}")
+                self.assertEqual(wrong, [])
+                if name != "stripe":
+                    self.assertFalse(line["valid"])
+                    self.assertEqual(set(line["coefficients"]), {None})
+
+    def off(self, line, spot):
+        """How far a spot is from where it is in the good image, px."""
+        if not hasattr(self, "truth"):
+            self.truth = self.measure(self.folder / "good.png")[0]["spots"]
+        there = self.truth[spot["i"]]
+        return float(np.hypot(spot["x"] - there["x"], spot["y"] - there["y"]))
+
+    def test_a_missing_spot_and_hot_cores_are_survived(self):
+        path = self.farfield("good.png", "2,-2:0.2")
+        pixels = np.asarray(Image.open(path)).astype(np.uint16)
+        flat = self.farfield("flat.png", "")
+        (whole,) = self.measure(path, reference=flat)
+        spot = whole["spots"][9]
+        x, y = round(spot["x"]), round(spot["y"])
+        without = pixels.copy()
+        without[y - 25:y + 26, x - 25:x + 26] = 2
+        (line,) = self.measure(self.save("without.png", without), reference=flat)
+        self.assertIsNone(line["spots"][9]["x"])
+        self.assert_mode(line, {3: 0.2})
+        hot = pixels.copy()
+        for s in whole["spots"]:
+            hot[round(s["y"]), round(s["x"])] = 4095
+        (line,) = self.measure(self.save("hot.png", hot), reference=flat)
+        for before, after in zip(whole["spots"], line["spots"]):
+            if after["x"] is not None:
+                self.assertLess(np.hypot(after["x"] - before["x"], after["y"] - before["y"]), 1.5)
+
+    def test_a_rotated_image_is_no_confident_wrong_number(self):
+        pixels = np.asarray(Image.open(self.farfield("good.png", "2,-2:0.4", 8)))
+        (line,) = self.measure(self.save("rotated.png", np.rot90(pixels).copy()))
+        print(f"\n  rotated by 90 degrees: {line['tracked']} of 19, valid {line['valid']}, residual {line['fit_residual_px']}")
+        self.assertTrue(not line["valid"] or line["fit_residual_px"] > 5.0)
+
+    def test_what_is_no_grey_picture_is_refused_and_the_others_are_measured(self):
+        good = self.farfield("good.png")
+        colour = self.save("colour.png", np.zeros((20, 20, 3), np.uint8))
+        text = self.folder / "text.png"
+        text.write_text("no picture")
+        lines = self.ovws("measure", "--model-reference", colour, text, self.folder / "nowhere.png", good, status=1)
+        self.assertEqual(sum("error" in line or "reason" in str(line) for line in lines[:3]), 3, lines[:3])
+        self.assertTrue(lines[3]["valid"])
+
+    def test_a_reference_is_asked_for(self):
+        self.ovws("measure", self.farfield("good.png"), status=2)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
