@@ -60,9 +60,9 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (length > kConvergedPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
-    if (verdict.unsure) return Found{at, verdict};
     const double sharpness = least_curvature(h) / (m.weight * verdict.level);
-    if (!verdict.passed || sharpness < kMinSharpness) return std::nullopt;
+    const bool may_be = verdict.passed || verdict.unsure;
+    if (!may_be || sharpness < kMinSharpness) return std::nullopt;
     return Found{at, verdict};
   }
   return std::nullopt;

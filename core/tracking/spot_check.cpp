@@ -22,7 +22,7 @@ constexpr double kMaxOutsideOfRing = 1.5;   // brightest outer sector / mean rin
 constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core: one hot pixel has none
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
-constexpr double kUnsure = 6.0;  // level / pixel noise below which small areas do not tell
+constexpr double kUnsure = 3.5;  // level / pixel noise below which small areas do not tell
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
 constexpr int kNoiseRowStep = 6;            // every 6th row tells the noise well enough
 

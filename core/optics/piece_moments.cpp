@@ -1,0 +1,169 @@
+#include "core/optics/piece_moments.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ovws {
+namespace {
+
+constexpr int kCellsAcross = 36;  // more than twice the cycles that a box of 8 lambda/d holds
+constexpr int kFitAcross = 24;    // samples across the circle for the modes' polynomials
+
+std::complex<double> turn(double cycles) {
+  return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
+}
+
+/// The mean of exp(2 pi i f k) over a block of `block` pixels about its middle.
+double damping(double cpp, int block) {
+  const double x = std::numbers::pi * cpp;
+  return std::abs(x) < 1e-9 ? 1.0 : std::sin(x * block) / (block * std::sin(x));
+}
+
+/// As std::complex's product, but for what it does about infinities, which takes most of its time.
+template <class T>
+std::complex<T> product(std::complex<T> a, std::complex<T> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+struct Line {
+  int first = 0;  ///< camera pixel
+  int count = 0;
+  double origin_cpp = 0.0;
+  double step_cpp = 0.0;
+  double carrier_cpp = 0.0;
+};
+
+/// [W; place W; place^2 W; ...], line.count rows each: W(k, p) = exp(-2 pi i f_k x_p) / damping,
+/// places in units of the radius from the centre.
+void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px, double radius_px,
+                 int block, Eigen::MatrixXcf& out) {
+  constexpr int kPowers = PieceMoments::kDegree + 1;
+  const Eigen::Index rows = line.count;
+  out.resize(kPowers * rows, x_px.size());
+  const double f0 = line.origin_cpp + line.step_cpp * line.first - line.carrier_cpp;
+  for (Eigen::Index p = 0; p < x_px.size(); ++p) {
+    std::complex<double> w = turn(-f0 * x_px(p));
+    const std::complex<double> next = turn(-line.step_cpp * x_px(p));
+    for (int k = 0; k < line.count; ++k, w = product(w, next)) out(k, p) = std::complex<float>(w);
+  }
+  for (int k = 0; k < line.count; ++k) {
+    out.row(k) *= float(1.0 / damping(f0 + k * line.step_cpp, block));
+  }
+  const Eigen::VectorXcf place =
+      ((x_px.array() - centre_px) / radius_px).cast<float>().cast<std::complex<float>>();
+  for (int a = 1; a < kPowers; ++a) {
+    out.middleRows(a * rows, rows) = out.middleRows((a - 1) * rows, rows) * place.asDiagonal();
+  }
+}
+
+std::vector<Vec2> fit_places() {
+  std::vector<Vec2> places;
+  for (int p = 0; p < kFitAcross; ++p) {
+    for (int q = 0; q < kFitAcross; ++q) {
+      const Vec2 at{(2 * p + 1.0) / kFitAcross - 1.0, (2 * q + 1.0) / kFitAcross - 1.0};
+      if (norm(at) <= 1.0) places.push_back(at);
+    }
+  }
+  return places;
+}
+
+void monomials(Vec2 at, auto&& row) {
+  Eigen::Index k = 0;
+  for (int a = 0; a <= PieceMoments::kDegree; ++a) {
+    for (int b = 0; a + b <= PieceMoments::kDegree; ++b) {
+      row(k++) = std::pow(at.x, a) * std::pow(at.y, b);
+    }
+  }
+}
+
+}  // namespace
+
+PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_j)
+    : window_(field.window()),
+      pupil_centre_px_(field.pupil_centre_px()),
+      pupil_radius_px_(field.pupil_radius_px()),
+      pieces_(field.pieces()),
+      patches_(pieces_.size()) {
+  const std::vector<Vec2> places = fit_places();
+  Eigen::MatrixXd basis(places.size(), kCount), values(places.size(), modes_j.size());
+  for (std::size_t p = 0; p < places.size(); ++p) monomials(places[p], basis.row(Eigen::Index(p)));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(basis);
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const SensorField::Piece& piece = pieces_[i];
+    const Vec2 corner = pupil_centre_px_ + piece.centre_px;
+    patches_[i].x = int(std::floor(corner.x - piece.radius_px));
+    patches_[i].y = int(std::floor(corner.y - piece.radius_px));
+    patches_[i].block = std::max(1, int(std::ceil(2.0 * piece.radius_px / kCellsAcross)));
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const Vec2 at = (1.0 / pupil_radius_px_) * (piece.centre_px + piece.radius_px * places[p]);
+      for (std::size_t k = 0; k < modes_j.size(); ++k) values(p, k) = zernike(modes_j[k], at);
+    }
+    modes_.push_back(fit.solve(values).transpose().cast<float>());
+  }
+}
+
+Vec2 PieceMoments::slope_cpp(std::size_t piece, std::span<const Mode> modes) const {
+  const Vec2 at = (1.0 / pupil_radius_px_) * pieces_[piece].centre_px;
+  return pieces_[piece].grating_cpp + (1.0 / pupil_radius_px_) * wavefront_gradient(modes, at);
+}
+
+Vec2 PieceMoments::falls_px(std::size_t piece, std::span<const Mode> modes) const {
+  return (1.0 / window_.step_cpp) * (slope_cpp(piece, modes) - window_.origin_cpp);
+}
+
+void PieceMoments::load(const SensorField& field, std::span<const Mode> modes,
+                        std::span<const int> pieces) {
+  const std::vector<SensorField::Run>& runs = field.runs();
+  for (const int piece : pieces) {
+    Patch& patch = patches_[piece];
+    const int side = int(2.0 * pieces_[piece].radius_px + 2.0) / patch.block + 1;
+    patch.cells.setZero(side, side);
+    patch.carrier_cpp = slope_cpp(std::size_t(piece), modes);
+    const Vec2 f = patch.carrier_cpp;
+    const std::complex<double> next = turn(-f.x);
+    auto run = std::lower_bound(runs.begin(), runs.end(), piece,
+                                [](const SensorField::Run& r, int p) { return r.piece < p; });
+    for (; run != runs.end() && run->piece == piece; ++run) {
+      std::complex<double> back =
+          turn(-f.x * (run->begin - pupil_centre_px_.x) - f.y * (run->y - pupil_centre_px_.y));
+      const std::complex<float>* row = field.pupil().row(run->y);
+      auto cells = patch.cells.row((run->y - patch.y) / patch.block);
+      for (int x = run->begin; x < run->end; ++x, back = product(back, next)) {
+        cells((x - patch.x) / patch.block) += product(row[x], std::complex<float>(back));
+      }
+    }
+  }
+}
+
+const Eigen::MatrixXcf& PieceMoments::at(int piece, const PixelBox& box) {
+  const Patch& patch = patches_[piece];
+  const SensorField::Piece& p = pieces_[piece];
+  const auto side = int(patch.cells.rows());
+  const auto places = [&](int first, double centre) {
+    const double middle = first + 0.5 * (patch.block - 1) - centre;
+    return Eigen::VectorXd(
+        Eigen::VectorXd::LinSpaced(side, middle, middle + double(patch.block) * (side - 1)));
+  };
+  fill_kernel({box.x, box.width, window_.origin_cpp.x, window_.step_cpp, patch.carrier_cpp.x},
+              places(patch.x, pupil_centre_px_.x), p.centre_px.x, p.radius_px, patch.block,
+              along_x_);
+  fill_kernel({box.y, box.height, window_.origin_cpp.y, window_.step_cpp, patch.carrier_cpp.y},
+              places(patch.y, pupil_centre_px_.y), p.centre_px.y, p.radius_px, patch.block,
+              along_y_);
+  const Eigen::Index width = box.width, height = box.height;
+  half_.noalias() = along_x_ * patch.cells.transpose();  // powers of xi: width rows each
+  moments_.resize(width * height, kCount);
+  Eigen::Index column = 0;
+  for (int a = 0; a <= kDegree; ++a) {
+    const auto xs = half_.middleRows(a * width, width);
+    for (int b = 0; a + b <= kDegree; ++b) {
+      Eigen::Map<Eigen::MatrixXcf> out(moments_.col(column++).data(), width, height);
+      out.noalias() = xs * along_y_.middleRows(b * height, height).transpose();
+    }
+  }
+  return moments_;
+}
+
+}  // namespace ovws
