@@ -31,7 +31,7 @@ VENDORS = {
     r"spdlog/": ("daemon/", "drivers/twin/"),
 }
 # Threads are made in one place a program.
-THREAD_OWNERS = ("daemon/thread_plan.", "drivers/twin/")
+THREAD_OWNERS = ("daemon/thread_plan.", "daemon/study/parallel.", "drivers/twin/")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60
 
