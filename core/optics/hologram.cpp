@@ -1,11 +1,11 @@
 #include "core/optics/hologram.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <string>
 
+#include "core/optics/hologram_row_phases.hpp"
 #include "core/optics/identify_picture.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kNyquistCpp = 0.5;
 constexpr double kMostWaves = 1e6;  ///< more is a mistake, and would cost the phase its digits
-
-/// Waves to 16-bit phase, to the nearest 1/65536 (a tie to the even one); whole waves overflow
-/// away. Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the double: no branch, and
-/// no undefined conversion however large the value.
-std::uint16_t phase16(double waves) {
-  constexpr double kRounder = 6755399441055744.0;
-  return static_cast<std::uint16_t>(std::bit_cast<std::uint64_t>(waves * 65536.0 + kRounder));
-}
 
 Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
@@ -45,7 +37,6 @@ Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) 
 /// about the subaperture's own.
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
-  std::fill(waves.begin(), waves.end(), 0.0);
   const Vec2 pupil = pupil_centre(config.slm);
   for (const Subaperture& s : lattice.subapertures) {
     const Vec2 centre = pupil + s.centre_px;
@@ -154,15 +145,17 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
   renderer.config_ = config;
   renderer.lattice_ = std::move(*lattice);
   renderer.base_phase_.resize(std::size_t(config.slm.width_px) * config.slm.height_px);
+  std::vector<double> waves(config.slm.width_px);
   for (int y = 0; y < config.slm.height_px; ++y) {
-    renderer.pattern_row(HologramKind::sensor, y,
+    renderer.pattern_row(HologramKind::sensor, y, waves,
                          &renderer.base_phase_[std::size_t(y) * config.slm.width_px]);
   }
   return renderer;
 }
 
-void HologramRenderer::pattern_row(HologramKind kind, int y, std::uint16_t* phase) const {
-  std::vector<double> waves(config_.slm.width_px, 0.0);
+void HologramRenderer::pattern_row(HologramKind kind, int y, std::span<double> waves,
+                                   std::uint16_t* phase) const {
+  std::fill(waves.begin(), waves.end(), 0.0);
   if (kind == HologramKind::sensor) sensor_row(config_, lattice_, y, waves);
   if (kind == HologramKind::grating) grating_row(config_, y, waves);
   add_flatness_and_wrap(config_, y, waves, phase);
@@ -176,21 +169,20 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   grey.pixels.resize(std::size_t(width) * grey.height);
   if (kind == HologramKind::identify) return draw_identify_picture(grey);
   if (kind == HologramKind::flat) modes = {};
-  const WavefrontRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px);
+  const PhaseRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, width,
+                        grey.height);
+  const HologramRowKernels& kernels = hologram_row_kernels().back();
   std::vector<double> waves(width);
   std::vector<std::uint16_t> pattern(width);
+  std::vector<std::uint16_t> phase(added.row_size(), 0);
   for (int y = 0; y < grey.height; ++y) {
     const std::uint16_t* base = &base_phase_[std::size_t(y) * width];
     if (kind != HologramKind::sensor) {
-      pattern_row(kind, y, pattern.data());
+      pattern_row(kind, y, waves, pattern.data());
       base = pattern.data();
     }
-    added.waves(y, 0, waves);
-    std::uint8_t* out = grey.row(y);
-    for (int x = 0; x < width; ++x) {
-      const auto phase = static_cast<std::uint16_t>(base[x] + phase16(waves[x]));
-      out[x] = config_.lut[phase >> 8];
-    }
+    if (!modes.empty()) added.row(y, kernels, phase, waves);
+    kernels.greys(base, phase.data(), config_.lut.data(), width, grey.row(y));
   }
 }
 

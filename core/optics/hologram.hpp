@@ -1,8 +1,11 @@
 /// The hologram: phase -> + aberration - correction -> + flatness -> wrap -> LUT -> grey levels.
 ///
 /// Rounding, exactly: pattern and flatness together, and the sum of the modes, are each rounded to
-/// the nearest 1/65536 wave (a tie to the even one), added modulo one wave, and the top 8 bits of
-/// the 16 index the LUT.
+/// the nearest 1/65536 wave (pattern and flatness: a tie to the even one), added modulo one wave,
+/// and the top 8 bits of the 16 index the LUT. The sum of the modes is known to 1/1024 of such a
+/// step: nearer than that to a tie, either neighbour may be taken. Where double precision cannot
+/// resolve it so well (strong modes of orders beyond about 10, huge outside the pupil), it is as
+/// good as a double sum of powers. The greys do not depend on the CPU's instruction set.
 #pragma once
 
 #include <array>
@@ -51,7 +54,8 @@ class HologramRenderer {
 
   /// Grey levels of `width x height`. `modes` is the wavefront to add (aberration - correction),
   /// over the pupil's circle and continued outside it, which `check_sampling` must accept; `flat`
-  /// and `identify` leave it out. Milliseconds, however many modes.
+  /// and `identify` leave it out. However many modes: a fraction of a millisecond a megapixel, or
+  /// several where only double precision will do.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
 
   /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase
@@ -61,8 +65,9 @@ class HologramRenderer {
 
  private:
   HologramRenderer() = default;
-  /// Pattern and flatness of row y, `width` pixels, 2 pi = 65536.
-  void pattern_row(HologramKind kind, int y, std::uint16_t* phase) const;
+  /// Pattern and flatness of row y, `width` pixels, 2 pi = 65536. `waves`: as many of working
+  /// memory.
+  void pattern_row(HologramKind kind, int y, std::span<double> waves, std::uint16_t* phase) const;
 
   HologramConfig config_;
   Lattice lattice_;

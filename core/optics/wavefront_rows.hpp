@@ -21,15 +21,24 @@ class WavefrontRows {
   void slopes_x(int y, int first_x, std::span<double> out) const;
   void slopes_y(int y, int first_x, std::span<double> out) const;
 
- private:
   using Polynomial = std::vector<double>;  ///< by rising power
-  Polynomial along_row(double y) const;    ///< in x, pupil radii
+  /// terms()[a]: the polynomial in y that multiplies x^a, in pupil radii; as many as the degree and
+  /// one.
+  const std::vector<Polynomial>& terms() const { return terms_; }
+  double radius_px() const { return radius_px_; }
+  /// A place on the grid in pupil radii from the pupil's centre.
+  Vec2 in_pupil(Vec2 at_px) const {
+    return {(at_px.x - centre_px_.x) / radius_px_, (at_px.y - centre_px_.y) / radius_px_};
+  }
+
+ private:
+  Polynomial along_row(double y) const;  ///< in x, pupil radii
   Polynomial slope_along_row(double y) const;
   void evaluate(const Polynomial& p, int first_x, std::span<double> out) const;
 
   Vec2 centre_px_;
   double radius_px_;
-  std::vector<Polynomial> terms_;  ///< terms_[a]: the polynomial in y that multiplies x^a
+  std::vector<Polynomial> terms_;
 };
 
 }  // namespace ovws

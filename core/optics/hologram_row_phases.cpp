@@ -1,0 +1,129 @@
+#include "core/optics/hologram_row_phases.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+using Lanes = std::array<double, kPhaseLanes>;
+
+/// Rounding errors in units of the last digit of all that cancels. Each term meets several, but
+/// they fall at random: half of this has been seen for tilts, less for higher orders.
+constexpr double kRoundings = 2.0;
+constexpr double kRoundoff = 0x1p-53;
+constexpr double kMostPaths = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
+constexpr int kFewestSteps = 16;       ///< of a stretch, or finding the differences takes longer
+
+/// In how many ways the last bits of the differences at a stretch's begin reach its end.
+double paths(int degree, int steps) {
+  double sum = 0.0;
+  double ways = 1.0;  // to choose k of the steps
+  for (int k = 0; k <= degree; ++k) {
+    sum += ways;
+    ways = ways * (steps - k) / (k + 1);
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::uint16_t phase16(double waves) {
+  // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the double: no branch, and no
+  // undefined conversion.
+  constexpr double kRounder = 6755399441055744.0;
+  return static_cast<std::uint16_t>(std::bit_cast<std::uint64_t>(waves * 65536.0 + kRounder));
+}
+
+PhaseRows::PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px, int width,
+                     int height)
+    : modes_(modes, centre_px, diameter_px),
+      width_(width),
+      degree_(static_cast<int>(modes_.terms().size()) - 1),
+      steps_(longest_stretch(height)) {
+  if (!in_fixed_point()) return;
+  for (int first = 0; first < all_steps(); first += steps_) add_stretch(first * kPhaseLanes);
+}
+
+/// Sum of the magnitudes that cancel in a sum of differences, over the grid.
+double PhaseRows::largest_terms(int steps, int height) const {
+  const Vec2 first = modes_.in_pupil({0.0, 0.0});
+  const Vec2 last = modes_.in_pupil({static_cast<double>(all_steps() * kPhaseLanes), height - 1.0});
+  const double stretch = steps * kPhaseLanes / modes_.radius_px();
+  const double x = std::max(std::abs(first.x), std::abs(last.x)) + stretch;
+  const double y = std::max(std::abs(first.y), std::abs(last.y));
+  double sum = 0.0;
+  double x_power = 1.0;
+  for (const std::vector<double>& in_y : modes_.terms()) {
+    double y_power = 1.0;
+    for (const double term : in_y) {
+      sum += std::abs(term) * x_power * y_power;
+      y_power *= y;
+    }
+    x_power *= x;
+  }
+  return sum;
+}
+
+int PhaseRows::longest_stretch(int height) const {
+  for (int parts = 1;; ++parts) {
+    const int steps = (all_steps() + parts - 1) / parts;
+    if (parts > 1 && steps < kFewestSteps) return 0;
+    if (paths(degree_, steps) > kMostPaths) continue;
+    if (kRoundings * kRoundoff * largest_terms(steps, height) <= kPhaseError) return steps;
+  }
+}
+
+/// Newton's form of the polynomial in x through each lane's first pixels, by repeated division:
+/// unlike differencing values, it cancels nothing.
+void PhaseRows::add_stretch(int first_x) {
+  const int n = degree_;
+  std::vector<std::vector<Lanes>> q;
+  for (const std::vector<double>& in_y : modes_.terms()) {
+    auto& lanes = q.emplace_back(in_y.size());
+    for (std::size_t b = 0; b < in_y.size(); ++b) lanes[b].fill(in_y[b]);
+  }
+  for (int i = 0; i < n; ++i) {
+    Lanes node;
+    for (int l = 0; l < kPhaseLanes; ++l) {
+      node[l] = modes_.in_pupil({static_cast<double>(first_x + l + i * kPhaseLanes), 0.0}).x;
+    }
+    for (int a = n - 1; a >= i; --a) {
+      for (std::size_t b = 0; b < q[a + 1].size(); ++b) {
+        for (int l = 0; l < kPhaseLanes; ++l) q[a][b][l] += node[l] * q[a + 1][b][l];
+      }
+    }
+  }
+  const double step = kPhaseLanes / modes_.radius_px();
+  double scale = 1.0;  // k! step^k
+  for (int k = 0; k <= n; ++k) {
+    for (const Lanes& lanes : q[k]) {
+      for (const double term : lanes) terms_.push_back(scale * term);
+    }
+    scale *= (k + 1) * step;
+  }
+}
+
+std::size_t PhaseRows::row_size() const {
+  return static_cast<std::size_t>(all_steps() + kSpareSteps) * kPhaseLanes;
+}
+
+void PhaseRows::row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
+                    std::span<double> waves) const {
+  if (!in_fixed_point()) {
+    modes_.waves(y, 0, waves.first(width_));
+    for (int x = 0; x < width_; ++x) phase[x] = phase16(waves[x]);
+    return;
+  }
+  const double y_in_pupil = modes_.in_pupil({0.0, static_cast<double>(y)}).y;
+  const double* terms = terms_.data();
+  for (int first = 0; first < all_steps(); first += steps_) {
+    kernels.phases(terms, degree_, y_in_pupil, std::min(steps_, all_steps() - first),
+                   phase.data() + first * kPhaseLanes);
+    terms += (degree_ + 1) * (degree_ + 2) / 2 * kPhaseLanes;
+  }
+}
+
+}  // namespace ovws
