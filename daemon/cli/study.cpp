@@ -2,9 +2,9 @@
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "daemon/cli/commands.hpp"
+#include "daemon/study/parallel.hpp"
 #include "daemon/study/studies.hpp"
 
 namespace ovws::cli {
@@ -23,8 +23,7 @@ Result<nlohmann::json> run_study(const StudyOptions& options) {
   settings.folder = options.folder;
   settings.quick = options.quick;
   settings.seed = options.seed;
-  settings.threads = options.threads > 0 ? options.threads
-                                         : int(std::max(1U, std::thread::hardware_concurrency()));
+  settings.threads = options.threads > 0 ? options.threads : study::all_cores();
   std::error_code error;
   std::filesystem::create_directories(settings.folder, error);
   if (error) {

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -37,6 +38,10 @@ void Progress::show() {
   const double left_s = spent_s * double(total_ - done_) / double(done_);
   fmt::print(stderr, "\r\033[K{:<24} [{}{}] {}/{}  {:.0f} s left", what_, std::string(filled, '#'),
              std::string(kWidth - filled, ' '), done_, total_, left_s);
+}
+
+int all_cores() {
+  return int(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 void parallel_for(const std::string& what, std::size_t count, int threads,

@@ -30,6 +30,9 @@ class Progress {
   std::chrono::steady_clock::time_point shown_;
 };
 
+/// How many threads the machine runs at once; at least 1.
+int all_cores();
+
 /// Calls `work(i)` once for each i below `count`, on `threads` threads; what it throws is thrown
 /// here.
 void parallel_for(const std::string& what, std::size_t count, int threads,

@@ -72,18 +72,30 @@ Exposure Exposure::clipped() const {
   return out;
 }
 
+Exposure noise_free(const Image<float>& electrons) {
+  Exposure exposure;
+  exposure.dn_per_e = 20.0;  // finer, and the brighter spots at equal photons still fit
+  exposure.dn = Image<std::uint16_t>(electrons.width, electrons.height);
+  std::transform(electrons.pixels.begin(), electrons.pixels.end(), exposure.dn.pixels.begin(),
+                 [&](float e) {
+                   const double dn = std::min(65535.0, double(e) * exposure.dn_per_e);
+                   return std::uint16_t(std::lround(dn));
+                 });
+  return exposure;
+}
+
 Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_t seed) {
   constexpr int kBits = 16;
+  Exposure exposure;
   DetectorConfig config;
   config.quantum_efficiency = 1.0;
   config.prnu = 0.0;
   config.dark_current_e_per_s = 0.0;
   config.read_noise_e = read_noise_e;
   config.bits = kBits;
-  config.full_well_e = ((1 << kBits) - 1) / kDnPerE;
-  config.black_level_dn = std::round(4.0 * read_noise_e * kDnPerE);
+  config.full_well_e = ((1 << kBits) - 1) / exposure.dn_per_e;
+  config.black_level_dn = std::round(4.0 * read_noise_e * exposure.dn_per_e);
   config.seed = seed;
-  Exposure exposure;
   exposure.black_dn = config.black_level_dn;
   Detector(config, electrons.width, electrons.height).expose(electrons, 1.0, 0.0, exposure.dn);
   return exposure;
@@ -181,12 +193,7 @@ std::vector<double> Measurer::modes(std::span<const SpotFix> spots) const {
 
 std::vector<Vec2> Measurer::noise_free_px(const Image<float>& light,
                                           std::span<const Vec2> near_px) const {
-  Exposure exposure;
-  exposure.dn = Image<std::uint16_t>(light.width, light.height);
-  constexpr double kFineDnPerE = 20.0;  // the brighter spots at equal photons fit, too
-  std::transform(light.pixels.begin(), light.pixels.end(), exposure.dn.pixels.begin(), [](float e) {
-    return std::uint16_t(std::lround(std::min(65535.0, double(e) * kFineDnPerE)));
-  });
+  const Exposure exposure = noise_free(light);
   std::vector<Vec2> found;
   for (const SpotFix& fix : track(exposure, near_px)) found.push_back({fix.x, fix.y});
   return found;

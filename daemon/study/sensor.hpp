@@ -39,12 +39,13 @@ const char* name_of(Light light);
 struct Exposure {
   Image<std::uint16_t> dn;
   double black_dn = 0.0;
+  double dn_per_e = 8.0;
   ImageView view() const { return view_of(dn, PixelFormat::mono16); }
   /// The same realisation with its black level taken off and clipped at zero: what a plain centroid
   /// is given.
   Exposure clipped() const;
 };
-constexpr double kDnPerE = 8.0;
+Exposure noise_free(const Image<float>& electrons);
 Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_t seed);
 
 /// One way to measure: a charge, a tracker.

@@ -28,13 +28,14 @@ Summary kernel(const Settings& settings);
 Summary range(const Settings& settings);
 Summary acquisition(const Settings& settings);
 Summary oracle(const Settings& settings);
+Summary operators(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
   Summary (*run)(const Settings&);
 };
-constexpr std::array<Study, 7> kStudies{{
+constexpr std::array<Study, 8> kStudies{{
     {"localisation", "one spot: error of its position against read noise", localisation},
     {"wavefront", "residual phase variance against SNR, astigmatism and defocus", wavefront},
     {"trackers", "every tracker against the Cramer-Rao bound", trackers},
@@ -42,6 +43,7 @@ constexpr std::array<Study, 7> kStudies{{
     {"range", "largest aberration that is found without history, by mode", range},
     {"acquisition", "spots found without history: refused and wrong ones against SNR", acquisition},
     {"oracle", "lg against the paper's contour method, spot by spot", oracle},
+    {"operators", "from slopes to modes: every operator on the same images", operators},
 }};
 
 }  // namespace ovws::study
