@@ -10,14 +10,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kGridPerLambdaD = 4.0;
+constexpr double kGridPerLambdaD = 3.2;
 // Of the radius of the first dark ring: the correlation's reach, and how near two spots may be.
 constexpr double kReach = 1.1;
 constexpr double kApart = 0.6;
 constexpr std::size_t kPeaksPerCandidate = 4;  // so that a broad spot's side maxima crowd out none
 
 int bin_px(const SpotModel& spots) {
-  return std::max(1, int(spots.lambda_d_px / kGridPerLambdaD));
+  return std::max(1, int(std::lround(spots.lambda_d_px / kGridPerLambdaD)));
 }
 
 int padded(int pixels, int bin, int margin) {

@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-/// Correlates the image, averaged to about four pixels per lambda/d, with the ideal spot less its
+/// Correlates the image, averaged to about three pixels per lambda/d, with the ideal spot less its
 /// mean (flat light scores nothing), and keeps the best maxima that are no closer together than a
 /// spot's radius. Memory for one image size, made off the frame path.
 class CandidateFinder {
