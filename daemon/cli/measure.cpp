@@ -1,9 +1,11 @@
 /// ovws measure: wavefronts of image files.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/tracking/tracker.hpp"
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/measurement.hpp"
+#include "daemon/cli/refined.hpp"
 #include "proto/encode.hpp"
 #include "proto/names.hpp"
 
@@ -17,6 +19,8 @@ struct MeasureOptions {
   std::string reference;
   bool model_reference = false;
   std::string tracker;
+  bool refine = false;
+  RefineCamera camera;
   std::vector<std::string> images;
 };
 
@@ -80,8 +84,35 @@ void print_table(const json& line) {
     const int j = line["j"][k].get<int>();
     print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());
   }
-  print("RMS {:.4f} wave without tilts, fit residual {:.4f} px\n", line["rms_waves"].get<double>(),
-        line["fit_residual_px"].get<double>());
+  print("RMS {:.4f} wave without tilts", line["rms_waves"].get<double>());
+  if (line["fit_residual_px"].is_number()) {
+    print(", fit residual {:.4f} px", line["fit_residual_px"].get<double>());
+  }
+  if (line.contains("refined")) {
+    print(", refined: chi2 per pixel {:.3f}", line["refined"]["chi2_per_pixel"].get<double>());
+  }
+  print("\n");
+}
+
+/// The coefficients of all pixels instead of those of the spots' positions.
+Result<void> refine(json& line, const MeasureOptions& options, const Config& config,
+                    const Measurement& measurement, const Measured& measured,
+                    const ImageView& image, const std::optional<ImageView>& reference) {
+  const std::vector<int>& modes_j = measurement.plan().reconstructor->modes_j();
+  auto refined = RefinedMeasurement::make(config, image, reference, modes_j, options.camera);
+  if (!refined) return fail(refined.error());
+  const auto found = refined->measure(image, measured.coefficients);
+  if (!found) return fail(found.error());
+  double squares = 0.0;
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (modes_j[k] > 2) squares += found->waves[k] * found->waves[k];
+  }
+  line["valid"] = true;
+  line["coefficients"] = found->waves;
+  line["rms_waves"] = std::sqrt(squares);
+  line["refined"] = {{"sigma_waves", found->sigma_waves},
+                     {"chi2_per_pixel", found->chi2_per_pixel}};
+  return {};
 }
 
 Result<void> measure_one(const Common& common, const MeasureOptions& options, const Config& config,
@@ -97,7 +128,13 @@ Result<void> measure_one(const Common& common, const MeasureOptions& options, co
   auto measurement = Measurement::make(config, picture->view(),
                                        reference ? std::optional(reference->view()) : std::nullopt);
   if (!measurement) return fail(measurement.error());
-  const json line = line_of(path, config, *measurement, measurement->measure(picture->view()));
+  const Measured measured = measurement->measure(picture->view());
+  json line = line_of(path, config, *measurement, measured);
+  if (options.refine) {
+    const auto refined = refine(line, options, config, *measurement, measured, picture->view(),
+                                reference ? std::optional(reference->view()) : std::nullopt);
+    if (!refined) return refined;
+  }
   if (common.json) {
     print("{}\n", line.dump());
   } else {
@@ -141,6 +178,22 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->excludes(reference);
   command->add_option("--tracker", options->tracker, "instead of the configuration's")
       ->check(CLI::IsMember(tracker_names()));
+  auto* refine = command->add_flag("--refine", options->refine,
+                                   "fit every pixel by the diffraction model: seconds an image");
+  command
+      ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
+                   "of the camera, to refine")
+      ->check(number_from(1e-6, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command->add_option("--read-noise", options->camera.read_noise_e, "electrons RMS, to refine")
+      ->check(number_from(0.0, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command->add_option("--black-level", options->camera.black_dn, "DN, to refine")
+      ->check(number_from(0.0, 65535.0))
+      ->needs(refine)
+      ->capture_default_str();
   command->add_option("images", options->images, "files")->required();
   command->callback([&common, &status, options] { status = measure(common, *options); });
 }

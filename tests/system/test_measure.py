@@ -62,6 +62,14 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
         self.assert_mode(line, {4: 0.2})
 
+    def test_refined_it_is_right_to_a_few_thousandths(self):
+        camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)
+        image = self.farfield("both.png", "2,-2:0.4;3,1:-0.3")
+        (line,) = self.measure(image, more=camera)
+        errors = [value - {3: 0.4, 8: -0.3}.get(j, 0.0) for j, value in zip(line["j"], line["coefficients"])]
+        print(f"\n  refined: root sum square of all errors {np.sqrt(np.sum(np.square(errors))):.4f} wave, chi2 per pixel {line['refined']['chi2_per_pixel']:.2f}")
+        self.assertLess(np.sqrt(np.sum(np.square(errors))), 0.005)
+
     def test_every_tracker_of_a_bright_spot(self):
         config = self.folder / "bright.json"
         config.write_text(json.dumps({"sensor": {"charge": 0}}))

@@ -1,0 +1,45 @@
+/// The refined measurement of image files: every pixel against the diffraction model.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/wavefront/refine.hpp"
+
+namespace ovws::cli {
+
+struct RefinedModes {
+  std::vector<double> waves;        ///< minus the reference's, in the order of the modes given
+  std::vector<double> sigma_waves;  ///< standard errors, the reference's included
+  double chi2_per_pixel = 0.0;      ///< about 1 if the model explains the image
+};
+
+/// For images of one size. Seconds an image; one thread at a time.
+class RefinedMeasurement {
+ public:
+  /// `reference`: an image without aberration, refined itself and subtracted; none: absolute.
+  /// Errors: as of Refiner::make and of refining the reference.
+  static Result<RefinedMeasurement> make(const Config& config, const ImageView& like,
+                                         const std::optional<ImageView>& reference,
+                                         const std::vector<int>& modes_j,
+                                         const RefineCamera& camera);
+
+  /// `start`: the tracked estimate; NaN where there is none. Errors as of Refiner::refine.
+  Result<RefinedModes> measure(const ImageView& image, std::span<const float> start);
+
+ private:
+  RefinedMeasurement(Refiner refiner, const RefineCamera& camera, std::size_t modes)
+      : refiner_(std::move(refiner)),
+        camera_(camera),
+        reference_{std::vector<double>(modes), std::vector<double>(modes), 0.0} {}
+
+  Refiner refiner_;
+  RefineCamera camera_;
+  RefinedModes reference_;
+};
+
+}  // namespace ovws::cli
