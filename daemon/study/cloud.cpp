@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/tracking/localisation_bound.hpp"
+
 namespace ovws::study {
 namespace {
 
@@ -19,6 +21,26 @@ Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
   at = centre - Vec2{double(x0), double(y0)};
   return out;
 }
+
+constexpr int kBoundHalfPx = 26;
+
+/// A picture as a shape, for positions that are whole pixels from its centre.
+class PictureShape final : public SpotShape {
+ public:
+  PictureShape(const Image<float>& picture, int x, int y) : picture_(picture), x_(x), y_(y) {}
+  ShapeSample at(Vec2 from_centre) const override {
+    const int x = x_ + int(std::lround(from_centre.x));
+    const int y = y_ + int(std::lround(from_centre.y));
+    const auto value = [&](int dx, int dy) { return double(picture_.at(x + dx, y + dy)); };
+    // Fourth-order central differences: the light has no detail finer than lambda/d.
+    return {value(0, 0), (8.0 * (value(1, 0) - value(-1, 0)) - (value(2, 0) - value(-2, 0))) / 12.0,
+            (8.0 * (value(0, 1) - value(0, -1)) - (value(0, 2) - value(0, -2))) / 12.0};
+  }
+
+ private:
+  const Image<float>& picture_;
+  int x_, y_;
+};
 
 }  // namespace
 
@@ -65,6 +87,13 @@ Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, st
     cloud.squares_px2.push_back(0.5 * (error.x * error.x + error.y * error.y));
   }
   return cloud;
+}
+
+double bound_px(const SpotBench& bench, double read_noise_e) {
+  const int x = int(std::lround(bench.at_px.x)), y = int(std::lround(bench.at_px.y));
+  const PictureShape shape(bench.electrons_px, x, y);
+  return localisation_bound(shape, {double(x), double(y)}, kBoundHalfPx, {1.0, 0.0, read_noise_e})
+      .px;
 }
 
 }  // namespace ovws::study

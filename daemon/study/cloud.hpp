@@ -33,4 +33,8 @@ struct Cloud {
 /// reading without noise from the same start. Thread-safe.
 Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed);
 
+/// The Cramer-Rao bound of the very spot that is tracked, with its ripple, up to half the way to
+/// its neighbours; camera pixels RMS per axis.
+double bound_px(const SpotBench& bench, double read_noise_e);
+
 }  // namespace ovws::study

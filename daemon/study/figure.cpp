@@ -51,7 +51,9 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
   std::string text = fmt::format(
       "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\n"
       "set output {}\nset title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n"
-      "set grid\nset key below maxcols 3 noenhanced\nset pointsize 1.4\n",
+      "set grid\nset key below maxcols 3 noenhanced font ',13'\nset pointsize 1.4\n"
+      "set linetype 5 linecolor rgb '#8c6d1f'\nset linetype 8 linecolor rgb '#666666'\n"
+      "set linetype 9 linecolor rgb '#e377c2'\nset linetype 10 linecolor rgb '#17becf'\n",
       quoted(png.string()), quoted(figure.title), quoted(figure.x_label), quoted(figure.y_label));
   if (figure.log_x) text += "set logscale x\n";
   if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
@@ -70,8 +72,9 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
     plots += fmt::format("{}$data{} with {} title {}", plots.empty() ? "plot " : ", ", k,
                          style_of(series, k), quoted(series.name));
     if (!series.error.empty()) {
-      plots += fmt::format(", $data{} using 1:2:3 with yerrorbars linecolor {} pointsize 0 notitle",
-                           k, k + 1);
+      plots += fmt::format(
+          ", $data{} using 1:($2-$3):(0):(2*$3) with vectors nohead linecolor {} notitle", k,
+          k + 1);
     }
   }
   return text + plots + "\n";

@@ -66,6 +66,14 @@ Summary localisation(const Settings& settings) {
                                    {"lost", cloud.lost}});
       }
       figure.series.push_back(std::move(series));
+      if (all[b].method.tracking.tracker != TrackerKind::matched) continue;
+      Series bound{fmt::format("bound, charge {}", all[b].method.charge),
+                   noises_e,
+                   {},
+                   {},
+                   Series::Style::line};
+      for (const double noise_e : noises_e) bound.y.push_back(bound_px(all[b], noise_e));
+      figure.series.push_back(std::move(bound));
     }
     if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
   }

@@ -1,9 +1,6 @@
 /// Every tracker against the Cramer-Rao bound.
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
-
-#include "core/tracking/localisation_bound.hpp"
 #include "daemon/study/cloud.hpp"
 #include "daemon/study/figure.hpp"
 #include "daemon/study/parallel.hpp"
@@ -12,35 +9,6 @@
 
 namespace ovws::study {
 namespace {
-
-constexpr int kBoundHalfPx = 26;
-
-/// A picture as a shape, for positions that are whole pixels from its centre.
-class PictureShape final : public SpotShape {
- public:
-  PictureShape(const Image<float>& picture, int x, int y) : picture_(picture), x_(x), y_(y) {}
-  ShapeSample at(Vec2 from_centre) const override {
-    const int x = x_ + int(std::lround(from_centre.x));
-    const int y = y_ + int(std::lround(from_centre.y));
-    const auto value = [&](int dx, int dy) { return double(picture_.at(x + dx, y + dy)); };
-    // Fourth-order central differences: the light has no detail finer than lambda/d.
-    return {value(0, 0), (8.0 * (value(1, 0) - value(-1, 0)) - (value(2, 0) - value(-2, 0))) / 12.0,
-            (8.0 * (value(0, 1) - value(0, -1)) - (value(0, 2) - value(0, -2))) / 12.0};
-  }
-
- private:
-  const Image<float>& picture_;
-  int x_, y_;
-};
-
-/// The bound of the very spot that is tracked, with its ripple, up to half the way to its
-/// neighbours.
-double bound_px(const SpotBench& bench, double read_noise_e) {
-  const int x = int(std::lround(bench.at_px.x)), y = int(std::lround(bench.at_px.y));
-  const PictureShape shape(bench.electrons_px, x, y);
-  return localisation_bound(shape, {double(x), double(y)}, kBoundHalfPx, {1.0, 0.0, read_noise_e})
-      .px;
-}
 
 struct Row {
   Mean rms_px;

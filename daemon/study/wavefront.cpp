@@ -9,6 +9,7 @@
 #include "daemon/study/sensor.hpp"
 #include "daemon/study/statistics.hpp"
 #include "daemon/study/studies.hpp"
+#include "daemon/study/wavefront_bound.hpp"
 
 namespace ovws::study {
 namespace {
@@ -38,7 +39,8 @@ struct Bench {
 struct Outcome {
   std::vector<double> variances;  ///< rad^2, one an instance that was reconstructed
   int undetermined = 0;
-  int lost = 0;  ///< spots
+  int lost = 0;             ///< spots
+  double bound_rad2 = 0.0;  ///< of the light, whatever the method; told for matched
 };
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
@@ -108,11 +110,17 @@ std::vector<Bench> benches() {
 
 nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
                       const Outcome& outcome) {
-  return {{"aberration", bench.aberration->name}, {"light", name_of(bench.light)},
-          {"method", bench.method.name},          {"snr", snr},
-          {"variance_rad2", variance.value},      {"standard_error_rad2", variance.standard_error},
-          {"instances", variance.count},          {"noise_free_rad2", bench.noise_free_rad2},
-          {"undetermined", outcome.undetermined}, {"lost_spots", outcome.lost}};
+  return {{"aberration", bench.aberration->name},
+          {"light", name_of(bench.light)},
+          {"method", bench.method.name},
+          {"snr", snr},
+          {"variance_rad2", variance.value},
+          {"standard_error_rad2", variance.standard_error},
+          {"instances", variance.count},
+          {"noise_free_rad2", bench.noise_free_rad2},
+          {"bound_rad2", outcome.bound_rad2},
+          {"undetermined", outcome.undetermined},
+          {"lost_spots", outcome.lost}};
 }
 
 }  // namespace
@@ -125,8 +133,13 @@ Summary wavefront(const Settings& settings) {
   const std::vector<Bench> all = benches();
   std::vector<Outcome> outcomes(all.size() * snrs.size());
   parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
-    outcomes[k] =
-        measure(all[k / snrs.size()], snrs[k % snrs.size()], instances, settings.seed + 1000 * k);
+    const Bench& bench = all[k / snrs.size()];
+    const double snr = snrs[k % snrs.size()];
+    outcomes[k] = measure(bench, snr, instances, settings.seed + 1000 * k);
+    if (bench.method.tracking.tracker != TrackerKind::matched) return;
+    outcomes[k].bound_rad2 =
+        wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
+                             bench.electrons_px, read_noise_of_snr(snr));
   });
   nlohmann::json summary{{"study", "wavefront"},
                          {"unit", "rad^2"},
@@ -151,6 +164,16 @@ Summary wavefront(const Settings& settings) {
           summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));
         }
         figure.series.push_back(std::move(series));
+        if (all[b].method.tracking.tracker != TrackerKind::matched) continue;
+        Series bound{fmt::format("bound, charge {}", all[b].method.charge),
+                     snrs,
+                     {},
+                     {},
+                     Series::Style::line};
+        for (std::size_t s = 0; s < snrs.size(); ++s) {
+          bound.y.push_back(outcomes[b * snrs.size() + s].bound_rad2);
+        }
+        figure.series.push_back(std::move(bound));
       }
       if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
     }
