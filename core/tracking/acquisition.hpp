@@ -24,7 +24,7 @@ class Acquisition {
   /// affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. A subaperture
   /// that got none is looked for where its neighbours say. What fails is lost; an image of another
   /// size has nothing. Writes one fix per subaperture and returns how many were found: 0, or at
-  /// least 3 and a third of them. RT-safe, but takes milliseconds.
+  /// least 3 and half of them. RT-safe, but takes milliseconds.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 

@@ -79,7 +79,7 @@ double Consensus::tolerance_px() const {
 }
 
 std::span<const int> Consensus::match(std::span<const Vec2> found) {
-  const int enough = std::max(3, (size() + 2) / 3);
+  const int enough = std::max(3, (size() + 1) / 2);
   int most = 0;
   double least_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));

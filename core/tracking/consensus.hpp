@@ -26,7 +26,7 @@ class Consensus {
 
   /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
   /// next call. The hypothesis that explains most positions wins, the smaller shift among equals.
-  /// If that is fewer than 3 or a third of the lattice, all are kNone. RT-safe.
+  /// If that is fewer than 3 or half of the lattice, all are kNone. RT-safe.
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING;
 
   /// Where subaperture i's spot should be according to the last match.
