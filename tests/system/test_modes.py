@@ -31,6 +31,7 @@ class Modes(BenchCase):
     def check_all_modes(self, charge, tracker, judged=True):
         self.call("aberration.clear")
         self.call("sensor.set", {"charge": charge, "tracker": tracker})
+        self.call("camera.set", {"exposure_us": 2000.0 if charge else 500.0})  # a bright spot is four times as bright
         self.take_reference()
         stream = self.stream("wavefront")
         cases = [(j, sign * 0.2) for j in range(3, 15) for sign in (1, -1)] + [(3, 0.5)]
@@ -47,6 +48,12 @@ class Modes(BenchCase):
 
     def test_vortices_with_lg(self):
         self.check_all_modes(1, "lg")
+
+    def test_vortices_with_matched(self):
+        self.check_all_modes(1, "matched")
+
+    def test_shack_hartmann_with_matched(self):
+        self.check_all_modes(0, "matched")
 
     def test_shack_hartmann_with_thresholded_centroid(self):
         self.check_all_modes(0, "thresholded")
