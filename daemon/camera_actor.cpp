@@ -72,17 +72,15 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
 
 /// The camera is there and refuses the settings of the configuration: perhaps it takes these.
 void CameraActor::mend(const CameraSet& change, const Applied& done) {
-  const CameraSettings before = settings_;
-  settings_ = change.applied_to(settings_);
-  try_open();
+  open_with(change.applied_to(settings_), change.clamp);
   const CameraSnapshot now = snapshot_.get();
   if (now.connected) return done(now);
-  settings_ = before;
   done(
       fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
 }
 
-void CameraActor::try_open() {
+/// The settings become ours only if the camera takes them.
+void CameraActor::open_with(const CameraSettings& settings, bool clamp) {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_camera(config_);
   if (!opened) return publish_absent(opened.error());
@@ -90,7 +88,7 @@ void CameraActor::try_open() {
   auto limits = camera_->limits();
   if (!limits) return lose(limits.error());
   limits_ = *limits;
-  const auto wanted = within_limits(settings_, *limits_, false);
+  const auto wanted = within_limits(settings, *limits_, clamp);
   if (!wanted) {
     return lose({wanted.error().code, "camera",
                  "camera." + wanted.error().field + ": " + wanted.error().reason});

@@ -59,7 +59,8 @@ class CameraActor : public Agent {
  private:
   void carry_out(const CameraSet& change, const Applied& done);
   void mend(const CameraSet& change, const Applied& done);
-  void try_open();
+  void try_open() { open_with(settings_, false); }
+  void open_with(const CameraSettings& settings, bool clamp);
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const Error& why);
   bool give_up_camera();

@@ -96,9 +96,8 @@ Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> ref
 }
 
 void Instrument::fail_reference(const Error& why) {
-  const int job = *reference_job_;
+  deps_.jobs.fail_job(*reference_job_, why);  // while its progress is still known
   end_reference_job();
-  deps_.jobs.fail_job(job, why);
 }
 
 void Instrument::end_reference_job() {

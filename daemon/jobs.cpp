@@ -51,12 +51,11 @@ void Jobs::tell_progress(int id) {
   const auto now = get(id);
   if (!now || now->state != JobState::running) return;
   const int quarters = int(now->progress * kQuarters);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = jobs_.find(id);
-    if (found == jobs_.end() || quarters >= kQuarters) return;
-    if (quarters <= std::exchange(found->second.told_quarters, quarters)) return;
-  }
+  const std::lock_guard lock(mutex_);  // also while it is told: no end comes before
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || found->second.job.state != JobState::running) return;
+  if (quarters >= kQuarters) return;
+  if (quarters <= std::exchange(found->second.told_quarters, quarters)) return;
   events_.emit("job", Severity::info,
                fmt::format("job {} ({}) is at {} %", id, now->kind, 100 * quarters / kQuarters),
                event_data(id, JobState::running, double(quarters) / kQuarters));
@@ -108,20 +107,17 @@ bool Jobs::runs(int id) const {
 bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
   const auto now = get(id);
   double progress = now ? now->progress : 0.0;
-  std::string text;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = jobs_.find(id);
-    if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
-    JobReport& job = found->second.job;
-    job.state = state;
-    if (state == JobState::done) progress = 1.0;
-    job.progress = progress;
-    job.result = std::move(result);
-    job.error = error;
-    text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
-                       error ? ": " + error->reason : "");
-  }
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
+  JobReport& job = found->second.job;
+  job.state = state;
+  if (state == JobState::done) progress = 1.0;
+  job.progress = progress;
+  job.result = std::move(result);
+  job.error = error;
+  const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
+                                       error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;
   events_.emit("job", severity, text, event_data(id, state, progress));
   return true;

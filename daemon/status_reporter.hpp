@@ -30,7 +30,7 @@ struct StatusDeps {
   Counters& counters;
   Events& events;
   StreamQueue& queue;
-  const ThreadPlan& threads;
+  ThreadPlan& threads;
 };
 
 /// The status thread's agent: once a second, and at once when something changed.

@@ -141,10 +141,11 @@ std::vector<HungThread> ThreadPlan::hung_threads() const {
   return hung;
 }
 
-bool ThreadPlan::stop_overdue(double patience_s) const {
+bool ThreadPlan::stop_overdue(double patience_s) {
   const std::lock_guard lock(mutex_);
-  return stop_here_ != nullptr && stop_here_->load() &&
-         1e-9 * double(monotonic_ns() - here_->turn_began_ns.load()) > patience_s;
+  if (stop_here_ == nullptr || !stop_here_->load()) return false;
+  if (stop_seen_ns_ == 0) stop_seen_ns_ = monotonic_ns();
+  return 1e-9 * double(monotonic_ns() - stop_seen_ns_) > patience_s;
 }
 
 }  // namespace ovws

@@ -87,8 +87,9 @@ class ThreadPlan {
 
   /// Thread-safe: those whose turn takes too long.
   std::vector<HungThread> hung_threads() const;
-  /// Thread-safe: since `stop` of run_here was set no turn has begun for `patience_s`.
-  bool stop_overdue(double patience_s) const;
+  /// Status thread: `stop` of run_here has been seen set for `patience_s`, and the turn still
+  /// lasts.
+  bool stop_overdue(double patience_s);
 
  private:
   struct Running;
@@ -100,6 +101,7 @@ class ThreadPlan {
   std::vector<std::unique_ptr<Running>> threads_;
   std::unique_ptr<Running> here_;
   const std::atomic<bool>* stop_here_ = nullptr;
+  std::int64_t stop_seen_ns_ = 0;  ///< 0: not yet
 };
 
 }  // namespace ovws

@@ -76,8 +76,9 @@ class PendingCall {
   PendingCall& operator=(const PendingCall&) = delete;
   ~PendingCall() {
     try {
-      answer(tl::make_unexpected(
-          failure(RpcCode::internal, "", "the daemon did not carry this out; it may be stopping")));
+      answer(tl::make_unexpected(failure(RpcCode::internal, "",
+                                         "no answer came, perhaps because the daemon is stopping; "
+                                         "ask for its state before repeating this")));
     } catch (...) {  // out of memory: there is nobody left to tell
     }
   }

@@ -80,7 +80,7 @@ float brightest_of(const ImageView& image, int left, int right, int top, int bot
 
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
   const auto inside = [](double at, int size) {
-    return int(std::clamp(std::isnan(at) ? -1.0 : at, -1.0, double(size)));
+    return int(std::lround(std::clamp(std::isnan(at) ? -1.0 : at, -1.0, double(size))));
   };
   const int cx = inside(centre.x, image.width), cy = inside(centre.y, image.height);
   const int left = std::max(cx - half, 0), right = std::min(cx + half + 1, image.width);

@@ -99,7 +99,10 @@ Result<void> refine(json& line, const MeasureOptions& options, const Config& con
                     const Measurement& measurement, const Measured& measured,
                     const ImageView& image, const std::optional<ImageView>& reference) {
   const std::vector<int>& modes_j = measurement.plan().reconstructor->modes_j();
-  auto refined = RefinedMeasurement::make(config, image, reference, modes_j, options.camera);
+  RefineCamera camera = options.camera;
+  const double full_scale_dn = (1 << significant_bits(image.format)) - 1;
+  camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
+  auto refined = RefinedMeasurement::make(config, image, reference, modes_j, camera);
   if (!refined) return fail(refined.error());
   const auto found = refined->measure(image, measured.coefficients);
   if (!found) return fail(found.error());
@@ -107,9 +110,10 @@ Result<void> refine(json& line, const MeasureOptions& options, const Config& con
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
     if (modes_j[k] > 2) squares += found->waves[k] * found->waves[k];
   }
-  line["valid"] = true;
-  line["coefficients"] = found->waves;
-  line["rms_waves"] = std::sqrt(squares);
+  const bool valid = found->believable(camera);
+  line["valid"] = valid;
+  line["coefficients"] = valid ? json(found->waves) : json(std::vector<json>(modes_j.size()));
+  line["rms_waves"] = valid ? json(std::sqrt(squares)) : json();
   line["refined"] = {{"sigma_waves", found->sigma_waves},
                      {"chi2_per_pixel", found->chi2_per_pixel}};
   return {};
@@ -190,6 +194,11 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->check(number_from(0.0, 1e6))
       ->needs(refine)
       ->capture_default_str();
+  command
+      ->add_option("--saturation", options->camera.saturated_dn,
+                   "DN from which a pixel is left out, to refine (default: the file's full scale)")
+      ->check(number_from(1.0, 65535.0))
+      ->needs(refine);
   command->add_option("--black-level", options->camera.black_dn, "DN, to refine")
       ->check(number_from(0.0, 65535.0))
       ->needs(refine)

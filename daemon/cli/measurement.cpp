@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/tracking/patch.hpp"
 #include "daemon/plan_builder.hpp"
 
 namespace ovws::cli {
@@ -108,6 +109,11 @@ Measured Measurement::measure(const ImageView& image) {
   measured.reconstruction =
       plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
   measured.valid = measured.reconstruction.determined;
+  const int half_px = int(plan_->spots.lambda_d_px);
+  for (std::size_t i = 0; i < measured.spots.size(); ++i) {
+    SpotFix& spot = measured.spots[i];
+    if (!spot.found()) spot.peak = brightest_pixel(image, plan_->predicted_px[i], half_px);
+  }
   const auto full = float((1 << significant_bits(image.format)) - 1);
   const auto saturated = std::count_if(measured.spots.begin(), measured.spots.end(),
                                        [&](const SpotFix& spot) { return spot.peak >= full; });

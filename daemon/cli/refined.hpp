@@ -16,6 +16,10 @@ struct RefinedModes {
   std::vector<double> waves;        ///< minus the reference's, in the order of the modes given
   std::vector<double> sigma_waves;  ///< standard errors, the reference's included
   double chi2_per_pixel = 0.0;      ///< about 1 if the model explains the image
+  double peak_e = 0.0;              ///< of the model's brightest pixel
+
+  /// There was light, it tells the modes, and the model explains it.
+  bool believable(const RefineCamera& camera) const;
 };
 
 /// For images of one size. Seconds an image; one thread at a time.
@@ -35,7 +39,7 @@ class RefinedMeasurement {
   RefinedMeasurement(Refiner refiner, const RefineCamera& camera, std::size_t modes)
       : refiner_(std::move(refiner)),
         camera_(camera),
-        reference_{std::vector<double>(modes), std::vector<double>(modes), 0.0} {}
+        reference_{std::vector<double>(modes), std::vector<double>(modes), 0.0, 0.0} {}
 
   Refiner refiner_;
   RefineCamera camera_;

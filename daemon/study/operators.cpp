@@ -31,7 +31,6 @@ struct Tools {
   std::shared_ptr<SensorModel> model = model_of(geometry, kCharge);
   Measurer measurer{geometry, {"matched", kCharge, {TrackerKind::matched}}, model};
   std::vector<Eigen::MatrixXd> slopes;  ///< of the linear operators, in the order of kOperators
-  std::vector<Vec2> diffractive_reference_px;
 };
 
 Tools::Tools() {
@@ -46,7 +45,6 @@ Tools::Tools() {
   auto matrix = diffractive_matrix(*model, sensor, measurer.tracker(), modes_j);
   if (!matrix) throw std::logic_error(matrix.error().reason);
   slopes.push_back(matrix->slopes);
-  diffractive_reference_px = matrix->reference_px;
 }
 
 /// One wavefront, as every operator reads it; NaN where one has no answer.

@@ -29,7 +29,9 @@ class Climber {
   /// wrongly.
   double climb(double sign, std::uint64_t seed) {
     double reached = 0.0;
-    for (double waves = kStepWaves; waves <= kMostWaves; waves += kStepWaves) {
+    const int steps = int(std::lround(kMostWaves / kStepWaves));
+    for (int step = 1; step <= steps; ++step) {
+      const double waves = step * kStepWaves;
       const std::vector<Mode> modes{{j_, sign * waves}};
       const auto light = model_->light(modes);
       if (!light) break;
