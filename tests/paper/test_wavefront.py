@@ -19,13 +19,14 @@ class Wavefront(case.StudyCase):
                 print(f"\n  {aberration}, SNR {snr:.0f}: " + ", ".join(f"{name} {value:.2g}" for name, (value, _) in found.items()))
                 self.assertLess(found["vortex, lg"][0], found["Shack-Hartmann, centroid of a fixed cell"][0])
 
-    def test_matched_halves_the_variance_of_the_best_shack_hartmann_sensor_in_noise(self):
+    def test_matched_is_far_below_the_best_shack_hartmann_sensor_in_noise(self):
         for aberration in ("astigmatism", "defocus"):
             for snr in (2.0, 5.0):
                 found = self.variances(aberration, snr)
-                best, best_error = min(value for name, value in found.items() if name.startswith("Shack"))
-                vortex, error = found["vortex, matched"]
-                self.assertLess(vortex, 0.5 * best + 2.0 * (error + 0.5 * best_error), (aberration, snr))
+                best, _ = min(value for name, value in found.items() if name.startswith("Shack"))
+                vortex, _ = found["vortex, matched"]
+                print(f"\n  {aberration}, SNR {snr:.0f}: {vortex / best:.2f} of the best Shack-Hartmann sensor's variance")
+                self.assertLess(vortex, 0.65 * best, (aberration, snr))  # 0.4 to 0.6 in the whole study
 
 
 if __name__ == "__main__":

@@ -68,7 +68,8 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(image, more=camera)
         errors = [value - {3: 0.4, 8: -0.3}.get(j, 0.0) for j, value in zip(line["j"], line["coefficients"])]
         print(f"\n  refined: root sum square of all errors {np.sqrt(np.sum(np.square(errors))):.4f} wave, chi2 per pixel {line['refined']['chi2_per_pixel']:.2f}")
-        self.assertLess(np.sqrt(np.sum(np.square(errors))), 0.005)
+        self.assertLess(np.sqrt(np.sum(np.square(errors))), 0.001)
+        self.assertAlmostEqual(line["refined"]["chi2_per_pixel"], 1.0, delta=0.2)
 
     def test_every_tracker_of_a_bright_spot(self):
         config = self.folder / "bright.json"
@@ -91,13 +92,20 @@ class Measure(unittest.TestCase):
                "tiny": np.zeros((1, 1), np.uint8), "narrow": good[:, :40].copy(), "stripe": stripe}
         for name, pixels in bad.items():
             with self.subTest(name):
-                (line,) = self.measure(self.save(name + ".png", pixels))
+                path = self.save(name + ".png", pixels)
+                (line,) = self.measure(path)
                 wrong = [s for s in line["spots"] if s["x"] is not None and self.off(line, s) > 6.0]
                 print(f"\n  {name}: {line['tracked']} of 19, valid {line['valid']}")
                 self.assertEqual(wrong, [])
                 if name != "stripe":
                     self.assertFalse(line["valid"])
                     self.assertEqual(set(line["coefficients"]), {None})
+                    self.assert_not_refined(path)
+
+    def assert_not_refined(self, path):
+        done = subprocess.run([OVWS, "--json", "measure", "--model-reference", "--refine", path], capture_output=True, text=True, timeout=60)
+        line = json.loads(done.stdout)
+        self.assertFalse(line.get("valid", False), line)
 
     def off(self, line, spot):
         """How far a spot is from where it is in the good image, px."""
@@ -122,6 +130,7 @@ class Measure(unittest.TestCase):
         for s in whole["spots"]:
             hot[round(s["y"]), round(s["x"])] = 4095
         (line,) = self.measure(self.save("hot.png", hot), reference=flat)
+        self.assertGreaterEqual(line["tracked"], 15)
         for before, after in zip(whole["spots"], line["spots"]):
             if after["x"] is not None:
                 self.assertLess(np.hypot(after["x"] - before["x"], after["y"] - before["y"]), 1.5)
