@@ -3,15 +3,38 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <stdlib.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <string>
 
 namespace ovws::test {
 
+/// A folder for this process's socket files; it goes with it, whatever libzmq leaves behind.
+class SocketFolder {
+ public:
+  SocketFolder() {
+    char path[] = "/tmp/ovws-test-XXXXXX";
+    path_ = ::mkdtemp(path);
+  }
+  ~SocketFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  SocketFolder(const SocketFolder&) = delete;
+  SocketFolder& operator=(const SocketFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 inline std::string ipc_endpoint(const std::string& name) {
-  return "ipc:///tmp/ovws-test-" + std::to_string(::getpid()) + "-" + name;
+  static const SocketFolder folder;
+  return "ipc://" + folder.path() + "/" + name;
 }
 
 inline std::string tcp_endpoint() {
