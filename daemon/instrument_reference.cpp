@@ -96,8 +96,11 @@ Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> ref
 }
 
 void Instrument::fail_reference(const Error& why) {
-  deps_.jobs.fail_job(*reference_job_, why);  // while its progress is still known
-  end_reference_job();
+  const int job = *reference_job_;
+  reference_job_.reset();
+  deps_.on_job(false);  // who hears of the end may ask for the next
+  deps_.jobs.fail_job(job, why);
+  deps_.collector.cancel();  // it told the job's progress until now
 }
 
 void Instrument::end_reference_job() {

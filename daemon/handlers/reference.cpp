@@ -48,7 +48,9 @@ void get_job(Services& services, const nlohmann::json& params, RpcReply reply) {
 void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto id = decode_job(params);
   if (!id) return reply(failed(id.error()));
-  answer_job(reply, services.jobs.cancel(*id));
+  const auto cancelled = services.jobs.cancel(*id);
+  // Answered when the sensor is free again: the next request may be the next job.
+  services.instrument.after_changes([reply, cancelled] { answer_job(reply, cancelled); });
 }
 
 constexpr std::array<Method, 5> kMethods{{
