@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram_row_phases.hpp"
 #include "core/optics/identify_picture.hpp"
 #include "core/optics/wavefront_rows.hpp"
@@ -17,20 +18,6 @@ constexpr double kMostWaves = 1e6;  ///< more is a mistake, and would cost the p
 
 Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
-}
-
-/// The columns of row y whose pixel centres lie in a circle: [begin, end).
-struct Columns {
-  int begin = 0;
-  int end = 0;
-};
-Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) {
-  const double dy = y - centre_px.y;
-  const double half_squared = 0.25 * diameter_px * diameter_px - dy * dy;
-  if (half_squared < 0.0) return {};
-  const double half = std::sqrt(half_squared);
-  return {std::max(0, static_cast<int>(std::ceil(centre_px.x - half))),
-          std::min(width, static_cast<int>(std::floor(centre_px.x + half)) + 1)};
 }
 
 /// The sensor's phase along row y, waves (paper eq. 4): x and y from the pupil's centre, the angle
@@ -65,6 +52,11 @@ void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double
   for (std::size_t x = 0; x < waves.size(); ++x) {
     phase[x] = phase16(waves[x] + (flatness ? static_cast<double>(flatness[x]) : 0.0));
   }
+}
+
+void keep_only(Columns columns, std::span<std::uint16_t> phase) {
+  std::fill(phase.begin(), phase.begin() + columns.begin, std::uint16_t(0));
+  std::fill(phase.begin() + columns.end, phase.end(), std::uint16_t(0));
 }
 
 Result<void> check_flatness(const HologramConfig& config) {
@@ -169,8 +161,9 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   grey.pixels.resize(std::size_t(width) * grey.height);
   if (kind == HologramKind::identify) return draw_identify_picture(grey);
   if (kind == HologramKind::flat) modes = {};
-  const PhaseRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, width,
-                        grey.height);
+  const Vec2 centre = pupil_centre(config_.slm);
+  const double diameter = config_.sensor.pupil_diameter_px;
+  const PhaseRows added(modes, centre, diameter, width, grey.height);
   const HologramRowKernels& kernels = hologram_row_kernels().back();
   std::vector<double> waves(width);
   std::vector<std::uint16_t> pattern(width);
@@ -181,7 +174,10 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
       pattern_row(kind, y, waves, pattern.data());
       base = pattern.data();
     }
-    if (!modes.empty()) added.row(y, kernels, phase, waves);
+    if (!modes.empty()) {
+      added.row(y, kernels, phase, waves);
+      keep_only(columns_in_circle(centre, diameter, y, width), phase);
+    }
     kernels.greys(base, phase.data(), config_.lut.data(), width, grey.row(y));
   }
 }

@@ -53,8 +53,9 @@ class HologramRenderer {
   const Lattice& lattice() const { return lattice_; }
 
   /// Grey levels of `width x height`. `modes` is the wavefront to add (aberration - correction),
-  /// over the pupil's circle and continued outside it, which `check_sampling` must accept; `flat`
-  /// and `identify` leave it out. However many modes: a fraction of a millisecond a megapixel, or
+  /// which `check_sampling` must accept: to the pixels in the pupil's circle, so that what lies
+  /// outside, where modes of high order grow without limit, stays in the zero order. `flat` and
+  /// `identify` leave it out. However many modes: a fraction of a millisecond a megapixel, or
   /// several where only double precision will do.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
 

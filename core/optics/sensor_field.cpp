@@ -1,11 +1,12 @@
 #include "core/optics/sensor_field.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
+#include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/optics/hologram_row_phases.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {
@@ -24,27 +25,14 @@ const std::vector<std::complex<float>>& phasors() {
   return table;
 }
 
-/// Waves to the nearest 1/65536, whole waves overflow away: the low bits of a double of 1.5 * 2^52.
-std::uint16_t phase16(double waves) {
-  constexpr double kRounder = 6755399441055744.0;
-  return std::uint16_t(std::bit_cast<std::uint64_t>(waves * 65536.0 + kRounder));
-}
+constexpr int kFixed = -2;    // outside the pupil: no mode reaches this pixel
+constexpr int kUnowned = -1;  // in the pupil, outside the subapertures
 
-/// The number of each SLM pixel's subaperture, -1 outside; the same circles as the hologram's.
-Image<int> owners(const Lattice& lattice, Vec2 pupil, const SlmGeometry& slm) {
-  Image<int> owner(slm.width_px, slm.height_px, -1);
-  const double radius = 0.5 * lattice.diameter_px;
-  for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
-    const Vec2 c = pupil + lattice.subapertures[i].centre_px;
-    const int last = std::min(slm.height_px - 1, int(std::floor(c.y + radius)));
-    for (int y = std::max(0, int(std::ceil(c.y - radius))); y <= last; ++y) {
-      const double half = std::sqrt(std::max(0.0, radius * radius - (y - c.y) * (y - c.y)));
-      const int begin = std::max(0, int(std::ceil(c.x - half)));
-      const int end = std::min(slm.width_px, int(std::floor(c.x + half)) + 1);
-      if (begin < end) std::fill_n(owner.row(y) + begin, end - begin, int(i));
-    }
+void give(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
+  for (int y = 0; y < owner.height; ++y) {
+    const Columns in = columns_in_circle(centre_px, diameter_px, y, owner.width);
+    std::fill_n(owner.row(y) + in.begin, in.end - in.begin, to);
   }
-  return owner;
 }
 
 }  // namespace
@@ -78,13 +66,19 @@ void SensorField::cut(const Lattice& lattice, const SlmGeometry& slm) {
     const Vec2 corner{double(left), double(top)};
     pieces_.push_back({corner + Vec2{half, half} - pupil_centre_px_, std::sqrt(2.0) * half, {}});
   }
-  Image<int> owner = owners(lattice, pupil_centre_px_, slm);
+  Image<int> owner(slm.width_px, slm.height_px, kFixed);
+  give(owner, pupil_centre_px_, 2.0 * pupil_radius_px_, kUnowned);
+  for (int i = 0; i < subapertures_; ++i) {
+    give(owner, pupil_centre_px_ + pieces_[i].centre_px, 2.0 * pieces_[i].radius_px, i);
+  }
   for (int y = 0; y < slm.height_px; ++y) {
+    int last = kFixed;
     for (int x = 0; x < slm.width_px; ++x) {
-      int& piece = owner.at(x, y);
-      if (piece < 0) piece = subapertures_ + y / kTilePx * across + x / kTilePx;
-      if (x == 0 || piece != runs_.back().piece) runs_.push_back({piece, y, x, x});
-      runs_.back().end = x + 1;
+      int piece = owner.at(x, y);
+      if (piece == kUnowned) piece = subapertures_ + y / kTilePx * across + x / kTilePx;
+      if (piece != kFixed && piece != last) runs_.push_back({piece, y, x, x});
+      if (piece != kFixed) runs_.back().end = x + 1;
+      last = piece;
     }
   }
   std::stable_sort(runs_.begin(), runs_.end(),
@@ -96,6 +90,9 @@ void SensorField::propagate(std::span<const Mode> modes, std::span<const double>
   const WavefrontRows added(modes, pupil_centre_px_, 2.0 * pupil_radius_px_);
   std::vector<double> waves(pupil_.width);
   if (!outside_lit_) std::fill(pupil_.pixels.begin(), pupil_.pixels.end(), 0.0F);
+  const auto fill_fixed = [&](int y, int begin, int end) {
+    for (int x = begin; x < end; ++x) pupil_.at(x, y) = table[std::size_t(grey_.at(x, y)) << 8];
+  };
   const auto fill = [&](int y, int begin, int end, float amplitude) {
     const std::span<double> phase(waves.data(), std::size_t(end - begin));
     added.waves(y, begin, phase);
@@ -105,7 +102,12 @@ void SensorField::propagate(std::span<const Mode> modes, std::span<const double>
       out[x] = amplitude * table[std::uint16_t((grey[x] << 8) + phase16(phase[x]))];
     }
   };
-  for (int y = 0; outside_lit_ && y < pupil_.height; ++y) fill(y, 0, pupil_.width, 1.0F);
+  for (int y = 0; outside_lit_ && y < pupil_.height; ++y) {
+    const Columns in = columns_in_circle(pupil_centre_px_, 2.0 * pupil_radius_px_, y, pupil_.width);
+    fill_fixed(y, 0, in.begin);
+    fill(y, in.begin, in.end, 1.0F);
+    fill_fixed(y, in.end, pupil_.width);
+  }
   for (const Run& run : runs_) {
     if (run.piece >= subapertures_ || (outside_lit_ && amplitudes.empty())) break;
     fill(run.y, run.begin, run.end, amplitudes.empty() ? 1.0F : float(amplitudes[run.piece]));

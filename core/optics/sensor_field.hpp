@@ -17,12 +17,11 @@ namespace ovws {
 
 /// Like SensorModel, but the wavefront is no part of the 8-bit hologram: it is added to the field
 /// in steps of 1/65536 wave, each subaperture may have an amplitude of its own, and the light
-/// outside the subapertures, where the wavefront is continued, can be left out. For one thread at a
-/// time.
+/// outside the subapertures can be left out. For one thread at a time.
 class SensorField {
  public:
-  /// A part of the SLM small enough that a wavefront is a low polynomial on it: a subaperture, or
-  /// what a square of the SLM has outside of all of them.
+  /// A part of the pupil small enough that a wavefront is a low polynomial on it: a subaperture, or
+  /// what a square of the SLM has of the pupil outside of all of them.
   struct Piece {
     Vec2 centre_px;    ///< from the pupil's centre
     double radius_px;  ///< reaches its farthest pixel
@@ -47,7 +46,7 @@ class SensorField {
   /// The first of pieces() are the lattice's subapertures in its order.
   int subapertures() const { return subapertures_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
-  /// Each pixel of the SLM once, by pieces.
+  /// Each pixel of the pupil once, by pieces. Outside the pupil no mode is shown.
   const std::vector<Run>& runs() const { return runs_; }
 
   /// Whether propagate() lets light outside the subapertures in; at first it does.

@@ -1,10 +1,12 @@
 #include "drivers/twin/slm_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
 
+#include "core/optics/circle_columns.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws::twin {
@@ -77,11 +79,15 @@ SlmModel::SlmModel(const Config& config)
 
 void SlmModel::set_aberration(std::span<const Mode> modes) {
   const int width = incident_.width, height = incident_.height;
-  const WavefrontRows wavefront(modes, Vec2{(width - 1) / 2.0, (height - 1) / 2.0},
-                                config_.sensor.pupil_diameter_px);
+  const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
+  const double diameter = config_.sensor.pupil_diameter_px;
+  const WavefrontRows wavefront(modes, centre, diameter);
   std::vector<double> waves(std::size_t(width), 0.0);
   for (int y = 0; y < height; ++y) {
-    wavefront.waves(y, 0, waves);
+    const Columns pupil = columns_in_circle(centre, diameter, y, width);
+    std::fill(waves.begin(), waves.end(), 0.0);
+    wavefront.waves(y, pupil.begin,
+                    std::span(waves).subspan(pupil.begin, pupil.end - pupil.begin));
     std::complex<float>* row = incident_.row(y);
     for (int x = 0; x < width; ++x) {
       const double surface = surface_waves_.width > 0 ? double(surface_waves_.at(x, y)) : 0.0;

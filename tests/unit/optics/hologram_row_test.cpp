@@ -220,8 +220,10 @@ TEST(Hologram, OfOddWidthShowsModesOnFlatnessThroughTheLut) {
   int differ = 0;
   for (int y = 0; y < 767; y += 9) {
     for (int x = 0; x < 1279; ++x) {
-      const auto added =
-          std::floor(65536.0L * truth(modes, (x - 639.0L) / radius, (y - 383.0L) / radius) + 0.5L);
+      const bool in_pupil = norm(Vec2{x - 639.0, y - 383.0}) <= radius;
+      const long double waves =
+          in_pupil ? truth(modes, (x - 639.0L) / radius, (y - 383.0L) / radius) : 0.0L;
+      const auto added = std::floor(65536.0L * waves + 0.5L);
       const auto phase = static_cast<std::uint16_t>(phase16(flatness->at(x, y)) +
                                                     static_cast<std::int64_t>(added));
       differ += grey.at(x, y) != config.lut[phase >> 8];

@@ -31,6 +31,12 @@ Image<std::uint8_t> rendered(const HologramConfig& config, HologramKind kind,
   return grey;
 }
 
+/// The modes at an SLM pixel; 0 outside the default pupil.
+double shown_waves(std::span<const Mode> modes, int x, int y) {
+  const Vec2 at{(x - 639.5) / 384.0, (y - 383.5) / 384.0};
+  return norm(at) <= 1.0 ? wavefront(modes, at) : 0.0;
+}
+
 /// The sensor's phase in waves at an SLM pixel, straight from the paper's equation 4; 0 outside.
 double sensor_waves(const HologramConfig& config, const Lattice& lattice, int x, int y) {
   const double px = x - 0.5 * (config.slm.width_px - 1);
@@ -97,7 +103,7 @@ TEST(Hologram, ModesAndFlatnessAddUpBeforeTheLut) {
     const int x = std::uniform_int_distribution(0, 1279)(random);
     const int y = std::uniform_int_distribution(0, 767)(random);
     const double pattern = sensor_waves(config, lattice, x, y) + config.flatness_waves->at(x, y);
-    const double added = wavefront(modes, {(x - 639.5) / 384.0, (y - 383.5) / 384.0});
+    const double added = shown_waves(modes, x, y);
     differ += grey.at(x, y) != config.lut[step_of(phase16(pattern) + phase16(added))];
   }
   EXPECT_EQ(differ, 0);
@@ -113,8 +119,7 @@ TEST(Hologram, StaysWithinOneStepOfTheUnroundedFormula) {
   int differ = 0;
   for (int y = 0; y < 768; ++y) {
     for (int x = 0; x < 1280; ++x) {
-      const double waves = sensor_waves(config, lattice, x, y) +
-                           wavefront(modes, {(x - 639.5) / 384.0, (y - 383.5) / 384.0});
+      const double waves = sensor_waves(config, lattice, x, y) + shown_waves(modes, x, y);
       const int step = static_cast<int>(std::floor((waves - std::floor(waves)) * 256.0));
       const int apart = (grey.at(x, y) - step + 256) % 256;
       EXPECT_TRUE(apart <= 1 || apart == 255);
@@ -162,11 +167,15 @@ TEST(Hologram, FlatShowsOnlyTheFlatnessMap) {
   EXPECT_EQ(dark.pixels, std::vector<std::uint8_t>(1280 * 768, 0));
 }
 
-TEST(Hologram, GratingCarriesTheCorrection) {
+TEST(Hologram, GratingCarriesTheCorrectionInThePupil) {
   const auto plain = rendered({}, HologramKind::grating);
   const auto corrected = rendered({}, HologramKind::grating, {{0, 0.25}});
-  for (int i = 0; i < plain.width * plain.height; ++i) {
-    ASSERT_EQ(corrected.pixels[i], static_cast<std::uint8_t>(plain.pixels[i] + 64));
+  for (int y = 0; y < plain.height; ++y) {
+    for (int x = 0; x < plain.width; ++x) {
+      const bool in_pupil = norm(Vec2{x - 639.5, y - 383.5}) <= 384.0;
+      const auto expected = static_cast<std::uint8_t>(plain.at(x, y) + (in_pupil ? 64 : 0));
+      ASSERT_EQ(corrected.at(x, y), expected) << x << ' ' << y;
+    }
   }
 }
 

@@ -1,0 +1,28 @@
+/// A circle on a pixel grid, row by row.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/vec2.hpp"
+
+namespace ovws {
+
+/// Columns [begin, end) of one row.
+struct Columns {
+  int begin = 0;
+  int end = 0;
+};
+
+/// Those of row y, of a grid `width` wide, whose pixel centres lie in a circle or on it; none:
+/// begin == end.
+inline Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) {
+  const double dy = y - centre_px.y;
+  const double half_squared = 0.25 * diameter_px * diameter_px - dy * dy;
+  if (half_squared < 0.0) return {};
+  const double half = std::sqrt(half_squared);
+  const int begin = std::max(0, int(std::ceil(centre_px.x - half)));
+  return {begin, std::max(begin, std::min(width, int(std::floor(centre_px.x + half)) + 1))};
+}
+
+}  // namespace ovws
