@@ -32,6 +32,7 @@ VENDORS = {
 }
 # Threads are made in one place a program.
 THREAD_OWNERS = ("daemon/thread_plan.", "daemon/study/parallel.", "drivers/twin/")
+CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60
 
@@ -72,32 +73,61 @@ def check_text_line(line):
         yield "a path of one machine"
 
 
-def functions_too_long(lines):
-    """Yields (line, length) of brace-delimited bodies that begin at column 0: functions, in this code's format."""
-    start = None
-    for number, line in enumerate(lines, 1):
-        if re.match(r"[A-Za-z].*[)\w>]\s*(const)?\s*(noexcept)?\s*\{$", line) and not re.match(r"(namespace|class|struct|enum|union)\b", line):
-            start = number
-        elif line.startswith("}") and start:
-            if number - start + 1 > MOST_FUNCTION_LINES:
-                yield start, number - start + 1
-            start = None
+def blanked(text):
+    """The code with comments, literals and preprocessor lines blanked out, every line kept where it is."""
+    pattern = r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Za-z_])\'(?:\\.|[^\'\\\n])\'|^[ \t]*#(?:\\\n|[^\n])*'
+    return re.sub(pattern, lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.S | re.M)
+
+
+def opens_function(statement):
+    """Whether a brace behind this text begins a function's body. None: it initialises a member, the body is still to come."""
+    if "(" not in statement or re.search(r"=\s*$", statement):
+        return False
+    if re.search(r"\)[\w\s]*:(?!:)", statement) and re.search(r"\w\s*$", statement):
+        return None
+    return True
+
+
+def functions_too_long(text):
+    """Yields (line, length) of functions, from the first line of their signature; lambdas in a function are part of it."""
+    kinds = []  # of the braces that are open
+    begin, function_begin = 0, None  # of this statement, of the function that is open
+    text = blanked(text)
+    for found in re.finditer(r"[{};]", text):
+        at = found.start()
+        inside = function_begin is not None
+        if found[0] == "{":
+            kind = "block" if inside else opens_function(text[begin:at])
+            kinds.append(kind)
+            if kind is True:
+                function_begin = begin + len(text[begin:at]) - len(text[begin:at].lstrip())
+            if kind is not None:
+                begin = at + 1
+            continue
+        kind = kinds.pop() if found[0] == "}" and kinds else "end"
+        if kind is True:
+            first, last = (text.count("\n", 0, where) + 1 for where in (function_begin, at))
+            if last - first + 1 > MOST_FUNCTION_LINES:
+                yield first, last - first + 1
+            function_begin = None
+        if kind is not None:
+            begin = at + 1
 
 
 def main():
     found = []
-    code = [n for n in tracked("*.hpp", "*.cpp") if room_of(n) in MAY_INCLUDE]
+    code = [n for n in tracked(*CODE) if room_of(n) in MAY_INCLUDE]
     for name in code:
-        lines = (ROOT / name).read_text().splitlines()
-        for number, line in enumerate(lines, 1):
+        text = (ROOT / name).read_text()
+        for number, line in enumerate(text.splitlines(), 1):
             found += [f"{name}:{number}: {rule}" for rule in check_code_line(name, line)]
-        found += [f"{name}:{n}: a function of {length} lines" for n, length in functions_too_long(lines)]
+        found += [f"{name}:{n}: a function of {length} lines" for n, length in functions_too_long(text)]
     for name in tracked():
         path = ROOT / name
         if path.suffix in {".png", ".tif", ".bin"} or path.is_symlink() or not path.is_file():
             continue
         lines = path.read_text(errors="replace").splitlines()
-        if path.suffix in {".hpp", ".cpp", ".py"} and len(lines) > MOST_LINES:
+        if path.suffix in {".hpp", ".cpp", ".inc", ".py"} and len(lines) > MOST_LINES:
             found.append(f"{name}:1: {len(lines)} lines, at most {MOST_LINES}")
         if name.startswith("tests/lint/"):
             continue

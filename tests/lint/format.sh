@@ -2,4 +2,4 @@
 # Every source file is as .clang-format has it.
 set -eu
 cd "$1"
-git ls-files -z '*.hpp' '*.cpp' | xargs -0 clang-format --dry-run --Werror
+git ls-files -z '*.hpp' '*.cpp' '*.inc' | xargs -0 clang-format --dry-run --Werror
