@@ -1,12 +1,14 @@
 /// ovws measure: wavefronts of image files.
-#include <cmath>
+#include <algorithm>
+#include <deque>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/tracking/tracker.hpp"
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/measurement.hpp"
+#include "daemon/cli/measurement_line.hpp"
 #include "daemon/cli/refined.hpp"
-#include "proto/encode.hpp"
 #include "proto/names.hpp"
 
 namespace ovws::cli {
@@ -34,118 +36,75 @@ Result<Config> config_of(const MeasureOptions& options) {
   return config;
 }
 
-json spots_of(const Measured& measured) {
-  json spots = json::array();
-  for (std::size_t i = 0; i < measured.spots.size(); ++i) {
-    const SpotFix& spot = measured.spots[i];
-    if (spot.found()) {
-      spots.push_back({{"i", i}, {"x", spot.x}, {"y", spot.y}, {"quality", spot.quality}});
-    } else {
-      spots.push_back({{"i", i}, {"x", nullptr}, {"y", nullptr}, {"quality", 0.0}});
+/// What measures images of one size and depth; made when the first of them comes.
+struct Instrument {
+  int width = 0, height = 0;
+  PixelFormat format = PixelFormat::mono8;
+  Result<Measurement> measurement;
+  std::optional<Result<RefinedMeasurement>> refined{};  ///< made when it is asked for
+};
+
+/// Measures image files one after the other; the reference is read and measured once for each size
+/// and depth.
+class ImageMeasurer {
+ public:
+  ImageMeasurer(const MeasureOptions& options, const Config& config)
+      : options_(options), config_(config) {}
+
+  Result<json> line_of_file(const std::string& path) {
+    const auto picture = read_picture(path);
+    if (!picture) return fail(picture.error());
+    const ImageView image = picture->view();
+    if (!options_.reference.empty() && !reference_) reference_ = read_picture(options_.reference);
+    if (reference_ && !*reference_) return fail(reference_->error());
+    Instrument& instrument = instrument_for(image);
+    if (!instrument.measurement) return fail(instrument.measurement.error());
+    const Measured measured = instrument.measurement->measure(image);
+    json line = line_of(path, config_, *instrument.measurement, measured);
+    if (!options_.refine) return line;
+    if (auto done = refine(line, instrument, measured, image); !done) return fail(done.error());
+    return line;
+  }
+
+ private:
+  std::optional<ImageView> reference_view() const {
+    return reference_ ? std::optional((*reference_)->view()) : std::nullopt;
+  }
+
+  Instrument& instrument_for(const ImageView& image) {
+    for (Instrument& made : instruments_) {
+      if (made.width == image.width && made.height == image.height && made.format == image.format) {
+        return made;
+      }
     }
+    return instruments_.emplace_back(
+        Instrument{image.width, image.height, image.format,
+                   Measurement::make(config_, image, reference_view())});
   }
-  return spots;
-}
 
-/// A line of the form of the `wavefront` message; what only a camera knows is null.
-json line_of(const std::string& file, const Config& config, const Measurement& measurement,
-             const Measured& measured) {
-  WavefrontMessage message;
-  message.charge = config.sensor.charge;
-  message.tracker = tracker_name(config.tracking.tracker);
-  message.subapertures = int(measured.spots.size());
-  message.tracked = measured.tracked;
-  message.settled = true;
-  message.valid = measured.valid;
-  message.wavelength_nm = config.optics.wavelength_nm;
-  if (measured.valid) {
-    message.rms_waves = measured.reconstruction.rms_waves;
-    message.fit_residual_px = measured.reconstruction.fit_residual_px;
+  /// The coefficients of all pixels instead of those of the spots' positions.
+  Result<void> refine(json& line, Instrument& instrument, const Measured& measured,
+                      const ImageView& image) {
+    const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
+    RefineCamera camera = options_.camera;
+    const double full_scale_dn = (1 << significant_bits(image.format)) - 1;
+    camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
+    if (!instrument.refined) {
+      instrument.refined =
+          RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera);
+    }
+    if (!*instrument.refined) return fail(instrument.refined->error());
+    const auto found = (*instrument.refined)->measure(image, measured.coefficients);
+    if (!found) return fail(found.error());
+    put_refined(line, *found, modes_j, found->believable(camera));
+    return {};
   }
-  message.saturated = measured.saturated;
-  message.j = measurement.plan().reconstructor->modes_j();
-  message.coefficients = measured.coefficients;
-  std::string text;
-  encode(message, text);
-  json line = json::parse(text);
-  for (const char* unknown : {"t_device_ns", "t_arrival_ns", "t_publish_ns", "latency_us"}) {
-    line[unknown] = nullptr;
-  }
-  line["file"] = file;
-  line["spots"] = spots_of(measured);
-  return line;
-}
 
-void print_table(const json& line) {
-  print("{}: {} of {} spots, {}\n", line["file"].get<std::string>(), line["tracked"].get<int>(),
-        line["subapertures"].get<int>(), line["valid"].get<bool>() ? "valid" : "NOT VALID");
-  if (!line["valid"].get<bool>()) return;
-  for (std::size_t k = 0; k < line["j"].size(); ++k) {
-    const int j = line["j"][k].get<int>();
-    print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());
-  }
-  print("RMS {:.4f} wave without tilts", line["rms_waves"].get<double>());
-  if (line["fit_residual_px"].is_number()) {
-    print(", fit residual {:.4f} px", line["fit_residual_px"].get<double>());
-  }
-  if (line.contains("refined")) {
-    print(", refined: chi2 per pixel {:.3f}", line["refined"]["chi2_per_pixel"].get<double>());
-  }
-  print("\n");
-}
-
-/// The coefficients of all pixels instead of those of the spots' positions.
-Result<void> refine(json& line, const MeasureOptions& options, const Config& config,
-                    const Measurement& measurement, const Measured& measured,
-                    const ImageView& image, const std::optional<ImageView>& reference) {
-  const std::vector<int>& modes_j = measurement.plan().reconstructor->modes_j();
-  RefineCamera camera = options.camera;
-  const double full_scale_dn = (1 << significant_bits(image.format)) - 1;
-  camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
-  auto refined = RefinedMeasurement::make(config, image, reference, modes_j, camera);
-  if (!refined) return fail(refined.error());
-  const auto found = refined->measure(image, measured.coefficients);
-  if (!found) return fail(found.error());
-  double squares = 0.0;
-  for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    if (modes_j[k] > 2) squares += found->waves[k] * found->waves[k];
-  }
-  const bool valid = found->believable(camera);
-  line["valid"] = valid;
-  line["coefficients"] = valid ? json(found->waves) : json(std::vector<json>(modes_j.size()));
-  line["rms_waves"] = valid ? json(std::sqrt(squares)) : json();
-  line["refined"] = {{"sigma_waves", found->sigma_waves},
-                     {"chi2_per_pixel", found->chi2_per_pixel}};
-  return {};
-}
-
-Result<void> measure_one(const Common& common, const MeasureOptions& options, const Config& config,
-                         const std::string& path) {
-  const auto picture = read_picture(path);
-  if (!picture) return fail(picture.error());
-  std::optional<Picture> reference;
-  if (!options.reference.empty()) {
-    auto read = read_picture(options.reference);
-    if (!read) return fail(read.error());
-    reference = std::move(*read);
-  }
-  auto measurement = Measurement::make(config, picture->view(),
-                                       reference ? std::optional(reference->view()) : std::nullopt);
-  if (!measurement) return fail(measurement.error());
-  const Measured measured = measurement->measure(picture->view());
-  json line = line_of(path, config, *measurement, measured);
-  if (options.refine) {
-    const auto refined = refine(line, options, config, *measurement, measured, picture->view(),
-                                reference ? std::optional(reference->view()) : std::nullopt);
-    if (!refined) return refined;
-  }
-  if (common.json) {
-    print("{}\n", line.dump());
-  } else {
-    print_table(line);
-  }
-  return {};
-}
+  const MeasureOptions& options_;
+  const Config& config_;
+  std::optional<Result<Picture>> reference_;
+  std::deque<Instrument> instruments_;
+};
 
 /// Every image is measured, also behind one that cannot be.
 int measure(const Common& common, const MeasureOptions& options) {
@@ -158,10 +117,16 @@ int measure(const Common& common, const MeasureOptions& options) {
   }
   const auto config = config_of(options);
   if (!config) return report(common, config.error());
+  ImageMeasurer measurer(options, *config);
   int status = kOk;
   for (const std::string& path : options.images) {
-    if (const auto done = measure_one(common, options, *config, path); !done) {
-      status = report(common, done.error());
+    const auto line = measurer.line_of_file(path);
+    if (!line) {
+      status = report(common, line.error());
+    } else if (common.json) {
+      print("{}\n", line->dump());
+    } else {
+      print_table(*line);
     }
   }
   return status;
