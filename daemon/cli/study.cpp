@@ -1,5 +1,10 @@
 /// ovws study: the accuracy studies, with figures.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -18,46 +23,70 @@ struct StudyOptions {
   std::uint64_t seed = 1;
 };
 
-Result<nlohmann::json> run_study(const StudyOptions& options) {
+/// Made, and can be written to: better known before minutes of work than after.
+Result<void> check_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && ::access(folder.c_str(), W_OK | X_OK) != 0) {
+    error.assign(errno, std::generic_category());
+  }
+  if (!error) return {};
+  return fail(Errc::unavailable, "output",
+              folder.string() + " cannot be written to: " + error.message());
+}
+
+study::Findings run_study(const StudyOptions& options) {
   study::Settings settings;
-  settings.folder = options.folder;
   settings.quick = options.quick;
   settings.seed = options.seed;
   settings.threads = options.threads > 0 ? options.threads : study::all_cores();
-  std::error_code error;
-  std::filesystem::create_directories(settings.folder, error);
-  if (error) {
-    return fail(Errc::unavailable, "output",
-                options.folder + " cannot be made: " + error.message());
-  }
   const auto chosen =
       std::find_if(study::kStudies.begin(), study::kStudies.end(),
                    [&](const study::Study& one) { return one.name == options.name; });
   const auto started = std::chrono::steady_clock::now();
-  auto summary = chosen->run(settings);
-  if (!summary) return summary;
-  (*summary)["quick"] = options.quick;
-  (*summary)["seed"] = options.seed;
-  (*summary)["version"] = OVWS_VERSION;
-  (*summary)["took_s"] =
+  study::Findings found = chosen->run(settings);
+  found.summary["quick"] = options.quick;
+  found.summary["seed"] = options.seed;
+  found.summary["version"] = OVWS_VERSION;
+  found.summary["took_s"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  std::ofstream file(settings.folder / "summary.json");
-  file << summary->dump(2) << "\n";
+  return found;
+}
+
+Result<void> write_summary(const nlohmann::json& summary, const std::filesystem::path& folder) {
+  std::ofstream file(folder / "summary.json");
+  file << summary.dump(2) << "\n";
   file.close();
-  if (!file) return fail(Errc::unavailable, "output", options.folder + "/summary.json");
-  return summary;
+  if (file) return {};
+  return fail(Errc::unavailable, "output",
+              (folder / "summary.json").string() + " cannot be written");
+}
+
+/// The pictures come last: what is missing for them must not cost the numbers.
+Result<void> write_findings(const study::Findings& found, const std::filesystem::path& folder) {
+  if (auto done = write_summary(found.summary, folder); !done) return done;
+  for (const study::Figure& figure : found.figures) {
+    if (auto done = study::write_numbers(figure, folder); !done) return done;
+  }
+  for (const study::Figure& figure : found.figures) {
+    if (auto done = study::draw(figure, folder); !done) return done;
+  }
+  return {};
 }
 
 int study_command(const Common& common, const StudyOptions& options) {
-  const auto summary = run_study(options);
-  if (!summary) return report(common, summary.error());
+  if (const auto usable = check_folder(options.folder); !usable) {
+    return report(common, usable.error());
+  }
+  const study::Findings found = run_study(options);
+  const auto written = write_findings(found, options.folder);
   if (common.json) {
-    print("{}\n", summary->dump());
+    print("{}\n", found.summary.dump());
   } else {
-    print("{}: {:.0f} s, see {}\n", options.name, (*summary)["took_s"].get<double>(),
+    print("{}: {:.0f} s, see {}\n", options.name, found.summary["took_s"].get<double>(),
           options.folder);
   }
-  return kOk;
+  return written ? kOk : report(common, written.error());
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ Counts acquire(const Measurer& measurer, const Scene& scene, double snr, int ima
 
 }  // namespace
 
-Summary acquisition(const Settings& settings) {
+Findings acquisition(const Settings& settings) {
   const std::vector<double> snrs = settings.quick
                                        ? std::vector<double>{2.0, 5.0, 22.0}
                                        : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
@@ -128,8 +128,7 @@ Summary acquisition(const Settings& settings) {
     figure.series.push_back(std::move(refused));
     figure.series.push_back(std::move(gross));
   }
-  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  return summary;
+  return {std::move(summary), {std::move(figure)}};
 }
 
 }  // namespace ovws::study

@@ -49,8 +49,9 @@ SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<Se
   SpotBench bench{
       light, method, std::make_shared<Measurer>(default_bench(), method, model), {}, {}};
   const auto base = std::size_t(bench.measurer->spots() / 2);
-  bench.electrons_px = crop(electrons(*model, *vortex, {}, light),
-                            bench.measurer->reference_px()[base], bench.at_px);
+  Vec2 centre = bench.measurer->reference_px()[base];
+  if (std::isnan(centre.x)) centre = model->spots_px()[base];  // lost even without noise
+  bench.light_e = crop(electrons(*model, *vortex, {}, light), centre, bench.at_px);
   return bench;
 }
 
@@ -74,10 +75,10 @@ Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, st
   std::uniform_real_distribution<double> within(-reach_px, reach_px);
   for (int k = 0; k < realisations; ++k) {
     const std::vector<Vec2> start{bench.at_px + Vec2{within(random), within(random)}};
-    const Vec2 truth = bench.measurer->noise_free_px(bench.electrons_px, start).front();
-    const Exposure exposure = expose(bench.electrons_px, read_noise_e, random());
+    const Vec2 truth = bench.measurer->noise_free_px(bench.light_e, start).front();
+    const Exposure exposure = expose(bench.light_e, read_noise_e, random());
     const SpotFix fix = bench.measurer->track(exposure, start).front();
-    if (!fix.found()) {
+    if (!fix.found() || std::isnan(truth.x)) {
       ++cloud.lost;
       continue;
     }
@@ -91,7 +92,7 @@ Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, st
 
 double bound_px(const SpotBench& bench, double read_noise_e) {
   const int x = int(std::lround(bench.at_px.x)), y = int(std::lround(bench.at_px.y));
-  const PictureShape shape(bench.electrons_px, x, y);
+  const PictureShape shape(bench.light_e, x, y);
   return localisation_bound(shape, {double(x), double(y)}, kBoundHalfPx, {1.0, 0.0, read_noise_e})
       .px;
 }

@@ -14,8 +14,8 @@ struct SpotBench {
   Light light = Light::equal_peak;
   Method method;
   std::shared_ptr<Measurer> measurer;
-  Image<float> electrons_px;  ///< the image around the base spot
-  Vec2 at_px;                 ///< the spot in it, as the method reads it without noise
+  Image<float> light_e;  ///< the image around the base spot
+  Vec2 at_px;  ///< the spot in it, as the method reads it without noise; if it cannot: the model's
 };
 
 /// Every method at both lights.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,12 @@
 namespace ovws::study {
 
 struct Series {
-  std::string name;
+  std::string name;  ///< empty: not in the legend
   std::vector<double> x, y;
   std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
   enum class Style { line_points, line, points } style = Style::line_points;
+  int colour = 0;        ///< that of the series with this place in the figure, from 1; 0: its own
+  double shift_x = 0.0;  ///< drawn beside where it is, so that points do not cover each other
 };
 
 struct Figure {
@@ -23,10 +26,16 @@ struct Figure {
   bool log_x = false, log_y = false;
   bool same_scale = false;  ///< one unit is as long in x as in y
   std::vector<Series> series{};
+  double y_from = std::numeric_limits<double>::quiet_NaN();  ///< NaN: as the numbers are
+  double y_to = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Writes NAME.csv (series,x,y,error) and NAME.png. Errors (Errc::unavailable): the folder cannot
-/// be written; gnuplot is missing or fails, and then the CSV is there all the same.
-Result<void> write_figure(const Figure& figure, const std::filesystem::path& folder);
+/// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png where it is run.
+/// Errors (Errc::unavailable): the folder cannot be written.
+Result<void> write_numbers(const Figure& figure, const std::filesystem::path& folder);
+
+/// Makes NAME.png of what write_numbers wrote. Errors (Errc::unavailable): gnuplot is missing or
+/// fails; the reason says what to do.
+Result<void> draw(const Figure& figure, const std::filesystem::path& folder);
 
 }  // namespace ovws::study

@@ -9,7 +9,7 @@
 
 namespace ovws::study {
 
-Summary kernel(const Settings& settings) {
+Findings kernel(const Settings& settings) {
   const std::vector<double> snrs{2.0, 5.0, 10.0, 22.0};
   const std::vector<double> radii =
       settings.quick ? std::vector<double>{0.2, 0.3, 0.45}
@@ -49,8 +49,7 @@ Summary kernel(const Settings& settings) {
     }
     figure.series.push_back(std::move(series));
   }
-  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  return summary;
+  return {std::move(summary), {std::move(figure)}};
 }
 
 }  // namespace ovws::study

@@ -28,7 +28,7 @@ Figure cloud_figure(const std::vector<SpotBench>& all, const Settings& settings)
 
 }  // namespace
 
-Summary localisation(const Settings& settings) {
+Findings localisation(const Settings& settings) {
   const int realisations = settings.quick ? 30 : 100;
   const double step_e = settings.quick ? 40.0 : 10.0;
   std::vector<double> noises_e;
@@ -39,11 +39,12 @@ Summary localisation(const Settings& settings) {
     clouds[k] = cloud_of(all[k / noises_e.size()], noises_e[k % noises_e.size()], realisations,
                          settings.seed + 1000 * k);
   });
-  nlohmann::json summary{{"study", "localisation"},
-                         {"unit", "px RMS per axis"},
-                         {"peak_e", kPeakE},
-                         {"realisations", realisations},
-                         {"rows", nlohmann::json::array()}};
+  Findings found;
+  found.summary = {{"study", "localisation"},
+                   {"unit", "px RMS per axis"},
+                   {"peak_e", kPeakE},
+                   {"realisations", realisations},
+                   {"rows", nlohmann::json::array()}};
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
     Figure figure{light == Light::equal_peak ? "localisation" : "localisation-photons",
                   fmt::format("Localisation of one spot at {}", name_of(light)),
@@ -57,13 +58,13 @@ Summary localisation(const Settings& settings) {
         const Mean rms = root_of(cloud.squares_px2);
         series.y.push_back(rms.value);
         series.error.push_back(rms.standard_error);
-        summary["rows"].push_back({{"light", name_of(light)},
-                                   {"method", all[b].method.name},
-                                   {"read_noise_e", noises_e[n]},
-                                   {"snr", snr_of_read_noise(noises_e[n])},
-                                   {"rms_px", rms.value},
-                                   {"standard_error_px", rms.standard_error},
-                                   {"lost", cloud.lost}});
+        found.summary["rows"].push_back({{"light", name_of(light)},
+                                         {"method", all[b].method.name},
+                                         {"read_noise_e", noises_e[n]},
+                                         {"snr", snr_of_read_noise(noises_e[n])},
+                                         {"rms_px", rms.value},
+                                         {"standard_error_px", rms.standard_error},
+                                         {"lost", cloud.lost}});
       }
       figure.series.push_back(std::move(series));
       if (all[b].method.tracking.tracker != TrackerKind::matched) continue;
@@ -75,12 +76,10 @@ Summary localisation(const Settings& settings) {
       for (const double noise_e : noises_e) bound.y.push_back(bound_px(all[b], noise_e));
       figure.series.push_back(std::move(bound));
     }
-    if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
+    found.figures.push_back(std::move(figure));
   }
-  if (auto done = write_figure(cloud_figure(all, settings), settings.folder); !done) {
-    return fail(done.error());
-  }
-  return summary;
+  found.figures.push_back(cloud_figure(all, settings));
+  return found;
 }
 
 }  // namespace ovws::study

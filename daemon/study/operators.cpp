@@ -128,7 +128,7 @@ double error_of(const std::vector<double>& found, const std::vector<int>& modes_
 
 }  // namespace
 
-Summary operators(const Settings& settings) {
+Findings operators(const Settings& settings) {
   const std::vector<double> amplitudes =
       settings.quick ? std::vector<double>{0.1, 0.3} : std::vector<double>{0.05, 0.1, 0.2, 0.3};
   std::vector<int> modes_j;
@@ -174,8 +174,7 @@ Summary operators(const Settings& settings) {
     }
     figure.series.push_back(std::move(series));
   }
-  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  return summary;
+  return {std::move(summary), {std::move(figure)}};
 }
 
 }  // namespace ovws::study

@@ -33,7 +33,7 @@ Pair compare(const SpotBench& fast, const SpotBench& contour, std::uint64_t seed
   Pair pair;
   pair.snr = std::uniform_real_distribution<double>(kLowestSnr, kHighestSnr)(random);
   const std::vector<Vec2> start{fast.at_px + Vec2{within(random), within(random)}};
-  const Exposure exposure = expose(fast.electrons_px, read_noise_of_snr(pair.snr), random());
+  const Exposure exposure = expose(fast.light_e, read_noise_of_snr(pair.snr), random());
   pair.fast = fast.measurer->track(exposure, start).front();
   pair.contour = contour.measurer->track(exposure, start).front();
   return pair;
@@ -48,7 +48,7 @@ nlohmann::json json_of(const Pair& pair) {
 
 }  // namespace
 
-Summary oracle(const Settings& settings) {
+Findings oracle(const Settings& settings) {
   const std::size_t spots = settings.quick ? 200 : 10'000;
   const auto vortex = model_of(default_bench(), 1);
   const SpotBench fast =
@@ -83,8 +83,7 @@ Summary oracle(const Settings& settings) {
                 "peak SNR", "distance between the two (px)",
                 false,      true,
                 false,      {apart}};
-  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  return summary;
+  return {std::move(summary), {std::move(figure)}};
 }
 
 }  // namespace ovws::study

@@ -35,10 +35,10 @@ class Climber {
       const std::vector<Mode> modes{{j_, sign * waves}};
       const auto light = model_->light(modes);
       if (!light) break;
-      Image<float> electrons_px = *light;
-      scale(electrons_px, kPeakE / model_->peak_of_spots(*light, modes));
-      if (!follow(electrons_px)) break;
-      if (!acquired(expose(electrons_px, read_noise_of_snr(kSnr), seed++))) break;
+      Image<float> light_e = *light;
+      scale(light_e, kPeakE / model_->peak_of_spots(*light, modes));
+      if (!follow(light_e)) break;
+      if (!acquired(expose(light_e, read_noise_of_snr(kSnr), seed++))) break;
       reached = waves;
     }
     return reached;
@@ -81,7 +81,7 @@ class Climber {
 
 }  // namespace
 
-Summary range(const Settings& settings) {
+Findings range(const Settings& settings) {
   std::vector<int> modes_j;
   for (int j = 1; j <= (settings.quick ? 4 : 14); ++j) modes_j.push_back(j);
   std::vector<double> reached(2 * modes_j.size());
@@ -110,8 +110,7 @@ Summary range(const Settings& settings) {
     }
     figure.series.push_back(std::move(series));
   }
-  if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  return summary;
+  return {std::move(summary), {std::move(figure)}};
 }
 
 }  // namespace ovws::study

@@ -11,8 +11,6 @@
 namespace ovws::study {
 namespace {
 
-constexpr int kImagePx = 512;
-
 /// A study's own configuration is right, or we have a bug.
 template <class T>
 T value_of(Result<T> result) {

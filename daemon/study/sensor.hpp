@@ -13,7 +13,9 @@
 
 namespace ovws::study {
 
-/// The bench that is simulated; the camera's image is 512 x 512.
+constexpr int kImagePx = 512;  ///< the camera's image, each way
+
+/// The bench that is simulated.
 struct Geometry {
   SlmGeometry slm;
   OpticsConfig optics;

@@ -1,39 +1,40 @@
-/// The accuracy studies: each writes figures (PNG), numbers (CSV) and returns its summary.
+/// The accuracy studies: each returns its figures and a summary, and writes nothing.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <vector>
 
-#include "core/base/result.hpp"
+#include "daemon/study/figure.hpp"
 
 namespace ovws::study {
 
 struct Settings {
-  std::filesystem::path folder;  ///< exists
-  bool quick = false;            ///< fewer levels and realisations: minutes become seconds
+  bool quick = false;  ///< fewer levels and realisations: minutes become seconds
   int threads = 1;
   std::uint64_t seed = 1;  ///< the same seed gives the same numbers, whatever the threads
 };
 
-/// What a study found, for a program; errors as of write_figure. What a study cannot do by itself
-/// is our own bug, and thrown.
-using Summary = Result<nlohmann::json>;
+/// What a study found. What a study cannot do is our own bug, and thrown.
+struct Findings {
+  nlohmann::json summary;  ///< for a program
+  std::vector<Figure> figures;
+};
 
-Summary localisation(const Settings& settings);
-Summary wavefront(const Settings& settings);
-Summary trackers(const Settings& settings);
-Summary kernel(const Settings& settings);
-Summary range(const Settings& settings);
-Summary acquisition(const Settings& settings);
-Summary oracle(const Settings& settings);
-Summary operators(const Settings& settings);
+Findings localisation(const Settings& settings);
+Findings wavefront(const Settings& settings);
+Findings trackers(const Settings& settings);
+Findings kernel(const Settings& settings);
+Findings range(const Settings& settings);
+Findings acquisition(const Settings& settings);
+Findings oracle(const Settings& settings);
+Findings operators(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
-  Summary (*run)(const Settings&);
+  Findings (*run)(const Settings&);
 };
 constexpr std::array<Study, 8> kStudies{{
     {"localisation", "one spot: error of its position against read noise", localisation},

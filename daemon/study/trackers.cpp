@@ -59,7 +59,7 @@ Figure figure_of(Light light, const std::vector<SpotBench>& benches,
 
 }  // namespace
 
-Summary trackers(const Settings& settings) {
+Findings trackers(const Settings& settings) {
   const std::vector<double> snrs = settings.quick
                                        ? std::vector<double>{3.0, 8.0, 22.0}
                                        : std::vector<double>{2.0, 3.0, 4.0, 5.0, 8.0, 12.0, 22.0};
@@ -80,11 +80,9 @@ Summary trackers(const Settings& settings) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     summary["rows"].push_back(json_of(benches[k / snrs.size()], snrs[k % snrs.size()], rows[k]));
   }
-  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-    const Figure figure = figure_of(light, benches, snrs, rows);
-    if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
-  }
-  return summary;
+  return {std::move(summary),
+          {figure_of(Light::equal_peak, benches, snrs, rows),
+           figure_of(Light::equal_photons, benches, snrs, rows)}};
 }
 
 }  // namespace ovws::study

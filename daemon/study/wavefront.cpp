@@ -125,7 +125,7 @@ nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
 
 }  // namespace
 
-Summary wavefront(const Settings& settings) {
+Findings wavefront(const Settings& settings) {
   const std::vector<double> snrs =
       settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
                      : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
@@ -146,6 +146,7 @@ Summary wavefront(const Settings& settings) {
                          {"peak_e", kPeakE},
                          {"instances", instances},
                          {"rows", nlohmann::json::array()}};
+  std::vector<Figure> figures;
   for (const Case& aberration : kCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
       Figure figure{std::string("wavefront-") + aberration.name +
@@ -175,10 +176,10 @@ Summary wavefront(const Settings& settings) {
         }
         figure.series.push_back(std::move(bound));
       }
-      if (auto done = write_figure(figure, settings.folder); !done) return fail(done.error());
+      figures.push_back(std::move(figure));
     }
   }
-  return summary;
+  return {std::move(summary), std::move(figures)};
 }
 
 }  // namespace ovws::study

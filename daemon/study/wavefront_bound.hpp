@@ -12,6 +12,6 @@ namespace ovws::study {
 /// modes, rad^2: no method leaves less residual variance without being biased. NaN if the image
 /// does not tell them.
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
-                            const Image<float>& electrons_px, double read_noise_e);
+                            const Image<float>& light_e, double read_noise_e);
 
 }  // namespace ovws::study
