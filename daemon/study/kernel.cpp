@@ -8,48 +8,145 @@
 #include "daemon/study/studies.hpp"
 
 namespace ovws::study {
+namespace {
+
+/// A light, a charge, and a spot for each radius of the kernel.
+struct Beam {
+  Light light;
+  int charge;
+  std::vector<SpotBench> benches;
+};
+
+struct Levels {
+  std::vector<double> snrs, radii;  ///< radii: units of lambda/d
+  int realisations;
+};
+
+/// Of one beam and one SNR, a value a radius.
+struct Curve {
+  const Beam* beam;
+  double snr;
+  std::vector<Mean> rms_px;
+  std::vector<int> lost;
+  double bound_px;  ///< of the light: the same for all radii
+};
+
+/// A kernel that loses spots has no error to compare: it would be judged by the easy ones.
+std::size_t best_of(const Curve& curve) {
+  std::size_t best = 0;
+  for (std::size_t r = 1; r < curve.rms_px.size(); ++r) {
+    const auto rank = [&](std::size_t k) {
+      return std::pair(curve.lost[k], curve.rms_px[k].value);
+    };
+    if (rank(r) < rank(best)) best = r;
+  }
+  return best;
+}
+
+std::vector<Beam> beams_of(const std::vector<double>& radii) {
+  const auto vortex = model_of(default_bench(), 1);
+  const auto bright = model_of(default_bench(), 0);
+  std::vector<Beam> beams;
+  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const int charge : {1, 0}) {
+      Beam beam{light, charge, {}};
+      for (const double radius : radii) {
+        const Method method{fmt::format("radius {}", radius), charge, {TrackerKind::lg, radius}};
+        beam.benches.push_back(spot_bench(method, light, charge == 0 ? bright : vortex, vortex));
+      }
+      beams.push_back(std::move(beam));
+    }
+  }
+  return beams;
+}
+
+/// Every radius is given the same noise, so that they differ by the radius alone.
+std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
+                             const Settings& settings) {
+  const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
+  std::vector<Cloud> clouds(beams.size() * snrs * radii);
+  parallel_for("kernel", clouds.size(), settings.threads, [&](std::size_t k) {
+    const Beam& beam = beams[k / radii / snrs];
+    const std::size_t s = k / radii % snrs;
+    clouds[k] = cloud_of(beam.benches[k % radii], read_noise_of_snr(levels.snrs[s]),
+                         levels.realisations, settings.seed + 1000 * s + unsigned(beam.charge));
+  });
+  std::vector<Curve> curves;
+  for (std::size_t c = 0; c < beams.size() * snrs; ++c) {
+    const double snr = levels.snrs[c % snrs];
+    const Beam& beam = beams[c / snrs];
+    Curve curve{&beam, snr, {}, {}, bound_px(beam.benches.front(), read_noise_of_snr(snr))};
+    for (std::size_t r = 0; r < radii; ++r) {
+      curve.rms_px.push_back(root_of(clouds[c * radii + r].squares_px2));
+      curve.lost.push_back(clouds[c * radii + r].lost);
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
+  Figure figure{light == Light::equal_peak ? "kernel" : "kernel-photons",
+                fmt::format("lg at {}: error against the kernel's radius", name_of(light)),
+                "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
+  figure.log_y = true;
+  std::vector<Series> bounds;
+  for (const Curve& curve : curves) {
+    if (curve.beam->light != light) continue;
+    const char* sensor = curve.beam->charge == 0 ? "Shack-Hartmann" : "vortex";
+    Series series{fmt::format("{}, peak SNR {}", sensor, curve.snr), radii, {}, {}};
+    for (const Mean& rms : curve.rms_px) {
+      series.y.push_back(rms.value);
+      series.error.push_back(rms.standard_error);
+    }
+    figure.series.push_back(std::move(series));
+    bounds.push_back({bounds.empty() ? "dashed: bound of that light" : "",
+                      radii,
+                      std::vector<double>(radii.size(), curve.bound_px),
+                      {},
+                      Series::Style::line,
+                      int(figure.series.size())});
+  }
+  figure.series.insert(figure.series.end(), bounds.begin(), bounds.end());
+  return figure;
+}
+
+nlohmann::json row_of(const Curve& curve, std::size_t r, const std::vector<double>& radii) {
+  return {{"light", name_of(curve.beam->light)},
+          {"charge", curve.beam->charge},
+          {"snr", curve.snr},
+          {"radius", radii[r]},
+          {"rms_px", curve.rms_px[r].value},
+          {"standard_error_px", curve.rms_px[r].standard_error},
+          {"bound_px", curve.bound_px},
+          {"lost", curve.lost[r]}};
+}
+
+}  // namespace
 
 Findings kernel(const Settings& settings) {
-  const std::vector<double> snrs{2.0, 5.0, 10.0, 22.0};
-  const std::vector<double> radii =
-      settings.quick ? std::vector<double>{0.2, 0.3, 0.45}
-                     : std::vector<double>{0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6};
-  const int realisations = settings.quick ? 30 : 400;
-  const auto vortex = model_of(default_bench(), 1);
-  std::vector<SpotBench> benches;
-  for (const double radius : radii) {
-    const Method method{fmt::format("radius {}", radius), 1, {TrackerKind::lg, radius}};
-    benches.push_back(spot_bench(method, Light::equal_peak, vortex, vortex));
-  }
-  std::vector<Cloud> clouds(radii.size() * snrs.size());
-  parallel_for("kernel", clouds.size(), settings.threads, [&](std::size_t k) {
-    clouds[k] = cloud_of(benches[k / snrs.size()], read_noise_of_snr(snrs[k % snrs.size()]),
-                         realisations, settings.seed + 1000 * k);
-  });
+  const Levels levels =
+      settings.quick
+          ? Levels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
+          : Levels{
+                {2.0, 5.0, 22.0}, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.8, 1.0}, 400};
+  const std::vector<Beam> beams = beams_of(levels.radii);
+  const std::vector<Curve> curves = curves_of(beams, levels, settings);
   nlohmann::json summary{{"study", "kernel"},
                          {"unit", "px RMS per axis"},
                          {"peak_e", kPeakE},
-                         {"realisations", realisations},
-                         {"rows", nlohmann::json::array()}};
-  Figure figure{"kernel", "LG on a vortex at equal peak: error against the kernel's radius",
-                "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
-  figure.log_y = true;
-  for (std::size_t s = 0; s < snrs.size(); ++s) {
-    Series series{fmt::format("peak SNR {}", snrs[s]), radii, {}, {}};
-    for (std::size_t r = 0; r < radii.size(); ++r) {
-      const Cloud& cloud = clouds[r * snrs.size() + s];
-      const Mean rms = root_of(cloud.squares_px2);
-      series.y.push_back(rms.value);
-      series.error.push_back(rms.standard_error);
-      summary["rows"].push_back({{"radius", radii[r]},
-                                 {"snr", snrs[s]},
-                                 {"rms_px", rms.value},
-                                 {"standard_error_px", rms.standard_error},
-                                 {"lost", cloud.lost}});
+                         {"realisations", levels.realisations},
+                         {"rows", nlohmann::json::array()},
+                         {"best", nlohmann::json::array()}};
+  for (const Curve& curve : curves) {
+    for (std::size_t r = 0; r < levels.radii.size(); ++r) {
+      summary["rows"].push_back(row_of(curve, r, levels.radii));
     }
-    figure.series.push_back(std::move(series));
+    summary["best"].push_back(row_of(curve, best_of(curve), levels.radii));
   }
-  return {std::move(summary), {std::move(figure)}};
+  return {std::move(summary),
+          {figure_of(Light::equal_peak, curves, levels.radii),
+           figure_of(Light::equal_photons, curves, levels.radii)}};
 }
 
 }  // namespace ovws::study
