@@ -59,15 +59,16 @@ double round_below(double value) {
   return power * (digit < 2.0 ? 1.0 : digit < 5.0 ? 2.0 : 5.0);
 }
 
-/// From a round number to a round number, and with their steps named where two decades and less
-/// hold too few powers of ten to read a number from.
+/// Steps are named where two decades and less hold too few powers of ten to read a number from. In
+/// y from a round number to a round number; in x, which is chosen, just beyond the ends.
 std::string log_axis(char axis, std::vector<double> values) {
   std::erase_if(values, [](double value) { return !(value > 0.0 && std::isfinite(value)); });
   std::string text = fmt::format("set logscale {0}\nset format {0} '%g'\n", axis);
   if (values.empty()) return text;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double from = round_below(*least), to = 1.0 / round_below(1.0 / *most);
-  text += fmt::format("set {}range [{:.6g}:{:.6g}]\n", axis, from, to);
+  text += axis == 'x' ? fmt::format("set xrange [{:.6g}:{:.6g}]\n", *least / 1.1, *most * 1.1)
+                      : fmt::format("set yrange [{:.6g}:{:.6g}]\n", from, to);
   if (to > 100.0 * from) return text;
   std::string tics;
   for (double tic = from; tic < 1.001 * to; tic = 1.0 / round_below(0.9 / tic)) {
@@ -114,7 +115,7 @@ std::string script_of(const Figure& figure) {
       "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\n"
       "set output {}\nset title {} noenhanced\nset xlabel {} offset 0,0.4 noenhanced\nset ylabel "
       "{} noenhanced\n"
-      "set grid\nset key below maxcols 3 noenhanced font ',13'\nset pointsize 1.4\n"
+      "set grid\nset key below height 1 maxcols 3 noenhanced font ',13'\nset pointsize 1.4\n"
       "set linetype 5 linecolor rgb '#8c6d1f'\nset linetype 8 linecolor rgb '#666666'\n"
       "set linetype 9 linecolor rgb '#e377c2'\nset linetype 10 linecolor rgb '#17becf'\n",
       quoted(figure.name + ".png"), quoted(figure.title), quoted(figure.x_label),

@@ -31,13 +31,16 @@ struct Curve {
   double bound_px;  ///< of the light: the same for all radii
 };
 
-/// A kernel that loses spots has no error to compare: it would be judged by the easy ones.
+/// A kernel that loses more than a hundredth has no error to compare: it is judged by the easy
+/// ones.
 std::size_t best_of(const Curve& curve) {
+  const auto rank = [&](std::size_t r) {
+    const Mean& rms_px = curve.rms_px[r];
+    const bool loses = 100.0 * curve.lost[r] > double(rms_px.count) + curve.lost[r];
+    return std::pair(loses, rms_px.value);
+  };
   std::size_t best = 0;
   for (std::size_t r = 1; r < curve.rms_px.size(); ++r) {
-    const auto rank = [&](std::size_t k) {
-      return std::pair(curve.lost[k], curve.rms_px[k].value);
-    };
     if (rank(r) < rank(best)) best = r;
   }
   return best;
@@ -87,14 +90,15 @@ std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& level
 
 Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
   Figure figure{light == Light::equal_peak ? "kernel" : "kernel-photons",
-                fmt::format("lg at {}: error against the kernel's radius", name_of(light)),
+                fmt::format("lg at {}: error against the kernel's radius ({})", name_of(light),
+                            light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex"),
                 "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
   figure.log_y = true;
   std::vector<Series> bounds;
   for (const Curve& curve : curves) {
     if (curve.beam->light != light) continue;
     const char* sensor = curve.beam->charge == 0 ? "Shack-Hartmann" : "vortex";
-    Series series{fmt::format("{}, peak SNR {}", sensor, curve.snr), radii, {}, {}};
+    Series series{fmt::format("{}, SNR {}", sensor, curve.snr), radii, {}, {}};
     for (const Mean& rms : curve.rms_px) {
       series.y.push_back(rms.value);
       series.error.push_back(rms.standard_error);

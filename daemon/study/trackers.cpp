@@ -32,7 +32,7 @@ Figure figure_of(Light light, const std::vector<SpotBench>& benches,
   Figure figure;
   figure.name = light == Light::equal_peak ? "trackers" : "trackers-photons";
   figure.title = fmt::format("Every tracker and its bound at {}", name_of(light));
-  figure.x_label = "peak SNR";
+  figure.x_label = light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex";
   figure.y_label = "position error (px RMS per axis)";
   figure.log_x = figure.log_y = true;
   for (std::size_t b = 0; b < benches.size(); ++b) {
