@@ -115,7 +115,8 @@ std::string script_of(const Figure& figure) {
       "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\n"
       "set output {}\nset title {} noenhanced\nset xlabel {} offset 0,0.4 noenhanced\nset ylabel "
       "{} noenhanced\n"
-      "set grid\nset key below height 1 maxcols 3 noenhanced font ',13'\nset pointsize 1.4\n"
+      "set offsets graph 0.02, graph 0.02, 0, 0\nset grid\nset key below height 1 maxcols 3 "
+      "noenhanced font ',13'\nset pointsize 1.4\n"
       "set linetype 5 linecolor rgb '#8c6d1f'\nset linetype 8 linecolor rgb '#666666'\n"
       "set linetype 9 linecolor rgb '#e377c2'\nset linetype 10 linecolor rgb '#17becf'\n",
       quoted(figure.name + ".png"), quoted(figure.title), quoted(figure.x_label),
@@ -128,7 +129,7 @@ std::string script_of(const Figure& figure) {
     text += fmt::format("$data{} << EOD\n{}EOD\n", k, data_of(series));
     plots +=
         fmt::format("{}$data{} with {} {}", plots.empty() ? "plot " : ", ", k, style_of(series, k),
-                    series.name.empty() ? "notitle" : "title " + quoted(series.name));
+                    series.in_legend ? "title " + quoted(series.name) : "notitle");
     if (!series.error.empty()) {
       plots += fmt::format(
           ", $data{} using 1:($2-$3):(0):(2*$3) with vectors nohead linecolor {} notitle", k,

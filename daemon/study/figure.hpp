@@ -11,11 +11,12 @@
 namespace ovws::study {
 
 struct Series {
-  std::string name;  ///< empty: not in the legend
+  std::string name;
   std::vector<double> x, y;
   std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
   enum class Style { line_points, line, points } style = Style::line_points;
-  int colour = 0;        ///< that of the series with this place in the figure, from 1; 0: its own
+  int colour = 0;  ///< that of the series with this place in the figure, from 1; 0: its own
+  bool in_legend = true;
   double shift_x = 0.0;  ///< drawn beside where it is, so that points do not cover each other
 };
 

@@ -90,7 +90,8 @@ std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& level
 
 Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
   Figure figure{light == Light::equal_peak ? "kernel" : "kernel-photons",
-                fmt::format("lg at {}: error against the kernel's radius ({})", name_of(light),
+                fmt::format("lg at {}: error against the kernel's radius; dashed: bounds ({})",
+                            name_of(light),
                             light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex"),
                 "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
   figure.log_y = true;
@@ -104,12 +105,12 @@ Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vecto
       series.error.push_back(rms.standard_error);
     }
     figure.series.push_back(std::move(series));
-    bounds.push_back({bounds.empty() ? "dashed: bound of that light" : "",
-                      radii,
-                      std::vector<double>(radii.size(), curve.bound_px),
-                      {},
-                      Series::Style::line,
-                      int(figure.series.size())});
+    Series bound{
+        fmt::format("bound, {}, SNR {}", sensor, curve.snr), radii, {}, {}, Series::Style::line};
+    bound.y.assign(radii.size(), curve.bound_px);
+    bound.colour = int(figure.series.size());
+    bound.in_legend = false;
+    bounds.push_back(std::move(bound));
   }
   figure.series.insert(figure.series.end(), bounds.begin(), bounds.end());
   return figure;
