@@ -194,10 +194,11 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
 GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
                                const ClimbSteps& steps) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kFineWaves = 0.01;
+  constexpr double kPerWave = 100.0;
   const double margin_px = kMargin * measurer.lambda_d_px();
   GeometricLimit limit{kUnknown, kUnknown};
-  for (double waves = 0.0; waves <= steps.most_waves; waves += kFineWaves) {
+  for (int k = 0; k <= int(kPerWave * steps.most_waves); ++k) {
+    const double waves = k / kPerWave;
     const std::vector<Mode> modes{{j, sign * waves}};
     const std::vector<Vec2> spots_px = measurer.predicted_px(modes);
     if (std::isnan(limit.leaving_waves) && leaves(spots_px, margin_px)) limit.leaving_waves = waves;

@@ -40,13 +40,18 @@ std::string csv_of(const Figure& figure) {
   return text;
 }
 
-/// How gnuplot is to draw the k-th series; bounds and other lines are black unless they belong to
-/// another series.
+/// Bounds and other lines are black unless they belong to another series.
+std::string colour_of(const Series& series, std::size_t k) {
+  if (series.colour > 0) return std::to_string(series.colour);
+  const bool black = series.colour == Series::kBlack || series.style == Series::Style::line;
+  return black ? "'black'" : std::to_string(k + 1);
+}
+
+/// How gnuplot is to draw the k-th series.
 std::string style_of(const Series& series, std::size_t k) {
-  const std::size_t colour = series.colour > 0 ? std::size_t(series.colour) : k + 1;
+  const std::string colour = colour_of(series, k);
   if (series.style == Series::Style::line) {
-    return series.colour > 0 ? fmt::format("lines linecolor {} dashtype 2", colour)
-                             : fmt::format("lines linecolor 'black' dashtype {}", k % 4 + 2);
+    return fmt::format("lines linecolor {} dashtype {}", colour, series.colour > 0 ? 2 : k % 4 + 2);
   }
   const char* kind = series.style == Series::Style::points ? "points" : "linespoints";
   return fmt::format("{} linecolor {} pointtype {}", kind, colour, k + 4);
@@ -89,6 +94,7 @@ std::string axes_of(const Figure& figure) {
   if (figure.same_scale) text += "set size ratio -1\n";
   if (!std::isnan(figure.y_from)) text += fmt::format("set yrange [{}:]\n", figure.y_from);
   if (!std::isnan(figure.y_to)) text += fmt::format("set yrange [:{}]\n", figure.y_to);
+  if (!std::isnan(figure.x_step)) text += fmt::format("set xtics {}\n", figure.x_step);
   return text;
 }
 
@@ -133,7 +139,7 @@ std::string script_of(const Figure& figure) {
     if (!series.error.empty()) {
       plots += fmt::format(
           ", $data{} using 1:($2-$3):(0):(2*$3) with vectors nohead linecolor {} notitle", k,
-          series.colour > 0 ? std::size_t(series.colour) : k + 1);
+          colour_of(series, k));
     }
   }
   return text + plots + "\n";

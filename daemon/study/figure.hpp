@@ -15,7 +15,9 @@ struct Series {
   std::vector<double> x, y;
   std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
   enum class Style { line_points, line, points } style = Style::line_points;
-  int colour = 0;  ///< that of the series with this place in the figure, from 1; 0: its own
+  /// That of the series with this place in the figure, from 1; 0: its own.
+  int colour = 0;
+  static constexpr int kBlack = -1;
   bool in_legend = true;
   double shift_x = 0.0;  ///< drawn beside where it is, so that points do not cover each other
 };
@@ -29,6 +31,7 @@ struct Figure {
   std::vector<Series> series{};
   double y_from = std::numeric_limits<double>::quiet_NaN();  ///< NaN: as the numbers are
   double y_to = std::numeric_limits<double>::quiet_NaN();
+  double x_step = std::numeric_limits<double>::quiet_NaN();  ///< between the numbers at the axis
 };
 
 /// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png where it is run.

@@ -70,50 +70,46 @@ nlohmann::json rows_of(const std::vector<Way>& ways) {
   return rows;
 }
 
-/// A gap between the points of one sign and those of the other.
-void end_of_sign(Series& series) {
-  series.x.push_back(0.0);
-  series.y.push_back(std::nan(""));
-  series.error.push_back(0.0);
+Series series_of(std::size_t c, const std::vector<Way>& ways) {
+  Series series{ways.front().climbers[c].method.name, {}, {}, {}, Series::Style::points};
+  for (const Way& way : ways) {
+    const Mean waves = reached(way.climbers[c]);
+    series.x.push_back(way.j);
+    series.y.push_back(way.sign * waves.value);
+    series.error.push_back(waves.standard_error);
+  }
+  return series;
+}
+
+/// What is no bound of a method, but of the light's geometry.
+Series geometric_series(const char* name, double GeometricLimit::*limit,
+                        const std::vector<Way>& ways) {
+  Series series{name, {}, {}, {}, Series::Style::points, Series::kBlack};
+  for (const Way& way : ways) {
+    series.x.push_back(way.j);
+    series.y.push_back(way.sign * way.geometry.*limit);
+  }
+  return series;
 }
 
 Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
   Figure figure{light == Light::equal_peak ? "range" : "range-photons",
-                fmt::format("Largest mode found without history (all spots), read noise of peak "
-                            "SNR {}, {}",
-                            steps.snr, name_of(light)),
-                "OSA index j", "largest amplitude of either sign (waves RMS)"};
+                fmt::format("Largest mode with all spots found without history, peak SNR {}, {} "
+                            "({}: the most tried)",
+                            steps.snr, name_of(light), steps.most_waves),
+                "OSA index j", "amplitude of either sign (waves RMS)"};
   figure.y_from = -steps.most_waves - 0.1;
   figure.y_to = steps.most_waves + 0.1;
+  figure.x_step = 1.0;
   for (std::size_t c = 0; c < ways.front().climbers.size(); ++c) {
-    const Climber& first = ways.front().climbers[c];
-    if (!counts_at(first, light)) continue;
-    Series series{first.method.name, {}, {}, {}};
-    series.shift_x = 0.12 * (double(figure.series.size()) - 1.5);
-    for (const Way& way : ways) {
-      if (!series.x.empty() && way.j < series.x.back()) end_of_sign(series);
-      const Mean waves = reached(way.climbers[c]);
-      series.x.push_back(way.j);
-      series.y.push_back(way.sign * waves.value);
-      series.error.push_back(waves.standard_error);
-    }
-    figure.series.push_back(std::move(series));
+    if (!counts_at(ways.front().climbers[c], light)) continue;
+    figure.series.push_back(series_of(c, ways));
+    figure.series.back().shift_x = 0.12 * (double(figure.series.size()) - 2.5);
   }
-  Series leaving{"a spot leaves the image", {}, {}, {}, Series::Style::line};
-  Series crossing{"two spots meet", {}, {}, {}, Series::Style::line};
-  for (const Way& way : ways) {
-    for (Series* series : {&leaving, &crossing}) {
-      if (!series->x.empty() && way.j < series->x.back()) {
-        series->x.push_back(0.0);
-        series->y.push_back(std::nan(""));
-      }
-      series->x.push_back(way.j);
-    }
-    leaving.y.push_back(way.sign * way.geometry.leaving_waves);
-    crossing.y.push_back(way.sign * way.geometry.crossing_waves);
-  }
-  figure.series.push_back(std::move(leaving));
-  figure.series.push_back(std::move(crossing));
+  figure.series.push_back(
+      geometric_series("a spot leaves the image", &GeometricLimit::leaving_waves, ways));
+  figure.series.push_back(
+      geometric_series("two spots meet", &GeometricLimit::crossing_waves, ways));
   return figure;
 }
 
