@@ -157,7 +157,7 @@ nlohmann::json rows_of(const Levels& levels, const std::vector<Outcome>& outcome
 Findings operators(const Settings& settings) {
   const Levels levels =
       settings.quick
-          ? Levels{{0.3}, {3, 8, 13}, 2}
+          ? Levels{{0.3}, {3, 13}, 2}
           : Levels{{0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
   const std::vector<Outcome> outcomes = outcomes_of(levels, settings);
   nlohmann::json summary{{"study", "operators"},
