@@ -28,7 +28,7 @@ bool cross(const std::vector<Vec2>& spots_px, double apart_px) {
   return false;
 }
 
-/// The images of a step: each charge at kPeakE of its own, and what makes equal photons of it.
+/// One image of a step at kPeakE, and what makes equal photons of it.
 struct Step {
   Image<float> light_e;
   double to_equal_photons = 1.0;
