@@ -105,6 +105,7 @@ Figure frame_of(const Case& one, double waves) {
   }
   figure.x_label = "OSA index j of the mode shown";
   figure.y_label = "error: root sum square of all modes (waves RMS)";
+  figure.x_step = 1.0;
   figure.log_y = true;
   return figure;
 }
