@@ -104,7 +104,7 @@ Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& st
   for (std::size_t c = 0; c < ways.front().climbers.size(); ++c) {
     if (!counts_at(ways.front().climbers[c], light)) continue;
     figure.series.push_back(series_of(c, ways));
-    figure.series.back().shift_x = 0.12 * (double(figure.series.size()) - 2.5);
+    figure.series.back().shift_x = 0.16 * (double(figure.series.size()) - 2.5);
   }
   figure.series.push_back(
       geometric_series("a spot leaves the image", &GeometricLimit::leaving_waves, ways));
