@@ -28,8 +28,13 @@ class Acquisition {
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
+  /// Where the last image had spots, or what may be some that the tracker refuses: image pixels,
+  /// the verified first. Valid until the next call of acquire.
+  std::span<const Vec2> seen() const { return seen_; }
+
  private:
   void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
+  void note_seen(std::span<const Vec2> candidates);
   SpotFix look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
                               TrackScratch& scratch) const;
   void look_again(int i, const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
@@ -43,6 +48,7 @@ class Acquisition {
   Consensus consensus_;
   std::vector<SpotFix> verified_;
   std::vector<Vec2> positions_;  ///< of verified_
+  std::vector<Vec2> seen_;
 };
 
 }  // namespace ovws

@@ -78,8 +78,8 @@ double Consensus::tolerance_px() const {
   return kTolerance * pitch_;
 }
 
-std::span<const int> Consensus::match(std::span<const Vec2> found) {
-  const int enough = std::max(3, (size() + 1) / 2);
+std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& rules) {
+  const int enough = std::max(3, int(std::ceil(rules.least_share * size())));
   int most = 0;
   double least_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
@@ -91,7 +91,9 @@ std::span<const int> Consensus::match(std::span<const Vec2> found) {
     const int count = nearest_positions(found, predicted_[seed], starts);
     for (int s = 0; s < count; ++s) {
       if (best_matched_[seed] == starts[s]) continue;  // would grow to the same again
-      const int explained = grow(found, seed, found[starts[s]] - predicted_[seed]);
+      const Vec2 first_shift = found[starts[s]] - predicted_[seed];
+      if (norm(first_shift) > rules.most_shift_px) break;  // and so are those that follow
+      const int explained = grow(found, seed, first_shift);
       const double shift = norm(field_.shift);
       const bool better = explained > most || (explained == most && shift < least_shift);
       if (explained < enough || !better) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,15 +25,24 @@ class Consensus {
 
   int size() const { return int(predicted_.size()); }
 
+  struct Rules {
+    double least_share = 0.5;  ///< of the lattice: fewer explained is nothing explained
+    /// Of the hypothesis' first subaperture; larger ones are not tried.
+    double most_shift_px = std::numeric_limits<double>::infinity();
+  };
   /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
   /// next call. The hypothesis that explains most positions wins, the smaller shift among equals.
-  /// If that is fewer than 3 or half of the lattice, all are kNone. RT-safe.
-  std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING;
+  /// If that is fewer than 3 or `least_share`, all are kNone. RT-safe.
+  std::span<const int> match(std::span<const Vec2> found, const Rules& rules) OVWS_NONBLOCKING;
+  std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
+    return match(found, Rules{});
+  }
 
   /// Where subaperture i's spot should be according to the last match.
   Vec2 expected(int i) const OVWS_NONBLOCKING;
   /// How far from there it may be: beyond, a neighbour could be meant.
   double tolerance_px() const;
+  double pitch_px() const { return pitch_; }  ///< median distance of nearest neighbours
 
  private:
   static constexpr int kStarts = 32;  ///< positions tried for each: some three pitches around it

@@ -27,8 +27,8 @@ struct RefineOptions {
   double box_half = 4.0;         ///< of the pixels about each spot that count, units of lambda/d
   bool spot_amplitudes = false;  ///< fit each subaperture's amplitude too: uneven illumination
   /// Light outside the subapertures, which the hologram leaves in the zero order: tried as part of
-  /// the model, and kept if that explains the image better. Else, or false, it counts as noise where
-  /// it falls.
+  /// the model, and kept if that explains the image better. Else, or false, it counts as noise
+  /// where it falls.
   bool model_outside = true;
   int most_iterations = 30;  ///< of each descent
 };

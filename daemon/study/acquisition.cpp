@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "core/tracking/acquisition.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
 #include "daemon/study/figure.hpp"
 #include "daemon/study/parallel.hpp"
 #include "daemon/study/sensor.hpp"
@@ -61,8 +61,11 @@ std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Me
 Counts acquire(const Measurer& measurer, const Scene& scene, double snr, int images,
                std::uint64_t seed) {
   Counts counts;
-  Acquisition acquisition({1, measurer.lambda_d_px()}, measurer.reference_px(),
-                          scene.electrons_px.width, scene.electrons_px.height);
+  const Geometry bench = default_bench();
+  ShapedAcquisition acquisition(measurer.lattice(), bench.sensor, {1, measurer.lambda_d_px()},
+                                camera_px_per_cycle(bench.optics, bench.slm), measurer.modes_j(),
+                                measurer.slopes(), measurer.reference_px(),
+                                scene.electrons_px.width, scene.electrons_px.height);
   TrackScratch scratch = measurer.tracker().make_scratch();
   std::vector<SpotFix> fixes(scene.at_px.size());
   for (int k = 0; k < images; ++k) {

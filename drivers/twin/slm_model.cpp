@@ -86,8 +86,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes) {
   for (int y = 0; y < height; ++y) {
     const Columns pupil = columns_in_circle(centre, diameter, y, width);
     std::fill(waves.begin(), waves.end(), 0.0);
-    wavefront.waves(y, pupil.begin,
-                    std::span(waves).subspan(pupil.begin, pupil.end - pupil.begin));
+    wavefront.waves(y, pupil.begin, std::span(waves).subspan(pupil.begin, pupil.end - pupil.begin));
     std::complex<float>* row = incident_.row(y);
     for (int x = 0; x < width; ++x) {
       const double surface = surface_waves_.width > 0 ? double(surface_waves_.at(x, y)) : 0.0;

@@ -1,0 +1,27 @@
+/// An image averaged over square cells, without its background, and how noisy the cells are.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/base/image.hpp"
+#include "core/base/vec2.hpp"
+
+namespace ovws {
+
+struct CellImage {
+  int bin = 1;            ///< camera pixels a side
+  Eigen::MatrixXf light;  ///< rows along y; DN above the median
+  double noise = 1.0;     ///< RMS of a dark cell, DN: from the median deviation
+
+  Vec2 to_cells(Vec2 px) const { return (1.0 / bin) * (px - middle_px()); }
+  Vec2 to_px(Vec2 cells) const { return double(bin) * cells + middle_px(); }
+
+ private:
+  Vec2 middle_px() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< of cell (0, 0)
+};
+
+/// Whole cells only: up to bin - 1 pixels at the right and the bottom are left out. Requires at
+/// least one cell. Allocates.
+CellImage average_cells(const ImageView& image, int bin);
+
+}  // namespace ovws

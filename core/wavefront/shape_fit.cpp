@@ -1,0 +1,317 @@
+#include "core/wavefront/shape_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/optics/zernike.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMostRounds = 14;   // of modes and spots in turn
+constexpr int kStrictRounds = 7;  // at most, with what clearly fits
+constexpr double kSeen = 0.05;    // of a picture's maximum: cells below do not count
+constexpr int kFewestCells = 12;
+constexpr double kLeastSignificance = 5.0;
+constexpr double kMostAmplitude = 1.8;  // of the usual one
+constexpr double kPlaceError = 0.05;    // lambda/d: of a start
+constexpr double kShapeError = 0.15;    // of the amplitude: what interference does to a cell
+constexpr double kSettled = 0.02;       // waves RMS: a step to no other place
+constexpr double kAsideError = 0.1;     // lambda/d: of where one wavefront puts a spot
+constexpr double kOwnWaves = 0.05;      // of a spot's other local modes
+constexpr double kLongestStep = 0.3;    // waves, a round
+constexpr std::size_t kNeighbours = 7;
+
+/// Standard deviation that is taken for granted of a mode, waves: the least that is certain of a
+/// wavefront of which only the middle is seen.
+double prior_waves(int j) {
+  constexpr std::array<double, 6> kByOrder{3.0, 3.0, 3.0, 0.5, 0.35, 0.3};
+  return kByOrder[std::size_t(std::min(5, zernike_index(j).n))];
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Where the maximum lies of a parabola through three values, from the middle one.
+double vertex(double before, double at, double after) {
+  const double bend = before - 2.0 * at + after;
+  return bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
+}
+
+bool known(Vec2 at) {
+  return !std::isnan(at.x);
+}
+
+}  // namespace
+
+ShapeFit::ShapeFit(const ShapeModel& model, const CellImage& image)
+    : model_(model),
+      image_(image),
+      waves_(Eigen::VectorXd::Zero(model.slopes.cols())),
+      spots_(model.reference_px.size()),
+      laid_(spots_.size()) {}
+
+int ShapeFit::run(std::span<const Vec2> starts_px) {
+  if (std::none_of(starts_px.begin(), starts_px.end(), known)) return 0;
+  modes_from_places(starts_px);
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    laid_[i] = {};
+    spots_[i] = {known(starts_px[i]), starts_px[i]};
+    lay(int(i));
+    if (!spots_[i].found) continue;
+    spots_[i].amplitude = match(int(i), 0, 0).amplitude;
+  }
+  look({0.8, 0.5, 0.4, 1.0});
+  int found = 0;
+  bool strict = true;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double step_waves = modes_from_shapes();
+    look(strict ? Rules{0.8, 0.4, 0.6, 0.8} : Rules{0.8, 0.8, 0.6, 0.5});
+    const int before = found;
+    found = int(std::count_if(spots_.begin(), spots_.end(), [](const auto& s) { return s.found; }));
+    const bool at_rest = step_waves < kSettled && found <= before;
+    if (!strict && (at_rest || (step_waves < kSettled && found == int(spots_.size())))) break;
+    strict = strict && !at_rest && round < kStrictRounds;
+  }
+  place();
+  return found;
+}
+
+/// A spot's own wavefront is that of all of them but for a little: so noise cannot put a long,
+/// faint spot far along itself.
+void ShapeFit::place() {
+  const double tilt =
+      kAsideError * model_.lambda_d_px / model_.bin / model_.optics.cells_per_tilt();
+  Eigen::Matrix<double, SpotOptics::kLocal, 1> weights;
+  weights.setConstant(std::pow(kOwnWaves, -2));
+  weights.head<2>().setConstant(std::pow(tilt, -2));
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (!spots_[i].found) continue;
+    add(int(i), -1.0);
+    const Information told = information(int(i));
+    add(int(i), 1.0);
+    const Local normal = told.matrix + Local(weights.asDiagonal());
+    const auto own = normal.ldlt().solve(told.pull).eval();
+    const Vec2 aside{own(1), own(0)};
+    spots_[i].at_px = image_.to_px(middle_cells(int(i)) + model_.optics.cells_per_tilt() * aside);
+  }
+}
+
+Eigen::VectorXd ShapeFit::prior_weights() const {
+  Eigen::VectorXd weights(waves_.size());
+  for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    weights(k) = 1.0 / std::pow(prior_waves(model_.optics.modes_j()[std::size_t(k)]), 2);
+  }
+  return weights;
+}
+
+void ShapeFit::modes_from_places(std::span<const Vec2> starts_px) {
+  Eigen::MatrixXd normal = prior_weights().asDiagonal();
+  Eigen::VectorXd right_side = Eigen::VectorXd::Zero(waves_.size());
+  const double weight = std::pow(kPlaceError * model_.lambda_d_px, -2);
+  for (std::size_t i = 0; i < starts_px.size(); ++i) {
+    if (!known(starts_px[i])) continue;
+    const Vec2 moved = starts_px[i] - model_.reference_px[i];
+    const auto rows = model_.slopes.middleRows(Eigen::Index(2 * i), 2);
+    normal += weight * rows.transpose() * rows;
+    right_side += weight * rows.transpose() * Eigen::Vector2d(moved.x, moved.y);
+  }
+  waves_ = normal.ldlt().solve(right_side);
+}
+
+Vec2 ShapeFit::middle_cells(int spot) const {
+  const Eigen::Vector2d moved = model_.slopes.middleRows(2 * Eigen::Index(spot), 2) * waves_;
+  return image_.to_cells(model_.reference_px[std::size_t(spot)] + Vec2{moved.x(), moved.y()});
+}
+
+void ShapeFit::lay(int spot) {
+  Laid& laid = laid_[std::size_t(spot)];
+  const Vec2 at = middle_cells(spot) + laid.aside;
+  const double column = std::round(at.x), row = std::round(at.y);
+  const int half = model_.optics.half_cells();
+  laid.light = model_.optics.light(spot, waves_, {at.x - column, at.y - row});
+  laid.column = int(column) - half;
+  laid.row = int(row) - half;
+}
+
+/// Calls `cell(y, x, light)` for the picture's cells, moved, that lie in the image.
+template <class Cell>
+void each_cell(const Eigen::MatrixXf& picture, int row, int column, Eigen::Index rows,
+               Eigen::Index columns, Cell&& cell) {
+  const auto clipped = [](int first, Eigen::Index size) { return std::max(0, -first) < size; };
+  if (!clipped(row, picture.rows()) || !clipped(column, picture.cols())) return;
+  const int bottom = int(std::min(picture.rows(), rows - row));
+  const int right = int(std::min(picture.cols(), columns - column));
+  for (int x = std::max(0, -column); x < right; ++x) {
+    for (int y = std::max(0, -row); y < bottom; ++y) cell(row + y, column + x, picture(y, x));
+  }
+}
+
+void ShapeFit::add(int spot, double sign) {
+  const Laid& laid = laid_[std::size_t(spot)];
+  const auto amplitude = float(sign * spots_[std::size_t(spot)].amplitude);
+  each_cell(laid.light, laid.row, laid.column, others_.rows(), others_.cols(),
+            [&](int y, int x, float light) { others_(y, x) += amplitude * light; });
+}
+
+ShapeFit::Match ShapeFit::match(int spot, int right, int down) const {
+  const Laid& laid = laid_[std::size_t(spot)];
+  const float least = float(kSeen) * laid.light.maxCoeff();
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  each_cell(laid.light, laid.row + down, laid.column + right, image_.light.rows(),
+            image_.light.cols(), [&](int row, int column, float light) {
+              if (light < least) return;
+              const float over = others_.size() > 0 ? others_(row, column) : 0.0F;
+              const auto t = double(light), v = double(image_.light(row, column) - over);
+              n += 1.0, x += t, y += v, xx += t * t, xy += t * v, yy += v * v;
+            });
+  if (n < kFewestCells) return {};
+  const double txx = xx - x * x / n, txy = xy - x * y / n, tyy = yy - y * y / n;
+  Match m;
+  m.amplitude = txy / txx;
+  if (!(m.amplitude > 0.0)) return {};
+  m.explained = m.amplitude * txy;
+  const double left = std::max(0.0, tyy - m.explained - n * image_.noise * image_.noise);
+  m.unexplained = left / (left + m.explained);
+  m.significance = m.amplitude * std::sqrt(txx) / image_.noise;
+  return m;
+}
+
+double ShapeFit::usual_amplitude(int spot) const {
+  std::vector<std::pair<double, double>> near;  // distance, amplitude
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (!spots_[i].found || int(i) == spot || !(spots_[i].amplitude > 0.0)) continue;
+    near.emplace_back(norm(model_.reference_px[i] - model_.reference_px[std::size_t(spot)]),
+                      spots_[i].amplitude);
+  }
+  if (near.empty()) return spots_[std::size_t(spot)].amplitude;
+  std::sort(near.begin(), near.end());
+  std::vector<double> amplitudes;
+  for (std::size_t k = 0; k < std::min(kNeighbours, near.size()); ++k) {
+    amplitudes.push_back(near[k].second);
+  }
+  return median(amplitudes);
+}
+
+bool ShapeFit::accepted(int spot, const Match& match, const Rules& rules) const {
+  const double usual = usual_amplitude(spot);
+  return match.significance > kLeastSignificance && match.unexplained < rules.most_unexplained &&
+         match.amplitude > rules.least_amplitude * usual &&
+         match.amplitude < kMostAmplitude * usual &&
+         norm(laid_[std::size_t(spot)].aside) * model_.bin < rules.most_aside * model_.lambda_d_px;
+}
+
+void ShapeFit::seek(int spot, const Rules& rules) {
+  constexpr double kFollow = 0.4;  // lambda/d: how far a found spot is followed
+  ShapedSpot& s = spots_[std::size_t(spot)];
+  Laid& laid = laid_[std::size_t(spot)];
+  const double reach = (s.found ? kFollow : rules.reach) * model_.lambda_d_px / model_.bin;
+  laid.aside = {};
+  lay(spot);
+  Match best;
+  int right = 0, down = 0;
+  for (int dy = -int(reach); dy <= int(reach); ++dy) {
+    for (int dx = -int(reach); dx <= int(reach); ++dx) {
+      if (dx * dx + dy * dy > reach * reach) continue;
+      const Match here = match(spot, dx, dy);
+      if (here.explained <= best.explained) continue;
+      best = here, right = dx, down = dy;
+    }
+  }
+  const auto explained = [&](int dx, int dy) {
+    return match(spot, right + dx, down + dy).explained;
+  };
+  laid.aside = {right + vertex(explained(-1, 0), best.explained, explained(1, 0)),
+                down + vertex(explained(0, -1), best.explained, explained(0, 1))};
+  lay(spot);
+  best = match(spot, 0, 0);
+  s = {accepted(spot, best, rules), image_.to_px(middle_cells(spot) + laid.aside), best.amplitude,
+       best.unexplained};
+}
+
+void ShapeFit::look(const Rules& rules) {
+  others_.setZero(image_.light.rows(), image_.light.cols());
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    laid_[i].aside =
+        spots_[i].found ? image_.to_cells(spots_[i].at_px) - middle_cells(int(i)) : Vec2{};
+    lay(int(i));
+    if (spots_[i].found) add(int(i), 1.0);
+  }
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (spots_[i].found) add(int(i), -1.0);
+    seek(int(i), rules);
+    if (spots_[i].found) add(int(i), 1.0);
+  }
+}
+
+/// Gauss-Newton at the place where the spot is, in its local modes, its amplitude and its
+/// background, of which the last two are eliminated.
+ShapeFit::Information ShapeFit::information(int spot) const {
+  constexpr int kLocal = SpotOptics::kLocal, kAll = kLocal + 2;
+  const Laid& laid = laid_[std::size_t(spot)];
+  const Vec2 at = middle_cells(spot) + laid.aside;
+  const auto derived =
+      model_.optics.derive(spot, waves_, {at.x - std::round(at.x), at.y - std::round(at.y)});
+  const double amplitude = spots_[std::size_t(spot)].amplitude;
+  const float least = float(kSeen) * derived.light.maxCoeff();
+  const double variance = std::pow(image_.noise, 2) + std::pow(kShapeError * amplitude, 2);
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(kAll, kAll);
+  Eigen::VectorXd pull = Eigen::VectorXd::Zero(kAll), row(kAll);
+  const auto half = 2 * model_.optics.half_cells() + 1;
+  for (int c = 0; c < half; ++c) {
+    for (int r = 0; r < half; ++r) {
+      const int y = laid.row + r, x = laid.column + c;
+      if (derived.light(r, c) < least || y < 0 || x < 0 || y >= image_.light.rows() ||
+          x >= image_.light.cols()) {
+        continue;
+      }
+      for (int k = 0; k < kLocal; ++k) row(k) = amplitude * double(derived.per_wave[k](r, c));
+      row(kLocal) = double(derived.light(r, c));
+      row(kLocal + 1) = 1.0;
+      const double off = double(image_.light(y, x) - others_(y, x)) - amplitude * row(kLocal);
+      all.selfadjointView<Eigen::Lower>().rankUpdate(row, 1.0 / variance);
+      pull += off / variance * row;
+    }
+  }
+  all = Eigen::MatrixXd(all.selfadjointView<Eigen::Lower>());
+  const Eigen::MatrixXd cross =
+      all.topRightCorner(kLocal, 2) * all.bottomRightCorner<2, 2>().inverse();
+  Information told{Local::Zero(), Eigen::Matrix<double, kLocal, 1>::Zero()};
+  if (!cross.allFinite()) return told;
+  told.matrix = all.topLeftCorner(kLocal, kLocal) - cross * all.bottomLeftCorner(2, kLocal);
+  told.pull = pull.head(kLocal) - cross * pull.tail(2);
+  told.pull += told.matrix.leftCols<2>() * tilts_aside(spot);
+  return told;
+}
+
+/// What puts the spot aside from where the wavefront does, waves: y, then x, as j = 1 and 2 are.
+Eigen::Vector2d ShapeFit::tilts_aside(int spot) const {
+  const Vec2 aside = laid_[std::size_t(spot)].aside;
+  return Eigen::Vector2d(aside.y, aside.x) / model_.optics.cells_per_tilt();
+}
+
+double ShapeFit::modes_from_shapes() {
+  Eigen::MatrixXd normal = prior_weights().asDiagonal();
+  Eigen::VectorXd right_side = Eigen::VectorXd::Zero(waves_.size());
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (!spots_[i].found) continue;
+    add(int(i), -1.0);
+    const Information told = information(int(i));
+    add(int(i), 1.0);
+    const Eigen::MatrixXd& local = model_.optics.local_modes(int(i));
+    normal += local.transpose() * told.matrix * local;
+    right_side += local.transpose() * (told.pull + told.matrix * local * waves_);
+  }
+  const Eigen::VectorXd step = normal.ldlt().solve(right_side) - waves_;
+  if (!step.allFinite()) return 0.0;
+  waves_ += std::min(1.0, kLongestStep / std::max(1e-12, step.norm())) * step;
+  return step.norm();
+}
+
+}  // namespace ovws

@@ -1,0 +1,99 @@
+#include "core/wavefront/shaped_acquisition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/tracking/patch.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kCellsPerLambdaD = 6.0;
+constexpr double kPictureHalf = 3.0;  // lambda/d: what a torn spot reaches
+constexpr float kSure = 0.6F;         // quality: below, what looks like a spot may be half of one
+constexpr double kSame = 0.25;        // lambda/d
+
+constexpr double kNear = 0.6;      // of the pitch: nobody else's place
+constexpr double kFewSpots = 0.3;  // of the lattice: enough to begin with
+constexpr Vec2 kNowhere{std::numeric_limits<double>::quiet_NaN(),
+                        std::numeric_limits<double>::quiet_NaN()};
+
+std::vector<Vec2> starts_of(std::span<const SpotFix> fixes) {
+  std::vector<Vec2> starts;
+  for (const SpotFix& fix : fixes) starts.push_back({double(fix.x), double(fix.y)});
+  return starts;
+}
+
+int max_seen(std::size_t subapertures) {
+  return int(4 * subapertures) + 12;
+}
+
+ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
+                    double px_per_cycle, const std::vector<int>& modes_j,
+                    const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px) {
+  const int bin = std::max(1, int(spots.lambda_d_px / kCellsPerLambdaD));
+  const int half = int(std::ceil(kPictureHalf * spots.lambda_d_px / bin));
+  return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / bin, half), bin, spots.lambda_d_px,
+          slopes, reference_px};
+}
+
+}  // namespace
+
+ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig& sensor,
+                                     const SpotModel& spots, double px_per_cycle,
+                                     const std::vector<int>& modes_j, const Eigen::MatrixXd& slopes,
+                                     const std::vector<Vec2>& reference_px, int image_width,
+                                     int image_height)
+    : plain_(spots, reference_px, image_width, image_height),
+      consensus_(reference_px, max_seen(reference_px.size())),
+      model_(model_of(lattice, sensor, spots, px_per_cycle, modes_j, slopes, reference_px)) {}
+
+int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
+                               TrackScratch& scratch, std::span<SpotFix> out) {
+  const int found = plain_.acquire(image, tracker, scratch, out);
+  const bool all_sure = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
+    return fix.found() && fix.quality > kSure;
+  });
+  if (all_sure || image.width < model_.bin || image.height < model_.bin) return found;
+  const CellImage cells = average_cells(image, model_.bin);
+  int most = (3 * int(out.size()) - 1) / 4;
+  std::vector<ShapedSpot> best;
+  // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
+  for (const auto& starts :
+       {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
+        starts_of(out)}) {
+    ShapeFit fit(model_, cells);
+    const int explained = fit.run(starts);
+    if (explained <= most) continue;
+    most = explained;
+    best = fit.spots();
+    if (most == int(out.size())) break;
+  }
+  for (std::size_t i = 0; i < best.size(); ++i) take(image, best[i], out[i]);
+  return int(std::count_if(out.begin(), out.end(), [](const SpotFix& s) { return s.found(); }));
+}
+
+std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rules) {
+  std::vector<Vec2> starts(model_.reference_px.size(), kNowhere);
+  const std::span<const Vec2> seen = plain_.seen();
+  const std::span<const int> owned = consensus_.match(seen, rules);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (owned[i] != Consensus::kNone) starts[i] = seen[std::size_t(owned[i])];
+  }
+  return starts;
+}
+
+void ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
+  const Vec2 at{double(fix.x), double(fix.y)};
+  if (fix.found() && norm(at - shaped.at_px) < kSame * model_.lambda_d_px) return;
+  fix = {};
+  fix.peak = brightest_pixel(image, shaped.at_px, int(model_.lambda_d_px));
+  if (!shaped.found) return;
+  fix.x = float(shaped.at_px.x);
+  fix.y = float(shaped.at_px.y);
+  fix.quality = float(1.0 - shaped.unexplained);
+  fix.level = float(shaped.amplitude);
+}
+
+}  // namespace ovws

@@ -1,0 +1,41 @@
+/// Finds every spot in one image without history, those too that an aberration has torn apart.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/tracking/acquisition.hpp"
+#include "core/tracking/consensus.hpp"
+#include "core/wavefront/shape_fit.hpp"
+
+namespace ovws {
+
+/// Memory for one sensor and one image size.
+class ShapedAcquisition {
+ public:
+  /// `slopes` (of the tracker in use) and `reference_px` as a Reconstructor has them, NaN nowhere;
+  /// `px_per_cycle`: see camera_px_per_cycle.
+  ShapedAcquisition(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
+                    double px_per_cycle, const std::vector<int>& modes_j,
+                    const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px,
+                    int image_width, int image_height);
+
+  /// What Acquisition finds; and if that is not every spot, those that have the shape and the place
+  /// of the one wavefront which explains the image (ShapeFit). Believed only if it explains three
+  /// quarters of all spots: then a spot of the tracker's that is off by more than half of lambda/d
+  /// is lost, and one that the tracker refused has the place that the fit gives, within some
+  /// hundredths of lambda/d. Half a second at most on the default bench, and it allocates: not for
+  /// the frame path. As Acquisition::acquire otherwise.
+  int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
+              std::span<SpotFix> out);
+
+ private:
+  std::vector<Vec2> starts_of_seen(const Consensus::Rules& rules);
+  void take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
+
+  Acquisition plain_;
+  Consensus consensus_;
+  ShapeModel model_;
+};
+
+}  // namespace ovws
