@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
@@ -54,6 +55,7 @@ struct Config {
   OpticsConfig optics;
   SensorConfig sensor;
   TrackingConfig tracking;
+  RefineSettings refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;
   RealtimePolicy realtime = RealtimePolicy::ignore;

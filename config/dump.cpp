@@ -61,6 +61,18 @@ ordered_json sensor_json(const SensorConfig& sensor) {
           {"spacing", sensor.spacing}};
 }
 
+ordered_json refine_json(const RefineSettings& refine) {
+  const auto number_or_null = [](const std::optional<double>& value) {
+    return value ? ordered_json(*value) : ordered_json(nullptr);
+  };
+  return {{"enabled", refine.enabled},
+          {"rate_hz", refine.rate_hz},
+          {"electrons_per_dn", number_or_null(refine.electrons_per_dn)},
+          {"read_noise_e", refine.read_noise_e},
+          {"black_level_dn", refine.black_level_dn},
+          {"saturation_dn", number_or_null(refine.saturation_dn)}};
+}
+
 }  // namespace
 
 std::string dump_config(const Config& config) {
@@ -71,6 +83,7 @@ std::string dump_config(const Config& config) {
   out["sensor"] = sensor_json(config.sensor);
   out["tracking"] = {{"tracker", tracker_name(config.tracking.tracker)},
                      {"kernel_radius", config.tracking.kernel_radius}};
+  out["refine"] = refine_json(config.refine);
   out["stream"] = {{"endpoint", config.stream.endpoint},
                    {"image_endpoint", config.stream.image_endpoint},
                    {"image_rate_hz", config.stream.image_rate_hz}};

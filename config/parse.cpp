@@ -105,6 +105,18 @@ void read_tracking(ObjectReader& r, TrackingConfig& tracking) {
   number(r, "kernel_radius", tracking.kernel_radius, limits::kKernelRadius);
 }
 
+void read_refine(ObjectReader& r, RefineSettings& refine) {
+  r.boolean("enabled", refine.enabled);
+  number(r, "rate_hz", refine.rate_hz, limits::kRefineRateHz);
+  r.optional_number("electrons_per_dn", refine.electrons_per_dn, limits::kElectronsPerDn.min,
+                    limits::kElectronsPerDn.max);
+  number(r, "read_noise_e", refine.read_noise_e, limits::kReadNoiseE);
+  number(r, "black_level_dn", refine.black_level_dn, limits::kBlackLevelDn);
+  r.optional_number("saturation_dn", refine.saturation_dn, limits::kSaturationDn.min,
+                    limits::kSaturationDn.max);
+  if (auto whole = check_refine(refine); !whole) r.fault(whole.error().field, whole.error().reason);
+}
+
 void read_stream(ObjectReader& r, StreamConfig& stream) {
   endpoint(r, "endpoint", stream.endpoint);
   endpoint(r, "image_endpoint", stream.image_endpoint);
@@ -145,6 +157,8 @@ Result<Config> read_config(const nlohmann::json& json) {
   r.object("optics", [&config](ObjectReader& o) { read_optics(o, config.optics); });
   r.object("sensor", [&config](ObjectReader& o) { read_sensor(o, config.sensor); });
   r.object("tracking", [&config](ObjectReader& o) { read_tracking(o, config.tracking); });
+  config.refine.format = config.camera.settings.pixel_format;
+  r.object("refine", [&config](ObjectReader& o) { read_refine(o, config.refine); });
   r.object("stream", [&config](ObjectReader& o) { read_stream(o, config.stream); });
   r.object("control", [&](ObjectReader& o) { endpoint(o, "endpoint", config.control.endpoint); });
   choice(r, "realtime", config.realtime, {"enforce", "ignore"});

@@ -18,6 +18,7 @@ constexpr std::string_view kTopicWavefront = "wavefront";
 constexpr std::string_view kTopicSpots = "spots";
 constexpr std::string_view kTopicImage = "image";
 constexpr std::string_view kTopicPhase = "phase";
+constexpr std::string_view kTopicRefined = "refined";
 constexpr std::string_view kTopicStatus = "status";
 constexpr std::string_view kTopicEvent = "event";
 
@@ -32,6 +33,7 @@ std::span<const std::byte> encode(const ImageMessage& message, std::string& json
 std::span<const std::byte> encode(const PhaseMessage& message, std::string& json);
 
 // These are rare and may allocate.
+std::string encode(const RefinedMessage& message);
 std::string encode(const StatusMessage& message);
 std::string encode(const EventMessage& message, const nlohmann::json& data);
 

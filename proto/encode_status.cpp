@@ -1,4 +1,6 @@
-/// The rare messages: status and event.
+/// The rare messages: refined, status and event.
+#include <cmath>
+
 #include "proto/encode.hpp"
 #include "proto/names.hpp"
 #include "proto/results.hpp"
@@ -47,6 +49,23 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   return out;
 }
 
+json refine_part(const StatusMessage::RefinePart& refine) {
+  return {{"state", refine.state},
+          {"done", refine.done},
+          {"refused", refine.refused},
+          {"last_duration_ms", refine.last_duration_ms ? json(*refine.last_duration_ms) : json()},
+          {"reason", or_null(refine.reason)}};
+}
+
+/// Root sum square without piston and tilts.
+double rms_waves(const RefinedMessage& message) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < message.j.size(); ++k) {
+    if (message.j[k] > 2) squares += message.coefficients[k] * message.coefficients[k];
+  }
+  return std::sqrt(squares);
+}
+
 json latency_part(const LatencySummary& latency) {
   return {{"count", latency.count},
           {"p50_us", latency.p50_us},
@@ -77,6 +96,7 @@ json status_body(const StatusMessage& message) {
            {"camera", camera_part(message.camera)},
            {"slm", slm_part(message.slm)},
            {"sensor", sensor_part(message.sensor)},
+           {"refine", refine_part(message.refine)},
            {"loop", message.loop_closed ? "closed" : "open"},
            {"rates",
             {{"grabbed_hz", message.rates.grabbed_hz},
@@ -90,6 +110,36 @@ json status_body(const StatusMessage& message) {
     out["latency"][stage] = latency_part(latency);
   for (const auto& [name, version] : message.versions) out["versions"][name] = version;
   return out;
+}
+
+std::string encode(const RefinedMessage& message) {
+  const json unknown = std::vector<json>(message.j.size());
+  const auto& fit = message.fit;
+  return text_of({{"schema", "ovws.refined/1"},
+                  {"seq", message.seq},
+                  {"frame_id", message.frame_id},
+                  {"t_arrival_ns", message.t_arrival_ns},
+                  {"t_publish_ns", message.t_publish_ns},
+                  {"hologram_id", message.hologram_id},
+                  {"charge", message.charge},
+                  {"valid", message.valid},
+                  {"reason", message.valid ? json() : json(message.reason)},
+                  {"against", message.against_reference ? "reference" : "model"},
+                  {"unit", "wave"},
+                  {"wavelength_nm", message.wavelength_nm},
+                  {"basis", "zernike-osa-rms"},
+                  {"orientation", "x-right-y-down"},
+                  {"rms_waves", message.valid ? json(rms_waves(message)) : json()},
+                  {"gain_db", message.gain_db},
+                  {"exposure_us", message.exposure_us},
+                  {"j", message.j},
+                  {"coefficients", message.valid ? json(message.coefficients) : unknown},
+                  {"sigma", message.valid ? json(message.sigma) : unknown},
+                  {"chi2_per_pixel", fit ? json(fit->chi2_per_pixel) : json()},
+                  {"peak_e", fit ? json(fit->peak_e) : json()},
+                  {"background_e", fit ? json(fit->background_e) : json()},
+                  {"iterations", fit ? json(fit->iterations) : json()},
+                  {"duration_ms", message.duration_ms}});
 }
 
 std::string encode(const StatusMessage& message) {

@@ -42,6 +42,12 @@ constexpr Numbers kModeWaves{-1000.0, 1000.0};
 constexpr Integers kReferenceFrames{1, 100000};
 constexpr Integers kJob{1, 2147483647};
 
+constexpr Numbers kRefineRateHz{0.001, 100.0};
+constexpr Numbers kElectronsPerDn{1e-6, 1e6};
+constexpr Numbers kReadNoiseE{0.0, 1e6};
+constexpr Numbers kBlackLevelDn{0.0, 65535.0};
+constexpr Numbers kSaturationDn{1.0, 65535.0};
+
 constexpr Numbers kImageRateHz{0.0, 1000.0};
 constexpr Integers kWorkers{0, 16};
 constexpr Integers kRecords{8, 4096};  ///< and a power of two

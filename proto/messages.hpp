@@ -52,6 +52,27 @@ struct SpotsMessage : FrameMessage {
   std::span<const Vec2> reference_px;  ///< as many as `spots`; empty: NaN in the binary part
 };
 
+/// `ovws.refined/1`: owns what it holds, for it waits in a queue.
+struct RefinedMessage {
+  std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
+  std::int64_t t_arrival_ns = 0, t_publish_ns = 0;
+  int charge = 1;
+  bool valid = false;
+  std::string reason;              ///< why not valid; empty if it is
+  bool against_reference = false;  ///< else against the model
+  double wavelength_nm = 632.0;
+  double gain_db = 0.0, exposure_us = 0.0;
+  std::vector<int> j;
+  /// waves, as many as `j`; every one null in the message if not valid
+  std::vector<double> coefficients, sigma;
+  struct Fit {
+    double chi2_per_pixel = 0.0, peak_e = 0.0, background_e = 0.0;
+    int iterations = 0;
+  };
+  std::optional<Fit> fit;  ///< none: no minimum was found
+  double duration_ms = 0.0;
+};
+
 /// `ovws.image/1` and `ovws.phase/1`: the binary part is the rows of the picture.
 struct ImageMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
@@ -106,6 +127,12 @@ struct StatusMessage {
     bool referenced = false;
   } sensor;
   bool loop_closed = false;
+  struct RefinePart {
+    std::string state = "off";            ///< "off", "waiting", "refining"
+    std::uint64_t done = 0, refused = 0;  ///< since the start
+    std::optional<double> last_duration_ms;
+    std::optional<std::string> reason;  ///< why there is no refinement now
+  } refine;
 
   struct Rates {
     double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status

@@ -107,6 +107,14 @@ void ObjectReader::integer(const char* key, int& out, int min, int max) {
   if (const auto got = number_in(path_of(key), *value, min, max, true)) out = int(*got);
 }
 
+void ObjectReader::optional_number(const char* key, std::optional<double>& out, double min,
+                                   double max) {
+  const json* value = take(key);
+  if (value == nullptr) return;
+  if (value->is_null()) return out.reset();
+  if (const auto got = number_in(path_of(key), *value, min, max, false)) out = *got;
+}
+
 void ObjectReader::boolean(const char* key, bool& out) {
   const json* value = take(key);
   if (value == nullptr) return;

@@ -37,6 +37,8 @@ class ObjectReader {
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
   void integer(const char* key, int& out, int min, int max);  ///< no fraction
+  void optional_number(const char* key, std::optional<double>& out, double min,
+                       double max);  ///< null, or as `number`
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);
   void optional_string(const char* key, std::optional<std::string>& out);  ///< null or string

@@ -1,5 +1,6 @@
 #include "proto/requests.hpp"
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -23,6 +24,13 @@ void read_integer(ObjectReader& reader, const char* key, std::optional<int>& out
                   limits::Integers range) {
   int value = 0;
   reader.integer(key, value, range.min, range.max);
+  if (reader.has(key)) out = value;
+}
+
+void read_nullable(ObjectReader& reader, const char* key, std::optional<std::optional<double>>& out,
+                   limits::Numbers range) {
+  std::optional<double> value;
+  reader.optional_number(key, value, range.min, range.max);
   if (reader.has(key)) out = value;
 }
 
@@ -106,6 +114,19 @@ TrackingConfig SensorSet::applied_to(TrackingConfig tracking) const {
   return tracking;
 }
 
+RefineSettings RefineSet::applied_to(RefineSettings settings) const {
+  settings.enabled = enabled.value_or(settings.enabled);
+  settings.rate_hz = rate_hz.value_or(settings.rate_hz);
+  settings.electrons_per_dn = electrons_per_dn.value_or(settings.electrons_per_dn);
+  settings.read_noise_e = read_noise_e.value_or(settings.read_noise_e);
+  settings.black_level_dn = black_level_dn.value_or(settings.black_level_dn);
+  settings.saturation_dn = saturation_dn.value_or(settings.saturation_dn);
+  if (clamp && settings.saturation_dn) {
+    settings.saturation_dn = std::min(*settings.saturation_dn, full_scale_dn(settings.format));
+  }
+  return settings;
+}
+
 Result<CameraSet> decode_camera_set(const json& params) {
   CameraSet set;
   ObjectReader reader(params, "");
@@ -132,6 +153,22 @@ Result<SensorSet> decode_sensor_set(const json& params) {
   if (grooves.size() == 2) set.grooves = {grooves[0], grooves[1]};
   read_number(reader, "spacing", set.spacing, limits::kSpacing);
   read_choice(reader, "tracker", set.tracker, tracker_names());
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return set;
+}
+
+Result<RefineSet> decode_refine_set(const json& params) {
+  RefineSet set;
+  ObjectReader reader(params, "");
+  set.clamp = read_clamp(reader);
+  bool enabled = false;
+  reader.boolean("enabled", enabled);
+  if (reader.has("enabled")) set.enabled = enabled;
+  read_number(reader, "rate_hz", set.rate_hz, limits::kRefineRateHz);
+  read_nullable(reader, "electrons_per_dn", set.electrons_per_dn, limits::kElectronsPerDn);
+  read_number(reader, "read_noise_e", set.read_noise_e, limits::kReadNoiseE);
+  read_number(reader, "black_level_dn", set.black_level_dn, limits::kBlackLevelDn);
+  read_nullable(reader, "saturation_dn", set.saturation_dn, limits::kSaturationDn);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return set;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
@@ -45,8 +46,22 @@ struct SensorSet {
   TrackingConfig applied_to(TrackingConfig tracking) const;
 };
 
+/// `refine.set`: what is absent stays as it is. A number that may be null is null if it holds none.
+struct RefineSet {
+  std::optional<bool> enabled;
+  std::optional<double> rate_hz;
+  std::optional<std::optional<double>> electrons_per_dn;
+  std::optional<double> read_noise_e;
+  std::optional<double> black_level_dn;
+  std::optional<std::optional<double>> saturation_dn;
+  bool clamp = false;  ///< saturation_dn to the format's full scale, too
+
+  RefineSettings applied_to(RefineSettings settings) const;
+};
+
 Result<CameraSet> decode_camera_set(const nlohmann::json& params);
 Result<SensorSet> decode_sensor_set(const nlohmann::json& params);
+Result<RefineSet> decode_refine_set(const nlohmann::json& params);
 /// `aberration.set`: the modes in RMS normalisation whatever `norm` was, in the order given; no
 /// mode twice.
 Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);

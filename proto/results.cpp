@@ -111,6 +111,23 @@ json sensor_set_result(const json& params, const SensorReport& applied) {
           {"hologram_id", applied.hologram_id}};
 }
 
+json refine_get_result(const RefineSettings& settings) {
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? json(*value) : json(nullptr);
+  };
+  return {{"enabled", settings.enabled},
+          {"rate_hz", settings.rate_hz},
+          {"electrons_per_dn", or_null(settings.electrons_per_dn)},
+          {"read_noise_e", settings.read_noise_e},
+          {"black_level_dn", settings.black_level_dn},
+          {"saturation_dn", or_null(settings.saturation_dn)},
+          {"pixel_format", pixel_format_name(settings.format)}};
+}
+
+json refine_set_result(const json& params, const RefineSettings& applied) {
+  return {{"requested", requested(params)}, {"applied", refine_get_result(applied)}};
+}
+
 json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id) {
   json list = json::array();
   for (const Mode& mode : modes) {

@@ -11,6 +11,7 @@
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
+#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
@@ -43,6 +44,10 @@ struct SensorReport {
 };
 nlohmann::json sensor_get_result(const SensorReport& report);
 nlohmann::json sensor_set_result(const nlohmann::json& params, const SensorReport& applied);
+
+/// `refine.get`: the numbers are in DN of the settings' own format, which is stated with them.
+nlohmann::json refine_get_result(const RefineSettings& settings);
+nlohmann::json refine_set_result(const nlohmann::json& params, const RefineSettings& applied);
 
 /// `aberration.get`, `.set` and `.clear`: RMS-normalised waves.
 nlohmann::json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id);

@@ -47,6 +47,7 @@ enum class Action : std::uint8_t {
   clear_reference,
   cancel_job,
   save_config,
+  set_refine,
   count,
 };
 
@@ -135,6 +136,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, false, false, true}},     // clear_reference
     {{true, true, false, false, false}},    // cancel_job
     {{true, true, false, false, false}},    // save_config
+    {{true, true, false, false, false}},    // set_refine
 }};
 
 }  // namespace control

@@ -80,6 +80,13 @@ Config random_config(unsigned seed) {
               {dice.number(limits::kGrooves), dice.number(limits::kGrooves)},
               dice.number(limits::kSpacing)};
   c.tracking = {TrackerKind(dice.integer({0, 4})), dice.number(limits::kKernelRadius)};
+  c.refine.format = c.camera.settings.pixel_format;
+  c.refine.rate_hz = dice.number(limits::kRefineRateHz);
+  if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);
+  c.refine.enabled = c.refine.electrons_per_dn && dice.coin();
+  c.refine.read_noise_e = dice.number(limits::kReadNoiseE);
+  c.refine.black_level_dn = dice.number({0.0, 100.0});
+  if (dice.coin()) c.refine.saturation_dn = dice.number({101.0, 255.0});
   c.stream = {"tcp://*:1", "ipc:///tmp/" + std::to_string(seed), dice.number(limits::kImageRateHz)};
   c.control.endpoint = "tcp://[::1]:2";
   c.realtime = dice.coin() ? RealtimePolicy::enforce : RealtimePolicy::ignore;
@@ -110,6 +117,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.optics.centre_px, b.optics.centre_px);
   EXPECT_EQ(a.sensor, b.sensor);
   EXPECT_EQ(a.tracking, b.tracking);
+  EXPECT_EQ(a.refine, b.refine);
   EXPECT_EQ(a.stream.endpoint, b.stream.endpoint);
   EXPECT_EQ(a.stream.image_endpoint, b.stream.image_endpoint);
   EXPECT_EQ(a.stream.image_rate_hz, b.stream.image_rate_hz);
@@ -197,6 +205,18 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
             "control.endpoint");
   EXPECT_EQ(error_of(R"({"log": {"level": "loud"}})").field, "log.level");
   EXPECT_EQ(error_of("[]").code, Errc::invalid);
+}
+
+TEST(ParseConfig, RefusesARefinementThatCannotBe) {
+  EXPECT_EQ(error_of(R"({"refine": {"enabled": true}})").field, "refine.electrons_per_dn");
+  EXPECT_EQ(error_of(R"({"refine": {"rate_hz": 0}})").field, "refine.rate_hz");
+  EXPECT_EQ(error_of(R"({"refine": {"electrons_per_dn": "39"}})").field, "refine.electrons_per_dn");
+  EXPECT_EQ(error_of(R"({"refine": {"electron_per_dn": 39}})").nearest, "electrons_per_dn");
+  EXPECT_EQ(error_of(R"({"refine": {"saturation_dn": 256}})").field, "refine.saturation_dn");
+  const auto deep =
+      parse_config(R"({"refine": {"saturation_dn": 4000}, "camera": {"pixel_format": "Mono12"}})");
+  ASSERT_TRUE(deep) << deep.error().reason;
+  EXPECT_EQ(deep->refine.format, PixelFormat::mono12);
 }
 
 TEST(ParseConfig, ReadsAPairAsXThenY) {

@@ -130,15 +130,15 @@ TEST(StateMachine, StoppingIsFinal) {
 
 TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
-  // show_pattern, take_reference, clear_reference, cancel_job, save_config.
+  // show_pattern, take_reference, clear_reference, cancel_job, save_config, set_refine.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
-      {true, false, false, false, false, false, false, false, false},  // stopping
-      {true, false, false, false, false, false, false, false, false},  // starting
-      {true, true, false, false, false, false, true, true, true},      // fault
-      {true, true, true, true, true, false, true, true, true},         // waiting_for_camera
-      {true, true, false, false, false, false, true, true, true},      // waiting_for_display
-      {true, false, false, false, false, false, false, true, true},    // job_running
-      {true, true, true, true, true, true, true, true, true},          // running
+      {true, false, false, false, false, false, false, false, false, false},  // stopping
+      {true, false, false, false, false, false, false, false, false, false},  // starting
+      {true, true, false, false, false, false, true, true, true, true},       // fault
+      {true, true, true, true, true, false, true, true, true, true},          // waiting_for_camera
+      {true, true, false, false, false, false, true, true, true, true},       // waiting_for_display
+      {true, false, false, false, false, false, false, true, true, true},     // job_running
+      {true, true, true, true, true, true, true, true, true, true},           // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {

@@ -49,6 +49,19 @@ void print_frames() {
     encode(w, text);
     print_stream(kTopicWavefront, text);
   }
+  for (const bool valid : {true, false}) {
+    RefinedMessage r;
+    r.valid = valid;
+    if (!valid) r.reason = "a \"reason\"";
+    r.exposure_us = 2000.0;
+    r.j = {1, 2, 3};
+    if (valid) {
+      r.coefficients = {0.125, -0.03, 0.5};
+      r.sigma = {0.001, 0.001, 0.002};
+      r.fit = RefinedMessage::Fit{1.0, 500.0, -0.5, 7};
+    }
+    print_stream(kTopicRefined, encode(r));
+  }
   const std::array<SpotFix, 2> spots{};
   SpotsMessage s;
   s.tracker = "thresholded";
@@ -81,6 +94,7 @@ void print_status() {
       status.camera.info = kInfo;
       status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
       status.fault = "none really";
+      status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
       status.versions = {{"ovws", "0"}};
@@ -102,6 +116,12 @@ void print_results() {
   const SensorReport sensor{{}, TrackerKind::lg, 19, {1, 2, 3}, 7};
   print_result("sensor.get", sensor_get_result(sensor));
   print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
+  RefineSettings refine;
+  for (const bool known : {false, true}) {
+    if (known) refine.electrons_per_dn = refine.saturation_dn = 40.0;
+    print_result("refine.get", refine_get_result(refine));
+    print_result("refine.set", refine_set_result({{"rate_hz", 1e9}, {"clamp", true}}, refine));
+  }
   std::vector<Mode> modes;
   for (int j = 0; j <= kMaxZernikeIndex; ++j) modes.push_back({j, 0.001 * j});
   for (const char* method : {"aberration.get", "aberration.set", "aberration.clear"}) {
@@ -127,6 +147,7 @@ void print_results() {
   config.slm.lut = "lut.txt";
   config.optics.centre_px = Vec2{1, 2};
   config.realtime = RealtimePolicy::enforce;
+  config.refine.electrons_per_dn = 40.0;
   print_result("config.get", json::parse(dump_config(config)));
 }
 
@@ -164,6 +185,10 @@ void print_all_params() {
                {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
                 "tracker"},
                decode_sensor_set);
+  print_params(
+      "refine.set",
+      {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn", "saturation_dn"},
+      decode_refine_set);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
   print_params("slm.show", {"pattern"}, decode_slm_show);

@@ -80,6 +80,44 @@ TEST(EncodeWavefront, LetsNeitherNanNorInfinityOut) {
   EXPECT_EQ(out.at("fit_residual_px"), json());
 }
 
+TEST(EncodeRefined, SaysAllThatItHolds) {
+  RefinedMessage m;
+  m.frame_id = 1041;
+  m.valid = true;
+  m.against_reference = true;
+  m.j = {1, 3, 4};
+  m.coefficients = {5.0, 0.3, -0.4};
+  m.sigma = {0.1, 0.001, std::nan("")};
+  m.fit = RefinedMessage::Fit{1.25, 700.0, -0.5, 9};
+  const json out = json::parse(encode(m));
+  EXPECT_EQ(out.at("schema"), "ovws.refined/1");
+  EXPECT_EQ(out.at("against"), "reference");
+  EXPECT_EQ(out.at("reason"), json());
+  EXPECT_DOUBLE_EQ(out.at("rms_waves"), 0.5);  // the tilt is not in it
+  EXPECT_EQ(out.at("coefficients"), json({5.0, 0.3, -0.4}));
+  EXPECT_EQ(out.at("sigma"), json::parse("[0.1,0.001,null]"));
+  EXPECT_EQ(out.at("chi2_per_pixel"), 1.25);
+  EXPECT_EQ(out.at("iterations"), 9);
+}
+
+TEST(EncodeRefined, IsNullIfNotValidAndSaysWhy) {
+  RefinedMessage m;
+  m.reason = "too \"dark\"";
+  m.j = {1, 2};
+  const json unfitted = json::parse(encode(m));
+  EXPECT_EQ(unfitted.at("reason"), "too \"dark\"");
+  EXPECT_EQ(unfitted.at("against"), "model");
+  EXPECT_EQ(unfitted.at("coefficients"), json::parse("[null,null]"));
+  EXPECT_EQ(unfitted.at("sigma"), json::parse("[null,null]"));
+  EXPECT_EQ(unfitted.at("chi2_per_pixel"), json());
+  m.coefficients = m.sigma = {1.0, 2.0};
+  m.fit = RefinedMessage::Fit{9.0, 700.0, 0.0, 9};
+  const json doubted = json::parse(encode(m));
+  EXPECT_EQ(doubted.at("coefficients"), json::parse("[null,null]"));
+  EXPECT_EQ(doubted.at("rms_waves"), json());
+  EXPECT_EQ(doubted.at("chi2_per_pixel"), 9.0);
+}
+
 TEST(EncodeSpots, WritesSixFloatsASpotInTheOrderOfTheColumns) {
   std::array<SpotFix, 2> spots;
   spots[0] = {10.25F, 20.5F, 200.0F, 0.75F};

@@ -55,6 +55,35 @@ TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
   EXPECT_EQ(error_of(decode_camera_set({{"pixel_format", "Mono11"}})).field, "pixel_format");
 }
 
+TEST(RefineSetRequest, LeavesWhatIsAbsentAndTellsNullFromAbsent) {
+  RefineSettings before;
+  before.electrons_per_dn = 40.0;
+  before.saturation_dn = 250.0;
+  const auto set =
+      decode_refine_set(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null})"));
+  ASSERT_TRUE(set);
+  const RefineSettings after = set->applied_to(before);
+  EXPECT_TRUE(after.enabled);
+  EXPECT_EQ(after.rate_hz, 2.0);
+  EXPECT_EQ(after.electrons_per_dn, 40.0);
+  EXPECT_EQ(after.saturation_dn, std::nullopt);
+  EXPECT_EQ(after.read_noise_e, before.read_noise_e);
+}
+
+TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
+  EXPECT_EQ(error_of(decode_refine_set({{"rate_hz", 0}})).field, "rate_hz");
+  EXPECT_EQ(error_of(decode_refine_set({{"rate_hz", nullptr}})).field, "rate_hz");
+  EXPECT_EQ(error_of(decode_refine_set({{"electrons_per_dn", 0}})).field, "electrons_per_dn");
+  EXPECT_EQ(error_of(decode_refine_set({{"read_noise_e", -1}})).field, "read_noise_e");
+  EXPECT_EQ(error_of(decode_refine_set({{"enabled", "yes"}})).field, "enabled");
+  EXPECT_EQ(error_of(decode_refine_set({{"rate", 1}})).nearest, "rate_hz");
+  const auto clamped =
+      decode_refine_set({{"rate_hz", 1e6}, {"saturation_dn", 4095}, {"clamp", true}});
+  ASSERT_TRUE(clamped);
+  EXPECT_EQ(clamped->rate_hz, 100.0);
+  EXPECT_EQ(clamped->applied_to({}).saturation_dn, 255.0);  // of Mono8
+}
+
 TEST(SensorSetRequest, ReadsEveryKey) {
   const auto set = decode_sensor_set(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,

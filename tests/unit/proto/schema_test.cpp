@@ -28,9 +28,10 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
                        "aberration.clear", "aberration.get",  "aberration.set", "camera.get",
                        "camera.set",       "config.get",      "config.save",    "job.cancel",
                        "job.get",          "reference.clear", "reference.get",  "reference.take",
-                       "sensor.get",       "sensor.set",      "slm.show",       "stream.event",
-                       "stream.image",     "stream.phase",    "stream.spots",   "stream.status",
-                       "stream.wavefront", "system.describe", "system.status"}));
+                       "refine.get",       "refine.set",      "sensor.get",     "sensor.set",
+                       "slm.show",         "stream.event",    "stream.image",   "stream.phase",
+                       "stream.refined",   "stream.spots",    "stream.status",  "stream.wavefront",
+                       "system.describe",  "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -50,6 +51,14 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   expect_range(sensor.at("pupil_diameter_px"), limits::kPupilDiameterPx);
   expect_range(sensor.at("grooves").at("items"), limits::kGrooves);
   expect_range(sensor.at("spacing"), limits::kSpacing);
+  for (const json& refine : {properties("refine.set"), properties("refine.get", "result"),
+                             properties("config.get", "result").at("refine").at("properties")}) {
+    expect_range(refine.at("rate_hz"), limits::kRefineRateHz);
+    expect_range(refine.at("electrons_per_dn"), limits::kElectronsPerDn);
+    expect_range(refine.at("read_noise_e"), limits::kReadNoiseE);
+    expect_range(refine.at("black_level_dn"), limits::kBlackLevelDn);
+    expect_range(refine.at("saturation_dn"), limits::kSaturationDn);
+  }
   expect_range(properties("reference.take").at("frames"), limits::kReferenceFrames);
   expect_range(properties("job.get").at("job"), limits::kJob);
   const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
@@ -91,6 +100,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   };
   for (const json& e : examples("camera.set")) EXPECT_TRUE(decode_camera_set(e)) << e;
   for (const json& e : examples("sensor.set")) EXPECT_TRUE(decode_sensor_set(e)) << e;
+  for (const json& e : examples("refine.set")) EXPECT_TRUE(decode_refine_set(e)) << e;
   for (const json& e : examples("aberration.set")) EXPECT_TRUE(decode_aberration_set(e)) << e;
   for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
