@@ -8,6 +8,7 @@
 #include "daemon/handlers/methods.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/live_refiner.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/status_reporter.hpp"
@@ -39,10 +40,12 @@ struct App::Parts {
   LatencyHistogram published_latency;
   Pipeline pipeline;
   ReferenceCollector collector;
+  ReferencePictureTaker pictures;
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
   std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
   std::unique_ptr<StatusReporter> status;
@@ -81,19 +84,21 @@ struct App::Parts {
 
 Result<void> App::Parts::make_instrument() {
   auto made = Instrument::make(
-      config, {pipeline, slm, collector, jobs, events, [this](bool runs) {
+      config, {pipeline, slm, collector, pictures, jobs, events, [this](bool runs) {
                  state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended);
                }});
   if (!made) return fail(made.error());
   instrument = std::move(*made);
+  refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
+                                          *instrument, queue);
   return {};
 }
 
 Result<void> App::Parts::bind_streams() {
   auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue);
   if (!measurement) return fail(measurement.error());
-  auto pictures = Publisher::bind(config.stream.image_endpoint, kImageQueue);
-  if (!pictures) return fail(pictures.error());
+  auto picture_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue);
+  if (!picture_socket) return fail(picture_socket.error());
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
@@ -101,16 +106,18 @@ Result<void> App::Parts::bind_streams() {
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  images = std::make_unique<ImagePublisher>(std::move(*pictures), image_config, pipeline, counters);
+  const std::vector<FrameTaker*> takers{&pictures, &refiner->taker()};
+  images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
+                                            counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
-                                                       pipeline, published_latency, counters,
-                                                       events, queue, threads});
+                                                       *refiner, pipeline, published_latency,
+                                                       counters, events, queue, threads});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
-      Services{config, config_path, state, camera, *instrument, jobs, *status, counters});
+      Services{config, config_path, state, camera, *instrument, jobs, *refiner, *status, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));
@@ -133,11 +140,10 @@ Result<void> App::Parts::start_threads() {
     ThreadRole role;
     Agent& agent;
   };
-  std::vector<Start> starts{{ThreadRole::publish, *stream},
-                            {ThreadRole::images, *images},
-                            {ThreadRole::control, *control},
-                            {ThreadRole::prepare, *instrument},
-                            {ThreadRole::status, *status}};
+  // A fit cannot be broken off: who refines is waited for when all others have ended.
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},     {ThreadRole::publish, *stream},
+                            {ThreadRole::images, *images},      {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {
@@ -172,10 +178,11 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
+  parts_->refiner->end_soon();
   parts_->slm.close();
   const std::string held = parts_->threads.stop_all(kStopPatienceS);
   if (held.empty()) return {};
-  spdlog::warn("thread {} is held by a device that does not answer: ending without it", held);
+  spdlog::warn("thread {} does not end in time: ending without it", held);
   std::_Exit(0);
 }
 

@@ -12,17 +12,30 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kTurnNs = 50'000'000;
+constexpr std::int64_t kPauseNs = 10'000'000;  // until somebody is asked again what is wanted
 
 }  // namespace
 
 ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
-                               Pipeline& pipeline, Counters& counters)
-    : socket_(std::move(socket)), config_(config), pipeline_(pipeline), counters_(counters) {}
+                               Pipeline& pipeline, Counters& counters,
+                               std::vector<FrameTaker*> takers)
+    : socket_(std::move(socket)),
+      config_(config),
+      pipeline_(pipeline),
+      counters_(counters),
+      takers_(std::move(takers)) {}
+
+bool ImagePublisher::picture_is_due() const {
+  return config_.rate_hz > 0.0 && monotonic_ns() >= next_ns_;
+}
 
 bool ImagePublisher::do_work() {
-  const std::int64_t wait_ns = config_.rate_hz > 0.0 ? next_ns_ - monotonic_ns() : kTurnNs;
-  if (wait_ns > 0 && !requested_) {
-    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(wait_ns, kTurnNs)));
+  const bool wanted =
+      std::any_of(takers_.begin(), takers_.end(), [](FrameTaker* taker) { return taker->wants(); });
+  if (!requested_ && !wanted && !picture_is_due()) {
+    const std::int64_t wait_ns = config_.rate_hz > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
+    std::this_thread::sleep_for(
+        std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));
     return false;
   }
   if (!requested_) pipeline_.request_image();
@@ -30,8 +43,13 @@ bool ImagePublisher::do_work() {
   FrameRecord* record = pipeline_.next_image(int(kTurnNs / 1000));
   if (record == nullptr) return false;
   requested_ = false;
-  next_ns_ = monotonic_ns() + std::int64_t(1e9 / config_.rate_hz);
-  send(*record);
+  for (FrameTaker* taker : takers_) {
+    if (taker->wants()) taker->take(*record);
+  }
+  if (picture_is_due()) {
+    next_ns_ = monotonic_ns() + std::int64_t(1e9 / config_.rate_hz);
+    send(*record);
+  }
   pipeline_.release_image(record);
   return true;
 }

@@ -1,4 +1,5 @@
-/// Sends pictures at a rate for eyes: the camera's image and the wavefront over the pupil.
+/// Borrows frames with their pixels: sends pictures at a rate for eyes, the camera's image and the
+/// wavefront over the pupil, and hands frames on to who else wants some.
 #pragma once
 
 #include <atomic>
@@ -12,6 +13,7 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/wavefront/phase_map.hpp"
+#include "daemon/frame_taker.hpp"
 #include "drivers/zmq/publisher.hpp"
 
 namespace ovws {
@@ -25,13 +27,15 @@ struct ImagePublisherConfig {
 /// The images thread's agent.
 class ImagePublisher : public Agent {
  public:
+  /// `takers` get what they want between the pictures; they outlive this object.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
-                 Counters& counters);
+                 Counters& counters, std::vector<FrameTaker*> takers);
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
 
  private:
+  bool picture_is_due() const;
   void send(const FrameRecord& record);
   void send_image(const FrameRecord& record);
   void send_phase(const FrameRecord& record);
@@ -40,6 +44,7 @@ class ImagePublisher : public Agent {
   ImagePublisherConfig config_;
   Pipeline& pipeline_;
   Counters& counters_;
+  std::vector<FrameTaker*> takers_;
   std::int64_t next_ns_ = 0;
   bool requested_ = false;
   std::atomic<std::uint64_t> sent_{0};

@@ -172,6 +172,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.pattern = state_.pattern;
   now.aberration = state_.aberration;
   now.hologram_id = shown_hologram_id_;
+  now.plan_id = plan->id;
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);

@@ -31,6 +31,7 @@ struct SensorSnapshot {
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
   std::uint64_t hologram_id = 0;
+  std::uint64_t plan_id = 0;  ///< frames measured with this plan are of all that stands here
   int subapertures = 0;
   std::vector<int> modes_j;
   std::optional<Reference> reference;  ///< the one in force
@@ -40,6 +41,7 @@ struct InstrumentDeps {
   Pipeline& pipeline;
   SlmLoop& slm;
   ReferenceCollector& collector;
+  ReferencePictureTaker& pictures;
   Jobs& jobs;
   Events& events;
   /// Prepare thread: a job began (true) or ended (false).

@@ -36,6 +36,7 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
         [this] { return deps_.collector.progress(); });
     reference_job_ = job;
     deps_.on_job(true);
+    deps_.pictures.begin(state_.sensor_epoch, shown_hologram_id_);
     deps_.collector.begin(frames, state_.sensor_epoch, shown_hologram_id_,
                           snapshot_.get().subapertures,
                           [this, job](ReferenceCollector::Average average) {
@@ -77,6 +78,7 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
   reference.aberration = state_.aberration;
   reference.positions_px = average.mean_px;
   reference.standard_error_px = average.standard_error_px;
+  reference.picture = deps_.pictures.end();
   end_reference_job();
   if (auto changed = change_reference(std::move(reference)); !changed) {
     return deps_.jobs.fail_job(job, changed.error());
@@ -101,11 +103,13 @@ void Instrument::fail_reference(const Error& why) {
   deps_.on_job(false);  // who hears of the end may ask for the next
   deps_.jobs.fail_job(job, why);
   deps_.collector.cancel();  // it told the job's progress until now
+  deps_.pictures.cancel();
 }
 
 void Instrument::end_reference_job() {
   if (!reference_job_) return;
   deps_.collector.cancel();
+  deps_.pictures.cancel();
   reference_job_.reset();
   deps_.on_job(false);
 }

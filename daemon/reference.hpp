@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/pipeline/frame_record.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
+#include "daemon/reference_picture.hpp"
 
 namespace ovws {
 
@@ -32,6 +34,7 @@ struct Reference {
   std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
+  std::shared_ptr<const ReferencePicture> picture;  ///< none: it was taken too quickly for one
 };
 
 /// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish

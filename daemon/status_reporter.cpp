@@ -99,6 +99,7 @@ StatusMessage StatusReporter::current() const {
     status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
   }
   status.sensor = sensor_part(deps_.instrument.snapshot());
+  status.refine = deps_.refiner.report();
   const Measured measured = measured_.get();
   status.rates = measured.rates;
   status.latency = measured.latency;

@@ -11,6 +11,7 @@
 #include "daemon/camera_actor.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/live_refiner.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/stream_queue.hpp"
@@ -25,6 +26,7 @@ struct StatusDeps {
   const SlmLoop& slm;
   const Instrument& instrument;
   const ImagePublisher& images;
+  const LiveRefiner& refiner;
   Pipeline& pipeline;
   LatencyHistogram& published_latency;
   Counters& counters;

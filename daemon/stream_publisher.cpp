@@ -83,6 +83,11 @@ void StreamPublisher::send_queue() {
       event->message.seq = event_seq_++;
       json_ = encode(event->message, event->data);
       send(kTopicEvent);
+    } else if (auto* refined = std::get_if<RefinedMessage>(&*message)) {
+      refined->seq = refined_seq_++;
+      refined->t_publish_ns = utc_ns();
+      json_ = encode(*refined);
+      send(kTopicRefined);
     } else if (auto* status = std::get_if<StatusMessage>(&*message)) {
       status->seq = status_seq_++;
       json_ = encode(*status);

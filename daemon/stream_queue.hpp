@@ -21,7 +21,7 @@ struct Event {
 /// sends.
 class StreamQueue {
  public:
-  using Message = std::variant<Event, StatusMessage>;
+  using Message = std::variant<Event, StatusMessage, RefinedMessage>;
 
   void put(Message message) {
     const std::lock_guard lock(mutex_);

@@ -4,6 +4,8 @@
 #include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -86,6 +88,8 @@ Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
 }
 
 void ThreadPlan::run(Running& running) {
+  // Of this thread alone: Linux keeps it a thread. To give way is always allowed.
+  if (running.row->nice != 0) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
   while (!running.stop.load(std::memory_order_relaxed)) {
     running.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
     running.agent->do_work();

@@ -26,6 +26,7 @@ enum class ThreadRole {
   prepare,
   control,
   images,
+  refine,
   status,
   display,
 };
@@ -33,7 +34,7 @@ enum class ThreadRole {
 /// What a turn that takes too long calls for.
 enum class OnHang {
   restart,  ///< our own fault: the watchdog is no longer fed
-  report,   ///< a device holds the thread, and a new process would be held as well
+  report,   ///< a device or long work holds the thread, and would hold that of a new process
 };
 
 struct ThreadRow {
@@ -43,9 +44,10 @@ struct ThreadRow {
   const char* may_wait_for;  ///< and nothing else
   double longest_turn_s;     ///< a turn that takes longer counts as hung
   OnHang on_hang;
+  int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 10> kThreadTable{{
+constexpr std::array<ThreadRow, 11> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -55,6 +57,8 @@ constexpr std::array<ThreadRow, 10> kThreadTable{{
      OnHang::restart},
     {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
+    {ThreadRole::refine, "refine", 0, "the next lent frame; a fit takes seconds", 120.0,
+     OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
 }};
@@ -81,8 +85,9 @@ class ThreadPlan {
   /// Turns `agent` in the calling thread until `stop` is set.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
   /// Asks all to end, last started first, and waits for each, for `patience_s` in all. A thread may
-  /// be held by a device that no longer answers: then its name is returned, and the process is to
-  /// end without destroying what that thread uses. Empty: all ended.
+  /// be held by a device that no longer answers, or by work that cannot be broken off: then its
+  /// name is returned, and the process is to end without destroying what that thread uses. Empty:
+  /// all ended.
   std::string stop_all(double patience_s);
 
   /// Thread-safe: those whose turn takes too long.

@@ -37,6 +37,12 @@ void print_status(const json& status) {
         sensor["charge"].get<int>(), sensor["subapertures"].get<int>(), sensor["modes"].get<int>(),
         text_or(sensor, "tracker", ""),
         sensor["referenced"].get<bool>() ? "referenced" : "no reference");
+  const json& refine = status["refine"];
+  if (text_or(refine, "state", "off") != "off") {
+    print("refine     {}, {} done, {} refused{}\n", text_or(refine, "state", ""),
+          refine["done"].get<std::uint64_t>(), refine["refused"].get<std::uint64_t>(),
+          refine["reason"].is_string() ? ": " + text_or(refine, "reason", "") : "");
+  }
   for (const auto& [stage, latency] : status["latency"].items()) {
     if (latency["count"].get<std::uint64_t>() == 0) continue;
     print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,

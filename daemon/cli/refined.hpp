@@ -9,18 +9,9 @@
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/wavefront/refine.hpp"
+#include "daemon/refined_modes.hpp"
 
 namespace ovws::cli {
-
-struct RefinedModes {
-  std::vector<double> waves;        ///< minus the reference's, in the order of the modes given
-  std::vector<double> sigma_waves;  ///< standard errors, the reference's included
-  double chi2_per_pixel = 0.0;      ///< about 1 if the model explains the image
-  double peak_e = 0.0;              ///< of the model's brightest pixel
-
-  /// There was light, it tells the modes, and the model explains it.
-  bool believable(const RefineCamera& camera) const;
-};
 
 /// For images of one size. Seconds an image; one thread at a time.
 class RefinedMeasurement {
@@ -37,9 +28,10 @@ class RefinedMeasurement {
 
  private:
   RefinedMeasurement(Refiner refiner, const RefineCamera& camera, std::size_t modes)
-      : refiner_(std::move(refiner)),
-        camera_(camera),
-        reference_{std::vector<double>(modes), std::vector<double>(modes), 0.0, 0.0} {}
+      : refiner_(std::move(refiner)), camera_(camera) {
+    reference_.waves.assign(modes, 0.0);
+    reference_.sigma_waves.assign(modes, 0.0);
+  }
 
   Refiner refiner_;
   RefineCamera camera_;

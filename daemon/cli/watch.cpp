@@ -7,9 +7,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/optics/zernike.hpp"
 #include "daemon/cli/client.hpp"
 #include "daemon/cli/commands.hpp"
+#include "daemon/cli/watch_table.hpp"
 #include "drivers/zmq/client.hpp"
 
 namespace ovws::cli {
@@ -22,61 +22,14 @@ struct WatchOptions {
   int count = 0;  ///< messages; 0: until Ctrl-C
 };
 
-constexpr int kBarHalfWidth = 20;
-
 std::atomic<bool> stop_requested{false};
-
-/// A bar that grows from the middle, `full_scale` waves wide to each side.
-std::string signed_bar(double waves, double full_scale) {
-  const int length =
-      std::min(kBarHalfWidth, int(std::abs(waves) / full_scale * kBarHalfWidth + 0.5));
-  std::string left(std::size_t(kBarHalfWidth), ' ');
-  std::string right = left;
-  for (int i = 0; i < length; ++i) {
-    (waves < 0 ? left[std::size_t(kBarHalfWidth - 1 - i)] : right[std::size_t(i)]) = '#';
-  }
-  return left + "|" + right;
-}
-
-std::size_t longest_name(const json& modes_j) {
-  std::size_t length = 0;
-  for (const json& j : modes_j) length = std::max(length, zernike_name(j.get<int>()).size());
-  return length;
-}
-
-void print_wavefront(const json& message, bool referenced, bool in_place) {
-  if (in_place) print("\033[H\033[J");
-  const bool valid = message["valid"].get<bool>();
-  print(
-      "frame {}  hologram {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  "
-      "{}\n",
-      message["frame_id"].get<std::uint64_t>(), message["hologram_id"].get<std::uint64_t>(),
-      message["charge"].get<int>(), message["tracker"].get<std::string>(),
-      message["tracked"].get<int>(), message["subapertures"].get<int>(),
-      100.0 * message["saturated"].get<double>(), message["latency_us"].get<double>(),
-      valid ? "valid" : "NOT VALID: " + why_not_valid(message, referenced));
-  if (!valid) return;
-  double full_scale = 0.1;
-  for (const json& value : message["coefficients"]) {
-    full_scale = std::max(full_scale, std::abs(value.get<double>()));
-  }
-  const std::size_t name_width = longest_name(message["j"]);
-  for (std::size_t i = 0; i < message["j"].size(); ++i) {
-    const int j = message["j"][i].get<int>();
-    const double waves = message["coefficients"][i].get<double>();
-    print("{:>3} {:<{}} {:+9.4f} {}\n", j, zernike_name(j), name_width, waves,
-          signed_bar(waves, full_scale));
-  }
-  print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, bar {:.2f} wave\n",
-        message["rms_waves"].get<double>(), message["fit_residual_px"].get<double>(), full_scale);
-}
 
 /// One topic's messages on their way to standard output.
 class Watch {
  public:
   Watch(const Common& common, const WatchOptions& options, bool referenced)
       : options_(options),
-        table_(!common.json && options.topic == "wavefront"),
+        table_(!common.json && has_table(options.topic)),
         in_place_(table_ && isatty(STDOUT_FILENO) != 0),
         referenced_(referenced) {}
 
@@ -107,11 +60,10 @@ class Watch {
   }
 
   void show(const StreamMessage& message) const {
-    if (table_) {
-      print_wavefront(json::parse(message.json), referenced_, in_place_);
-    } else {
-      print("{}\n", message.json);
-    }
+    if (!table_) return print("{}\n", message.json);
+    if (in_place_) print("\033[H\033[J");
+    const json body = json::parse(message.json);
+    options_.topic == "refined" ? print_refined(body) : print_wavefront(body, referenced_);
   }
 
   const WatchOptions& options_;
@@ -139,12 +91,13 @@ int watch(const Common& common, const WatchOptions& options) {
 }  // namespace
 
 void add_watch(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("watch",
-                                     "the wavefront as a live table; with --json, and always for "
-                                     "the other topics, each message's JSON as a line");
+  auto* command =
+      app.add_subcommand("watch",
+                         "the wavefront, fast or refined, as a live table; with --json, "
+                         "and always for the other topics, each message's JSON as a line");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
-      ->check(CLI::IsMember({"wavefront", "spots", "image", "phase", "status", "event"}))
+      ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
       ->capture_default_str();
   command->add_option("-n,--count", options->count, "end after so many messages; 0: never")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));

@@ -11,6 +11,7 @@ Config effective(const Services& services) {
   config.camera.settings = services.camera.snapshot().settings;
   config.sensor = sensor.sensor;
   config.tracking = sensor.tracking;
+  config.refine = in_format(services.refiner.settings(), config.camera.settings.pixel_format);
   return config;
 }
 

@@ -27,6 +27,7 @@ std::span<const Method> system_methods();
 std::span<const Method> camera_methods();
 std::span<const Method> sensor_methods();
 std::span<const Method> reference_methods();
+std::span<const Method> refine_methods();
 std::span<const Method> config_methods();
 
 /// Finds the method, asks the state whether it may, and calls it. An unknown method is answered

@@ -8,6 +8,7 @@
 #include "daemon/camera_actor.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
+#include "daemon/live_refiner.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
 
@@ -20,6 +21,7 @@ struct Services {
   CameraActor& camera;
   Instrument& instrument;
   Jobs& jobs;
+  LiveRefiner& refiner;
   StatusReporter& status;
   Counters& counters;
 };

@@ -60,6 +60,10 @@ class Messages(BenchCase):
         call("reference.clear")
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})
+        call("refine.get")
+        call("refine.set", {"enabled": True, "electrons_per_dn": 39.2, "saturation_dn": None})
+        call("system.status")
+        call("refine.set", {"enabled": False})
         call("config.get")
         call("config.save")
         self.assertEqual(called, set(self.description["methods"]), "each method was called")

@@ -1,0 +1,57 @@
+/// Refines frames beside the fast estimate, at a rate of its own, and publishes what it found.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "core/control/refine_settings.hpp"
+#include "core/rt/agent.hpp"
+#include "daemon/guarded.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/refine_inbox.hpp"
+#include "daemon/refine_model.hpp"
+#include "daemon/stream_queue.hpp"
+#include "proto/messages.hpp"
+#include "proto/requests.hpp"
+
+namespace ovws {
+
+/// The refine thread's agent. A turn with a frame lasts as long as its fit: seconds. Whatever
+/// changes meanwhile, a frame is published with the hologram, the sensor and the reference that it
+/// was measured with.
+class LiveRefiner : public Agent {
+ public:
+  LiveRefiner(const RefineSettings& settings, const OpticsConfig& optics, const SlmGeometry& slm,
+              const Instrument& instrument, StreamQueue& queue);
+
+  bool do_work() override;
+
+  // Thread-safe.
+  /// `format`: the camera's, whose DN the change is in. Errors as of check_refine; then nothing has
+  /// changed. What is being refined with other numbers is not published.
+  Result<RefineSettings> change(const RefineSet& change, PixelFormat format);
+  RefineSettings settings() const { return settings_.get(); }
+  StatusMessage::RefinePart report() const { return report_.get(); }
+  /// Begins no more fits; the one that runs cannot be broken off.
+  void end_soon() { ending_.store(true); }
+  FrameTaker& taker() { return inbox_; }
+
+ private:
+  void tell(std::string state, std::optional<std::string> reason);
+  void wait_for_frame();
+  void refine(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSettings& settings);
+  void publish(const FrameCopy& frame, const SensorSnapshot& sensor, RefinedFrame refined);
+
+  const double wavelength_nm_;
+  const Instrument& instrument_;
+  StreamQueue& queue_;
+  RefineModel model_;
+  RefineInbox inbox_;
+  Guarded<RefineSettings> settings_;
+  Guarded<StatusMessage::RefinePart> report_;
+  std::atomic<bool> ending_{false};
+  std::int64_t last_begun_ns_ = 0;     ///< of a fit; 0: none yet
+  std::int64_t waiting_since_ns_ = 0;  ///< for a frame; 0: not waiting
+};
+
+}  // namespace ovws

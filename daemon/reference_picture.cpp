@@ -1,0 +1,65 @@
+#include "daemon/reference_picture.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+template <class T>
+void add(const ImageView& image, Image<float>& sum) {
+  const auto full = float((1 << significant_bits(image.format)) - 1);
+  for (int y = 0; y < image.height; ++y) {
+    const T* const from = image.row<T>(y);
+    float* const to = sum.row(y);
+    for (int x = 0; x < image.width; ++x) {
+      const auto value = float(from[x]);
+      to[x] += value < full ? value : NAN;
+    }
+  }
+}
+
+}  // namespace
+
+void ReferencePictureTaker::begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id) {
+  const std::lock_guard lock(mutex_);
+  sensor_epoch_ = sensor_epoch;
+  hologram_id_ = hologram_id;
+  sum_ = std::make_unique<ReferencePicture>();
+}
+
+std::shared_ptr<const ReferencePicture> ReferencePictureTaker::end() {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<ReferencePicture> made = std::exchange(sum_, nullptr);
+  if (!made || made->frames == 0) return nullptr;
+  for (float& pixel : made->mean_dn.pixels) pixel /= float(made->frames);
+  return made;
+}
+
+bool ReferencePictureTaker::wants() {
+  const std::lock_guard lock(mutex_);
+  return sum_ && sum_->frames < kMostFrames;
+}
+
+void ReferencePictureTaker::take(const FrameRecord& record) {
+  const std::lock_guard lock(mutex_);
+  if (!sum_ || sum_->frames == kMostFrames || !record.settled || !record.settings_known) return;
+  if (record.plan->sensor_epoch != sensor_epoch_ || record.hologram_id != hologram_id_) return;
+  const ImageView& image = record.frame.image;
+  if (sum_->frames == 0) {
+    sum_->gain_db = record.gain_db;
+    sum_->format = image.format;
+    sum_->mean_dn = Image<float>(image.width, image.height);
+  }
+  const bool same = image.width == sum_->mean_dn.width && image.height == sum_->mean_dn.height &&
+                    image.format == sum_->format && record.gain_db == sum_->gain_db;
+  if (!same) return;
+  if (bytes_per_pixel(image.format) == 1) {
+    add<std::uint8_t>(image, sum_->mean_dn);
+  } else {
+    add<std::uint16_t>(image, sum_->mean_dn);
+  }
+  ++sum_->frames;
+}
+
+}  // namespace ovws

@@ -1,0 +1,45 @@
+/// The reference as a picture: the mean of some frames that a reference's positions were taken
+/// from.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+
+#include "core/base/image.hpp"
+#include "daemon/frame_taker.hpp"
+
+namespace ovws {
+
+/// Immutable once made.
+struct ReferencePicture {
+  int frames = 0;
+  double gain_db = 0.0;
+  PixelFormat format = PixelFormat::mono8;
+  Image<float> mean_dn;  ///< NaN where a frame had a pixel at the format's full scale
+};
+
+/// Averages while a reference is taken. `begin`, `end` and `cancel` from any thread.
+class ReferencePictureTaker : public FrameTaker {
+ public:
+  /// Frames beyond these are left to their purpose: their noise is already below that of the single
+  /// frame which will be compared with the mean.
+  static constexpr int kMostFrames = 8;
+
+  /// From now on settled frames of this hologram, measured with a plan of this epoch, are averaged.
+  void begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id);
+  /// The mean so far, and no more frames; nullptr if there was none.
+  std::shared_ptr<const ReferencePicture> end();
+  void cancel() { end(); }
+
+  bool wants() override;
+  void take(const FrameRecord& record) override;
+
+ private:
+  std::mutex mutex_;
+  std::uint64_t sensor_epoch_ = 0;
+  std::uint64_t hologram_id_ = 0;
+  std::unique_ptr<ReferencePicture> sum_;  ///< mean_dn holds the sum; none: nothing is being taken
+};
+
+}  // namespace ovws

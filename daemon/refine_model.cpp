@@ -1,0 +1,131 @@
+#include "daemon/refine_model.hpp"
+
+#include <utility>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws {
+
+/// All that one sensor's images of one size need.
+struct RefineModel::Bench {
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  int cols = 0, rows = 0;
+  std::vector<int> modes_j;
+  Refiner refiner;
+  Reconstructor by_model;  ///< from spots to modes, absolute
+  Reconstructor::Scratch scratch;
+
+  bool is_for(const FrameCopy& frame, const SensorSnapshot& now) const {
+    return sensor == now.sensor && tracking == now.tracking && modes_j == now.modes_j &&
+           cols == frame.image.width && rows == frame.image.height;
+  }
+  std::optional<std::vector<double>> start_of(std::span<const SpotFix> spots) {
+    std::vector<float> waves(modes_j.size());
+    if (!by_model.solve(spots, scratch, waves).determined) return std::nullopt;
+    return std::vector<double>(waves.begin(), waves.end());
+  }
+};
+
+struct RefineModel::RefinedReference {
+  std::shared_ptr<const ReferencePicture> picture;
+  RefineSettings settings;
+  Result<RefinedModes> modes;  ///< a failure is kept, too: the same picture would fail again
+};
+
+RefineModel::RefineModel(const OpticsConfig& optics, const SlmGeometry& slm)
+    : optics_(optics), slm_(slm) {}
+RefineModel::~RefineModel() = default;
+
+RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
+                                 const RefineSettings& settings) {
+  RefinedFrame out;
+  out.against_reference = sensor.reference.has_value();
+  const auto refused = [&out](std::string why) {
+    out.refusal = std::move(why);
+    return out;
+  };
+  if (auto made = make_bench(frame, sensor); !made) return refused(made.error().reason);
+  std::optional<std::vector<double>> start;
+  const RefinedModes* reference = nullptr;
+  if (sensor.reference) {
+    const auto& modes = refined_reference(*sensor.reference, settings);
+    if (!modes) return refused("the reference cannot be refined: " + modes.error().reason);
+    reference = &*modes;
+    start = modes->waves;
+    for (std::size_t k = 0; k < start->size(); ++k) (*start)[k] += double(frame.coefficients[k]);
+  } else {
+    start = bench_->start_of(frame.spots);
+    if (!start) return refused("too few spots were found to begin from");
+  }
+  const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db, 1);
+  const std::int64_t begun_ns = monotonic_ns();
+  const auto found = bench_->refiner.refine(frame.image, camera, *start);
+  out.duration_ms = 1e-6 * double(monotonic_ns() - begun_ns);
+  if (!found) return refused(found.error().reason);
+  out.modes = refined_modes(*found);
+  if (reference != nullptr) out.modes = minus(std::move(*out.modes), *reference);
+  out.refusal = out.modes->doubt(camera).value_or("");
+  return out;
+}
+
+Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  if (bench_ && bench_->is_for(frame, sensor)) return {};
+  bench_.reset();
+  reference_.reset();
+  const int cols = frame.image.width, rows = frame.image.height;
+  auto refiner = Refiner::make(sensor.sensor, slm_, optics_, cols, rows, sensor.modes_j);
+  if (!refiner) return fail(refiner.error());
+  const auto lattice = make_lattice(sensor.sensor, slm_);
+  if (!lattice) return fail(lattice.error());
+  Reconstructor by_model(slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+                                      slope_model(sensor.sensor.charge, sensor.tracking),
+                                      camera_px_per_cycle(optics_, slm_)),
+                         sensor.modes_j,
+                         model_spots_px(*lattice, sensor.sensor, slm_, optics_, cols, rows));
+  auto scratch = by_model.make_scratch();
+  bench_ =
+      std::make_unique<Bench>(Bench{sensor.sensor, sensor.tracking, cols, rows, sensor.modes_j,
+                                    std::move(*refiner), std::move(by_model), std::move(scratch)});
+  return {};
+}
+
+const Result<RefinedModes>& RefineModel::refined_reference(const Reference& reference,
+                                                           const RefineSettings& settings) {
+  const bool known = reference_ && reference_->picture == reference.picture &&
+                     same_camera(reference_->settings, settings);
+  if (!known) {
+    reference_ = std::make_unique<RefinedReference>(
+        RefinedReference{reference.picture, settings, refine_picture(reference, settings)});
+  }
+  return reference_->modes;
+}
+
+Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
+                                                 const RefineSettings& settings) {
+  if (!reference.picture) {
+    return fail(Errc::refused, "reference",
+                "it was taken too quickly to keep a picture; take it anew from more frames");
+  }
+  const ReferencePicture& picture = *reference.picture;
+  std::vector<SpotFix> spots(reference.positions_px.size());
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    spots[i].x = float(reference.positions_px[i].x);
+    spots[i].y = float(reference.positions_px[i].y);
+  }
+  const auto start = bench_->start_of(spots);
+  if (!start) return fail(Errc::refused, "reference", "too few spots were found to begin from");
+  const RefineCamera camera =
+      refine_camera(settings, picture.format, picture.gain_db, picture.frames);
+  const auto found = bench_->refiner.refine(picture.mean_dn, camera, *start);
+  if (!found) return fail(found.error());
+  RefinedModes modes = refined_modes(*found);
+  if (const auto doubt = modes.doubt(camera, picture.frames)) {
+    return fail(Errc::refused, "reference", *doubt);
+  }
+  return modes;
+}
+
+}  // namespace ovws

@@ -1,0 +1,49 @@
+/// The refinement of one live frame: keeps what is dear to make, and makes it anew when the sensor,
+/// the image, the reference or what is known of the camera changed.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/optics/geometry.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/refine_inbox.hpp"
+#include "daemon/refined_modes.hpp"
+
+namespace ovws {
+
+struct RefinedFrame {
+  std::optional<RefinedModes> modes;  ///< minus the reference's; none: no minimum was found
+  std::string refusal;                ///< why it is not valid, for a person; empty: it is
+  bool against_reference = false;     ///< else against the model
+  double duration_ms = 0.0;           ///< of this frame's fit
+};
+
+/// One thread at a time.
+class RefineModel {
+ public:
+  RefineModel(const OpticsConfig& optics, const SlmGeometry& slm);
+  ~RefineModel();
+
+  /// `sensor`: that which the frame was measured with. `settings` with electrons_per_dn. Takes
+  /// seconds; the first frame of a sensor and of a reference some more.
+  RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
+                      const RefineSettings& settings);
+
+ private:
+  struct Bench;
+  struct RefinedReference;
+  Result<void> make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
+  const Result<RefinedModes>& refined_reference(const Reference& reference,
+                                                const RefineSettings& settings);
+  Result<RefinedModes> refine_picture(const Reference& reference, const RefineSettings& settings);
+
+  OpticsConfig optics_;
+  SlmGeometry slm_;
+  std::unique_ptr<Bench> bench_;
+  std::unique_ptr<RefinedReference> reference_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,192 @@
+/// What the live refinement takes from frames and from references, without any fit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/wavefront/reconstructor.hpp"
+#include "daemon/reference_picture.hpp"
+#include "daemon/refine_inbox.hpp"
+#include "daemon/refined_modes.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kEpoch = 5, kHologram = 9, kPlan = 17;
+
+/// A settled frame of 3 x 2 pixels, one byte of padding a row.
+class FrameTest : public testing::Test {
+ protected:
+  FrameTest() {
+    plan_.id = kPlan;
+    plan_.sensor_epoch = kEpoch;
+    record_.plan = &plan_;
+    record_.settled = true;
+    record_.settings_known = true;
+    record_.hologram_id = kHologram;
+    record_.gain_db = 3.0;
+    record_.coefficients = {0.25F, 7.0F};
+    record_.mode_count = 1;
+    record_.frame.frame_id = 4711;
+    record_.frame.image = {reinterpret_cast<const std::byte*>(pixels_.data()), 3, 2, 4,
+                           PixelFormat::mono8};
+  }
+
+  std::array<std::uint8_t, 8> pixels_{1, 2, 3, 99, 4, 5, 6, 99};
+  MeasurementPlan plan_;
+  FrameRecord record_;
+};
+
+using RefineInboxTest = FrameTest;
+
+TEST_F(RefineInboxTest, CopiesAFrameOnceItIsAskedFor) {
+  RefineInbox inbox;
+  EXPECT_FALSE(inbox.wants());
+  inbox.take(record_);
+  EXPECT_EQ(inbox.next(0ms), nullptr);  // what came before was not asked for
+  EXPECT_TRUE(inbox.wants());
+  inbox.take(record_);
+  EXPECT_FALSE(inbox.wants());
+  pixels_.fill(0);
+  const FrameCopy* const frame = inbox.next(0ms);
+  ASSERT_NE(frame, nullptr);
+  EXPECT_EQ(frame->frame_id, 4711U);
+  EXPECT_EQ(frame->hologram_id, kHologram);
+  EXPECT_EQ(frame->plan_id, kPlan);
+  EXPECT_EQ(frame->gain_db, 3.0);
+  EXPECT_EQ(frame->coefficients, std::vector<float>{0.25F});
+  EXPECT_EQ(frame->image.row<std::uint8_t>(1)[2], 6);
+  EXPECT_EQ(inbox.next(0ms), nullptr);  // each frame once
+}
+
+TEST_F(RefineInboxTest, LeavesFramesThatSayNothingForSure) {
+  RefineInbox inbox;
+  EXPECT_EQ(inbox.next(0ms), nullptr);
+  record_.settled = false;
+  inbox.take(record_);
+  record_.settled = true;
+  record_.settings_known = false;
+  inbox.take(record_);
+  record_.settings_known = true;
+  plan_.reference_px = {{1, 1}};
+  inbox.take(record_);  // a reference, and too few spots
+  EXPECT_TRUE(inbox.wants());
+  record_.valid = true;
+  inbox.take(record_);
+  EXPECT_NE(inbox.next(0ms), nullptr);
+}
+
+TEST_F(RefineInboxTest, ForgetsWhatWasAskedFor) {
+  RefineInbox inbox;
+  EXPECT_EQ(inbox.next(0ms), nullptr);
+  inbox.forget();
+  EXPECT_FALSE(inbox.wants());
+  EXPECT_EQ(inbox.next(0ms), nullptr);
+  inbox.take(record_);
+  inbox.forget();
+  EXPECT_EQ(inbox.next(0ms), nullptr);
+}
+
+using ReferencePictureTest = FrameTest;
+
+TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
+  ReferencePictureTaker taker;
+  EXPECT_FALSE(taker.wants());
+  taker.take(record_);
+  EXPECT_EQ(taker.end(), nullptr);
+  taker.begin(kEpoch, kHologram);
+  EXPECT_TRUE(taker.wants());
+  taker.take(record_);
+  pixels_ = {3, 2, 3, 99, 4, 255, 6, 99};
+  taker.take(record_);
+  const auto picture = taker.end();
+  ASSERT_NE(picture, nullptr);
+  EXPECT_FALSE(taker.wants());
+  EXPECT_EQ(picture->frames, 2);
+  EXPECT_EQ(picture->gain_db, 3.0);
+  EXPECT_EQ(picture->mean_dn.at(0, 0), 2.0F);
+  EXPECT_EQ(picture->mean_dn.at(2, 1), 6.0F);
+  EXPECT_TRUE(std::isnan(picture->mean_dn.at(1, 1)));  // saturated once
+}
+
+TEST_F(ReferencePictureTest, TakesOnlyWhatTheReferenceIsOf) {
+  ReferencePictureTaker taker;
+  taker.begin(kEpoch, kHologram);
+  record_.settled = false;
+  taker.take(record_);
+  record_.settled = true;
+  record_.hologram_id = kHologram + 1;
+  taker.take(record_);
+  record_.hologram_id = kHologram;
+  plan_.sensor_epoch = kEpoch + 1;
+  taker.take(record_);
+  EXPECT_EQ(taker.end(), nullptr);
+}
+
+TEST_F(ReferencePictureTest, HasEnoughOfAFew) {
+  ReferencePictureTaker taker;
+  taker.begin(kEpoch, kHologram);
+  for (int k = 0; k < 2 * ReferencePictureTaker::kMostFrames; ++k) taker.take(record_);
+  EXPECT_FALSE(taker.wants());
+  EXPECT_EQ(taker.end()->frames, ReferencePictureTaker::kMostFrames);
+}
+
+RefineSettings known_camera() {
+  RefineSettings settings;
+  settings.electrons_per_dn = 40.0;
+  settings.read_noise_e = 3.0;
+  settings.black_level_dn = 2.0;
+  return settings;
+}
+
+TEST(RefineCamera, FollowsGainAndFormat) {
+  const RefineCamera plain = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 1);
+  EXPECT_EQ(plain.electrons_per_dn, 40.0);
+  EXPECT_EQ(plain.black_dn, 2.0);
+  EXPECT_EQ(plain.saturated_dn, 255.0);
+  EXPECT_NEAR(plain.read_noise_e, std::hypot(3.0, 40.0 / std::sqrt(12.0)), 1e-9);
+  const RefineCamera gained = refine_camera(known_camera(), PixelFormat::mono8, 20.0, 1);
+  EXPECT_NEAR(gained.electrons_per_dn, 4.0, 1e-9);
+  const RefineCamera deep = refine_camera(known_camera(), PixelFormat::mono12, 0.0, 1);
+  EXPECT_EQ(deep.electrons_per_dn, 2.5);
+  EXPECT_EQ(deep.black_dn, 32.0);
+  EXPECT_EQ(deep.saturated_dn, 4095.0);
+}
+
+TEST(RefineCamera, AMeanOfFramesHoldsTheElectronsOfAll) {
+  const RefineCamera one = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 1);
+  const RefineCamera four = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 4);
+  EXPECT_EQ(four.electrons_per_dn, 4.0 * one.electrons_per_dn);
+  EXPECT_NEAR(four.read_noise_e, 2.0 * one.read_noise_e, 1e-9);
+  EXPECT_EQ(four.saturated_dn, one.saturated_dn);
+}
+
+TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
+  const RefineCamera camera{1.0, 5.0};
+  RefinedModes modes{{0.1}, {0.001}, 1.0, 500.0, 0.0, 5};
+  EXPECT_TRUE(modes.believable(camera));
+  modes.peak_e = 4.0;
+  EXPECT_NE(modes.doubt(camera)->find("read noise"), std::string::npos);
+  modes.peak_e = 500.0;
+  modes.sigma_waves = {0.2};
+  EXPECT_NE(modes.doubt(camera)->find("0.20 wave"), std::string::npos);
+  modes.sigma_waves = {0.001};
+  modes.chi2_per_pixel = 9.0;
+  EXPECT_NE(modes.doubt(camera)->find("9.0"), std::string::npos);
+  EXPECT_FALSE(modes.doubt(camera, 8));  // a mean of eight frames, each with 2.0
+  modes.chi2_per_pixel = std::nan("");
+  EXPECT_TRUE(modes.doubt(camera));
+}
+
+TEST(RefinedModes, CountFromTheReferenceWithBothErrors) {
+  const RefinedModes found{{0.5, 0.1}, {0.003, 0.001}, 1.0, 500.0, 0.0, 5};
+  const RefinedModes reference{{0.1, 0.1}, {0.004, 0.0}, 1.0, 500.0, 0.0, 5};
+  const RefinedModes difference = minus(found, reference);
+  EXPECT_NEAR(difference.waves[0], 0.4, 1e-12);
+  EXPECT_NEAR(difference.sigma_waves[0], 0.005, 1e-12);
+  EXPECT_NEAR(difference.waves[1], 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace ovws
