@@ -8,6 +8,8 @@
 namespace ovws {
 namespace {
 
+constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
+
 std::string listed(const std::vector<int>& numbers) {
   std::string text;
   for (const int number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
@@ -92,6 +94,9 @@ Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> ref
   std::vector<Reference> before = references_;
   std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
   if (reference) references_.push_back(std::move(*reference));
+  for (std::size_t i = 0; i + kMostPictures < references_.size(); ++i) {
+    references_[i].picture.reset();
+  }
   auto changed = change_to(state_);
   if (!changed) references_ = std::move(before);
   return changed;

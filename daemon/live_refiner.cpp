@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -65,12 +66,17 @@ void LiveRefiner::wait_for_frame() {
 void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                          const RefineSettings& settings) {
   tell("refining", report_.get().reason);
-  RefinedFrame refined = model_.refine(frame, sensor, settings);
+  RefinedFrame refined;
+  try {
+    refined = model_.refine(frame, sensor, settings);
+  } catch (const std::bad_alloc&) {
+    refined.refusal = "there is not enough memory for a model of this SLM and this image";
+  }
   const RefineSettings now = settings_.get();
   if (!now.enabled || !same_camera(now, settings)) return tell("waiting", std::nullopt);
   report_.change([&refined](StatusMessage::RefinePart& report) {
     ++(refined.refusal.empty() ? report.done : report.refused);
-    report.last_duration_ms = refined.duration_ms;
+    if (refined.duration_ms > 0.0) report.last_duration_ms = refined.duration_ms;
     report.state = "waiting";
     report.reason =
         refined.refusal.empty() ? std::nullopt : std::optional<std::string>(refined.refusal);

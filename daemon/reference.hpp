@@ -34,7 +34,7 @@ struct Reference {
   std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
-  std::shared_ptr<const ReferencePicture> picture;  ///< none: it was taken too quickly for one
+  std::shared_ptr<const ReferencePicture> picture;  ///< none: too few frames, or long ago
 };
 
 /// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish

@@ -107,7 +107,7 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
                                                  const RefineSettings& settings) {
   if (!reference.picture) {
     return fail(Errc::refused, "reference",
-                "it was taken too quickly to keep a picture; take it anew from more frames");
+                "it holds no picture; take it anew, from ten frames or more");
   }
   const ReferencePicture& picture = *reference.picture;
   std::vector<SpotFix> spots(reference.positions_px.size());

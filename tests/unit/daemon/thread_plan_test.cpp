@@ -2,6 +2,7 @@
 #include "daemon/thread_plan.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <semaphore>
@@ -62,6 +63,23 @@ TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
   EXPECT_TRUE(other.closed);
   EXPECT_FALSE(agent.closed);
   agent.let_go();
+}
+
+TEST(ThreadPlan, WhoTakesSecondsGivesWayToAllOthers) {
+  class Asking : public Agent {
+   public:
+    bool do_work() override {
+      nice = getpriority(PRIO_PROCESS, 0);
+      return true;
+    }
+    std::atomic<int> nice{-1};
+  };
+  const int ours = getpriority(PRIO_PROCESS, 0);
+  Asking refining, other;
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::refine, refining));
+  ASSERT_TRUE(plan.start(ThreadRole::status, other));
+  wait_for([&] { return refining.nice > ours && other.nice == ours; });
 }
 
 TEST(ThreadPlan, TheCallersOwnTurnsAreWatchedAndAnOverdueStopIsSeen) {
