@@ -26,7 +26,7 @@ class Readme(BenchCase):
         commands = [shlex.split(line) for block in blocks("sh") for line in block.splitlines() if re.search(r"(^|/bin/)ovws ", line)]
         self.assertGreaterEqual(len(commands), 9)
         for program, *arguments in commands:
-            if arguments == ["watch"]:
+            if arguments[0] == "watch":
                 arguments += ["-n", "1"]  # it would go on for ever
             self.assertTrue(self.run_here([self.bench.programs / program.rsplit("/", 1)[-1], *arguments]))
             self.wait_until("running")  # a reference takes its time
