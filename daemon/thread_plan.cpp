@@ -88,7 +88,7 @@ Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
 }
 
 void ThreadPlan::run(Running& running) {
-  // Of this thread alone: Linux keeps it a thread. To give way is always allowed.
+  // Linux keeps the nice value by thread, and giving way is always allowed.
   if (running.row->nice != 0) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
   while (!running.stop.load(std::memory_order_relaxed)) {
     running.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
