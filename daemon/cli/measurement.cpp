@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/tracking/patch.hpp"
+#include "core/wavefront/slope_model.hpp"
 #include "daemon/plan_builder.hpp"
 
 namespace ovws::cli {
@@ -31,6 +32,18 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   const std::vector<Mode> nothing_shown;
   return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
                      config.slm.geometry, roi, like.format, nothing_shown, reference, 0});
+}
+
+/// Requires what plan_for has accepted.
+ShapedAcquisition acquisition_for(const Config& config, const MeasurementPlan& plan) {
+  const Lattice lattice = *make_lattice(config.sensor, config.slm.geometry);
+  const double px_per_cycle = camera_px_per_cycle(config.optics, config.slm.geometry);
+  const std::vector<int>& modes_j = plan.reconstructor->modes_j();
+  const Eigen::MatrixXd slopes =
+      slope_matrix(lattice, config.sensor, modes_j,
+                   slope_model(config.sensor.charge, config.tracking), px_per_cycle);
+  return {lattice, config.sensor,     plan.spots,     px_per_cycle,   modes_j,
+          slopes,  plan.predicted_px, plan.roi.width, plan.roi.height};
 }
 
 std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
@@ -72,9 +85,9 @@ Result<Picture> read_picture(const std::string& path) {
   return picture;
 }
 
-Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
+Measurement::Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan)
     : plan_(std::move(plan)),
-      acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height),
+      acquisition_(acquisition_for(config, *plan_)),
       track_scratch_(plan_->tracker->make_scratch()),
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
 
@@ -88,7 +101,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     if (reference->width != like.width || reference->height != like.height) {
       return fail(Errc::invalid, "reference", "the reference image is of another size");
     }
-    Measurement first(std::move(*by_model));
+    Measurement first(config, std::move(*by_model));
     const Measured measured = first.measure(*reference);
     if (measured.tracked < int(measured.spots.size())) {
       return fail(Errc::invalid, "reference",
@@ -98,7 +111,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   }
   auto plan = plan_for(config, like, taken);
   if (!plan) return fail(plan.error());
-  return Measurement(std::move(*plan));
+  return Measurement(config, std::move(*plan));
 }
 
 Measured Measurement::measure(const ImageView& image) {

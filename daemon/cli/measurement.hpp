@@ -10,7 +10,7 @@
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
-#include "core/tracking/acquisition.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
 
 namespace ovws::cli {
 
@@ -42,14 +42,15 @@ class Measurement {
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference);
 
-  /// Every spot is searched without history. An image of another size has none.
+  /// Every spot is searched without history, torn ones too (ShapedAcquisition). An image of another
+  /// size has none.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
 
  private:
-  explicit Measurement(std::unique_ptr<MeasurementPlan> plan);
+  Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan);
   std::unique_ptr<MeasurementPlan> plan_;
-  Acquisition acquisition_;
+  ShapedAcquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;
 };
