@@ -80,6 +80,7 @@ struct Refiner::Impl {
   };
 
   Result<Refinement> fit(std::span<const double> start_waves);
+  bool stopped() const { return options.stop != nullptr && options.stop->load(); }
   RefineSums summed(const RefineState& state);
   /// Levenberg-Marquardt from a state that is propagated, until steps are small.
   void descend(Place& place);
@@ -172,7 +173,7 @@ void Refiner::Impl::descend(Place& place) {
   double damping = kFirstDamping;
   for (int k = 0; k < options.most_iterations && damping < kMostDamping; ++k) {
     const auto step = step_of(place.sums, damping);
-    if (!step) return;
+    if (!step || stopped()) return;
     const double size = step->dot(place.sums.fisher * *step);
     const RefineState next = moved(place.state, *step);
     const bool near = next.waves.cwiseAbs().maxCoeff() < kTooFar;
@@ -196,7 +197,7 @@ void Refiner::Impl::settle(Place& place) {
   double last_size = 0.0;
   for (int k = 0; k < kMostSettling; ++k) {
     const auto pull = step_of(place.sums, 0.0);
-    if (!pull) return;
+    if (!pull || stopped()) return;
     const double size = pull->dot(place.sums.fisher * *pull);
     Eigen::VectorXd step = *pull;
     if (k > 0 && size < last_size) {
@@ -247,6 +248,7 @@ Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
     system.doubt_outside(place.state);
   }
   if (place.minimum) settle(place);
+  if (stopped()) return fail(Errc::refused, "image", "told to stop");
   if (place.minimum) return result(place);
   return fail(Errc::refused, "image",
               "no minimum was reached in " + std::to_string(options.most_iterations) +

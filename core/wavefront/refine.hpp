@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <span>
@@ -31,6 +32,8 @@ struct RefineOptions {
   /// where it falls.
   bool model_outside = true;
   int most_iterations = 30;  ///< of each descent
+  /// Once true, a fit ends within one iteration, refused. Must outlive the Refiner; null: never.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 struct Refinement {
@@ -70,8 +73,8 @@ class Refiner {
   /// `dn`: camera numbers; NaN does not count. `start_waves` in the order of modes_j: within half a
   /// wave RMS of the truth, else another minimum may be found, which chi2_per_pixel tells.
   /// Errors: Errc::invalid ("image": not of the size; "modes": not as many or not finite;
-  /// "camera"), Errc::refused ("image": no light where the model has it, or no minimum was
-  /// reached).
+  /// "camera"), Errc::refused ("image": no light where the model has it, no minimum was reached, or
+  /// it was told to stop).
   Result<Refinement> refine(const Image<float>& dn, const RefineCamera& camera,
                             std::span<const double> start_waves);
   Result<Refinement> refine(const ImageView& dn, const RefineCamera& camera,
