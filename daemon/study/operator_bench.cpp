@@ -7,6 +7,7 @@
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/relinearise.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/study/refining.hpp"
 
 namespace ovws::study {
 namespace {
@@ -18,13 +19,6 @@ SensorConfig sensor_of(const OperatorTools& tools) {
   SensorConfig sensor = tools.geometry.sensor;
   sensor.charge = tools.charge;
   return sensor;
-}
-
-Refiner refiner_of(const OperatorTools& tools) {
-  auto refiner = Refiner::make(sensor_of(tools), tools.geometry.slm, tools.geometry.optics,
-                               kImagePx, kImagePx, tools.modes_j());
-  if (!refiner) throw std::logic_error(refiner.error().reason);
-  return std::move(*refiner);
 }
 
 }  // namespace
@@ -57,7 +51,7 @@ OperatorBench::OperatorBench(const OperatorTools& tools)
       sensor_(sensor_of(tools)),
       model_(model_of(tools.geometry, tools.charge)),
       vortex_(tools.charge == 1 ? model_ : model_of(tools.geometry, 1)),
-      refiner_(refiner_of(tools)) {}
+      refiner_(refiner_of(tools.geometry, tools.charge, tools.modes_j())) {}
 
 Image<float> OperatorBench::light_e(std::span<const Mode> modes, Light light) {
   return electrons(*model_, *vortex_, modes, light);
@@ -105,15 +99,7 @@ std::vector<double> OperatorBench::relinearised(std::span<const SpotFix> fixes,
 
 std::vector<double> OperatorBench::refined(const Exposure& exposure, double read_noise_e,
                                            const std::vector<double>& start) {
-  const double rounding_e = 0.3 / exposure.dn_per_e;
-  const RefineCamera camera{1.0 / exposure.dn_per_e, std::hypot(read_noise_e, rounding_e),
-                            exposure.black_dn};
-  std::vector<double> from = start;
-  if (std::isnan(from.front())) from.assign(from.size(), 0.0);
-  const auto done = refiner_.refine(exposure.view(), camera, from);
-  std::vector<double> waves(start.size(), kUnknown);
-  for (std::size_t k = 0; done && k < waves.size(); ++k) waves[k] = done->modes[k].waves;
-  return waves;
+  return refined_waves(refiner_, exposure, read_noise_e, start);
 }
 
 }  // namespace ovws::study

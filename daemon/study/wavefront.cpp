@@ -2,10 +2,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "daemon/study/figure.hpp"
 #include "daemon/study/parallel.hpp"
+#include "daemon/study/refining.hpp"
 #include "daemon/study/sensor.hpp"
 #include "daemon/study/statistics.hpp"
 #include "daemon/study/studies.hpp"
@@ -14,6 +16,8 @@
 namespace ovws::study {
 namespace {
 
+constexpr double kQuickRefinedSnr = 5.0;
+constexpr int kRefinedShare = 5;      ///< refining takes a second: one in five instances
 constexpr double kStartWithin = 0.3;  ///< lambda/d: how far the frame before may mislead, each way
 
 struct Case {
@@ -30,8 +34,9 @@ struct Bench {
   const Case* aberration;
   Light light;
   Method method;
+  bool refined = false;  ///< what the tracker tells is the start of a fit to all pixels
   std::shared_ptr<Measurer> measurer;
-  Image<float> electrons_px;
+  Image<float> light_e;
   std::vector<Vec2> at_px;
   double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
 };
@@ -68,13 +73,22 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   std::mt19937_64 random(seed);
   const double reach = kStartWithin * bench.measurer->lambda_d_px();
   std::uniform_real_distribution<double> within(-reach, reach);
+  std::optional<Refiner> refiner;
+  if (bench.refined) {
+    instances = std::max(4, instances / kRefinedShare);
+    refiner.emplace(
+        refiner_of(thousand_px_bench(), bench.method.charge, bench.measurer->modes_j()));
+  }
   for (int k = 0; k < instances; ++k) {
     std::vector<Vec2> starts = bench.at_px;
     for (Vec2& start : starts) start = start + Vec2{within(random), within(random)};
-    const Exposure exposure = expose(bench.electrons_px, read_noise_of_snr(snr), random());
+    const Exposure exposure = expose(bench.light_e, read_noise_of_snr(snr), random());
     const auto fixes = bench.measurer->track(exposure, starts);
     for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
-    const auto found = bench.measurer->modes(fixes);
+    auto found = bench.measurer->modes(fixes);
+    if (refiner) {
+      found = refined_waves(*refiner, exposure, read_noise_of_snr(snr), std::move(found));
+    }
     if (std::isnan(found.front())) {
       ++outcome.undetermined;
     } else {
@@ -85,6 +99,15 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   return outcome;
 }
 
+std::vector<std::pair<Method, bool>> methods(Light light) {
+  std::vector<std::pair<Method, bool>> all;
+  for (const Method& method : all_methods()) all.emplace_back(method, false);
+  if (light != Light::equal_peak) return all;
+  all.push_back({{"vortex, refined", 1, {TrackerKind::matched}}, true});
+  all.push_back({{"Shack-Hartmann, refined", 0, {TrackerKind::weighted}}, true});
+  return all;
+}
+
 std::vector<Bench> benches() {
   const Geometry geometry = thousand_px_bench();
   const auto vortex = model_of(geometry, 1);
@@ -92,13 +115,18 @@ std::vector<Bench> benches() {
   std::vector<Bench> all;
   for (const Case& aberration : kCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-      for (const Method& method : all_methods()) {
+      for (const auto& [method, refined] : methods(light)) {
         const auto model = method.charge == 0 ? bright : vortex;
-        Bench bench{&aberration, light, method, std::make_shared<Measurer>(geometry, method, model),
-                    {},          {}};
-        bench.electrons_px = electrons(*model, *vortex, aberration.modes(), light);
+        Bench bench{&aberration,
+                    light,
+                    method,
+                    refined,
+                    std::make_shared<Measurer>(geometry, method, model),
+                    {},
+                    {}};
+        bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
         bench.at_px = bench.measurer->noise_free_px(
-            bench.electrons_px, bench.measurer->predicted_px(aberration.modes()));
+            bench.light_e, bench.measurer->predicted_px(aberration.modes()));
         bench.noise_free_rad2 = residual_variance(
             *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), aberration.modes());
         all.push_back(std::move(bench));
@@ -106,6 +134,11 @@ std::vector<Bench> benches() {
     }
   }
   return all;
+}
+
+/// The one of a charge that the bound is told with.
+bool bounded(const Bench& bench) {
+  return bench.method.tracking.tracker == TrackerKind::matched && !bench.refined;
 }
 
 nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
@@ -135,11 +168,12 @@ Findings wavefront(const Settings& settings) {
   parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
     const Bench& bench = all[k / snrs.size()];
     const double snr = snrs[k % snrs.size()];
+    if (bench.refined && settings.quick && snr != kQuickRefinedSnr) return;
     outcomes[k] = measure(bench, snr, instances, settings.seed + 1000 * k);
-    if (bench.method.tracking.tracker != TrackerKind::matched) return;
+    if (!bounded(bench)) return;
     outcomes[k].bound_rad2 =
         wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
-                             bench.electrons_px, read_noise_of_snr(snr));
+                             bench.light_e, read_noise_of_snr(snr));
   });
   nlohmann::json summary{{"study", "wavefront"},
                          {"unit", "rad^2"},
@@ -156,16 +190,18 @@ Findings wavefront(const Settings& settings) {
       figure.log_y = true;
       for (std::size_t b = 0; b < all.size(); ++b) {
         if (all[b].aberration != &aberration || all[b].light != light) continue;
-        Series series{all[b].method.name, snrs, {}, {}};
+        Series series{all[b].method.name, {}, {}, {}};
         for (std::size_t s = 0; s < snrs.size(); ++s) {
           const Outcome& outcome = outcomes[b * snrs.size() + s];
+          if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // not tried
           const Mean variance = mean_of(outcome.variances);
+          series.x.push_back(snrs[s]);
           series.y.push_back(variance.value);
           series.error.push_back(variance.standard_error);
           summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));
         }
         figure.series.push_back(std::move(series));
-        if (all[b].method.tracking.tracker != TrackerKind::matched) continue;
+        if (!bounded(all[b])) continue;
         Series bound{fmt::format("bound, charge {}", all[b].method.charge),
                      snrs,
                      {},
