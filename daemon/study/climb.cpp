@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/tracking/acquisition.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
 
 namespace ovws::study {
 namespace {
@@ -34,73 +34,69 @@ struct Step {
   double to_equal_photons = 1.0;
 };
 
-/// A method on the way: where the spots are, known from the steps before.
-class Follower {
- public:
-  Follower(const Geometry& geometry, const Method& method, std::shared_ptr<SensorModel> model)
-      : measurer_(geometry, method, std::move(model)),
-        acquisition_({method.charge, measurer_.lambda_d_px()}, measurer_.reference_px(), kImagePx,
-                     kImagePx),
-        scratch_(measurer_.tracker().make_scratch()),
-        expected_(measurer_.reference_px()),
-        truth_(expected_) {}
+ShapedAcquisition acquisition_of(const Geometry& geometry, const Measurer& measurer) {
+  SensorConfig sensor = geometry.sensor;
+  sensor.charge = measurer.method().charge;
+  return {measurer.lattice(),
+          sensor,
+          {sensor.charge, measurer.lambda_d_px()},
+          camera_px_per_cycle(geometry.optics, geometry.slm),
+          measurer.modes_j(),
+          measurer.slopes(),
+          measurer.reference_px(),
+          kImagePx,
+          kImagePx};
+}
 
-  /// The true positions, extrapolated from the steps before and tracked without noise.
-  void follow(const Image<float>& light_e) {
-    const std::vector<Vec2> before = truth_;
-    torn_ = false;
-    const std::vector<Vec2> tracked = measurer_.noise_free_px(light_e, expected_);
-    for (std::size_t i = 0; i < truth_.size(); ++i) {
-      const bool lost = std::isnan(tracked[i].x);
-      torn_ = torn_ || lost;
-      truth_[i] = lost ? expected_[i] : tracked[i];
-      expected_[i] = truth_[i] + (truth_[i] - before[i]);
-    }
-  }
+/// A method, asked for spots that the slopes put at a known place.
+class Judge {
+ public:
+  Judge(const Geometry& geometry, const Method& method, std::shared_ptr<SensorModel> model)
+      : measurer_(geometry, method, std::move(model)),
+        acquisition_(acquisition_of(geometry, measurer_)),
+        scratch_(measurer_.tracker().make_scratch()) {}
 
   /// What is wrong with what is found; Limit::nothing: all is found.
-  Limit judge(const Exposure& exposure) {
-    std::vector<SpotFix> fixes(truth_.size());
+  Limit judge(const Exposure& exposure, std::span<const Mode> modes) {
+    const std::vector<Vec2> truth = measurer_.predicted_px(modes);
+    std::vector<SpotFix> fixes(truth.size());
     acquisition_.acquire(exposure.view(), measurer_.tracker(), scratch_, fixes);
     bool refused = false, wrong = false;
     for (std::size_t i = 0; i < fixes.size(); ++i) {
-      const Vec2 off = Vec2{fixes[i].x, fixes[i].y} - truth_[i];
+      const Vec2 off = Vec2{fixes[i].x, fixes[i].y} - truth[i];
       refused = refused || !fixes[i].found();
       wrong = wrong || (fixes[i].found() && norm(off) > kGross * measurer_.lambda_d_px());
     }
-    if (!refused && !wrong && !torn_) return Limit::nothing;
+    if (!refused && !wrong) return Limit::nothing;
     const double margin_px = kMargin * measurer_.lambda_d_px();
-    if (leaves(truth_, margin_px)) return Limit::leaving;
-    if (cross(truth_, margin_px)) return Limit::crossing;
-    if (torn_) return Limit::torn;
+    if (leaves(truth, margin_px)) return Limit::leaving;
+    if (cross(truth, margin_px)) return Limit::crossing;
     return wrong ? Limit::wrong : Limit::refused;
   }
 
  private:
   Measurer measurer_;
-  Acquisition acquisition_;
+  ShapedAcquisition acquisition_;
   TrackScratch scratch_;
-  std::vector<Vec2> expected_, truth_;
-  bool torn_ = false;
 };
 
 /// One climber on the way.
 struct Rope {
   Climber* climber;
-  Follower follower;
+  Judge judge;
   std::vector<bool> ended;
 
-  void take(const Step& step, double waves, const ClimbSteps& steps, std::uint64_t seed) {
-    follower.follow(step.light_e);
+  void take(const Step& step, std::span<const Mode> modes, const ClimbSteps& steps,
+            std::uint64_t seed) {
     Image<float> light_e = step.light_e;
     if (climber->light == Light::equal_photons) scale(light_e, step.to_equal_photons);
     for (std::size_t r = 0; r < ended.size(); ++r) {
       if (ended[r]) continue;
       Climb& reached = climber->climbs[r];
       reached.limited_by =
-          follower.judge(expose(light_e, read_noise_of_snr(steps.snr), seed + 1000 * r));
+          judge.judge(expose(light_e, read_noise_of_snr(steps.snr), seed + 1000 * r), modes);
       ended[r] = reached.limited_by != Limit::nothing;
-      if (!ended[r]) reached.waves = waves;
+      if (!ended[r]) reached.waves = std::abs(modes.front().waves);
     }
   }
 
@@ -134,8 +130,6 @@ const char* name_of(Limit limit) {
       return "spots leaving the image";
     case Limit::crossing:
       return "spots crossing";
-    case Limit::torn:
-      return "spots torn";
     case Limit::wrong:
       return "wrong spots";
     case Limit::refused:
@@ -164,9 +158,9 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
   std::vector<Rope> ropes;
   for (Climber& climber : climbers) {
     climber.climbs.assign(std::size_t(steps.realisations), {});
-    ropes.push_back(
-        {&climber, Follower(geometry, climber.method, climber.method.charge == 0 ? bright : vortex),
-         std::vector<bool>(climber.climbs.size(), false)});
+    ropes.push_back({&climber,
+                     Judge(geometry, climber.method, climber.method.charge == 0 ? bright : vortex),
+                     std::vector<bool>(climber.climbs.size(), false)});
   }
   const int last = int(std::lround(steps.most_waves / steps.step_waves));
   for (int k = 1; k <= last; ++k, ++seed) {
@@ -183,7 +177,7 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
     bool all_ended = true;
     for (Rope& rope : ropes) {
       if (rope.all_ended()) continue;
-      rope.take(rope.climber->method.charge == 0 ? spot_step : ring_step, waves, steps, seed);
+      rope.take(rope.climber->method.charge == 0 ? spot_step : ring_step, modes, steps, seed);
       all_ended = all_ended && rope.all_ended();
     }
     if (all_ended) break;

@@ -14,7 +14,6 @@ enum class Limit {
   sampling,  ///< the SLM cannot show more
   leaving,   ///< a spot is within lambda/d of the image's edge
   crossing,  ///< two spots are within lambda/d of each other
-  torn,      ///< a spot has no core any more, noise or not
   wrong,     ///< a spot was found where it is not
   refused    ///< a spot was there and not found
 };

@@ -117,7 +117,7 @@ Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& st
 
 Findings range(const Settings& settings) {
   const ClimbSteps steps =
-      settings.quick ? ClimbSteps{0.15, 1.5, 10.0, 1} : ClimbSteps{0.05, 2.0, 10.0, 5};
+      settings.quick ? ClimbSteps{0.15, 1.5, 10.0, 1} : ClimbSteps{0.1, 2.0, 10.0, 4};
   const std::vector<int> modes_j =
       settings.quick ? std::vector<int>{3, 4}
                      : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};

@@ -3,7 +3,7 @@ import unittest
 
 import case
 
-REASONS = {"nothing", "sampling of the SLM", "spots leaving the image", "spots crossing", "spots torn", "wrong spots", "refused spots"}
+REASONS = {"nothing", "sampling of the SLM", "spots leaving the image", "spots crossing", "wrong spots", "refused spots"}
 
 
 class Range(case.StudyCase):
