@@ -11,6 +11,7 @@
 #include "daemon/live_refiner.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
+#include "daemon/spot_finder.hpp"
 #include "daemon/status_reporter.hpp"
 #include "daemon/stream_publisher.hpp"
 #include "daemon/thread_plan.hpp"
@@ -45,6 +46,7 @@ struct App::Parts {
   SlmLoop slm;
   CameraActor camera;
   std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<SpotFinder> finder;
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
@@ -89,6 +91,7 @@ Result<void> App::Parts::make_instrument() {
                }});
   if (!made) return fail(made.error());
   instrument = std::move(*made);
+  finder = std::make_unique<SpotFinder>(config.optics, config.slm.geometry, *instrument);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
                                           *instrument, queue);
   return {};
@@ -102,11 +105,11 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, collector, counters, queue, published_latency});
+      StreamPublisherDeps{pipeline, collector, *finder, counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  const std::vector<FrameTaker*> takers{&pictures, &refiner->taker()};
+  const std::vector<FrameTaker*> takers{&pictures, &finder->taker(), &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
@@ -141,9 +144,10 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // A fit cannot be broken off: who refines is waited for when all others have ended.
-  std::vector<Start> starts{{ThreadRole::refine, *refiner},     {ThreadRole::publish, *stream},
-                            {ThreadRole::images, *images},      {ThreadRole::control, *control},
-                            {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},  {ThreadRole::search, *finder},
+                            {ThreadRole::publish, *stream},  {ThreadRole::images, *images},
+                            {ThreadRole::control, *control}, {ThreadRole::prepare, *instrument},
+                            {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {

@@ -86,6 +86,16 @@ void Instrument::show(HologramKind pattern, Changed done) {
   });
 }
 
+void Instrument::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
+  mailbox_.post([this, plan_id, torn = std::move(torn)]() mutable {
+    if (snapshot_.get().plan_id != plan_id || reference_job_ || (!torn && !torn_)) return;
+    torn_ = std::move(torn);
+    auto plan = plan_for(state_, shown_hologram_id_);
+    if (!plan) return torn_.reset();  // as the plan in use: it would be the same error
+    adopt(state_, std::move(*plan));
+  });
+}
+
 void Instrument::camera_changed(const CameraSettings& camera) {
   mailbox_.post([this, camera] {
     if (reference_job_ && camera_ && !(camera == *camera_)) {
@@ -97,6 +107,7 @@ void Instrument::camera_changed(const CameraSettings& camera) {
     next.roi = camera.roi;
     next.format = camera.pixel_format;
     ++next.sensor_epoch;
+    torn_.reset();
     auto plan = plan_for(next, shown_hologram_id_);
     if (!plan) {
       return deps_.events.emit("sensor", Severity::error,
@@ -131,6 +142,7 @@ Result<SensorSnapshot> Instrument::change_to(State next) {
   if (auto sampled = next.renderer->check_sampling(next.aberration); !sampled) {
     return fail(sampled.error());
   }
+  torn_.reset();
   auto plan = plan_for(next, new_picture ? next_hologram_id_ : shown_hologram_id_);
   if (!plan) return fail(plan.error());
   if (new_picture) {
@@ -161,7 +173,7 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_, slm_geometry_, state.roi, state.format,
-                     state.aberration, reference, workers_});
+                     state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr});
 }
 
 void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
@@ -176,9 +188,21 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);
+  if (torn_) now.torn = torn_->numbers();
+  tell_torn(snapshot_.get().torn, now.torn);
   snapshot_.set(std::move(now));
   deps_.pipeline.use_plan(plan.get());
   plans_.push_back(std::move(plan));
+}
+
+void Instrument::tell_torn(const std::vector<int>& before, const std::vector<int>& now) {
+  if (now == before) return;
+  deps_.events.emit("spots", Severity::info,
+                    now.empty() ? "all spots are followed as round ones again"
+                                : fmt::format("the wavefront has torn spots {}: they are followed "
+                                              "by the shapes that it gives them",
+                                              fmt::join(now, ", ")),
+                    {{"torn", now}});
 }
 
 void Instrument::retire_plans() {

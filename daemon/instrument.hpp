@@ -19,6 +19,7 @@
 #include "daemon/mailbox.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/slm_loop.hpp"
+#include "daemon/torn_spots.hpp"
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
 
@@ -34,6 +35,7 @@ struct SensorSnapshot {
   std::uint64_t plan_id = 0;  ///< frames measured with this plan are of all that stands here
   int subapertures = 0;
   std::vector<int> modes_j;
+  std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   std::optional<Reference> reference;  ///< the one in force
 };
 
@@ -66,6 +68,10 @@ class Instrument : public Agent {
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
   void clear_reference(Changed done);
+  /// Frames of plan `plan_id` were found to have torn spots, or (none) not to: from now on they are
+  /// followed as such. Nothing happens if another plan is in use by then, or while a reference is
+  /// taken. Any change of the sensor ends it.
+  void follow(std::uint64_t plan_id, std::optional<TornSpots> torn);
   /// What the camera uses now. If its image changed, frames are measured with a plan made for it
   /// from then on; a reference that is being taken ends with any change.
   void camera_changed(const CameraSettings& camera);
@@ -94,6 +100,7 @@ class Instrument : public Agent {
   HologramRequest render(const State& state);
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
+  void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
   void retire_plans();
   std::optional<Reference> reference_for(const State& state) const;
   void finish_reference(int job, const ReferenceCollector::Average& average);
@@ -116,6 +123,7 @@ class Instrument : public Agent {
   std::vector<Reference> references_;                  ///< one a key
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
   std::optional<CameraSettings> camera_;               ///< as last told
+  std::optional<TornSpots> torn_;                      ///< of the plan in use
   std::optional<int> reference_job_;                   ///< the job's number
   Guarded<SensorSnapshot> snapshot_;
 };

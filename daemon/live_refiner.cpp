@@ -14,6 +14,10 @@ namespace {
 constexpr std::chrono::milliseconds kTurn(50);
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is waited for
 
+bool usable(const FrameRecord& record) {
+  return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
+}
+
 }  // namespace
 
 LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& optics,
@@ -22,6 +26,7 @@ LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& opt
       instrument_(instrument),
       queue_(queue),
       model_(optics, slm),
+      inbox_(usable),
       settings_(settings) {}
 
 bool LiveRefiner::do_work() {

@@ -6,9 +6,9 @@
 
 #include "core/control/refine_settings.hpp"
 #include "core/rt/agent.hpp"
+#include "daemon/frame_inbox.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/instrument.hpp"
-#include "daemon/refine_inbox.hpp"
 #include "daemon/refine_model.hpp"
 #include "daemon/stream_queue.hpp"
 #include "proto/messages.hpp"
@@ -46,7 +46,7 @@ class LiveRefiner : public Agent {
   const Instrument& instrument_;
   StreamQueue& queue_;
   RefineModel model_;
-  RefineInbox inbox_;
+  FrameInbox inbox_;
   Guarded<RefineSettings> settings_;
   Guarded<StatusMessage::RefinePart> report_;
   std::atomic<bool> ending_{false};

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <numeric>
 
+#include "core/tracking/mixed_tracker.hpp"
 #include "core/wavefront/slope_model.hpp"
 
 namespace ovws {
@@ -65,6 +66,11 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan->spots);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
+  if (inputs.torn != nullptr) {
+    plan->search_px = inputs.torn->at_px;
+    plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
+                                                   inputs.torn->templates);
+  }
   std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
   const Eigen::MatrixXd slopes = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
                                               slope_model(inputs.sensor.charge, inputs.tracking),

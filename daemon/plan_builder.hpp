@@ -10,6 +10,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
 #include "daemon/reference.hpp"
+#include "daemon/torn_spots.hpp"
 
 namespace ovws {
 
@@ -27,6 +28,7 @@ struct PlanInputs {
   const std::vector<Mode>& aberration;  ///< shown on purpose
   const std::optional<Reference>& reference;
   int workers = 0;
+  const TornSpots* torn = nullptr;  ///< null: none is
 };
 
 /// OSA indices that the sensor reconstructs: 1 .. Z_opt (paper eq. 5).

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/optics/geometry.hpp"
+#include "daemon/frame_inbox.hpp"
 #include "daemon/instrument.hpp"
-#include "daemon/refine_inbox.hpp"
 #include "daemon/refined_modes.hpp"
 
 namespace ovws {

@@ -52,6 +52,7 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
   part.referenced = sensor.reference.has_value();
+  part.torn = sensor.torn;
   return part;
 }
 

@@ -11,6 +11,7 @@
 #include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
 #include "daemon/reference.hpp"
+#include "daemon/spot_finder.hpp"
 #include "daemon/stream_queue.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
@@ -20,6 +21,7 @@ namespace ovws {
 struct StreamPublisherDeps {
   Pipeline& pipeline;
   ReferenceCollector& collector;
+  SpotFinder& finder;
   Counters& counters;
   StreamQueue& queue;
   LatencyHistogram& published_latency;

@@ -26,6 +26,7 @@ enum class ThreadRole {
   prepare,
   control,
   images,
+  search,
   refine,
   status,
   display,
@@ -47,7 +48,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 11> kThreadTable{{
+constexpr std::array<ThreadRow, 12> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -57,6 +58,8 @@ constexpr std::array<ThreadRow, 11> kThreadTable{{
      OnHang::restart},
     {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
+    {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,
+     OnHang::report, 10},
     {ThreadRole::refine, "refine", 0, "the next lent frame; a fit takes seconds", 120.0,
      OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},

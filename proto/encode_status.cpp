@@ -46,6 +46,7 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["subapertures"] = sensor.subapertures;
   out["modes"] = sensor.modes;
   out["referenced"] = sensor.referenced;
+  out["torn"] = sensor.torn;
   return out;
 }
 

@@ -125,6 +125,7 @@ struct StatusMessage {
     TrackerKind tracker = TrackerKind::lg;
     int subapertures = 0, modes = 0;
     bool referenced = false;
+    std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   } sensor;
   bool loop_closed = false;
   struct RefinePart {

@@ -30,11 +30,16 @@ struct MeasurementPlan {
   PixelFormat format = PixelFormat::mono8;
   /// Where each spot should be: reference, else model, moved by the aberration shown on purpose.
   std::vector<Vec2> predicted_px;
+  /// Where to look for each spot without history; empty: at predicted_px.
+  std::vector<Vec2> search_px;
   std::vector<Vec2> reference_px;  ///< what displacements count from; empty: no reference
   std::unique_ptr<const SpotTracker> tracker;
   std::unique_ptr<const Reconstructor> reconstructor;
 
   int subapertures() const { return int(predicted_px.size()); }
+  const std::vector<Vec2>& places_px() const {
+    return search_px.empty() ? predicted_px : search_px;
+  }
   bool referenced() const { return !reference_px.empty(); }
 };
 

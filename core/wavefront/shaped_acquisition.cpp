@@ -51,6 +51,8 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
 
 int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
                                TrackScratch& scratch, std::span<SpotFix> out) {
+  shapes_.clear();
+  torn_.assign(out.size(), false);
   const int found = plain_.acquire(image, tracker, scratch, out);
   const bool all_sure = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
     return fix.found() && fix.quality > kSure;
@@ -58,7 +60,6 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   if (all_sure || image.width < model_.bin || image.height < model_.bin) return found;
   const CellImage cells = average_cells(image, model_.bin);
   int most = (3 * int(out.size()) - 1) / 4;
-  std::vector<ShapedSpot> best;
   // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
   for (const auto& starts :
        {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
@@ -67,10 +68,11 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
     const int explained = fit.run(starts);
     if (explained <= most) continue;
     most = explained;
-    best = fit.spots();
+    shapes_ = fit.spots();
+    waves_ = fit.waves();
     if (most == int(out.size())) break;
   }
-  for (std::size_t i = 0; i < best.size(); ++i) take(image, best[i], out[i]);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) torn_[i] = take(image, shapes_[i], out[i]);
   return int(std::count_if(out.begin(), out.end(), [](const SpotFix& s) { return s.found(); }));
 }
 
@@ -84,16 +86,18 @@ std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rule
   return starts;
 }
 
-void ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
+/// Whether the spot is found, but not by the tracker.
+bool ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
   const Vec2 at{double(fix.x), double(fix.y)};
-  if (fix.found() && norm(at - shaped.at_px) < kSame * model_.lambda_d_px) return;
+  if (fix.found() && norm(at - shaped.at_px) < kSame * model_.lambda_d_px) return false;
   fix = {};
   fix.peak = brightest_pixel(image, shaped.at_px, int(model_.lambda_d_px));
-  if (!shaped.found) return;
+  if (!shaped.found) return false;
   fix.x = float(shaped.at_px.x);
   fix.y = float(shaped.at_px.y);
   fix.quality = float(1.0 - shaped.unexplained);
   fix.level = float(shaped.amplitude);
+  return true;
 }
 
 }  // namespace ovws

@@ -29,13 +29,26 @@ class ShapedAcquisition {
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out);
 
+  /// Whether the last image needed ShapeFit and was explained by it. Then also, until the next
+  /// call:
+  bool explained() const { return !shapes_.empty(); }
+  /// the wavefront, RMS-normalised waves in the order of the modes, counted from the reference;
+  const Eigen::VectorXd& waves() const { return waves_; }
+  /// where it puts each spot, and which of them were found;
+  const std::vector<ShapedSpot>& shapes() const { return shapes_; }
+  /// and which of those the tracker did not find there: torn.
+  const std::vector<bool>& torn() const { return torn_; }
+
  private:
   std::vector<Vec2> starts_of_seen(const Consensus::Rules& rules);
-  void take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
+  bool take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
 
   Acquisition plain_;
   Consensus consensus_;
   ShapeModel model_;
+  Eigen::VectorXd waves_;
+  std::vector<ShapedSpot> shapes_;
+  std::vector<bool> torn_;
 };
 
 }  // namespace ovws

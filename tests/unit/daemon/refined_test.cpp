@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/wavefront/reconstructor.hpp"
+#include "daemon/frame_inbox.hpp"
 #include "daemon/reference_picture.hpp"
-#include "daemon/refine_inbox.hpp"
 #include "daemon/refined_modes.hpp"
 
 namespace ovws {
@@ -38,10 +38,10 @@ class FrameTest : public testing::Test {
   FrameRecord record_;
 };
 
-using RefineInboxTest = FrameTest;
+using FrameInboxTest = FrameTest;
 
-TEST_F(RefineInboxTest, CopiesAFrameOnceItIsAskedFor) {
-  RefineInbox inbox;
+TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
+  FrameInbox inbox;
   EXPECT_FALSE(inbox.wants());
   inbox.take(record_);
   EXPECT_EQ(inbox.next(0ms), nullptr);  // what came before was not asked for
@@ -60,8 +60,8 @@ TEST_F(RefineInboxTest, CopiesAFrameOnceItIsAskedFor) {
   EXPECT_EQ(inbox.next(0ms), nullptr);  // each frame once
 }
 
-TEST_F(RefineInboxTest, LeavesFramesThatSayNothingForSure) {
-  RefineInbox inbox;
+TEST_F(FrameInboxTest, LeavesFramesThatSayNothingForSure) {
+  FrameInbox inbox;
   EXPECT_EQ(inbox.next(0ms), nullptr);
   record_.settled = false;
   inbox.take(record_);
@@ -77,8 +77,8 @@ TEST_F(RefineInboxTest, LeavesFramesThatSayNothingForSure) {
   EXPECT_NE(inbox.next(0ms), nullptr);
 }
 
-TEST_F(RefineInboxTest, ForgetsWhatWasAskedFor) {
-  RefineInbox inbox;
+TEST_F(FrameInboxTest, ForgetsWhatWasAskedFor) {
+  FrameInbox inbox;
   EXPECT_EQ(inbox.next(0ms), nullptr);
   inbox.forget();
   EXPECT_FALSE(inbox.wants());

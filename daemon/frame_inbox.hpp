@@ -1,10 +1,13 @@
-/// The one frame that waits to be refined: copied out of the camera's buffer by the images thread.
+/// The one frame that waits for a slow thread: copied out of the camera's buffer by the images
+/// thread.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -27,11 +30,14 @@ struct FrameCopy {
   ImageView image;  ///< of `pixels`
 };
 
-/// Hands on the first usable frame that is measured after it was asked for: settled, its settings
-/// known, and valid if the sensor has a reference.
-class RefineInbox : public FrameTaker {
+/// Hands on the first usable frame that is measured after it was asked for.
+class FrameInbox : public FrameTaker {
  public:
-  // The refining thread.
+  using Usable = std::function<bool(const FrameRecord&)>;
+  /// `usable` is asked in the images thread.
+  explicit FrameInbox(Usable usable) : usable_(std::move(usable)) {}
+
+  // The slow thread.
   /// Asks for a frame if none was asked for yet, and waits for it at most `timeout`; nullptr if
   /// none came. The frame is the caller's until the next call.
   const FrameCopy* next(std::chrono::milliseconds timeout);
@@ -43,6 +49,7 @@ class RefineInbox : public FrameTaker {
 
  private:
   enum class State { idle, asked, filled };
+  const Usable usable_;
   std::mutex mutex_;
   std::condition_variable filled_;
   State state_ = State::idle;

@@ -1,13 +1,9 @@
-#include "daemon/refine_inbox.hpp"
+#include "daemon/frame_inbox.hpp"
 
 #include <cstring>
 
 namespace ovws {
 namespace {
-
-bool usable(const FrameRecord& record) {
-  return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
-}
 
 void copy_pixels(const ImageView& image, FrameCopy& to) {
   const std::size_t row_bytes =
@@ -23,12 +19,12 @@ void copy_pixels(const ImageView& image, FrameCopy& to) {
 
 }  // namespace
 
-void RefineInbox::forget() {
+void FrameInbox::forget() {
   const std::lock_guard lock(mutex_);
   state_ = State::idle;
 }
 
-const FrameCopy* RefineInbox::next(std::chrono::milliseconds timeout) {
+const FrameCopy* FrameInbox::next(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   if (state_ == State::idle) state_ = State::asked;
   if (!filled_.wait_for(lock, timeout, [this] { return state_ == State::filled; })) return nullptr;
@@ -36,13 +32,13 @@ const FrameCopy* RefineInbox::next(std::chrono::milliseconds timeout) {
   return &frame_;
 }
 
-bool RefineInbox::wants() {
+bool FrameInbox::wants() {
   const std::lock_guard lock(mutex_);
   return state_ == State::asked;
 }
 
-void RefineInbox::take(const FrameRecord& record) {
-  if (!usable(record)) return;
+void FrameInbox::take(const FrameRecord& record) {
+  if (!usable_(record)) return;
   const std::lock_guard lock(mutex_);
   if (state_ != State::asked) return;
   frame_.frame_id = record.frame.frame_id;

@@ -1,0 +1,31 @@
+/// One tracker for most spots, another for those that it cannot follow.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/tracking/matched.hpp"
+#include "core/tracking/tracker.hpp"
+
+namespace ovws {
+
+/// Spots with a template of their own (null: without) are followed by the matched filter, the
+/// others and those of unknown number by the other tracker.
+class MixedTracker final : public SpotTracker {
+ public:
+  MixedTracker(std::unique_ptr<const SpotTracker> others, const SpotModel& spots,
+               std::vector<std::shared_ptr<const TemplateBank>> own);
+
+  int window_half_px() const override;
+  TrackScratch make_scratch() const override;
+  bool per_spot() const override { return true; }
+  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
+                int spot = kAnySpot) const OVWS_NONBLOCKING override;
+
+ private:
+  std::unique_ptr<const SpotTracker> others_;
+  std::vector<bool> has_own_;
+  MatchedTracker matched_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,120 @@
+#include "daemon/spot_finder.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/wavefront/shape_templates.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(50);
+constexpr int kInARow = 5;  // frames without a spot: noise loses one now and then
+constexpr std::int64_t kPauseNs = 500'000'000;
+constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
+constexpr double kPictureHalf = 3.0;  // lambda/d
+
+bool lacks_spots(const FrameRecord& record) {
+  return record.settled && record.tracked < record.spot_count;
+}
+
+}  // namespace
+
+/// All that one sensor's images of one size need.
+struct SpotFinder::Bench {
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  int cols = 0, rows = 0;
+  std::vector<Vec2> reference_px;
+  std::unique_ptr<const SpotTracker> tracker;
+  TrackScratch scratch;
+  SpotModel spots;
+  ShapedAcquisition acquisition;
+  SpotOptics optics;  ///< cells of a camera pixel
+};
+
+SpotFinder::SpotFinder(const OpticsConfig& optics, const SlmGeometry& slm, Instrument& instrument)
+    : optics_(optics),
+      slm_(slm),
+      instrument_(instrument),
+      inbox_(lacks_spots),
+      pause_ns_(kPauseNs) {}
+
+SpotFinder::~SpotFinder() = default;
+
+void SpotFinder::saw(const FrameRecord& record) {
+  if (!record.settled) return;
+  lost_in_a_row_ = lacks_spots(record) ? lost_in_a_row_ + 1 : 0;
+  lost_.store(lost_in_a_row_ >= kInARow, std::memory_order_relaxed);
+}
+
+bool SpotFinder::do_work() {
+  if (!lost_ || monotonic_ns() < next_ns_) {
+    if (!lost_) pause_ns_ = kPauseNs;
+    inbox_.forget();
+    std::this_thread::sleep_for(kTurn);
+    return false;
+  }
+  const FrameCopy* const frame = inbox_.next(kTurn);
+  if (frame == nullptr) return false;
+  const SensorSnapshot sensor = instrument_.snapshot();
+  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
+  std::optional<TornSpots> torn = search(*frame, sensor);
+  const bool news = torn && sensor.torn.empty();
+  pause_ns_ = news ? kPauseNs : std::min(2 * pause_ns_, kLongestPauseNs);
+  instrument_.follow(sensor.plan_id, std::move(torn));
+  next_ns_ = monotonic_ns() + pause_ns_;
+  return true;
+}
+
+std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  if (!make_bench(frame, sensor)) return std::nullopt;
+  std::vector<SpotFix> fixes(bench_->reference_px.size());
+  ShapedAcquisition& acquisition = bench_->acquisition;
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes);
+  const std::vector<bool>& torn = acquisition.torn();
+  if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return std::nullopt;
+  TornSpots out;
+  for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
+  out.templates = shape_templates(bench_->optics, bench_->spots, acquisition.waves(), torn);
+  return out;
+}
+
+/// False: what stands in the snapshot makes no sensor.
+bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  const int cols = frame.image.width, rows = frame.image.height;
+  const auto lattice = make_lattice(sensor.sensor, slm_);
+  if (!lattice) return false;
+  std::vector<Vec2> reference_px =
+      sensor.reference ? sensor.reference->positions_px
+                       : model_spots_px(*lattice, sensor.sensor, slm_, optics_, cols, rows);
+  const bool same = bench_ && bench_->sensor == sensor.sensor &&
+                    bench_->tracking == sensor.tracking && bench_->cols == cols &&
+                    bench_->rows == rows && bench_->reference_px == reference_px;
+  if (same) return true;
+  bench_.reset();
+  const SpotModel spots{sensor.sensor.charge, lambda_d_px(optics_, slm_, sensor.sensor)};
+  auto tracker = make_tracker(sensor.tracking, spots);
+  if (!tracker) return false;
+  const double px_per_cycle = camera_px_per_cycle(optics_, slm_);
+  const Eigen::MatrixXd slopes =
+      slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+                   slope_model(sensor.sensor.charge, sensor.tracking), px_per_cycle);
+  TrackScratch scratch = (*tracker)->make_scratch();
+  bench_ = std::make_unique<Bench>(
+      Bench{sensor.sensor, sensor.tracking, cols, rows, reference_px, std::move(*tracker),
+            std::move(scratch), spots,
+            ShapedAcquisition(*lattice, sensor.sensor, spots, px_per_cycle, sensor.modes_j, slopes,
+                              reference_px, cols, rows),
+            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, px_per_cycle,
+                       int(kPictureHalf * spots.lambda_d_px))});
+  return true;
+}
+
+}  // namespace ovws
