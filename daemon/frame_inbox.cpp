@@ -19,6 +19,10 @@ void copy_pixels(const ImageView& image, FrameCopy& to) {
 
 }  // namespace
 
+bool can_be_refined(const FrameRecord& record) {
+  return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
+}
+
 void FrameInbox::forget() {
   const std::lock_guard lock(mutex_);
   state_ = State::idle;

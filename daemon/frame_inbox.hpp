@@ -30,6 +30,9 @@ struct FrameCopy {
   ImageView image;  ///< of `pixels`
 };
 
+/// Settled, its settings known, and valid if the sensor has a reference.
+bool can_be_refined(const FrameRecord& record);
+
 /// Hands on the first usable frame that is measured after it was asked for.
 class FrameInbox : public FrameTaker {
  public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <new>
 #include <thread>
 
 #include "core/port/clock.hpp"
@@ -43,15 +44,22 @@ bool ImagePublisher::do_work() {
   FrameRecord* record = pipeline_.next_image(int(kTurnNs / 1000));
   if (record == nullptr) return false;
   requested_ = false;
-  for (FrameTaker* taker : takers_) {
-    if (taker->wants()) taker->take(*record);
-  }
+  for (FrameTaker* taker : takers_) hand_to(*taker, *record);
   if (picture_is_due()) {
     next_ns_ = monotonic_ns() + std::int64_t(1e9 / config_.rate_hz);
     send(*record);
   }
   pipeline_.release_image(record);
   return true;
+}
+
+void ImagePublisher::hand_to(FrameTaker& taker, const FrameRecord& record) {
+  if (!taker.wants()) return;
+  try {
+    taker.take(record);
+  } catch (const std::bad_alloc&) {
+    counters_.add(Counter::messages_dropped);  // it asks again; the next frame may find memory
+  }
 }
 
 void ImagePublisher::send(const FrameRecord& record) {

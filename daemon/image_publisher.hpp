@@ -36,6 +36,7 @@ class ImagePublisher : public Agent {
 
  private:
   bool picture_is_due() const;
+  void hand_to(FrameTaker& taker, const FrameRecord& record);
   void send(const FrameRecord& record);
   void send_image(const FrameRecord& record);
   void send_phase(const FrameRecord& record);

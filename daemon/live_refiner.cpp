@@ -14,10 +14,6 @@ namespace {
 constexpr std::chrono::milliseconds kTurn(50);
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is waited for
 
-bool usable(const FrameRecord& record) {
-  return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
-}
-
 }  // namespace
 
 LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& optics,
@@ -26,7 +22,7 @@ LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& opt
       instrument_(instrument),
       queue_(queue),
       model_(optics, slm),
-      inbox_(usable),
+      inbox_(can_be_refined),
       settings_(settings) {}
 
 bool LiveRefiner::do_work() {

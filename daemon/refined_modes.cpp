@@ -31,7 +31,9 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int f
     return fmt::format(
         "the brightest pixel, {:.0f} electrons, is below the read noise: expose longer", peak_e);
   }
-  if (!(most_sigma < kMostSigmaWaves)) {
+  const bool told = std::all_of(sigma_waves.begin(), sigma_waves.end(),
+                                [](double sigma) { return sigma < kMostSigmaWaves; });  // no NaN
+  if (!told) {
     return fmt::format("too little light to tell all modes: one's standard error is {:.2f} wave",
                        most_sigma);
   }

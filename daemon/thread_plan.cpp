@@ -88,8 +88,10 @@ Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
 }
 
 void ThreadPlan::run(Running& running) {
-  // Linux keeps the nice value by thread, and giving way is always allowed.
-  if (running.row->nice != 0) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
+  // Linux keeps the nice value by thread, and giving way is always allowed; never back, if the
+  // whole process was told to give more.
+  const int ours = getpriority(PRIO_PROCESS, 0);
+  if (running.row->nice > ours) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
   while (!running.stop.load(std::memory_order_relaxed)) {
     running.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
     running.agent->do_work();

@@ -43,10 +43,11 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
   const double full = full_scale_dn(format);
   settings.format = format;
   if (settings.electrons_per_dn) *settings.electrons_per_dn /= factor;
-  settings.black_level_dn = std::min(settings.black_level_dn * factor, full);
   if (settings.saturation_dn) {
     settings.saturation_dn = std::clamp(*settings.saturation_dn * factor, 1.0, full);
   }
+  const double most_black = settings.saturation_dn.value_or(full) - 0.5;
+  settings.black_level_dn = std::min(settings.black_level_dn * factor, most_black);
   return settings;
 }
 

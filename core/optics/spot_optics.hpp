@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
-#include <span>
 #include <vector>
 
 #include "core/base/vec2.hpp"
@@ -13,7 +12,7 @@
 
 namespace ovws {
 
-/// By Fourier sums over some 600 places of the subaperture, for spots within some five waves of
+/// By Fourier sums over some 450 places of the subaperture, for spots within some five waves of
 /// local aberration. Pictures are squares of cells, rows along y, columns along x, of which each
 /// stands for some camera pixels. Immutable: all methods are thread-safe, some tenths of a
 /// millisecond each.

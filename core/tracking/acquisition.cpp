@@ -27,12 +27,13 @@ Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px,
       consensus_(predicted_px, max_candidates(predicted_px.size())) {
   verified_.reserve(std::size_t(max_candidates(predicted_px.size())));
   positions_.reserve(verified_.capacity());
-  seen_.reserve(verified_.capacity());
 }
 
 int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
                          std::span<SpotFix> out) {
   std::fill(out.begin(), out.end(), SpotFix{});
+  positions_.clear();
+  bright_ = {};
   if (image.width != image_width_ || image.height != image_height_) return 0;
   verify(image, tracker, scratch);
   const std::span<const int> matched = consensus_.match(positions_);
@@ -55,8 +56,8 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
                          TrackScratch& scratch) {
   verified_.clear();
-  const std::span<const Vec2> candidates = candidates_.find(image);
-  for (const Vec2 start : candidates) {
+  bright_ = candidates_.find(image);
+  for (const Vec2 start : bright_) {
     const SpotFix fix = tracker.track(image, start, scratch);
     if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
   }
@@ -64,16 +65,16 @@ void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
   positions_.clear();
   std::erase_if(verified_, [](const SpotFix& fix) { return !fix.found(); });
   for (const SpotFix& fix : verified_) positions_.push_back(position(fix));
-  note_seen(candidates);
 }
 
-void Acquisition::note_seen(std::span<const Vec2> candidates) {
-  seen_.assign(positions_.begin(), positions_.end());  // within what was reserved
-  const std::size_t bright = std::min(candidates.size(), std::size_t(consensus_.size() * 4 / 3));
-  for (const Vec2 at : candidates.first(bright)) {
+std::vector<Vec2> Acquisition::seen() const {
+  std::vector<Vec2> seen = positions_;
+  const std::size_t count = std::min(bright_.size(), std::size_t(consensus_.size() * 4 / 3));
+  for (const Vec2 at : bright_.first(count)) {
     const auto near = [&](Vec2 other) { return norm(other - at) < spots_.lambda_d_px; };
-    if (std::none_of(seen_.begin(), seen_.end(), near)) seen_.push_back(at);
+    if (std::none_of(seen.begin(), seen.end(), near)) seen.push_back(at);
   }
+  return seen;
 }
 
 SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,

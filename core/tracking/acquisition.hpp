@@ -28,13 +28,12 @@ class Acquisition {
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
-  /// Where the last image had spots, or what may be some that the tracker refuses: image pixels,
-  /// the verified first. Valid until the next call of acquire.
-  std::span<const Vec2> seen() const { return seen_; }
+  /// Where the image of the last `acquire` had spots, or what may be some that the tracker refuses:
+  /// image pixels, the verified first. None if it was of another size.
+  std::vector<Vec2> seen() const;
 
  private:
   void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
-  void note_seen(std::span<const Vec2> candidates);
   SpotFix look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
                               TrackScratch& scratch) const;
   void look_again(int i, const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
@@ -47,8 +46,8 @@ class Acquisition {
   CandidateFinder candidates_;
   Consensus consensus_;
   std::vector<SpotFix> verified_;
-  std::vector<Vec2> positions_;  ///< of verified_
-  std::vector<Vec2> seen_;
+  std::vector<Vec2> positions_;   ///< of verified_
+  std::span<const Vec2> bright_;  ///< candidates of the last image
 };
 
 }  // namespace ovws

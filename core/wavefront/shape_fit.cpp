@@ -263,9 +263,9 @@ ShapeFit::Information ShapeFit::information(int spot) const {
   const double variance = std::pow(image_.noise, 2) + std::pow(kShapeError * amplitude, 2);
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(kAll, kAll);
   Eigen::VectorXd pull = Eigen::VectorXd::Zero(kAll), row(kAll);
-  const auto half = 2 * model_.optics.half_cells() + 1;
-  for (int c = 0; c < half; ++c) {
-    for (int r = 0; r < half; ++r) {
+  const int side = 2 * model_.optics.half_cells() + 1;
+  for (int c = 0; c < side; ++c) {
+    for (int r = 0; r < side; ++r) {
       const int y = laid.row + r, x = laid.column + c;
       if (derived.light(r, c) < least || y < 0 || x < 0 || y >= image_.light.rows() ||
           x >= image_.light.cols()) {

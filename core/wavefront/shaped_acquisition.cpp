@@ -47,7 +47,10 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
                                      int image_height)
     : plain_(spots, reference_px, image_width, image_height),
       consensus_(reference_px, max_seen(reference_px.size())),
-      model_(model_of(lattice, sensor, spots, px_per_cycle, modes_j, slopes, reference_px)) {}
+      lambda_d_px_(spots.lambda_d_px),
+      make_model_([=] {
+        return model_of(lattice, sensor, spots, px_per_cycle, modes_j, slopes, reference_px);
+      }) {}
 
 int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
                                TrackScratch& scratch, std::span<SpotFix> out) {
@@ -57,14 +60,15 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   const bool all_sure = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
     return fix.found() && fix.quality > kSure;
   });
-  if (all_sure || image.width < model_.bin || image.height < model_.bin) return found;
-  const CellImage cells = average_cells(image, model_.bin);
+  if (all_sure || plain_.seen().empty()) return found;
+  if (!model_) model_.emplace(make_model_());
+  const CellImage cells = average_cells(image, model_->bin);
   int most = (3 * int(out.size()) - 1) / 4;
   // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
   for (const auto& starts :
        {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
         starts_of(out)}) {
-    ShapeFit fit(model_, cells);
+    ShapeFit fit(*model_, cells);
     const int explained = fit.run(starts);
     if (explained <= most) continue;
     most = explained;
@@ -77,8 +81,8 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
 }
 
 std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rules) {
-  std::vector<Vec2> starts(model_.reference_px.size(), kNowhere);
-  const std::span<const Vec2> seen = plain_.seen();
+  std::vector<Vec2> starts(torn_.size(), kNowhere);
+  const std::vector<Vec2> seen = plain_.seen();
   const std::span<const int> owned = consensus_.match(seen, rules);
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (owned[i] != Consensus::kNone) starts[i] = seen[std::size_t(owned[i])];
@@ -89,9 +93,9 @@ std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rule
 /// Whether the spot is found, but not by the tracker.
 bool ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
   const Vec2 at{double(fix.x), double(fix.y)};
-  if (fix.found() && norm(at - shaped.at_px) < kSame * model_.lambda_d_px) return false;
+  if (fix.found() && norm(at - shaped.at_px) < kSame * lambda_d_px_) return false;
   fix = {};
-  fix.peak = brightest_pixel(image, shaped.at_px, int(model_.lambda_d_px));
+  fix.peak = brightest_pixel(image, shaped.at_px, int(lambda_d_px_));
   if (!shaped.found) return false;
   fix.x = float(shaped.at_px.x);
   fix.y = float(shaped.at_px.y);

@@ -1,6 +1,8 @@
 /// Finds every spot in one image without history, those too that an aberration has torn apart.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,12 +22,13 @@ class ShapedAcquisition {
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px,
                     int image_width, int image_height);
 
-  /// What Acquisition finds; and if that is not every spot, those that have the shape and the place
-  /// of the one wavefront which explains the image (ShapeFit). Believed only if it explains three
-  /// quarters of all spots: then a spot of the tracker's that is off by more than half of lambda/d
-  /// is lost, and one that the tracker refused has the place that the fit gives, within some
-  /// hundredths of lambda/d. Half a second at most on the default bench, and it allocates: not for
-  /// the frame path. As Acquisition::acquire otherwise.
+  /// What Acquisition finds; and if that is not every spot for sure, those that have the shape and
+  /// the place of the one wavefront which explains the image (ShapeFit). Believed only if it
+  /// explains three quarters of all spots: then a fix of the tracker's that is off by more than a
+  /// quarter of lambda/d, or missing, is replaced by the place that the fit gives, right to some
+  /// hundredths of lambda/d, or lost. Half a second at most on the default bench, and it allocates:
+  /// not for the frame path. As Acquisition::acquire otherwise; an image of another size has
+  /// nothing.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out);
 
@@ -45,7 +48,9 @@ class ShapedAcquisition {
 
   Acquisition plain_;
   Consensus consensus_;
-  ShapeModel model_;
+  double lambda_d_px_;
+  std::function<ShapeModel()> make_model_;
+  std::optional<ShapeModel> model_;  ///< made when first needed: it is dear for large lattices
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> shapes_;
   std::vector<bool> torn_;

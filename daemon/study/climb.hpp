@@ -20,8 +20,7 @@ enum class Limit {
 const char* name_of(Limit limit);
 
 struct Climb {
-  double waves =
-      0.0;  ///< RMS; the sign as given; up to here every spot was found, and none wrongly
+  double waves = 0.0;  ///< RMS, without sign; up to here every spot was found, and none wrongly
   Limit limited_by = Limit::nothing;
 };
 

@@ -16,7 +16,7 @@ class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// The wavefront of the light that meets the SLM, over the sensor's pupil and continued outside.
+  /// The wavefront of the light that meets the SLM, over the sensor's pupil; 0 outside.
   void set_aberration(std::span<const Mode> modes);
 
   /// `grey`: width x height of the SLM. `field`: as wide, and filled with the rows of the SLM from

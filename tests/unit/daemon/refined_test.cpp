@@ -41,7 +41,7 @@ class FrameTest : public testing::Test {
 using FrameInboxTest = FrameTest;
 
 TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
-  FrameInbox inbox;
+  FrameInbox inbox(can_be_refined);
   EXPECT_FALSE(inbox.wants());
   inbox.take(record_);
   EXPECT_EQ(inbox.next(0ms), nullptr);  // what came before was not asked for
@@ -61,7 +61,7 @@ TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
 }
 
 TEST_F(FrameInboxTest, LeavesFramesThatSayNothingForSure) {
-  FrameInbox inbox;
+  FrameInbox inbox(can_be_refined);
   EXPECT_EQ(inbox.next(0ms), nullptr);
   record_.settled = false;
   inbox.take(record_);
@@ -78,7 +78,7 @@ TEST_F(FrameInboxTest, LeavesFramesThatSayNothingForSure) {
 }
 
 TEST_F(FrameInboxTest, ForgetsWhatWasAskedFor) {
-  FrameInbox inbox;
+  FrameInbox inbox(can_be_refined);
   EXPECT_EQ(inbox.next(0ms), nullptr);
   inbox.forget();
   EXPECT_FALSE(inbox.wants());

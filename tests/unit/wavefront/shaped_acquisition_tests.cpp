@@ -213,6 +213,17 @@ TEST(ShapedAcquisition, WhereASpotIsMissingNoneIsFound) {
   EXPECT_LE(counts.refused, 2);
 }
 
+TEST(ShapedAcquisition, AnImageOfAnotherSizeHasNothingWhateverWasBefore) {
+  Bench bench(1);
+  const auto dn = bench.picture(random_modes(2, 0.5), 0.0);
+  EXPECT_LE(count(bench.acquire(dn), bench.places({}), 1e9).refused, 1);
+  EXPECT_TRUE(bench.acquisition.explained());
+  Image<std::uint16_t> larger(600, 560);
+  for (int y = 0; y < kImagePx; ++y) std::copy_n(dn.row(y), kImagePx, larger.row(y));
+  for (const SpotFix& fix : bench.acquire(larger)) EXPECT_FALSE(fix.found());
+  EXPECT_FALSE(bench.acquisition.explained());
+}
+
 TEST(ShapedAcquisition, NoiseStripesAndATurnedImageHaveNoSpots) {
   Bench bench(1);
   auto turned = bench.picture(random_modes(1, 0.3), 100.0);
