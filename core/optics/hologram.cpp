@@ -54,11 +54,6 @@ void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double
   }
 }
 
-void keep_only(Columns columns, std::span<std::uint16_t> phase) {
-  std::fill(phase.begin(), phase.begin() + columns.begin, std::uint16_t(0));
-  std::fill(phase.begin() + columns.end, phase.end(), std::uint16_t(0));
-}
-
 Result<void> check_flatness(const HologramConfig& config) {
   if (!config.flatness_waves) return {};
   const Image<float>& map = *config.flatness_waves;
@@ -142,6 +137,13 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
     renderer.pattern_row(HologramKind::sensor, y, waves,
                          &renderer.base_phase_[std::size_t(y) * config.slm.width_px]);
   }
+  const std::vector<std::uint16_t> no_modes(config.slm.width_px, 0);
+  renderer.base_grey_ = {config.slm.width_px, config.slm.height_px};
+  for (int y = 0; y < config.slm.height_px; ++y) {
+    hologram_row_kernels().back().greys(
+        &renderer.base_phase_[std::size_t(y) * config.slm.width_px], no_modes.data(),
+        config.lut.data(), config.slm.width_px, renderer.base_grey_.row(y));
+  }
   return renderer;
 }
 
@@ -161,24 +163,29 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   grey.pixels.resize(std::size_t(width) * grey.height);
   if (kind == HologramKind::identify) return draw_identify_picture(grey);
   if (kind == HologramKind::flat) modes = {};
-  const Vec2 centre = pupil_centre(config_.slm);
-  const double diameter = config_.sensor.pupil_diameter_px;
-  const PhaseRows added(modes, centre, diameter, width, grey.height);
+  const PhaseRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, width,
+                        grey.height);
   const HologramRowKernels& kernels = hologram_row_kernels().back();
   std::vector<double> waves(width);
   std::vector<std::uint16_t> pattern(width);
-  std::vector<std::uint16_t> phase(added.row_size(), 0);
+  const std::vector<std::uint16_t> none(width, 0);
+  std::vector<std::uint16_t> phase(added.row_size());
+  std::vector<std::uint8_t> without_modes(width);
   for (int y = 0; y < grey.height; ++y) {
     const std::uint16_t* base = &base_phase_[std::size_t(y) * width];
+    const std::uint8_t* plain = base_grey_.row(y);
     if (kind != HologramKind::sensor) {
       pattern_row(kind, y, waves, pattern.data());
       base = pattern.data();
+      kernels.greys(base, none.data(), config_.lut.data(), width, without_modes.data());
+      plain = without_modes.data();
     }
-    if (!modes.empty()) {
-      added.row(y, kernels, phase, waves);
-      keep_only(columns_in_circle(centre, diameter, y, width), phase);
-    }
-    kernels.greys(base, phase.data(), config_.lut.data(), width, grey.row(y));
+    const Columns shown = modes.empty() ? Columns{} : added.row(y, kernels, phase, waves);
+    std::uint8_t* out = grey.row(y);
+    std::copy(plain, plain + shown.begin, out);
+    kernels.greys(base + shown.begin, phase.data() + shown.begin, config_.lut.data(),
+                  shown.end - shown.begin, out + shown.begin);
+    std::copy(plain + shown.end, plain + width, out + shown.end);
   }
 }
 

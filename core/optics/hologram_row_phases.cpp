@@ -16,6 +16,9 @@ constexpr double kRoundings = 2.0;
 constexpr double kRoundoff = 0x1p-53;
 constexpr double kMostPaths = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
 constexpr int kFewestSteps = 16;       ///< of a stretch, or finding the differences takes longer
+/// Stretches begin at multiples of so many steps: a row has less than that to the left of its
+/// columns.
+constexpr int kGrain = 4;
 
 /// In how many ways the last bits of the differences at a stretch's begin reach its end.
 double paths(int degree, int steps) {
@@ -40,39 +43,60 @@ std::uint16_t phase16(double waves) {
 PhaseRows::PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px, int width,
                      int height)
     : modes_(modes, centre_px, diameter_px),
+      centre_px_(centre_px),
+      diameter_px_(diameter_px),
       width_(width),
+      height_(height),
       degree_(static_cast<int>(modes_.terms().size()) - 1),
-      steps_(longest_stretch(height)) {
-  if (!in_fixed_point()) return;
-  for (int first = 0; first < all_steps(); first += steps_) add_stretch(first * kPhaseLanes);
+      steps_(longest_stretch()) {
+  if (in_fixed_point()) add_stretches();
 }
 
-/// Sum of the magnitudes that cancel in a sum of differences, over the grid.
-double PhaseRows::largest_terms(int steps, int height) const {
-  const Vec2 first = modes_.in_pupil({0.0, 0.0});
-  const Vec2 last = modes_.in_pupil({static_cast<double>(all_steps() * kPhaseLanes), height - 1.0});
-  const double stretch = steps * kPhaseLanes / modes_.radius_px();
-  const double x = std::max(std::abs(first.x), std::abs(last.x)) + stretch;
-  const double y = std::max(std::abs(first.y), std::abs(last.y));
+Columns PhaseRows::columns(int y) const {
+  return columns_in_circle(centre_px_, diameter_px_, y, width_);
+}
+
+/// From a multiple of kGrain on.
+Columns PhaseRows::steps_of(Columns columns) const {
+  return {columns.begin / (kGrain * kPhaseLanes) * kGrain,
+          (columns.end + kPhaseLanes - 1) / kPhaseLanes};
+}
+
+/// Sum of the magnitudes that cancel in a sum of differences, over the square around the pupil.
+double PhaseRows::largest_terms(int steps) const {
+  const double margin = kGrain * kPhaseLanes / modes_.radius_px();
+  const double x = 1.0 + margin + steps * kPhaseLanes / modes_.radius_px();
   double sum = 0.0;
   double x_power = 1.0;
   for (const std::vector<double>& in_y : modes_.terms()) {
-    double y_power = 1.0;
-    for (const double term : in_y) {
-      sum += std::abs(term) * x_power * y_power;
-      y_power *= y;
-    }
+    for (const double term : in_y) sum += std::abs(term) * x_power;
     x_power *= x;
   }
   return sum;
 }
 
-int PhaseRows::longest_stretch(int height) const {
+int PhaseRows::longest_stretch() const {
+  const int across = static_cast<int>(diameter_px_) / kPhaseLanes + 2 + kGrain;
+  const int most = std::min(all_steps(), across);
   for (int parts = 1;; ++parts) {
-    const int steps = (all_steps() + parts - 1) / parts;
+    const int steps = ((most + parts - 1) / parts + kGrain - 1) / kGrain * kGrain;
     if (parts > 1 && steps < kFewestSteps) return 0;
     if (paths(degree_, steps) > kMostPaths) continue;
-    if (kRoundings * kRoundoff * largest_terms(steps, height) <= kPhaseError) return steps;
+    if (kRoundings * kRoundoff * largest_terms(steps) <= kPhaseError) return steps;
+  }
+}
+
+void PhaseRows::add_stretches() {
+  stretches_.assign(all_steps() / kGrain + 1, -1);
+  int count = 0;
+  for (int y = 0; y < height_; ++y) {
+    const Columns steps = steps_of(columns(y));
+    for (int first = steps.begin; first < steps.end; first += steps_) {
+      int& stretch = stretches_[first / kGrain];
+      if (stretch >= 0) continue;
+      stretch = count++;
+      add_stretch(first * kPhaseLanes);
+    }
   }
 }
 
@@ -110,20 +134,24 @@ std::size_t PhaseRows::row_size() const {
   return static_cast<std::size_t>(all_steps() + kSpareSteps) * kPhaseLanes;
 }
 
-void PhaseRows::row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
-                    std::span<double> waves) const {
+Columns PhaseRows::row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
+                       std::span<double> waves) const {
+  const Columns in_pupil = columns(y);
+  if (in_pupil.begin >= in_pupil.end) return in_pupil;
   if (!in_fixed_point()) {
-    modes_.waves(y, 0, waves.first(width_));
-    for (int x = 0; x < width_; ++x) phase[x] = phase16(waves[x]);
-    return;
+    const std::span<double> shown = waves.first(in_pupil.end - in_pupil.begin);
+    modes_.waves(y, in_pupil.begin, shown);
+    for (std::size_t k = 0; k < shown.size(); ++k) phase[in_pupil.begin + k] = phase16(shown[k]);
+    return in_pupil;
   }
   const double y_in_pupil = modes_.in_pupil({0.0, static_cast<double>(y)}).y;
-  const double* terms = terms_.data();
-  for (int first = 0; first < all_steps(); first += steps_) {
-    kernels.phases(terms, degree_, y_in_pupil, std::min(steps_, all_steps() - first),
-                   phase.data() + first * kPhaseLanes);
-    terms += (degree_ + 1) * (degree_ + 2) / 2 * kPhaseLanes;
+  const std::size_t length = (degree_ + 1) * (degree_ + 2) / 2 * kPhaseLanes;
+  const Columns steps = steps_of(in_pupil);
+  for (int first = steps.begin; first < steps.end; first += steps_) {
+    kernels.phases(&terms_[length * stretches_[first / kGrain]], degree_, y_in_pupil,
+                   std::min(steps_, steps.end - first), phase.data() + first * kPhaseLanes);
   }
+  return in_pupil;
 }
 
 }  // namespace ovws
