@@ -77,14 +77,14 @@ OVWS_TARGET inline __m256i steps_at(const std::uint16_t* base, const std::uint16
 }
 OVWS_TARGET void greys(const std::uint16_t* base, const std::uint16_t* added,
                        const std::uint8_t* lut, int count, std::uint8_t* grey) {
+  if (count < 32) return greys_one_by_one(base, added, lut, 0, count, grey);
   LutRows rows;
   fill(rows, lut);
-  int x = 0;
-  for (; x + 32 <= count; x += 32) {
+  for (int x = 0; x < count; x += 32) {
+    x = std::min(x, count - 32);  // the last ones once more, rather than one by one
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(grey + x),
                         look_up(rows, steps_at(base + x, added + x)));
   }
-  greys_one_by_one(base, added, lut, x, count, grey);
 }
 
 #include "core/optics/hologram_row.inc"

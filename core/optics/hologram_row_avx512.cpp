@@ -31,13 +31,14 @@ OVWS_TARGET inline void put_words(const Fixed& a0, const Fixed& b0, const Fixed&
 }
 OVWS_TARGET void greys(const std::uint16_t* base, const std::uint16_t* added,
                        const std::uint8_t* lut, int count, std::uint8_t* grey) {
+  if (count < 64) return greys_one_by_one(base, added, lut, 0, count, grey);
   const __m512i lut0 = _mm512_loadu_si512(lut), lut1 = _mm512_loadu_si512(lut + 64);
   const __m512i lut2 = _mm512_loadu_si512(lut + 128), lut3 = _mm512_loadu_si512(lut + 192);
   alignas(64) std::array<std::uint8_t, 64> high_bytes;
   for (int i = 0; i < 64; ++i) high_bytes[i] = static_cast<std::uint8_t>(2 * i + 1);
   const __m512i high = _mm512_load_si512(high_bytes.data());
-  int x = 0;
-  for (; x + 64 <= count; x += 64) {
+  for (int x = 0; x < count; x += 64) {
+    x = std::min(x, count - 64);  // the last ones once more, rather than one by one
     const __m512i first =
         _mm512_add_epi16(_mm512_loadu_si512(base + x), _mm512_loadu_si512(added + x));
     const __m512i second =
@@ -47,7 +48,6 @@ OVWS_TARGET void greys(const std::uint16_t* base, const std::uint16_t* added,
     const __m512i above = _mm512_permutex2var_epi8(lut2, steps, lut3);
     _mm512_storeu_si512(grey + x, _mm512_mask_blend_epi8(_mm512_movepi8_mask(steps), below, above));
   }
-  greys_one_by_one(base, added, lut, x, count, grey);
 }
 
 #include "core/optics/hologram_row.inc"

@@ -1,6 +1,7 @@
 #include "core/tracking/acquisition.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ovws {
@@ -14,6 +15,12 @@ int max_candidates(std::size_t subapertures) {
 
 Vec2 position(const SpotFix& fix) {
   return {double(fix.x), double(fix.y)};
+}
+
+/// norm(a - b) < distance, most often told without a root.
+bool closer(Vec2 a, Vec2 b, double distance) {
+  const Vec2 d = a - b;
+  return std::abs(d.x) < distance && std::abs(d.y) < distance && norm(d) < distance;
 }
 
 }  // namespace
@@ -71,7 +78,7 @@ std::vector<Vec2> Acquisition::seen() const {
   std::vector<Vec2> seen = positions_;
   const std::size_t count = std::min(bright_.size(), std::size_t(consensus_.size() * 4 / 3));
   for (const Vec2 at : bright_.first(count)) {
-    const auto near = [&](Vec2 other) { return norm(other - at) < spots_.lambda_d_px; };
+    const auto near = [&](Vec2 other) { return closer(other, at, spots_.lambda_d_px); };
     if (std::none_of(seen.begin(), seen.end(), near)) seen.push_back(at);
   }
   return seen;
@@ -94,7 +101,7 @@ void Acquisition::look_again(int i, const ImageView& image, const SpotTracker& t
 
 bool Acquisition::taken(Vec2 at, std::span<const SpotFix> fixes) const {
   return std::any_of(fixes.begin(), fixes.end(), [&](const SpotFix& fix) {
-    return fix.found() && norm(position(fix) - at) < kSameSpot * spots_.lambda_d_px;
+    return fix.found() && closer(position(fix), at, kSameSpot * spots_.lambda_d_px);
   });
 }
 

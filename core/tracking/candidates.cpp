@@ -14,6 +14,7 @@ constexpr double kGridPerLambdaD = 3.2;
 // Of the radius of the first dark ring: the correlation's reach, and how near two spots may be.
 constexpr double kReach = 1.1;
 constexpr double kApart = 0.6;
+static_assert(kApart < kReach);  // so that what is near a peak lies on the grid with its margin
 constexpr std::size_t kPeaksPerCandidate = 4;  // so that a broad spot's side maxima crowd out none
 
 int bin_px(const SpotModel& spots) {
@@ -44,10 +45,17 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
     }
   }
   for (Tap& tap : taps_) tap.weight -= float(sum / double(taps_.size()));
+  const int near = int(std::ceil(apart_));
+  for (int dy = -near; dy <= near; ++dy) {
+    for (int dx = -near; dx <= near; ++dx) {
+      if (std::hypot(dx, dy) < apart_) near_.push_back({dx, dy, 0.0F});
+    }
+  }
   const int columns = padded(image_width, bin_, margin_);
   const int rows = padded(image_height, bin_, margin_);
   grid_ = Grid::Zero(rows, columns);
   score_ = Grid::Zero(rows, columns);
+  crowded_ = Crowded::Constant(rows, columns, false);
   peaks_.reserve(kPeaksPerCandidate * max_candidates_);
   candidates_.reserve(max_candidates_);
 }
@@ -91,12 +99,27 @@ void CandidateFinder::average(const ImageView& image) {
 void CandidateFinder::correlate() {
   const Eigen::Index inner = grid_.cols() - 2 * Eigen::Index(margin_);
   for (Eigen::Index r = margin_; r < grid_.rows() - margin_; ++r) {
-    auto out = score_.row(r).segment(margin_, inner);
-    out.setZero();
-    for (const Tap& tap : taps_) {
-      out += tap.weight * grid_.row(r + tap.dy).segment(margin_ + tap.dx, inner);
+    if (inner < kStrip) {
+      correlate_strip<Eigen::Dynamic>(r, 0, inner);
+      continue;
+    }
+    for (Eigen::Index c = 0; c < inner; c += kStrip) {
+      c = std::min(c, inner - kStrip);  // the last ones once more, rather than one by one
+      correlate_strip<kStrip>(r, c, kStrip);
     }
   }
+}
+
+/// `count` columns, from the margin's end and `first` on: few enough to stay in registers.
+template <int kCount>
+void CandidateFinder::correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count) {
+  Eigen::Array<float, 1, kCount, Eigen::RowMajor, 1, kStrip> sum;
+  sum.setZero(count);
+  for (const Tap& tap : taps_) {
+    sum += tap.weight *
+           grid_.row(row + tap.dy).template segment<kCount>(margin_ + first + tap.dx, count);
+  }
+  score_.row(row).template segment<kCount>(margin_ + first, count) = sum;
 }
 
 // The border of score_ stays 0, so that maxima at the image's edge count too.
@@ -121,12 +144,12 @@ void CandidateFinder::collect_peaks() {
 
 void CandidateFinder::keep_separate() {
   candidates_.clear();
+  crowded_.setConstant(false);
   for (const Peak& peak : peaks_) {
-    const Vec2 at{bin_ * (peak.column - margin_ + 0.5) - 0.5,
-                  bin_ * (peak.row - margin_ + 0.5) - 0.5};
-    const auto near = [&](Vec2 other) { return norm(other - at) < apart_ * bin_; };
-    if (std::any_of(candidates_.begin(), candidates_.end(), near)) continue;
-    candidates_.push_back(at);
+    if (crowded_(peak.row, peak.column)) continue;
+    for (const Tap& by : near_) crowded_(peak.row + by.dy, peak.column + by.dx) = true;
+    candidates_.push_back({bin_ * (peak.column - margin_ + 0.5) - 0.5,
+                           bin_ * (peak.row - margin_ + 0.5) - 0.5});
     if (candidates_.size() == max_candidates_) return;
   }
 }

@@ -34,9 +34,14 @@ class CandidateFinder {
   };
   using Grid = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  using Crowded = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  static constexpr int kStrip = 32;
+
   template <class T>
   void average(const ImageView& image);
   void correlate();
+  template <int kCount>
+  void correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count);
   void collect_peaks();
   void keep_separate();
 
@@ -44,8 +49,10 @@ class CandidateFinder {
   int margin_;  ///< of the grid, around the image: edge pixels repeated
   double apart_;
   std::vector<Tap> taps_;
+  std::vector<Tap> near_;  ///< grid places closer than apart_; weights play no part
   Grid grid_;
   Grid score_;
+  Crowded crowded_;  ///< too near a candidate to be another one
   std::vector<Peak> peaks_;
   std::vector<Vec2> candidates_;
   std::size_t max_candidates_;
