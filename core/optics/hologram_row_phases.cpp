@@ -62,14 +62,22 @@ Columns PhaseRows::steps_of(Columns columns) const {
           (columns.end + kPhaseLanes - 1) / kPhaseLanes};
 }
 
-/// Sum of the magnitudes that cancel in a sum of differences, over the square around the pupil.
+/// Sum of the magnitudes that cancel in a sum of differences, over what the grid has of the square
+/// around the pupil.
 double PhaseRows::largest_terms(int steps) const {
-  const double margin = kGrain * kPhaseLanes / modes_.radius_px();
-  const double x = 1.0 + margin + steps * kPhaseLanes / modes_.radius_px();
+  const Vec2 first = modes_.in_pupil({0.0, 0.0});
+  const Vec2 last = modes_.in_pupil({width_ - 1.0, height_ - 1.0});
+  const double beside = (steps + kGrain) * kPhaseLanes / modes_.radius_px();
+  const double x = std::min(1.0, std::max(std::abs(first.x), std::abs(last.x))) + beside;
+  const double y = std::min(1.0, std::max(std::abs(first.y), std::abs(last.y)));
   double sum = 0.0;
   double x_power = 1.0;
   for (const std::vector<double>& in_y : modes_.terms()) {
-    for (const double term : in_y) sum += std::abs(term) * x_power;
+    double y_power = 1.0;
+    for (const double term : in_y) {
+      sum += std::abs(term) * x_power * y_power;
+      y_power *= y;
+    }
     x_power *= x;
   }
   return sum;

@@ -67,8 +67,8 @@ Outcome compare(const Grid& grid, std::span<const Mode> modes) {
   const long double radius = 0.5L * grid.diameter;
   Outcome outcome;
   for (int y = 0; y < grid.height; y += 1 + grid.height / 40) {
-    rows.row(y, hologram_row_kernels().back(), phase, waves);
-    for (int x = 0; x < grid.width; ++x, ++outcome.pixels) {
+    const Columns columns = rows.row(y, hologram_row_kernels().back(), phase, waves);
+    for (int x = columns.begin; x < columns.end; ++x, ++outcome.pixels) {
       const long double steps =
           65536.0L * truth(modes, (x - grid.centre().x) / radius, (y - grid.centre().y) / radius);
       const long double nearest = std::floor(steps + 0.5L);
@@ -126,7 +126,7 @@ TEST(PhaseRows, HoldTheBoundForTheStrongestModesTheyTake) {
 }
 
 TEST(PhaseRows, TakeTiesUpwards) {
-  const Grid grid{40, 2, 2};
+  const Grid grid{40, 2, 60};
   for (const double waves : {0.5 / 65536.0, 1.5 / 65536.0, -0.5 / 65536.0, -1e6 - 0.5 / 65536.0}) {
     const PhaseRows rows = grid.rows(std::vector<Mode>{{0, waves}});
     std::vector<std::uint16_t> phase(rows.row_size());
@@ -148,9 +148,27 @@ TEST(PhaseRows, LeaveWhatTheyCannotResolveToTheDoubleSum) {
     EXPECT_FALSE(rows.in_fixed_point());
     std::vector<std::uint16_t> phase(rows.row_size());
     std::vector<double> memory(grid.width), waves(grid.width);
-    rows.row(300, hologram_row_kernels().back(), phase, memory);
-    WavefrontRows(modes, grid.centre(), grid.diameter).waves(300, 0, waves);
-    for (int x = 0; x < grid.width; ++x) EXPECT_EQ(phase[x], phase16(waves[x]));
+    const Columns columns = rows.row(300, hologram_row_kernels().back(), phase, memory);
+    const std::span<double> shown(&waves[columns.begin], columns.end - columns.begin);
+    WavefrontRows(modes, grid.centre(), grid.diameter).waves(300, columns.begin, shown);
+    for (int x = columns.begin; x < columns.end; ++x) EXPECT_EQ(phase[x], phase16(waves[x]));
+  }
+}
+
+TEST(PhaseRows, AreThoseOfThePupil) {
+  for (const Grid& grid : {Grid{641, 479, 300}, Grid{300, 641, 479}, Grid{1280, 768, 768}}) {
+    const auto modes = random_modes(18, 1.0, 4);
+    const PhaseRows rows = grid.rows(modes);
+    std::vector<std::uint16_t> phase(rows.row_size());
+    std::vector<double> memory(grid.width);
+    for (int y = 0; y < grid.height; ++y) {
+      const Columns columns = rows.row(y, hologram_row_kernels().back(), phase, memory);
+      for (int x = 0; x < grid.width; ++x) {
+        const bool shown = x >= columns.begin && x < columns.end;
+        ASSERT_EQ(shown, norm(Vec2{double(x), double(y)} - grid.centre()) <= 0.5 * grid.diameter)
+            << x << ' ' << y;
+      }
+    }
   }
 }
 
