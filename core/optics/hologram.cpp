@@ -140,9 +140,9 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
   const std::vector<std::uint16_t> no_modes(config.slm.width_px, 0);
   renderer.base_grey_ = {config.slm.width_px, config.slm.height_px};
   for (int y = 0; y < config.slm.height_px; ++y) {
-    hologram_row_kernels().back().greys(
-        &renderer.base_phase_[std::size_t(y) * config.slm.width_px], no_modes.data(),
-        config.lut.data(), config.slm.width_px, renderer.base_grey_.row(y));
+    hologram_row_kernels().back().greys(&renderer.base_phase_[std::size_t(y) * config.slm.width_px],
+                                        no_modes.data(), config.lut.data(), config.slm.width_px,
+                                        renderer.base_grey_.row(y));
   }
   return renderer;
 }

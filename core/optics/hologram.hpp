@@ -4,7 +4,8 @@
 /// the nearest 1/65536 wave (pattern and flatness: a tie to the even one), added modulo one wave,
 /// and the top 8 bits of the 16 index the LUT. The sum of the modes is known to 1/1024 of such a
 /// step: nearer than that to a tie, either neighbour may be taken. Where double precision cannot
-/// resolve it so well (strong modes of high orders), it is as good as a double sum of powers. The greys do not depend on the CPU's instruction set.
+/// resolve it so well (strong modes of high orders), it is as good as a double sum of powers. The
+/// greys do not depend on the CPU's instruction set.
 #pragma once
 
 #include <array>
@@ -72,7 +73,7 @@ class HologramRenderer {
   HologramConfig config_;
   Lattice lattice_;
   std::vector<std::uint16_t>
-      base_phase_;  ///< sensor phase and flatness, 2 pi = 65536: wraps by itself
+      base_phase_;                 ///< sensor phase and flatness, 2 pi = 65536: wraps by itself
   Image<std::uint8_t> base_grey_;  ///< the sensor without modes: what shows outside the pupil
 };
 

@@ -148,8 +148,8 @@ void CandidateFinder::keep_separate() {
   for (const Peak& peak : peaks_) {
     if (crowded_(peak.row, peak.column)) continue;
     for (const Tap& by : near_) crowded_(peak.row + by.dy, peak.column + by.dx) = true;
-    candidates_.push_back({bin_ * (peak.column - margin_ + 0.5) - 0.5,
-                           bin_ * (peak.row - margin_ + 0.5) - 0.5});
+    candidates_.push_back(
+        {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5});
     if (candidates_.size() == max_candidates_) return;
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "core/tracking/matched_fit.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kCapture = 1.0;                     // lambda/d
 constexpr double kSearch = 0.8, kSearchStep = 0.26;  // lambda/d
+constexpr int kBlock = 16;  // a constant number of pixels a turn becomes vector instructions
 
 /// Whether the image holds every pixel within `margin` of `at`.
 bool holds(const ImageView& image, Vec2 at, double margin) {
@@ -33,6 +35,115 @@ std::vector<Vec2> search_shifts(double lambda_d_px) {
   return shifts;
 }
 
+/// The binned pixels around a start, with room for every shifted window.
+struct Coarse {
+  Coarse(const TemplateBank& bank, double reach_px)
+      : bin(bank.bin()),
+        columns(bank.coarse()->columns()),
+        rows(bank.coarse()->rows()),
+        reach(int(std::ceil(reach_px / bin))),
+        half(rows / 2 + reach),
+        stride(columns + 2 * reach),
+        side_px((2 * half + 1) * bin) {}
+
+  int bin;
+  int columns, rows;  ///< of a window
+  int reach;          ///< in bins
+  int half;           ///< rows above and below, and columns that hold light, in bins
+  int stride;
+  int side_px;
+  std::size_t window() const { return std::size_t(columns) * std::size_t(rows); }
+  std::size_t patch() const { return std::size_t(stride) * std::size_t(2 * half + 1); }
+};
+
+template <class T>
+void add_row(const ImageView& image, int left, int y, int count, float* __restrict line) {
+  const T* __restrict row = image.row<T>(std::clamp(y, 0, image.height - 1));
+  if (left < 0 || left + count > image.width) {
+    for (int x = 0; x < count; ++x) line[x] += float(row[std::clamp(left + x, 0, image.width - 1)]);
+    return;
+  }
+  int x = 0;
+  for (; x + kBlock <= count; x += kBlock) {
+    for (int i = 0; i < kBlock; ++i) line[x + i] += float(row[left + x + i]);
+  }
+  for (; x < count; ++x) line[x] += float(row[left + x]);
+}
+
+/// Sums of bin x bin pixels less the first of them, so that a small spot on a high background loses
+/// nothing.
+template <class T>
+void bin_pixels(const ImageView& image, const Coarse& grid, int left, int top, float* line,
+                float* patch) {
+  float* out = patch + (grid.stride / 2 - grid.half);
+  std::fill(patch, patch + grid.patch(), 0.0F);
+  float offset = 0.0F;
+  for (int r = 0; r <= 2 * grid.half; ++r, out += grid.stride) {
+    std::fill(line, line + grid.side_px, 0.0F);
+    for (int k = 0; k < grid.bin; ++k) {
+      add_row<T>(image, left, top + r * grid.bin + k, grid.side_px, line);
+    }
+    for (int c = 0; c <= 2 * grid.half; ++c) {
+      float sum = 0.0F;
+      for (int k = 0; k < grid.bin; ++k) sum += line[c * grid.bin + k];
+      if (r == 0 && c == 0) offset = sum;
+      out[c] = sum - offset;
+    }
+  }
+}
+
+float amplitude(const TemplateBank& coarse, const TemplateKernels& kernels, const float* window) {
+  const TemplateBank::Place unshifted;
+  const TemplateMoments m = kernels.moments(coarse.view(unshifted, kMiddleNoise), window);
+  const auto& c = coarse.solver(unshifted, kMiddleNoise).inverse;
+  return c[4] * m.one + c[5] * m.value + c[6] * m.cx + c[7] * m.cy;
+}
+
+/// Floats of scratch.samples and of scratch.sums that coarse_start needs.
+std::size_t coarse_samples(const TemplateBank& bank, double reach_px) {
+  if (!bank.coarse()) return 0;
+  const Coarse grid(bank, reach_px);
+  return grid.window() + grid.patch();
+}
+
+std::size_t coarse_sums(const TemplateBank& bank, double reach_px) {
+  return bank.coarse() ? std::size_t(Coarse(bank, reach_px).side_px) : 0;
+}
+
+/// The place within about `reach_px` of `start` where the bank's template explains most of the
+/// light, tried at whole bins of the binned image: the pixels are read once, however large the
+/// spot. Nothing if it is dark everywhere.
+std::optional<Vec2> coarse_start(const TemplateBank& bank, const TemplateKernels& kernels,
+                                 const ImageView& image, Vec2 start, double reach_px,
+                                 TrackScratch& scratch) {
+  const Coarse grid(bank, reach_px);
+  float* window = scratch.samples.data();
+  float* patch = window + grid.window();
+  const int x = int(std::lround(start.x)) - grid.bin / 2;  // the middle bin's first pixel
+  const int y = int(std::lround(start.y)) - grid.bin / 2;
+  const bool bytes = bytes_per_pixel(image.format) == 1;
+  (bytes ? bin_pixels<std::uint8_t>
+         : bin_pixels<std::uint16_t>)(image, grid, x - grid.half * grid.bin,
+                                      y - grid.half * grid.bin, scratch.sums.data(), patch);
+  const Vec2 middle = Vec2{double(x), double(y)} + 0.5 * double(grid.bin - 1) * Vec2{1.0, 1.0};
+  std::optional<Vec2> best;
+  float most = 0.0F;
+  for (int dy = -grid.reach; dy <= grid.reach; ++dy) {
+    for (int dx = -grid.reach; dx <= grid.reach; ++dx) {
+      if (dx * dx + dy * dy > grid.reach * grid.reach) continue;
+      const float* from = patch + (grid.reach + dy) * grid.stride + grid.reach + dx;
+      for (int r = 0; r < grid.rows; ++r, from += grid.stride) {
+        std::copy(from, from + grid.columns, window + r * grid.columns);
+      }
+      const float score = amplitude(*bank.coarse(), kernels, window);
+      if (!(score > most)) continue;
+      most = score;
+      best = middle + double(grid.bin) * Vec2{double(dx), double(dy)};
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 MatchedTracker::MatchedTracker(const SpotModel& spots) : MatchedTracker(spots, {}) {}
@@ -49,13 +160,26 @@ MatchedTracker::MatchedTracker(const SpotModel& spots,
       spot_half_px_(spot_geometry(spots.charge).ring_outer * spots.lambda_d_px) {}
 
 TrackScratch MatchedTracker::make_scratch() const {
-  return {std::vector<float>(std::size_t(model_->columns() * model_->rows())),
-          std::vector<float>(std::size_t(model_->columns()))};
+  const double reach_px = kSearch * spots_.lambda_d_px;
+  const auto columns = std::size_t(model_->columns()), rows = std::size_t(model_->rows());
+  return {std::vector<float>(std::max(columns * rows, coarse_samples(*model_, reach_px))),
+          std::vector<float>(std::max(columns, coarse_sums(*model_, reach_px)))};
 }
 
 const TemplateBank& MatchedTracker::bank_of(int spot) const {
   const bool own = spot >= 0 && std::size_t(spot) < own_.size() && own_[std::size_t(spot)];
   return own ? *own_[std::size_t(spot)] : *model_;
+}
+
+std::optional<Vec2> MatchedTracker::fine_start(MatchedFit& fit, Vec2 start) const {
+  std::optional<Vec2> best;
+  double most = 0.0;
+  for (const Vec2 shift : search_) {
+    const double score = fit.score(start + shift);
+    if (score > most) best = start + shift;
+    most = std::max(most, score);
+  }
+  return best;
 }
 
 SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
@@ -72,14 +196,12 @@ SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratc
   };
   bool good = found(start_px);
   if (!good) {
-    Vec2 best = start_px;
-    double most = 0.0;
-    for (const Vec2 shift : search_) {
-      const double score = fit.score(start_px + shift);
-      if (score > most) best = start_px + shift;
-      most = std::max(most, score);
-    }
-    good = most > 0.0 && found(best);
+    const std::optional<Vec2> best =
+        bank.coarse()
+            ? coarse_start(bank, kernels_, image, start_px, kSearch * spots_.lambda_d_px, scratch)
+            : fine_start(fit, start_px);
+    fit.forget_window();  // the search has used its memory
+    good = best && found(*best);
   }
   const Vec2 at = good ? fit.found() : start_px;
   fix.peak = brightest_pixel(image, at, int(std::ceil(spot_half_px_)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/tracking/template_bank.hpp"
@@ -10,6 +11,8 @@
 
 namespace ovws {
 
+class MatchedFit;
+
 /// Least squares of D(p) = b + a T(p - c) over a disc around the spot (matched_window), each pixel
 /// weighted by 1 / (sigma^2 + kappa a max(T, 0)), sigma^2 and kappa estimated from the same pixels:
 /// at the Cramer-Rao bound (localisation_bound) to a few percent for a spot by itself, 10 to 25 %
@@ -17,11 +20,12 @@ namespace ovws {
 ///
 /// Gauss-Newton over a TemplateBank: b, a, a dx, a dy are linear at the nearest of its shifts, and
 /// the shift is followed until it stays. If that does not lead from the start to a spot, the best
-/// of the shifts within 0.8 lambda/d is the next start. Lost: what does not come to rest; is
-/// further than lambda/d from the start, or not wholly in the image; has an amplitude below 8
-/// standard errors; leaves more contrast than noise explains and 1.5 (charge 0: 0.6) of what the
-/// template explains; is dark in one of 8 directions; or is a vortex without a dark core. quality:
-/// the template's share of the window's contrast, noise taken out. kernel_radius plays no part.
+/// of the shifts within about 0.8 lambda/d, of large spots in binned pixels, is the next start.
+/// Lost: what does not come to rest; is further than lambda/d from the start, or not wholly in the
+/// image; has an amplitude below 8 standard errors; leaves more contrast than noise explains
+/// and 1.5 (charge 0: 0.6) of what the template explains; is dark in one of 8 directions; or is a
+/// vortex without a dark core. quality: the template's share of the window's contrast, noise taken
+/// out. kernel_radius plays no part.
 ///
 /// The model's template is the choice for spots that are nearly the model's. Those of a reference
 /// image (reference_templates) follow spots of another shape, but take a neighbour's light in the
@@ -42,12 +46,13 @@ class MatchedTracker final : public SpotTracker {
 
  private:
   const TemplateBank& bank_of(int spot) const;
+  std::optional<Vec2> fine_start(MatchedFit& fit, Vec2 start) const;
 
   SpotModel spots_;
   std::shared_ptr<const TemplateBank> model_;
   std::vector<std::shared_ptr<const TemplateBank>> own_;
   const TemplateKernels& kernels_;
-  std::vector<Vec2> search_;  ///< shifts to try, from the nearest on
+  std::vector<Vec2> search_;  ///< shifts to try where there is no coarse bank
   int half_;
   double spot_half_px_;
 };

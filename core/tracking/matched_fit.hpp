@@ -25,6 +25,9 @@ class MatchedFit {
   /// it would be dark.
   double score(Vec2 at) OVWS_NONBLOCKING;
 
+  /// After another has written to the scratch.
+  void forget_window() OVWS_NONBLOCKING { loaded_ = false; }
+
   /// Whether what `follow` came to rest on is a spot. Sets quality().
   bool is_spot() OVWS_NONBLOCKING;
 

@@ -16,11 +16,39 @@ constexpr double kWindowOfDark = 0.98, kLeastWindow = 1.5;
 constexpr double kStepsPerLambdaD = 49.0;
 constexpr double kBright = 0.25;           // of the template's maximum: its sectors' pixels
 constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc, as SpotCheck's
-constexpr double kLeastPivot = 1e-5;       // of the normal matrix scaled to a unit diagonal
+// Pixels a side of the coarse bank's: a quarter of lambda/d, and two from 6 px on.
+constexpr double kBinOfLambdaD = 0.24, kBinMore = 0.6;
+constexpr double kLeastPivot = 1e-5;  // of the normal matrix scaled to a unit diagonal
 
 int steps_of(const SpotModel& spots) {
   return std::max(1, int(std::ceil(kStepsPerLambdaD / spots.lambda_d_px)));
 }
+
+int bin_of(const SpotModel& spots) {
+  return std::max(1, int(kBinOfLambdaD * spots.lambda_d_px + kBinMore));
+}
+
+/// Another shape's mean over squares of pixels, in squares.
+class BinnedShape final : public SpotShape {
+ public:
+  BinnedShape(const SpotShape& shape, int bin) : shape_(shape), bin_(bin) {}
+
+  ShapeSample at(Vec2 from_centre) const override {
+    ShapeSample mean;
+    for (int k = 0; k < bin_ * bin_; ++k) {
+      const Vec2 off{k % bin_ - 0.5 * (bin_ - 1), k / bin_ - 0.5 * (bin_ - 1)};
+      const ShapeSample sample = shape_.at(double(bin_) * from_centre + off);
+      mean.value += sample.value / (bin_ * bin_);
+      mean.dx += sample.dx / bin_;
+      mean.dy += sample.dy / bin_;
+    }
+    return mean;
+  }
+
+ private:
+  const SpotShape& shape_;
+  int bin_;
+};
 
 int half_of(const SpotModel& spots) {
   return int(std::floor(matched_window(spots.charge) * spots.lambda_d_px + 0.5));
@@ -41,7 +69,15 @@ double matched_window(int charge) {
 }
 
 TemplateBank::TemplateBank(const SpotModel& spots, const SpotShape& shape)
-    : steps_(steps_of(spots)),
+    : TemplateBank(spots, shape, steps_of(spots)) {
+  bin_ = bin_of(spots);
+  if (bin_ < 2) return;
+  const SpotModel binned{spots.charge, spots.lambda_d_px / bin_};
+  coarse_.reset(new TemplateBank(binned, BinnedShape(shape, bin_), 1));
+}
+
+TemplateBank::TemplateBank(const SpotModel& spots, const SpotShape& shape, int steps)
+    : steps_(steps),
       columns_(whole_blocks(2 * (half_of(spots) + 1))),
       rows_(2 * half_of(spots) + 1) {
   const int shifts = steps_ * steps_;

@@ -69,6 +69,11 @@ class TemplateBank {
   float mean_bright() const { return mean_bright_; }  ///< mean of T where it exceeds 1/2
   bool regular() const { return regular_; }           ///< every normal matrix has an inverse
 
+  /// The same spot for images whose pixels are summed in squares of bin() x bin(): at its unshifted
+  /// place only, and in bins for pixels. None if lambda/d is too few pixels for bins of 2.
+  const TemplateBank* coarse() const { return coarse_.get(); }
+  int bin() const { return bin_; }
+
   const Parts& parts() const { return parts_; }
 
   Place place(Vec2 at) const OVWS_NONBLOCKING;
@@ -81,6 +86,7 @@ class TemplateBank {
   };
   static constexpr int kLevels = int(kNoiseLevels.size());
 
+  TemplateBank(const SpotModel& spots, const SpotShape& shape, int steps);
   float* plane(int shift, int k);
   const float* plane(int shift, int k) const;
   void fill(int shift, const SpotShape& shape, double radius_px);
@@ -96,6 +102,8 @@ class TemplateBank {
   std::vector<Block> planes_;  ///< shift by shift: value, cx, cy, and a weight for each level
   std::vector<Solver> solvers_;
   Parts parts_;
+  int bin_ = 1;
+  std::shared_ptr<const TemplateBank> coarse_;
 };
 
 }  // namespace ovws

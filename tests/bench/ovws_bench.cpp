@@ -2,6 +2,7 @@
 ///   ovws_bench --benchmark_format=json
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -34,6 +35,26 @@ void track(State& state, TrackerKind kind) {
     benchmark::DoNotOptimize(found);
   }
   if (found != int(field.middles_px.size())) state.SkipWithError("spots were lost");
+}
+
+/// Nothing is there: the same noise as beside the spots.
+void track_lost(State& state) {
+  SpotField field(int(state.range(0)), int(state.range(1)), 1);
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(100.0, 40.0);
+  for (auto& pixel : field.picture.pixels) {
+    pixel = std::uint16_t(std::clamp(noise(random), 0.0, 4095.0));
+  }
+  const auto tracker = make_tracker({TrackerKind::matched}, field.spots).value();
+  TrackScratch scratch = tracker->make_scratch();
+  int found = 0;
+  for (auto _ : state) {
+    for (const Vec2 start : field.middles_px) {
+      found += tracker->track(field.view(), start, scratch).found() ? 1 : 0;
+    }
+    benchmark::DoNotOptimize(found);
+  }
+  if (found != 0) state.SkipWithError("noise was taken for a spot");
 }
 
 void acquire_cold(State& state) {
@@ -110,6 +131,7 @@ void screens(benchmark::internal::Benchmark* b) {
 BENCHMARK(mark)->Name("BM_CentroidMark")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg, TrackerKind::lg)->Name("BM_Lg")->Apply(regions);
 BENCHMARK_CAPTURE(track, matched, TrackerKind::matched)->Name("BM_Matched")->Apply(regions);
+BENCHMARK(track_lost)->Name("BM_MatchedLost")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg_contour, TrackerKind::lg_contour)->Name("BM_LgContour")->Apply(regions);
 BENCHMARK(acquire_cold)->Name("BM_AcquireCold")->Apply(regions);
 BENCHMARK(reconstruct)
