@@ -8,7 +8,7 @@
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
-#include "core/tracking/spot.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
@@ -54,7 +54,7 @@ struct Config {
   SlmConfig slm;
   OpticsConfig optics;
   SensorConfig sensor;
-  TrackingConfig tracking;
+  TrackingSettings tracking;
   RefineSettings refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;

@@ -82,6 +82,7 @@ std::string dump_config(const Config& config) {
   out["optics"] = optics_json(config.optics);
   out["sensor"] = sensor_json(config.sensor);
   out["tracking"] = {{"tracker", tracker_name(config.tracking.tracker)},
+                     {"template", template_name(config.tracking.templates)},
                      {"kernel_radius", config.tracking.kernel_radius}};
   out["refine"] = refine_json(config.refine);
   out["stream"] = {{"endpoint", config.stream.endpoint},

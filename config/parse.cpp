@@ -100,8 +100,9 @@ void read_sensor(ObjectReader& r, SensorConfig& sensor) {
   number(r, "spacing", sensor.spacing, limits::kSpacing);
 }
 
-void read_tracking(ObjectReader& r, TrackingConfig& tracking) {
+void read_tracking(ObjectReader& r, TrackingSettings& tracking) {
   choice(r, "tracker", tracking.tracker, tracker_names());
+  choice(r, "template", tracking.templates, template_names());
   number(r, "kernel_radius", tracking.kernel_radius, limits::kKernelRadius);
 }
 

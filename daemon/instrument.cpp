@@ -173,7 +173,15 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_, slm_geometry_, state.roi, state.format,
-                     state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr});
+                     state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr,
+                     templates_for(state, reference).banks});
+}
+
+const OwnTemplates& Instrument::templates_for(const State& state,
+                                              const std::optional<Reference>& reference) {
+  return templates_.of(state.tracking,
+                       {state.sensor.charge, lambda_d_px(optics_, slm_geometry_, state.sensor)},
+                       reference);
 }
 
 void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
@@ -188,6 +196,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);
+  now.templates = templates_for(state_, now.reference).report;
   if (torn_) now.torn = torn_->numbers();
   tell_torn(snapshot_.get().torn, now.torn);
   snapshot_.set(std::move(now));

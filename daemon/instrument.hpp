@@ -18,6 +18,7 @@
 #include "daemon/jobs.hpp"
 #include "daemon/mailbox.hpp"
 #include "daemon/reference.hpp"
+#include "daemon/reference_templates.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/torn_spots.hpp"
 #include "proto/requests.hpp"
@@ -28,7 +29,8 @@ namespace ovws {
 /// What others may know of the sensor at any time.
 struct SensorSnapshot {
   SensorConfig sensor;
-  TrackingConfig tracking;
+  TrackingSettings tracking;
+  TemplateReport templates;  ///< what of tracking.templates is in use
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
   std::uint64_t hologram_id = 0;
@@ -84,7 +86,7 @@ class Instrument : public Agent {
   /// All that decides what is shown and how a frame is measured.
   struct State {
     SensorConfig sensor;
-    TrackingConfig tracking;
+    TrackingSettings tracking;
     HologramKind pattern = HologramKind::sensor;
     std::vector<Mode> aberration;
     Roi roi;
@@ -103,6 +105,7 @@ class Instrument : public Agent {
   void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
   void retire_plans();
   std::optional<Reference> reference_for(const State& state) const;
+  const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);
   void finish_reference(int job, const ReferenceCollector::Average& average);
   Result<SensorSnapshot> change_reference(std::optional<Reference> reference);
   void fail_reference(const Error& why);
@@ -121,6 +124,7 @@ class Instrument : public Agent {
   std::uint64_t shown_hologram_id_ = 0;
   std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
   std::vector<Reference> references_;                  ///< one a key
+  TemplateShelf templates_;                            ///< of the reference in force
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
   std::optional<CameraSettings> camera_;               ///< as last told
   std::optional<TornSpots> torn_;                      ///< of the plan in use

@@ -53,7 +53,7 @@ void Instrument::clear_reference(Changed done) {
 }
 
 std::optional<Reference> Instrument::reference_for(const State& state) const {
-  const ReferenceKey key{state.sensor, state.tracking, state.roi};
+  const ReferenceKey key = reference_key(state.sensor, state.tracking, state.roi);
   for (const Reference& known : references_) {
     if (known.key == key) return known;
   }
@@ -74,7 +74,7 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
                     listed(too_rare))});
   }
   Reference reference;
-  reference.key = {state_.sensor, state_.tracking, state_.roi};
+  reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
   reference.frames = average.frames;
   reference.t_taken_ns = utc_ns();
   reference.aberration = state_.aberration;
@@ -90,7 +90,7 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
 
 /// Puts a reference in force for the present state, or none; on an error the one before stays.
 Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> reference) {
-  const ReferenceKey key{state_.sensor, state_.tracking, state_.roi};
+  const ReferenceKey key = reference_key(state_.sensor, state_.tracking, state_.roi);
   std::vector<Reference> before = references_;
   std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
   if (reference) references_.push_back(std::move(*reference));

@@ -63,7 +63,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);
   if (inputs.reference) plan->reference_px = inputs.reference->positions_px;
-  auto tracker = make_tracker(inputs.tracking, plan->spots);
+  auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
   if (inputs.torn != nullptr) {

@@ -29,6 +29,8 @@ struct PlanInputs {
   const std::optional<Reference>& reference;
   int workers = 0;
   const TornSpots* torn = nullptr;  ///< null: none is
+  /// See MatchedTracker; empty: the model's for all.
+  std::vector<std::shared_ptr<const TemplateBank>> templates{};
 };
 
 /// OSA indices that the sensor reconstructs: 1 .. Z_opt (paper eq. 5).

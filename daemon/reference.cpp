@@ -19,6 +19,13 @@ double standard_error(double m2, int count) {
 
 }  // namespace
 
+ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
+                           const Roi& roi) {
+  ReferenceKey key{sensor, tracking, roi};
+  if (tracking.tracker != TrackerKind::matched) key.tracking.templates = TemplateKind::model;
+  return key;
+}
+
 void ReferenceCollector::begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id,
                                int subapertures, Done done) {
   const std::lock_guard lock(mutex_);

@@ -15,6 +15,7 @@
 #include "core/pipeline/frame_record.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
+#include "core/tracking/tracker.hpp"
 #include "daemon/reference_picture.hpp"
 
 namespace ovws {
@@ -22,10 +23,14 @@ namespace ovws {
 /// What a reference belongs to: with anything else its positions mean nothing.
 struct ReferenceKey {
   SensorConfig sensor;
-  TrackingConfig tracking;
+  TrackingSettings tracking;
   Roi roi;
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
+
+/// `templates` matters to a tracker that has one only.
+ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
+                           const Roi& roi);
 
 struct Reference {
   ReferenceKey key;

@@ -19,7 +19,24 @@ void add(const ImageView& image, Image<float>& sum) {
   }
 }
 
+void add_to(const ImageView& image, ReferencePicture& picture) {
+  if (bytes_per_pixel(image.format) == 1) {
+    add<std::uint8_t>(image, picture.mean_dn);
+  } else {
+    add<std::uint16_t>(image, picture.mean_dn);
+  }
+  ++picture.frames;
+}
+
 }  // namespace
+
+ReferencePicture picture_of(const ImageView& image) {
+  ReferencePicture picture;
+  picture.format = image.format;
+  picture.mean_dn = Image<float>(image.width, image.height);
+  add_to(image, picture);
+  return picture;
+}
 
 void ReferencePictureTaker::begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id) {
   const std::lock_guard lock(mutex_);
@@ -54,12 +71,7 @@ void ReferencePictureTaker::take(const FrameRecord& record) {
   const bool same = image.width == sum_->mean_dn.width && image.height == sum_->mean_dn.height &&
                     image.format == sum_->format && record.gain_db == sum_->gain_db;
   if (!same) return;
-  if (bytes_per_pixel(image.format) == 1) {
-    add<std::uint8_t>(image, sum_->mean_dn);
-  } else {
-    add<std::uint16_t>(image, sum_->mean_dn);
-  }
-  ++sum_->frames;
+  add_to(image, *sum_);
 }
 
 }  // namespace ovws

@@ -19,6 +19,12 @@ struct ReferencePicture {
   Image<float> mean_dn;  ///< NaN where a frame had a pixel at the format's full scale
 };
 
+/// Why a reference holds none, and the way out.
+constexpr const char* kNoPicture = "it holds no picture; take it anew, from ten frames or more";
+
+/// Of one image, whose gain is not known.
+ReferencePicture picture_of(const ImageView& image);
+
 /// Averages while a reference is taken. `begin`, `end` and `cancel` from any thread.
 class ReferencePictureTaker : public FrameTaker {
  public:

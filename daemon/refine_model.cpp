@@ -106,8 +106,7 @@ const Result<RefinedModes>& RefineModel::refined_reference(const Reference& refe
 Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
                                                  const RefineSettings& settings) {
   if (!reference.picture) {
-    return fail(Errc::refused, "reference",
-                "it holds no picture; take it anew, from ten frames or more");
+    return fail(Errc::refused, "reference", kNoPicture);
   }
   const ReferencePicture& picture = *reference.picture;
   std::vector<SpotFix> spots(reference.positions_px.size());

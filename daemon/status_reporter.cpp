@@ -48,7 +48,8 @@ StatusMessage::SlmPart slm_part(const SlmSnapshot& slm) {
 StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
   StatusMessage::SensorPart part;
   part.config = sensor.sensor;
-  part.tracker = sensor.tracking.tracker;
+  part.tracking = sensor.tracking;
+  part.templates = sensor.templates;
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
   part.referenced = sensor.reference.has_value();

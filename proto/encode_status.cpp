@@ -42,7 +42,9 @@ json slm_part(const StatusMessage::SlmPart& slm) {
 
 json sensor_part(const StatusMessage::SensorPart& sensor) {
   json out = to_json(sensor.config);
-  out["tracker"] = tracker_name(sensor.tracker);
+  out["tracker"] = tracker_name(sensor.tracking.tracker);
+  out["template"] = template_name(sensor.tracking.templates);
+  put(out, sensor.templates);
   out["subapertures"] = sensor.subapertures;
   out["modes"] = sensor.modes;
   out["referenced"] = sensor.referenced;

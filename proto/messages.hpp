@@ -16,6 +16,7 @@
 #include "core/port/display.hpp"
 #include "core/rt/latency_histogram.hpp"
 #include "core/tracking/spot.hpp"
+#include "proto/results.hpp"
 
 namespace ovws {
 
@@ -122,7 +123,8 @@ struct StatusMessage {
   } slm;
   struct SensorPart {
     SensorConfig config;
-    TrackerKind tracker = TrackerKind::lg;
+    TrackingSettings tracking;
+    TemplateReport templates;
     int subapertures = 0, modes = 0;
     bool referenced = false;
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them

@@ -42,12 +42,21 @@ const std::vector<std::string>& tracker_names() {
   return names;
 }
 
+const std::vector<std::string>& template_names() {
+  static const std::vector<std::string> names{"model", "reference"};
+  return names;
+}
+
 std::string_view grid_name(Grid grid) {
   return grid_names()[std::size_t(grid)];
 }
 
 std::string_view pattern_name(HologramKind kind) {
   return pattern_names()[std::size_t(kind)];
+}
+
+std::string_view template_name(TemplateKind kind) {
+  return template_names()[std::size_t(kind)];
 }
 
 }  // namespace ovws

@@ -8,6 +8,7 @@
 
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
@@ -16,8 +17,10 @@ const std::vector<std::string>& pattern_names();
 const std::vector<std::string>& norm_names();
 const std::vector<std::string>& pixel_format_names();
 const std::vector<std::string>& tracker_names();
+const std::vector<std::string>& template_names();
 
 std::string_view grid_name(Grid grid);
 std::string_view pattern_name(HologramKind kind);
+std::string_view template_name(TemplateKind kind);
 
 }  // namespace ovws

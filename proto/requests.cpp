@@ -109,8 +109,9 @@ SensorConfig SensorSet::applied_to(SensorConfig sensor) const {
   return sensor;
 }
 
-TrackingConfig SensorSet::applied_to(TrackingConfig tracking) const {
+TrackingSettings SensorSet::applied_to(TrackingSettings tracking) const {
   tracking.tracker = tracker.value_or(tracking.tracker);
+  tracking.templates = templates.value_or(tracking.templates);
   return tracking;
 }
 
@@ -153,6 +154,7 @@ Result<SensorSet> decode_sensor_set(const json& params) {
   if (grooves.size() == 2) set.grooves = {grooves[0], grooves[1]};
   read_number(reader, "spacing", set.spacing, limits::kSpacing);
   read_choice(reader, "tracker", set.tracker, tracker_names());
+  read_choice(reader, "template", set.templates, template_names());
   if (auto done = reader.finish(); !done) return fail(done.error());
   return set;
 }

@@ -15,7 +15,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
-#include "core/tracking/spot.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
@@ -40,10 +40,11 @@ struct SensorSet {
   std::optional<std::array<double, 2>> grooves;
   std::optional<double> spacing;
   std::optional<TrackerKind> tracker;
+  std::optional<TemplateKind> templates;  ///< key "template"
   bool clamp = false;
 
   SensorConfig applied_to(SensorConfig sensor) const;
-  TrackingConfig applied_to(TrackingConfig tracking) const;
+  TrackingSettings applied_to(TrackingSettings tracking) const;
 };
 
 /// `refine.set`: what is absent stays as it is. A number that may be null is null if it holds none.

@@ -29,7 +29,8 @@ json points(std::span<const Vec2> all) {
 
 json sensor_settings(const SensorReport& report) {
   json out = to_json(report.config);
-  out["tracker"] = tracker_name(report.tracker);
+  out["tracker"] = tracker_name(report.tracking.tracker);
+  out["template"] = template_name(report.tracking.templates);
   return out;
 }
 
@@ -97,8 +98,14 @@ json camera_set_result(const json& params, const CameraSettings& applied,
           {"limits", limits ? to_json(*limits) : json(nullptr)}};
 }
 
+void put(json& out, const TemplateReport& report) {
+  out["own_templates"] = report.own;
+  out["template_reason"] = report.reason.empty() ? json(nullptr) : json(report.reason);
+}
+
 json sensor_get_result(const SensorReport& report) {
   json out = sensor_settings(report);
+  put(out, report.templates);
   out["subapertures"] = report.subapertures;
   out["modes_j"] = report.modes_j;
   out["hologram_id"] = report.hologram_id;

@@ -16,7 +16,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
-#include "core/tracking/spot.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
@@ -35,9 +35,17 @@ nlohmann::json camera_get_result(const std::optional<CameraInfo>& info,
 nlohmann::json camera_set_result(const nlohmann::json& params, const CameraSettings& applied,
                                  const std::optional<CameraLimits>& limits);
 
+/// What of `template` is in use: a reference may hold less than was asked for.
+struct TemplateReport {
+  int own = 0;         ///< spots whose template is their own of the reference, not the model's
+  std::string reason;  ///< why not all though that was asked for, for a person; empty: no such case
+};
+void put(nlohmann::json& out, const TemplateReport& report);
+
 struct SensorReport {
   SensorConfig config;
-  TrackerKind tracker = TrackerKind::lg;
+  TrackingSettings tracking;
+  TemplateReport templates;
   int subapertures = 0;
   std::vector<int> modes_j;
   std::uint64_t hologram_id = 0;

@@ -30,7 +30,7 @@ class MatchedFit;
 /// The model's template is the choice for spots that are nearly the model's. Those of a reference
 /// image (reference_templates) follow spots of another shape, but take a neighbour's light in the
 /// window for the spot's, which does not move with it: on the simulated bench they read 0.05 wave
-/// of a mode 2 to 6 % wrong, the model's 1 to 3 %.
+/// of a mode 2 to 6 % wrong, the model's 1 to 3 %. `tracking.template` chooses.
 class MatchedTracker final : public SpotTracker {
  public:
   /// The model's template (ModelShape) for every spot.

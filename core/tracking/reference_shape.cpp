@@ -158,7 +158,9 @@ void ReferenceShape::normalise(const TemplateBank& model, const Image<float>& av
     return double(c[i] * m.one + c[i + 1] * m.value + c[i + 2] * m.cx + c[i + 3] * m.cy);
   };
   background_ = row(0) + double(offset);
-  amplitude_ = std::isfinite(row(4)) ? row(4) : 0.0;
+  const bool whole =
+      std::all_of(light_.begin(), light_.end(), [](float v) { return std::isfinite(v); });
+  amplitude_ = whole && std::isfinite(row(4)) ? row(4) : 0.0;
 }
 
 ShapeSample ReferenceShape::at(Vec2 from_centre) const {

@@ -21,7 +21,7 @@ class ReferenceShape final : public SpotShape {
   ReferenceShape(const SpotModel& spots, const TemplateBank& model, const Image<float>& average,
                  Vec2 position_px);
 
-  /// Whether a spot was there: amplitude positive and finite.
+  /// Whether a spot was there, and every pixel about it is a number.
   bool usable() const { return amplitude_ > 0.0; }
 
   ShapeSample at(Vec2 from_centre) const override;
@@ -38,8 +38,9 @@ class ReferenceShape final : public SpotShape {
 };
 
 /// A template for each reference position, for MatchedTracker; null where the position is not a
-/// number or shows no spot. `average`: mean of the reference frames, DN, of the whole region of
-/// interest. About 20 ms and (charge 1, 12.55 px) 0.9 MB a spot: off the frame path.
+/// number, shows no spot, or has a pixel about it that is none. `average`: mean of the reference
+/// frames, DN, of the whole region of interest, NaN where it is not known. About 20 ms and (charge
+/// 1, 12.55 px) 0.9 MB a spot: off the frame path.
 std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
     const SpotModel& spots, const Image<float>& average, std::span<const Vec2> reference_px);
 

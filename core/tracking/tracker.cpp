@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/tracking/centroid.hpp"
 #include "core/tracking/lg.hpp"
@@ -44,8 +45,9 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
 
 }  // namespace
 
-Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
-                                                        const SpotModel& spots) {
+Result<std::unique_ptr<const SpotTracker>> make_tracker(
+    const TrackingConfig& config, const SpotModel& spots,
+    std::vector<std::shared_ptr<const TemplateBank>> own) {
   if (auto ok = check(config, spots); !ok) return fail(ok.error());
   const double kernel = lg_kernel_radius(config, spots.charge) * spots.lambda_d_px;
   switch (config.tracker) {
@@ -60,7 +62,7 @@ Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& co
     case TrackerKind::lg:
       return std::make_unique<LgTracker>(spots, kernel);
     case TrackerKind::matched:
-      return std::make_unique<MatchedTracker>(spots);
+      return std::make_unique<MatchedTracker>(spots, std::move(own));
   }
   return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
 }

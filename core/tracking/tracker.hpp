@@ -1,6 +1,7 @@
 /// The interface of a spot tracker: one spot of one frame, from a start position.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -11,6 +12,20 @@
 #include "core/tracking/spot.hpp"
 
 namespace ovws {
+
+class TemplateBank;
+
+/// What the template of a tracker that has one (matched) is: the model's spot, or each spot as a
+/// reference shows it.
+enum class TemplateKind : std::uint8_t { model, reference };
+
+/// TrackingConfig, and where the template comes from: for whoever keeps references, for a tracker
+/// is given its templates.
+struct TrackingSettings : TrackingConfig {
+  TemplateKind templates = TemplateKind::model;
+
+  friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
+};
 
 /// What a tracker must know of the spots. Lengths in camera pixels.
 struct SpotModel {
@@ -46,9 +61,11 @@ class SpotTracker {
                         int spot = kAnySpot) const OVWS_NONBLOCKING = 0;
 };
 
+/// `own`: of `matched`, see there; no other tracker has templates.
 /// Errors (Errc::invalid, field "tracking.…"): kernel_radius outside [0.1, 2]; a tracker that makes
 /// no sense for the charge (any lg on charge 0 follows the bright spot's maximum and is allowed).
-Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
-                                                        const SpotModel& spots);
+Result<std::unique_ptr<const SpotTracker>> make_tracker(
+    const TrackingConfig& config, const SpotModel& spots,
+    std::vector<std::shared_ptr<const TemplateBank>> own = {});
 
 }  // namespace ovws

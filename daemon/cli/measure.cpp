@@ -21,6 +21,7 @@ struct MeasureOptions {
   std::string reference;
   bool model_reference = false;
   std::string tracker;
+  std::string templates;
   bool refine = false;
   RefineCamera camera;
   std::vector<std::string> images;
@@ -32,6 +33,10 @@ Result<Config> config_of(const MeasureOptions& options) {
   if (!config) return config;
   if (!options.tracker.empty()) {
     config->tracking.tracker = *tracker_from_name(options.tracker);
+  }
+  if (!options.templates.empty()) {
+    config->tracking.templates =
+        options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
   }
   return config;
 }
@@ -106,14 +111,24 @@ class ImageMeasurer {
   std::deque<Instrument> instruments_;
 };
 
+/// What the command line asks for and cannot have.
+std::optional<Error> fault_of(const MeasureOptions& options) {
+  if (options.reference.empty() && !options.model_reference) {
+    return Error{Errc::invalid, "reference",
+                 "say what the positions count from: --reference FILE, or --model-reference"};
+  }
+  if (options.templates == "reference" && options.reference.empty()) {
+    return Error{Errc::invalid, "template",
+                 "the reference's spots are of a picture: give --reference FILE"};
+  }
+  return std::nullopt;
+}
+
 /// Every image is measured, also behind one that cannot be.
 int measure(const Common& common, const MeasureOptions& options) {
-  if (options.reference.empty() && !options.model_reference) {
-    return report(common, {Errc::invalid, "reference",
-                           "say what the positions count from: --reference FILE, or "
-                           "--model-reference"}) == kOk
-               ? kOk
-               : kUsage;
+  if (const auto fault = fault_of(options)) {
+    report(common, *fault);
+    return kUsage;
   }
   const auto config = config_of(options);
   if (!config) return report(common, config.error());
@@ -147,6 +162,10 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->excludes(reference);
   command->add_option("--tracker", options->tracker, "instead of the configuration's")
       ->check(CLI::IsMember(tracker_names()));
+  command
+      ->add_option("--template", options->templates,
+                   "of the tracker matched, instead of the configuration's")
+      ->check(CLI::IsMember(template_names()));
   auto* refine = command->add_flag("--refine", options->refine,
                                    "fit every pixel by the diffraction model: seconds an image");
   command

@@ -9,6 +9,7 @@
 #include "core/tracking/patch.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/plan_builder.hpp"
+#include "daemon/reference_templates.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -25,13 +26,15 @@ Image<T> pixels_of(const cv::Mat& mat) {
 }
 
 Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
-                                                  const std::optional<Reference>& reference) {
+                                                  const std::optional<Reference>& reference,
+                                                  const OwnTemplates& own = {}) {
   auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   const std::vector<Mode> nothing_shown;
   return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
-                     config.slm.geometry, roi, like.format, nothing_shown, reference, 0});
+                     config.slm.geometry, roi, like.format, nothing_shown, reference, 0, nullptr,
+                     own.banks});
 }
 
 /// Requires what plan_for has accepted.
@@ -85,8 +88,10 @@ Result<Picture> read_picture(const std::string& path) {
   return picture;
 }
 
-Measurement::Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan)
+Measurement::Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan,
+                         TemplateReport templates)
     : plan_(std::move(plan)),
+      templates_(std::move(templates)),
       acquisition_(acquisition_for(config, *plan_)),
       track_scratch_(plan_->tracker->make_scratch()),
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
@@ -95,6 +100,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
                                       const std::optional<ImageView>& reference) {
   auto by_model = plan_for(config, like, std::nullopt);
   if (!by_model) return fail(by_model.error());
+  const SpotModel spots = (*by_model)->spots;
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
   if (reference) {
@@ -108,10 +114,12 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
                   "in the reference image these spots are not found: " + missing(measured.spots));
     }
     taken.positions_px = positions_of(measured.spots);
+    taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
   }
-  auto plan = plan_for(config, like, taken);
+  const OwnTemplates own = own_templates(config.tracking, spots, reference ? &taken : nullptr);
+  auto plan = plan_for(config, like, taken, own);
   if (!plan) return fail(plan.error());
-  return Measurement(config, std::move(*plan));
+  return Measurement(config, std::move(*plan), own.report);
 }
 
 Measured Measurement::measure(const ImageView& image) {

@@ -11,6 +11,7 @@
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
+#include "proto/results.hpp"
 
 namespace ovws::cli {
 
@@ -36,7 +37,8 @@ struct Measured {
 /// For images of one size. One thread at a time.
 class Measurement {
  public:
-  /// `reference`: an image taken without aberration; none: the model's positions are the reference.
+  /// `reference`: an image taken without aberration; none: the model's positions are the reference,
+  /// and the template. Templates of a reference are those of this very image.
   /// Errors: a configuration that makes no sensor; a reference image of another size, or in which
   /// spots are missing (they are named).
   static Result<Measurement> make(const Config& config, const ImageView& like,
@@ -46,10 +48,13 @@ class Measurement {
   /// size has none.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
+  const TemplateReport& templates() const { return templates_; }
 
  private:
-  Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan);
+  Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan,
+              TemplateReport templates = {});
   std::unique_ptr<MeasurementPlan> plan_;
+  TemplateReport templates_;
   ShapedAcquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;

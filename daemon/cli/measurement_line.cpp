@@ -53,12 +53,18 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   }
   line["file"] = file;
   line["spots"] = spots_of(measured);
+  line["template"] = template_name(config.tracking.templates);
+  put(line, measurement.templates());
   return line;
 }
 
 void print_table(const json& line) {
   print("{}: {} of {} spots, {}\n", line["file"].get<std::string>(), line["tracked"].get<int>(),
         line["subapertures"].get<int>(), line["valid"].get<bool>() ? "valid" : "NOT VALID");
+  if (line["template_reason"].is_string()) {
+    print("{} spots have a template of the reference: {}\n", line["own_templates"].get<int>(),
+          line["template_reason"].get<std::string>());
+  }
   if (!line["valid"].get<bool>()) return;
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();

@@ -6,8 +6,8 @@ namespace ovws {
 namespace {
 
 SensorReport report_of(const SensorSnapshot& sensor) {
-  return {sensor.sensor, sensor.tracking.tracker, sensor.subapertures, sensor.modes_j,
-          sensor.hologram_id};
+  return {sensor.sensor,       sensor.tracking, sensor.templates,
+          sensor.subapertures, sensor.modes_j,  sensor.hologram_id};
 }
 
 void get(Services& services, const nlohmann::json& params, RpcReply reply) {

@@ -62,6 +62,26 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
         self.assert_mode(line, {4: 0.2})
 
+    def test_templates_of_the_reference_image_fit_its_spots_better(self):
+        bench = "2,-2:0.4;3,3:0.15"
+        flat = self.farfield("bench.png", bench)
+        images = [self.farfield(f"{j}.png", f"{bench};{mode}") for j, mode in ((4, "2,0:0.08"), (7, "3,-1:0.05"))]
+        quality = {}
+        for template in ("model", "reference"):
+            lines = self.measure(*images, reference=flat, more=("--tracker", "matched", "--template", template))
+            quality[template] = np.mean([spot["quality"] for line in lines for spot in line["spots"]])
+            for line, (j, waves) in zip(lines, ((4, 0.08), (7, 0.05))):
+                found = line["coefficients"][j - 1]
+                print(f"\n  {template}: {waves} of j = {j} reads {found:.4f}, mean quality {quality[template]:.4f}")
+                self.assertEqual((line["template"], line["own_templates"], line["template_reason"]),
+                                 (template, 19 if template == "reference" else 0, None))
+                self.assertLess(abs(found - waves), 0.05 * waves + 0.005)
+        self.assertGreater(quality["reference"], quality["model"])
+        (line,) = self.measure(images[0], reference=flat, more=("--template", "reference"))
+        self.assertIn("matched", line["template_reason"])
+        (refused,) = self.ovws("measure", "--model-reference", "--template", "reference", images[0], status=2)
+        self.assertIn("template", str(refused))
+
     def test_refined_it_is_right_to_a_few_thousandths(self):
         camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)
         image = self.farfield("both.png", "2,-2:0.4;3,1:-0.3")

@@ -79,7 +79,8 @@ Config random_config(unsigned seed) {
               dice.number(limits::kPupilDiameterPx),
               {dice.number(limits::kGrooves), dice.number(limits::kGrooves)},
               dice.number(limits::kSpacing)};
-  c.tracking = {TrackerKind(dice.integer({0, 4})), dice.number(limits::kKernelRadius)};
+  c.tracking = {{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
+                TemplateKind(dice.integer({0, 1}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
   if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);
@@ -196,6 +197,8 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"optics": {"wavelength_nm": 0.632}})").field, "optics.wavelength_nm");
   EXPECT_EQ(error_of(R"({"sensor": {"charge": 1.5}})").field, "sensor.charge");
   EXPECT_EQ(error_of(R"({"tracking": {"tracker": "lgs"}})").nearest, "lg");
+  EXPECT_EQ(error_of(R"({"tracking": {"template": "modell"}})").nearest, "model");
+  EXPECT_EQ(error_of(R"({"tracking": {"template": true}})").field, "tracking.template");
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "7701"}})").field, "stream.endpoint");

@@ -94,6 +94,8 @@ void print_status() {
       status.camera.info = kInfo;
       status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
       status.fault = "none really";
+      status.sensor.tracking.templates = TemplateKind::reference;
+      status.sensor.templates = {0, "there is no reference"};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
@@ -113,7 +115,7 @@ void print_results() {
   print_result("camera.get", camera_get_result(kInfo, {}, kLimits));
   print_result("camera.set", camera_set_result(params, {}, kLimits));
   print_result("camera.set", camera_set_result(json::object(), {}, std::nullopt));
-  const SensorReport sensor{{}, TrackerKind::lg, 19, {1, 2, 3}, 7};
+  const SensorReport sensor{{}, {}, {2, "spot 3 is dark"}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", sensor_get_result(sensor));
   print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
   RefineSettings refine;
@@ -154,7 +156,7 @@ void print_results() {
 /// A value of any kind, sometimes a right one, for a key of any method.
 json any_value(std::mt19937& random) {
   static const json values = json::parse(R"([
-      0, 1, -1, 7, 1000, 1e9, -1e9, 0.5, 1.0, null, true, "lg", "square", "flat", "sensor", "grating",
+      0, 1, -1, 7, 1000, 1e9, -1e9, 0.5, 1.0, null, true, "lg", "model", "square", "flat", "sensor", "grating",
       "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], {},
       {"x": 0, "y": 0, "width": 64, "height": 64}, {"x": 0}, [{"j": 3, "waves": 0.5}],
       [{"n": 2, "m": 0, "waves": 0.5}], [{"n": 2, "waves": 1}],
@@ -183,7 +185,7 @@ void print_all_params() {
                decode_camera_set);
   print_params("sensor.set",
                {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
-                "tracker"},
+                "tracker", "template"},
                decode_sensor_set);
   print_params(
       "refine.set",

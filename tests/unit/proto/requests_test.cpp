@@ -87,14 +87,16 @@ TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
 TEST(SensorSetRequest, ReadsEveryKey) {
   const auto set = decode_sensor_set(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
-          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour"})"));
+          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour", "template": "reference"})"));
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
   EXPECT_EQ(set->applied_to(SensorConfig{}), wanted);
-  EXPECT_EQ(set->applied_to(TrackingConfig{}).tracker, TrackerKind::lg_contour);
+  const TrackingSettings tracking{{TrackerKind::lg_contour, 0.3}, TemplateKind::reference};
+  EXPECT_EQ(set->applied_to(TrackingSettings{}), tracking);
   const auto nothing = decode_sensor_set(json::object());
   ASSERT_TRUE(nothing);
   EXPECT_EQ(nothing->applied_to(wanted), wanted);
+  EXPECT_EQ(nothing->applied_to(tracking), tracking);
 }
 
 TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
@@ -105,6 +107,8 @@ TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
   EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 2, 3}}})).field, "grooves");
   EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 1e9}}})).field, "grooves[1]");
   EXPECT_EQ(error_of(decode_sensor_set({{"tracker", "lgg"}})).nearest, "lg");
+  EXPECT_EQ(error_of(decode_sensor_set({{"template", "referenc"}})).nearest, "reference");
+  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 0}, {"template", nullptr}})).field, "template");
 }
 
 TEST(AberrationRequest, TakesModesByIndexOrByOrder) {

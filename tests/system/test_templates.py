@@ -1,0 +1,101 @@
+"""Templates from the reference: on a bench whose spots are not the model's they fit better, read modes right, and say when they are not there."""
+import statistics
+import struct
+
+from case import BenchCase, main, wait_for
+
+HIDDEN = [{"n": 2, "m": -2, "waves": 0.4}, {"n": 3, "m": 3, "waves": 0.15}]
+SHOWN = [(3, 0.1), (4, 0.08), (7, 0.05), (9, -0.08)]  # Z(2,-2), Z(2,0), Z(3,-1), Z(3,3): j and waves
+FRAMES = 50
+
+
+class Templates(BenchCase):
+    twin_config = {"aberration": HIDDEN}
+    daemon_config = {"tracking": {"tracker": "matched"}}
+
+    def qualities(self, count=FRAMES):
+        """Each spot's median quality; 0 for a lost one."""
+        spots = self.stream("spots")
+        rows = []
+        for message in self.settled_frames(spots, count):
+            table = list(struct.iter_unpack("<6f", message["binary"]))
+            rows.append([row[5] for row in table])
+        return [statistics.median(column) for column in zip(*rows)]
+
+    def in_use(self):
+        sensor = self.call("system.status")["sensor"]
+        return sensor["template"], sensor["own_templates"], sensor["template_reason"]
+
+    def read(self, j, waves):
+        """Each mode's mean reading while one is shown."""
+        fast = self.stream("wavefront")
+        hologram_id = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})["hologram_id"]
+        frames = self.settled_frames(fast, FRAMES, hologram_id)
+        latency = statistics.median(frame["latency_us"] for frame in frames)
+        return dict(zip(frames[0]["j"], map(statistics.fmean, zip(*(frame["coefficients"] for frame in frames))))), latency
+
+    def readings(self, name):
+        for j, waves in SHOWN:
+            found, latency_us = self.read(j, waves)
+            others = max(abs(value) for k, value in found.items() if k != j)
+            print(f"  {name}: {waves:+.3f} of j = {j} reads {found[j]:+.4f} ({100 * (found[j] / waves - 1):+.1f} %), others at most {others:.4f}, latency {latency_us:.0f} us")
+            yield waves, found[j], others
+        self.call("aberration.clear")
+
+    def test_they_fit_better_and_read_modes_within_the_bound(self):
+        self.assertEqual(self.call("sensor.get")["template"], "model")
+        self.take_reference()
+        self.assertEqual(self.in_use(), ("model", 0, None))
+        model = self.qualities()
+        print()
+        list(self.readings("model"))
+        self.call("sensor.set", {"template": "reference"})
+        asked, own, reason = self.in_use()
+        self.assertEqual((asked, own), ("reference", 0))
+        self.assertIn("take one", reason)
+        self.take_reference()
+        self.assertEqual(self.in_use(), ("reference", 19, None))
+        reference = self.qualities()
+        print(f"  quality: model {min(model):.4f} to {max(model):.4f}, mean {statistics.fmean(model):.4f};"
+              f" reference {min(reference):.4f} to {max(reference):.4f}, mean {statistics.fmean(reference):.4f}")
+        self.assertGreater(statistics.fmean(reference), statistics.fmean(model))
+        self.assertGreater(min(reference), min(model))
+        for waves, found, others in self.readings("reference"):
+            self.assertLess(abs(found - waves), 0.05 * abs(waves) + 0.005)
+            self.assertLess(others, 0.01)
+        # The references are remembered with their template.
+        self.call("sensor.set", {"template": "model"})
+        self.assertEqual(self.in_use(), ("model", 0, None))
+        self.assertTrue(self.call("system.status")["sensor"]["referenced"])
+        self.call("sensor.set", {"template": "reference"})
+        self.assertEqual(self.in_use(), ("reference", 19, None))
+
+    def test_what_is_in_use_is_said_and_a_set_is_all_or_nothing(self):
+        before = self.call("sensor.get")
+        for params, field in (({"template": "reference", "charge": 99}, "charge"), ({"template": "own"}, "template"),
+                              ({"tracker": "lg_contour", "template": "reference"}, "tracker")):
+            self.assertEqual(self.refused("sensor.set", params).data["field"], field)
+            self.assertEqual(self.call("sensor.get"), before)
+        applied = self.call("sensor.set", {"template": "reference", "tracker": "lg"})["applied"]
+        self.assertEqual((applied["template"], applied["tracker"]), ("reference", "lg"))
+        self.assertIn("only the tracker matched", self.in_use()[2])
+        self.call("sensor.set", {"tracker": "matched"})
+        self.take_reference(1)  # may hold a picture, or none
+        _, own, reason = self.in_use()
+        print(f"\n  a reference of one frame: {own} templates, {reason}")
+        self.assertTrue((own == 19) == (reason is None) and (own == 19 or "no picture" in reason))
+        # An overexposed reference: its spots are found by the model's template, and that is said.
+        self.call("camera.set", {"exposure_us": 4000.0})
+        wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] == 4000.0)
+        self.call("reference.clear")
+        self.take_reference(20)
+        _, own, reason = self.in_use()
+        print(f"  overexposed: {own} templates, {reason}")
+        self.assertLess(own, 19)
+        self.assertIn("saturated", reason)
+        self.call("config.save")
+        self.assertEqual(self.call("config.get")["tracking"]["template"], "reference")
+
+
+if __name__ == "__main__":
+    main()
