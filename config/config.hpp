@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
+#include "proto/refine_setup.hpp"
 
 namespace ovws {
 
@@ -55,7 +55,7 @@ struct Config {
   OpticsConfig optics;
   SensorConfig sensor;
   TrackingSettings tracking;
-  RefineSettings refine;  ///< in DN of the camera's pixel_format
+  RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;
   RealtimePolicy realtime = RealtimePolicy::ignore;

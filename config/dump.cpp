@@ -61,7 +61,7 @@ ordered_json sensor_json(const SensorConfig& sensor) {
           {"spacing", sensor.spacing}};
 }
 
-ordered_json refine_json(const RefineSettings& refine) {
+ordered_json refine_json(const RefineSetup& refine) {
   const auto number_or_null = [](const std::optional<double>& value) {
     return value ? ordered_json(*value) : ordered_json(nullptr);
   };
@@ -70,7 +70,8 @@ ordered_json refine_json(const RefineSettings& refine) {
           {"electrons_per_dn", number_or_null(refine.electrons_per_dn)},
           {"read_noise_e", refine.read_noise_e},
           {"black_level_dn", refine.black_level_dn},
-          {"saturation_dn", number_or_null(refine.saturation_dn)}};
+          {"saturation_dn", number_or_null(refine.saturation_dn)},
+          {"spot_amplitudes", refine.spot_amplitudes}};
 }
 
 }  // namespace

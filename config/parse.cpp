@@ -106,7 +106,7 @@ void read_tracking(ObjectReader& r, TrackingSettings& tracking) {
   number(r, "kernel_radius", tracking.kernel_radius, limits::kKernelRadius);
 }
 
-void read_refine(ObjectReader& r, RefineSettings& refine) {
+void read_refine(ObjectReader& r, RefineSetup& refine) {
   r.boolean("enabled", refine.enabled);
   number(r, "rate_hz", refine.rate_hz, limits::kRefineRateHz);
   r.optional_number("electrons_per_dn", refine.electrons_per_dn, limits::kElectronsPerDn.min,
@@ -115,6 +115,7 @@ void read_refine(ObjectReader& r, RefineSettings& refine) {
   number(r, "black_level_dn", refine.black_level_dn, limits::kBlackLevelDn);
   r.optional_number("saturation_dn", refine.saturation_dn, limits::kSaturationDn.min,
                     limits::kSaturationDn.max);
+  r.boolean("spot_amplitudes", refine.spot_amplitudes);
   if (auto whole = check_refine(refine); !whole) r.fault(whole.error().field, whole.error().reason);
 }
 

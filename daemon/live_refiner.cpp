@@ -16,7 +16,7 @@ constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is
 
 }  // namespace
 
-LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& optics,
+LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics,
                          const SlmGeometry& slm, const Instrument& instrument, StreamQueue& queue)
     : wavelength_nm_(optics.wavelength_nm),
       instrument_(instrument),
@@ -26,7 +26,7 @@ LiveRefiner::LiveRefiner(const RefineSettings& settings, const OpticsConfig& opt
       settings_(settings) {}
 
 bool LiveRefiner::do_work() {
-  const RefineSettings settings = settings_.get();
+  const RefineSetup settings = settings_.get();
   if (!settings.enabled || ending_) {
     inbox_.forget();
     waiting_since_ns_ = 0;
@@ -65,7 +65,7 @@ void LiveRefiner::wait_for_frame() {
 }
 
 void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
-                         const RefineSettings& settings) {
+                         const RefineSetup& settings) {
   tell("refining", report_.get().reason);
   RefinedFrame refined;
   try {
@@ -73,8 +73,8 @@ void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
   } catch (const std::bad_alloc&) {
     refined.refusal = "there is not enough memory for a model of this SLM and this image";
   }
-  const RefineSettings now = settings_.get();
-  if (!now.enabled || !same_camera(now, settings)) return tell("waiting", std::nullopt);
+  const RefineSetup now = settings_.get();
+  if (!now.enabled || !same_fit(now, settings)) return tell("waiting", std::nullopt);
   report_.change([&refined](StatusMessage::RefinePart& report) {
     ++(refined.refusal.empty() ? report.done : report.refused);
     if (refined.duration_ms > 0.0) report.last_duration_ms = refined.duration_ms;
@@ -117,9 +117,9 @@ void LiveRefiner::tell(std::string state, std::optional<std::string> reason) {
   });
 }
 
-Result<RefineSettings> LiveRefiner::change(const RefineSet& change, PixelFormat format) {
-  auto changed = settings_.change([&](RefineSettings& settings) -> Result<RefineSettings> {
-    RefineSettings next = change.applied_to(in_format(settings, format));
+Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat format) {
+  auto changed = settings_.change([&](RefineSetup& settings) -> Result<RefineSetup> {
+    RefineSetup next = change.applied_to(in_format(settings, format));
     if (auto whole = check_refine(next); !whole) return fail(whole.error());
     settings = next;
     return next;

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstdint>
 
-#include "core/control/refine_settings.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/frame_inbox.hpp"
 #include "daemon/guarded.hpp"
@@ -12,6 +11,7 @@
 #include "daemon/refine_model.hpp"
 #include "daemon/stream_queue.hpp"
 #include "proto/messages.hpp"
+#include "proto/refine_setup.hpp"
 #include "proto/requests.hpp"
 
 namespace ovws {
@@ -21,16 +21,16 @@ namespace ovws {
 /// was measured with.
 class LiveRefiner : public Agent {
  public:
-  LiveRefiner(const RefineSettings& settings, const OpticsConfig& optics, const SlmGeometry& slm,
+  LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
               const Instrument& instrument, StreamQueue& queue);
 
   bool do_work() override;
 
   // Thread-safe.
   /// `format`: the camera's, whose DN the change is in. Errors as of check_refine; then nothing has
-  /// changed. What is being refined with other numbers is not published.
-  Result<RefineSettings> change(const RefineSet& change, PixelFormat format);
-  RefineSettings settings() const { return settings_.get(); }
+  /// changed. What is being refined by other ones is not published.
+  Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
+  RefineSetup settings() const { return settings_.get(); }
   StatusMessage::RefinePart report() const { return report_.get(); }
   /// Begins no more fits; the one that runs cannot be broken off.
   void end_soon() { ending_.store(true); }
@@ -39,7 +39,7 @@ class LiveRefiner : public Agent {
  private:
   void tell(std::string state, std::optional<std::string> reason);
   void wait_for_frame();
-  void refine(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSettings& settings);
+  void refine(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSetup& settings);
   void publish(const FrameCopy& frame, const SensorSnapshot& sensor, RefinedFrame refined);
 
   const double wavelength_nm_;
@@ -47,7 +47,7 @@ class LiveRefiner : public Agent {
   StreamQueue& queue_;
   RefineModel model_;
   FrameInbox inbox_;
-  Guarded<RefineSettings> settings_;
+  Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;
   std::atomic<bool> ending_{false};
   std::int64_t last_begun_ns_ = 0;     ///< of a fit; 0: none yet

@@ -14,13 +14,16 @@ struct RefineModel::Bench {
   TrackingConfig tracking;
   int cols = 0, rows = 0;
   std::vector<int> modes_j;
+  bool spot_amplitudes = false;
   Refiner refiner;
   Reconstructor by_model;  ///< from spots to modes, absolute
   Reconstructor::Scratch scratch;
 
-  bool is_for(const FrameCopy& frame, const SensorSnapshot& now) const {
+  bool is_for(const FrameCopy& frame, const SensorSnapshot& now,
+              const RefineSetup& settings) const {
     return sensor == now.sensor && tracking == now.tracking && modes_j == now.modes_j &&
-           cols == frame.image.width && rows == frame.image.height;
+           spot_amplitudes == settings.spot_amplitudes && cols == frame.image.width &&
+           rows == frame.image.height;
   }
   std::optional<std::vector<double>> start_of(std::span<const SpotFix> spots) {
     std::vector<float> waves(modes_j.size());
@@ -31,7 +34,7 @@ struct RefineModel::Bench {
 
 struct RefineModel::RefinedReference {
   std::shared_ptr<const ReferencePicture> picture;
-  RefineSettings settings;
+  RefineSetup settings;
   Result<RefinedModes> modes;  ///< a failure is kept, too: the same picture would fail again
 };
 
@@ -40,14 +43,14 @@ RefineModel::RefineModel(const OpticsConfig& optics, const SlmGeometry& slm)
 RefineModel::~RefineModel() = default;
 
 RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
-                                 const RefineSettings& settings) {
+                                 const RefineSetup& settings) {
   RefinedFrame out;
   out.against_reference = sensor.reference.has_value();
   const auto refused = [&out](std::string why) {
     out.refusal = std::move(why);
     return out;
   };
-  if (auto made = make_bench(frame, sensor); !made) return refused(made.error().reason);
+  if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   std::optional<std::vector<double>> start;
   const RefinedModes* reference = nullptr;
   if (sensor.reference) {
@@ -71,12 +74,15 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   return out;
 }
 
-Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
-  if (bench_ && bench_->is_for(frame, sensor)) return {};
+Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor,
+                                     const RefineSetup& settings) {
+  if (bench_ && bench_->is_for(frame, sensor, settings)) return {};
   bench_.reset();
   reference_.reset();
   const int cols = frame.image.width, rows = frame.image.height;
-  auto refiner = Refiner::make(sensor.sensor, slm_, optics_, cols, rows, sensor.modes_j);
+  RefineOptions options;
+  options.spot_amplitudes = settings.spot_amplitudes;
+  auto refiner = Refiner::make(sensor.sensor, slm_, optics_, cols, rows, sensor.modes_j, options);
   if (!refiner) return fail(refiner.error());
   const auto lattice = make_lattice(sensor.sensor, slm_);
   if (!lattice) return fail(lattice.error());
@@ -86,16 +92,16 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
                          sensor.modes_j,
                          model_spots_px(*lattice, sensor.sensor, slm_, optics_, cols, rows));
   auto scratch = by_model.make_scratch();
-  bench_ =
-      std::make_unique<Bench>(Bench{sensor.sensor, sensor.tracking, cols, rows, sensor.modes_j,
-                                    std::move(*refiner), std::move(by_model), std::move(scratch)});
+  bench_ = std::make_unique<Bench>(Bench{sensor.sensor, sensor.tracking, cols, rows, sensor.modes_j,
+                                         settings.spot_amplitudes, std::move(*refiner),
+                                         std::move(by_model), std::move(scratch)});
   return {};
 }
 
 const Result<RefinedModes>& RefineModel::refined_reference(const Reference& reference,
-                                                           const RefineSettings& settings) {
+                                                           const RefineSetup& settings) {
   const bool known = reference_ && reference_->picture == reference.picture &&
-                     same_camera(reference_->settings, settings);
+                     same_fit(reference_->settings, settings);
   if (!known) {
     reference_ = std::make_unique<RefinedReference>(
         RefinedReference{reference.picture, settings, refine_picture(reference, settings)});
@@ -104,7 +110,7 @@ const Result<RefinedModes>& RefineModel::refined_reference(const Reference& refe
 }
 
 Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
-                                                 const RefineSettings& settings) {
+                                                 const RefineSetup& settings) {
   if (!reference.picture) {
     return fail(Errc::refused, "reference", kNoPicture);
   }

@@ -11,6 +11,7 @@
 #include "daemon/frame_inbox.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/refined_modes.hpp"
+#include "proto/refine_setup.hpp"
 
 namespace ovws {
 
@@ -30,15 +31,16 @@ class RefineModel {
   /// `sensor`: that which the frame was measured with. `settings` with electrons_per_dn. Takes
   /// seconds; the first frame of a sensor and of a reference some more.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
-                      const RefineSettings& settings);
+                      const RefineSetup& settings);
 
  private:
   struct Bench;
   struct RefinedReference;
-  Result<void> make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
+  Result<void> make_bench(const FrameCopy& frame, const SensorSnapshot& sensor,
+                          const RefineSetup& settings);
   const Result<RefinedModes>& refined_reference(const Reference& reference,
-                                                const RefineSettings& settings);
-  Result<RefinedModes> refine_picture(const Reference& reference, const RefineSettings& settings);
+                                                const RefineSetup& settings);
+  Result<RefinedModes> refine_picture(const Reference& reference, const RefineSetup& settings);
 
   OpticsConfig optics_;
   SlmGeometry slm_;

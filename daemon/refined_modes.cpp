@@ -54,6 +54,7 @@ RefinedModes refined_modes(const Refinement& found) {
   modes.peak_e = found.peak_e;
   modes.background_e = found.background_e;
   modes.iterations = found.iterations;
+  modes.amplitudes = found.amplitudes;
   return modes;
 }
 

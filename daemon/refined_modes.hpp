@@ -23,6 +23,7 @@ struct RefinedModes {
   double peak_e = 0.0;              ///< of the model's brightest pixel above the background
   double background_e = 0.0;        ///< a pixel, above the black level
   int iterations = 0;
+  std::vector<double> amplitudes{};  ///< of each subaperture, see Refinement; empty: not fitted
 
   /// Why it cannot be believed, for a person: no light, too little to tell the modes, or a model
   /// that does not explain it. None: it can. `frames`: how many the picture is the mean of, of

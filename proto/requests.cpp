@@ -20,6 +20,12 @@ void read_number(ObjectReader& reader, const char* key, std::optional<double>& o
   if (reader.has(key)) out = value;
 }
 
+void read_boolean(ObjectReader& reader, const char* key, std::optional<bool>& out) {
+  bool value = false;
+  reader.boolean(key, value);
+  if (reader.has(key)) out = value;
+}
+
 void read_integer(ObjectReader& reader, const char* key, std::optional<int>& out,
                   limits::Integers range) {
   int value = 0;
@@ -115,13 +121,14 @@ TrackingSettings SensorSet::applied_to(TrackingSettings tracking) const {
   return tracking;
 }
 
-RefineSettings RefineSet::applied_to(RefineSettings settings) const {
+RefineSetup RefineSet::applied_to(RefineSetup settings) const {
   settings.enabled = enabled.value_or(settings.enabled);
   settings.rate_hz = rate_hz.value_or(settings.rate_hz);
   settings.electrons_per_dn = electrons_per_dn.value_or(settings.electrons_per_dn);
   settings.read_noise_e = read_noise_e.value_or(settings.read_noise_e);
   settings.black_level_dn = black_level_dn.value_or(settings.black_level_dn);
   settings.saturation_dn = saturation_dn.value_or(settings.saturation_dn);
+  settings.spot_amplitudes = spot_amplitudes.value_or(settings.spot_amplitudes);
   if (clamp && settings.saturation_dn) {
     settings.saturation_dn = std::min(*settings.saturation_dn, full_scale_dn(settings.format));
   }
@@ -163,14 +170,13 @@ Result<RefineSet> decode_refine_set(const json& params) {
   RefineSet set;
   ObjectReader reader(params, "");
   set.clamp = read_clamp(reader);
-  bool enabled = false;
-  reader.boolean("enabled", enabled);
-  if (reader.has("enabled")) set.enabled = enabled;
+  read_boolean(reader, "enabled", set.enabled);
   read_number(reader, "rate_hz", set.rate_hz, limits::kRefineRateHz);
   read_nullable(reader, "electrons_per_dn", set.electrons_per_dn, limits::kElectronsPerDn);
   read_number(reader, "read_noise_e", set.read_noise_e, limits::kReadNoiseE);
   read_number(reader, "black_level_dn", set.black_level_dn, limits::kBlackLevelDn);
   read_nullable(reader, "saturation_dn", set.saturation_dn, limits::kSaturationDn);
+  read_boolean(reader, "spot_amplitudes", set.spot_amplitudes);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return set;
 }

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "core/base/result.hpp"
-#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
+#include "proto/refine_setup.hpp"
 
 namespace ovws {
 
@@ -55,9 +55,10 @@ struct RefineSet {
   std::optional<double> read_noise_e;
   std::optional<double> black_level_dn;
   std::optional<std::optional<double>> saturation_dn;
+  std::optional<bool> spot_amplitudes;
   bool clamp = false;  ///< saturation_dn to the format's full scale, too
 
-  RefineSettings applied_to(RefineSettings settings) const;
+  RefineSetup applied_to(RefineSetup settings) const;
 };
 
 Result<CameraSet> decode_camera_set(const nlohmann::json& params);

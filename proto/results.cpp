@@ -118,7 +118,7 @@ json sensor_set_result(const json& params, const SensorReport& applied) {
           {"hologram_id", applied.hologram_id}};
 }
 
-json refine_get_result(const RefineSettings& settings) {
+json refine_get_result(const RefineSetup& settings) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? json(*value) : json(nullptr);
   };
@@ -128,10 +128,11 @@ json refine_get_result(const RefineSettings& settings) {
           {"read_noise_e", settings.read_noise_e},
           {"black_level_dn", settings.black_level_dn},
           {"saturation_dn", or_null(settings.saturation_dn)},
+          {"spot_amplitudes", settings.spot_amplitudes},
           {"pixel_format", pixel_format_name(settings.format)}};
 }
 
-json refine_set_result(const json& params, const RefineSettings& applied) {
+json refine_set_result(const json& params, const RefineSetup& applied) {
   return {{"requested", requested(params)}, {"applied", refine_get_result(applied)}};
 }
 

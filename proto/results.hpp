@@ -11,12 +11,12 @@
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
-#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
+#include "proto/refine_setup.hpp"
 
 namespace ovws {
 
@@ -54,8 +54,8 @@ nlohmann::json sensor_get_result(const SensorReport& report);
 nlohmann::json sensor_set_result(const nlohmann::json& params, const SensorReport& applied);
 
 /// `refine.get`: the numbers are in DN of the settings' own format, which is stated with them.
-nlohmann::json refine_get_result(const RefineSettings& settings);
-nlohmann::json refine_set_result(const nlohmann::json& params, const RefineSettings& applied);
+nlohmann::json refine_get_result(const RefineSetup& settings);
+nlohmann::json refine_set_result(const nlohmann::json& params, const RefineSetup& applied);
 
 /// `aberration.get`, `.set` and `.clear`: RMS-normalised waves.
 nlohmann::json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id);

@@ -24,6 +24,7 @@ struct MeasureOptions {
   std::string templates;
   bool refine = false;
   RefineCamera camera;
+  RefineOptions fit;
   std::vector<std::string> images;
 };
 
@@ -96,7 +97,7 @@ class ImageMeasurer {
     camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
     if (!instrument.refined) {
       instrument.refined =
-          RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera);
+          RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera, options_.fit);
     }
     if (!*instrument.refined) return fail(instrument.refined->error());
     const auto found = (*instrument.refined)->measure(image, measured.coefficients);
@@ -187,6 +188,10 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->check(number_from(0.0, 65535.0))
       ->needs(refine)
       ->capture_default_str();
+  command
+      ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
+                 "fit each subaperture's amplitude, too: uneven light; to refine")
+      ->needs(refine);
   command->add_option("images", options->images, "files")->required();
   command->callback([&common, &status, options] { status = measure(common, *options); });
 }

@@ -90,6 +90,7 @@ void put_refined(json& line, const RefinedModes& found, const std::vector<int>& 
   line["coefficients"] = valid ? json(found.waves) : json(std::vector<json>(modes_j.size()));
   line["rms_waves"] = valid ? json(std::sqrt(squares)) : json();
   line["refined"] = {{"sigma_waves", found.sigma_waves}, {"chi2_per_pixel", found.chi2_per_pixel}};
+  if (!found.amplitudes.empty()) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
 }  // namespace ovws::cli

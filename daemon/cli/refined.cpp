@@ -7,9 +7,10 @@ namespace ovws::cli {
 Result<RefinedMeasurement> RefinedMeasurement::make(const Config& config, const ImageView& like,
                                                     const std::optional<ImageView>& reference,
                                                     const std::vector<int>& modes_j,
-                                                    const RefineCamera& camera) {
+                                                    const RefineCamera& camera,
+                                                    const RefineOptions& fit) {
   auto refiner = Refiner::make(config.sensor, config.slm.geometry, config.optics, like.width,
-                               like.height, modes_j);
+                               like.height, modes_j, fit);
   if (!refiner) return fail(refiner.error());
   RefinedMeasurement made(std::move(*refiner), camera, modes_j.size());
   if (!reference) return made;

@@ -21,7 +21,7 @@ class RefinedMeasurement {
   static Result<RefinedMeasurement> make(const Config& config, const ImageView& like,
                                          const std::optional<ImageView>& reference,
                                          const std::vector<int>& modes_j,
-                                         const RefineCamera& camera);
+                                         const RefineCamera& camera, const RefineOptions& fit);
 
   /// `start`: the tracked estimate; NaN where there is none. Errors as of Refiner::refine.
   Result<RefinedModes> measure(const ImageView& image, std::span<const float> start);

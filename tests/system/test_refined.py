@@ -23,7 +23,7 @@ def root_sum_square(values):
     return sum(v * v for v in values) ** 0.5
 
 
-class Refined(BenchCase):
+class RefinedCase(BenchCase):
     def setUp(self):
         super().setUp()
         self.schema = self.call("system.describe")["streams"]["refined"]
@@ -50,6 +50,8 @@ class Refined(BenchCase):
             self.assertTrue(message["valid"], message)
         return found
 
+
+class Refined(RefinedCase):
     def latency_us(self, stream, seconds):
         """Median and 99th percentile of arrival to message, and that no frame was lost meanwhile."""
         stream.drain()
@@ -124,6 +126,7 @@ class Refined(BenchCase):
         self.assertFalse(before["enabled"])
         for params, field, words in (({"enabled": True}, "electrons_per_dn", "state how many"),
                                      ({"enabled": 1}, "enabled", "true or false"),
+                                     ({"rate_hz": 2.0, "spot_amplitudes": None}, "spot_amplitudes", "true or false"),
                                      ({"rate_hz": 0}, "rate_hz", "0.001"),
                                      ({"electrons_per_dn": -1}, "electrons_per_dn", "1000000"),
                                      ({"rate_hz": 2.0, "saturation_dn": 300}, "saturation_dn", "255"),
@@ -162,6 +165,28 @@ class Refined(BenchCase):
         print(f"\n  ended {took_s:.2f} s after SIGTERM, in the middle of a fit")
         self.assertLess(took_s, 3.0)
         print("  log:", self.bench.log("ovwsd").splitlines()[-1])
+
+
+class UnevenLight(RefinedCase):
+    """A gaussian beam: the outermost subapertures get about three quarters of the innermost's light."""
+
+    twin_config = {"light": {"shape": "gaussian", "diameter_px": 1700}}
+
+    def test_fitted_amplitudes_explain_it_and_the_modes_are_better(self):
+        hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
+        chi2, error = {}, {}
+        for fitted in (False, True):
+            self.assertEqual(self.enable(rate_hz=5.0, spot_amplitudes=fitted)["spot_amplitudes"], fitted)
+            self.of_hologram(hologram_id)  # may have been on its way already
+            found = self.of_hologram(hologram_id, FITS)
+            chi2[fitted] = statistics.fmean(message["chi2_per_pixel"] for message in found)
+            error[fitted] = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])
+            print(f"\n  spot_amplitudes {fitted}: chi2 per pixel {chi2[fitted]:.2f}, all errors {error[fitted]:.4f} wave,"
+                  f" largest sigma {max(found[0]['sigma']):.5f}, {found[0]['iterations']} iterations, {found[0]['duration_ms']:.0f} ms")
+        self.assertLess(chi2[True], chi2[False])
+        self.assertLess(error[True], error[False])
+        self.call("config.save")
+        self.assertTrue(self.call("config.get")["refine"]["spot_amplitudes"])
 
 
 if __name__ == "__main__":

@@ -118,7 +118,7 @@ void print_results() {
   const SensorReport sensor{{}, {}, {2, "spot 3 is dark"}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", sensor_get_result(sensor));
   print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
-  RefineSettings refine;
+  RefineSetup refine;
   for (const bool known : {false, true}) {
     if (known) refine.electrons_per_dn = refine.saturation_dn = 40.0;
     print_result("refine.get", refine_get_result(refine));
@@ -187,10 +187,10 @@ void print_all_params() {
                {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
                 "tracker", "template"},
                decode_sensor_set);
-  print_params(
-      "refine.set",
-      {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn", "saturation_dn"},
-      decode_refine_set);
+  print_params("refine.set",
+               {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn",
+                "saturation_dn", "spot_amplitudes"},
+               decode_refine_set);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
   print_params("slm.show", {"pattern"}, decode_slm_show);

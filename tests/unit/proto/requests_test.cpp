@@ -56,18 +56,35 @@ TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
 }
 
 TEST(RefineSetRequest, LeavesWhatIsAbsentAndTellsNullFromAbsent) {
-  RefineSettings before;
+  RefineSetup before;
   before.electrons_per_dn = 40.0;
   before.saturation_dn = 250.0;
   const auto set =
-      decode_refine_set(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null})"));
+      decode_refine_set(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null,
+                                        "spot_amplitudes": true})"));
   ASSERT_TRUE(set);
-  const RefineSettings after = set->applied_to(before);
+  const RefineSetup after = set->applied_to(before);
+  EXPECT_TRUE(after.spot_amplitudes);
   EXPECT_TRUE(after.enabled);
   EXPECT_EQ(after.rate_hz, 2.0);
   EXPECT_EQ(after.electrons_per_dn, 40.0);
   EXPECT_EQ(after.saturation_dn, std::nullopt);
   EXPECT_EQ(after.read_noise_e, before.read_noise_e);
+}
+
+TEST(RefineSetup, FollowsTheFormatWithTheFitAsItIs) {
+  RefineSetup setup;
+  setup.black_level_dn = 2.0;
+  setup.spot_amplitudes = true;
+  const RefineSetup deep = in_format(setup, PixelFormat::mono12);
+  EXPECT_EQ(deep.black_level_dn, 32.0);
+  EXPECT_TRUE(deep.spot_amplitudes);
+  RefineSetup other = deep;
+  other.rate_hz = 7.0;
+  EXPECT_TRUE(same_fit(deep, other));
+  other.spot_amplitudes = false;
+  EXPECT_FALSE(same_fit(deep, other));
+  EXPECT_FALSE(deep == other);
 }
 
 TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
@@ -76,6 +93,7 @@ TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
   EXPECT_EQ(error_of(decode_refine_set({{"electrons_per_dn", 0}})).field, "electrons_per_dn");
   EXPECT_EQ(error_of(decode_refine_set({{"read_noise_e", -1}})).field, "read_noise_e");
   EXPECT_EQ(error_of(decode_refine_set({{"enabled", "yes"}})).field, "enabled");
+  EXPECT_EQ(error_of(decode_refine_set({{"spot_amplitudes", 1}})).field, "spot_amplitudes");
   EXPECT_EQ(error_of(decode_refine_set({{"rate", 1}})).nearest, "rate_hz");
   const auto clamped =
       decode_refine_set({{"rate_hz", 1e6}, {"saturation_dn", 4095}, {"clamp", true}});
