@@ -91,6 +91,48 @@ class Measure(unittest.TestCase):
         self.assertLess(np.sqrt(np.sum(np.square(errors))), 0.001)
         self.assertAlmostEqual(line["refined"]["chi2_per_pixel"], 1.0, delta=0.2)
 
+    def uneven(self, name, modes, amplitudes, scale=None):
+        """The default bench's image with an amplitude for each subaperture (hexagonal, 5 across), and the electrons that its light was scaled by."""
+        hologram = self.folder / "hologram.png"
+        self.ovws("hologram", "--modes", modes, "-o", hologram)
+        grey = np.asarray(Image.open(hologram)).astype(float)
+        x, y = (np.arange(n) - (n - 1) / 2 for n in reversed(grey.shape))
+        pitch = 768 / 5
+        centres = [((i - (n - 1) / 2) * pitch, row * pitch * np.sqrt(0.75)) for row, n in zip(range(-2, 3), (3, 4, 5, 4, 3)) for i in range(n)]
+        nearest = np.argmin([(x[None, :] - cx) ** 2 + (y[:, None] - cy) ** 2 for cx, cy in centres], axis=0)
+        field = np.asarray(amplitudes)[nearest] * np.exp(2j * np.pi * grey / 256)
+        px_per_cycle = 632e-9 * 0.2 / (19e-6 * 3.45e-6)
+        at = (np.arange(512) - 255.5) / px_per_cycle
+        u, v = 200 / 1280 + at, 20 / 768 + at
+        light = np.abs(np.exp(-2j * np.pi * np.outer(v, y)) @ field @ np.exp(-2j * np.pi * np.outer(x, u))) ** 2
+        scale = scale or 3000 / light.max()
+        rng = np.random.default_rng(len(modes))
+        electrons = rng.poisson(scale * light) + rng.normal(0.0, 5.0, light.shape)
+        return self.save(name, np.clip(np.round(electrons * 4095 / 10000 + 32), 0, 4095).astype(np.uint16)), scale
+
+    def test_amplitudes_fitted_explain_uneven_light_and_better_the_modes(self):
+        amplitudes = 1.0 + np.random.default_rng(4).uniform(-0.14, 0.14, 19)
+        shown = {3: 0.3, 8: 0.2}
+        flat, scale = self.uneven("flat.png", "", amplitudes)
+        image, _ = self.uneven("both.png", "2,-2:0.3;3,1:0.2", amplitudes, scale)
+        camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 32, "--read-noise", 5.1)
+        for reference in (None, flat):
+            error, chi2 = {}, {}
+            for more in ((), ("--spot-amplitudes",)):
+                (line,) = self.measure(image, reference=reference, more=(*camera, *more))
+                self.assertTrue(line["valid"], line)
+                errors = [value - shown.get(j, 0.0) for j, value in zip(line["j"], line["coefficients"])]
+                error[bool(more)], chi2[bool(more)] = np.sqrt(np.sum(np.square(errors))), line["refined"]["chi2_per_pixel"]
+            print(f"\n  against {'a reference' if reference else 'the model'}: all errors {error[False]:.5f} wave, chi2 per pixel {chi2[False]:.3f};"
+                  f" with amplitudes {error[True]:.5f}, {chi2[True]:.3f}")
+            self.assertLess(error[True], 0.7 * error[False])
+            self.assertLess(chi2[True], 1.1)
+            self.assertGreater(chi2[False], 1.5)
+            found = np.asarray(line["refined"]["amplitudes"])
+            self.assertLess(np.abs(found - amplitudes / np.sqrt(np.mean(amplitudes ** 2))).max(), 0.02)
+        done = subprocess.run([OVWS, "measure", "--model-reference", "--spot-amplitudes", image], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 2, done.stderr)
+
     def test_every_tracker_of_a_bright_spot(self):
         config = self.folder / "bright.json"
         config.write_text(json.dumps({"sensor": {"charge": 0}}))

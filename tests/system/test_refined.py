@@ -172,19 +172,20 @@ class UnevenLight(RefinedCase):
 
     twin_config = {"light": {"shape": "gaussian", "diameter_px": 1700}}
 
-    def test_fitted_amplitudes_explain_it_and_the_modes_are_better(self):
+    def test_fitted_amplitudes_explain_it(self):
         hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
         chi2, error = {}, {}
         for fitted in (False, True):
             self.assertEqual(self.enable(rate_hz=5.0, spot_amplitudes=fitted)["spot_amplitudes"], fitted)
-            self.of_hologram(hologram_id)  # may have been on its way already
-            found = self.of_hologram(hologram_id, FITS)
+            # The first may have been on its way already. Not every fit of amplitudes settles.
+            found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
             chi2[fitted] = statistics.fmean(message["chi2_per_pixel"] for message in found)
             error[fitted] = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])
             print(f"\n  spot_amplitudes {fitted}: chi2 per pixel {chi2[fitted]:.2f}, all errors {error[fitted]:.4f} wave,"
                   f" largest sigma {max(found[0]['sigma']):.5f}, {found[0]['iterations']} iterations, {found[0]['duration_ms']:.0f} ms")
-        self.assertLess(chi2[True], chi2[False])
-        self.assertLess(error[True], error[False])
+        print("  status:", self.call("system.status")["refine"])
+        self.assertLess(chi2[True], 0.7 * chi2[False])
+        self.assertLess(error[True], 0.003)
         self.call("config.save")
         self.assertTrue(self.call("config.get")["refine"]["spot_amplitudes"])
 
