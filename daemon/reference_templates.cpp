@@ -23,10 +23,14 @@ double bank_mib(const SpotModel& spots) {
 }
 
 std::string missing(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
+  constexpr int kMostNamed = 8;
   std::string text;
+  int count = 0;
   for (std::size_t i = 0; i < banks.size(); ++i) {
-    if (!banks[i]) text += (text.empty() ? "" : ", ") + std::to_string(i);
+    if (banks[i] || ++count > kMostNamed) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(i);
   }
+  if (count > kMostNamed) text += fmt::format(" and {} more", count - kMostNamed);
   return text;
 }
 

@@ -93,6 +93,7 @@ class Templates(BenchCase):
         print(f"  overexposed: {own} templates, {reason}")
         self.assertLess(own, 19)
         self.assertIn("saturated", reason)
+        self.assertLess(len(reason), 200)
         self.call("config.save")
         self.assertEqual(self.call("config.get")["tracking"]["template"], "reference")
 
