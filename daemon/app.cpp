@@ -143,7 +143,7 @@ Result<void> App::Parts::start_threads() {
     ThreadRole role;
     Agent& agent;
   };
-  // A fit cannot be broken off: who refines is waited for when all others have ended.
+  // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
   std::vector<Start> starts{{ThreadRole::refine, *refiner},  {ThreadRole::search, *finder},
                             {ThreadRole::publish, *stream},  {ThreadRole::images, *images},
                             {ThreadRole::control, *control}, {ThreadRole::prepare, *instrument},

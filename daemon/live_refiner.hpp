@@ -32,7 +32,7 @@ class LiveRefiner : public Agent {
   Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
   RefineSetup settings() const { return settings_.get(); }
   StatusMessage::RefinePart report() const { return report_.get(); }
-  /// Begins no more fits; the one that runs cannot be broken off.
+  /// Begins no more fits; the one that runs ends within an iteration or two.
   void end_soon() { ending_.store(true); }
   FrameTaker& taker() { return inbox_; }
 
@@ -45,11 +45,11 @@ class LiveRefiner : public Agent {
   const double wavelength_nm_;
   const Instrument& instrument_;
   StreamQueue& queue_;
-  RefineModel model_;
+  std::atomic<bool> ending_{false};
+  RefineModel model_;  ///< after ending_, which stops it
   FrameInbox inbox_;
   Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;
-  std::atomic<bool> ending_{false};
   std::int64_t last_begun_ns_ = 0;     ///< of a fit; 0: none yet
   std::int64_t waiting_since_ns_ = 0;  ///< for a frame; 0: not waiting
 };

@@ -38,8 +38,9 @@ struct RefineModel::RefinedReference {
   Result<RefinedModes> modes;  ///< a failure is kept, too: the same picture would fail again
 };
 
-RefineModel::RefineModel(const OpticsConfig& optics, const SlmGeometry& slm)
-    : optics_(optics), slm_(slm) {}
+RefineModel::RefineModel(const OpticsConfig& optics, const SlmGeometry& slm,
+                         const std::atomic<bool>& stop)
+    : optics_(optics), slm_(slm), stop_(stop) {}
 RefineModel::~RefineModel() = default;
 
 RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
@@ -82,6 +83,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   const int cols = frame.image.width, rows = frame.image.height;
   RefineOptions options;
   options.spot_amplitudes = settings.spot_amplitudes;
+  options.stop = &stop_;
   auto refiner = Refiner::make(sensor.sensor, slm_, optics_, cols, rows, sensor.modes_j, options);
   if (!refiner) return fail(refiner.error());
   const auto lattice = make_lattice(sensor.sensor, slm_);

@@ -2,6 +2,7 @@
 /// the image, the reference or what is known of the camera changed.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,7 +26,8 @@ struct RefinedFrame {
 /// One thread at a time.
 class RefineModel {
  public:
-  RefineModel(const OpticsConfig& optics, const SlmGeometry& slm);
+  /// Once `stop` is true a fit ends soon, refused; it must outlive this.
+  RefineModel(const OpticsConfig& optics, const SlmGeometry& slm, const std::atomic<bool>& stop);
   ~RefineModel();
 
   /// `sensor`: that which the frame was measured with. `settings` with electrons_per_dn. Takes
@@ -44,6 +46,7 @@ class RefineModel {
 
   OpticsConfig optics_;
   SlmGeometry slm_;
+  const std::atomic<bool>& stop_;
   std::unique_ptr<Bench> bench_;
   std::unique_ptr<RefinedReference> reference_;
 };

@@ -11,11 +11,11 @@ RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, dou
                            int frames) {
   const RefineSettings settings = in_format(stated, format);
   const double electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
-  const double rounding_e = electrons_per_dn / std::sqrt(12.0);
   // A mean of N frames is the sum of N in numbers N times as small.
   RefineCamera camera;
   camera.electrons_per_dn = electrons_per_dn * frames;
-  camera.read_noise_e = std::hypot(settings.read_noise_e, rounding_e) * std::sqrt(double(frames));
+  camera.read_noise_e =
+      std::hypot(settings.read_noise_e, rounding_e(electrons_per_dn)) * std::sqrt(double(frames));
   camera.black_dn = settings.black_level_dn;
   const double full = full_scale_dn(format);
   camera.saturated_dn = std::min(settings.saturation_dn.value_or(full), full);

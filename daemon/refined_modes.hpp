@@ -1,6 +1,7 @@
 /// What a refinement found, and whether it can be believed: of image files and of live frames.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,11 @@ namespace ovws {
 RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db,
                            int frames);
 
+/// Noise of rounding to whole DN, electrons RMS.
+inline double rounding_e(double electrons_per_dn) {
+  return electrons_per_dn / std::sqrt(12.0);
+}
+
 struct RefinedModes {
   std::vector<double> waves;        ///< minus the reference's, in the order of the modes given
   std::vector<double> sigma_waves;  ///< standard errors, the reference's included
@@ -29,7 +35,6 @@ struct RefinedModes {
   /// that does not explain it. None: it can. `frames`: how many the picture is the mean of, of
   /// which each may misfit as much as a single one.
   std::optional<std::string> doubt(const RefineCamera& camera, int frames = 1) const;
-  bool believable(const RefineCamera& camera) const { return !doubt(camera); }
 };
 
 /// The same without a reference.

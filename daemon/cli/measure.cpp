@@ -95,6 +95,7 @@ class ImageMeasurer {
     RefineCamera camera = options_.camera;
     const double full_scale_dn = (1 << significant_bits(image.format)) - 1;
     camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
+    camera.read_noise_e = std::hypot(camera.read_noise_e, rounding_e(camera.electrons_per_dn));
     if (!instrument.refined) {
       instrument.refined =
           RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera, options_.fit);
@@ -102,7 +103,7 @@ class ImageMeasurer {
     if (!*instrument.refined) return fail(instrument.refined->error());
     const auto found = (*instrument.refined)->measure(image, measured.coefficients);
     if (!found) return fail(found.error());
-    put_refined(line, *found, modes_j, found->believable(camera));
+    put_refined(line, *found, modes_j, found->doubt(camera));
     return {};
   }
 

@@ -55,12 +55,14 @@ std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
   return positions;
 }
 
-std::string missing(std::span<const SpotFix> spots) {
-  std::string text;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    if (!spots[i].found()) text += (text.empty() ? "" : ", ") + std::to_string(i);
+/// Not found, or only as torn ones: no place to count from.
+std::string missing(const Measured& measured) {
+  std::vector<int> numbers = measured.torn;
+  for (std::size_t i = 0; i < measured.spots.size(); ++i) {
+    if (!measured.spots[i].found()) numbers.push_back(int(i));
   }
-  return text;
+  std::sort(numbers.begin(), numbers.end());
+  return fmt::format("{}", fmt::join(numbers, ", "));
 }
 
 }  // namespace
@@ -109,9 +111,9 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     }
     Measurement first(config, std::move(*by_model));
     const Measured measured = first.measure(*reference);
-    if (measured.tracked < int(measured.spots.size())) {
+    if (const std::string which = missing(measured); !which.empty()) {
       return fail(Errc::invalid, "reference",
-                  "in the reference image these spots are not found: " + missing(measured.spots));
+                  "in the reference image these spots are not found: " + which);
     }
     taken.positions_px = positions_of(measured.spots);
     taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
@@ -127,6 +129,9 @@ Measured Measurement::measure(const ImageView& image) {
   measured.spots.resize(std::size_t(plan_->subapertures()));
   measured.coefficients.resize(plan_->reconstructor->modes_j().size(), NAN);
   measured.tracked = acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
+  for (std::size_t i = 0; i < measured.spots.size(); ++i) {
+    if (acquisition_.torn()[i]) measured.torn.push_back(int(i));
+  }
   measured.reconstruction =
       plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
   measured.valid = measured.reconstruction.determined;

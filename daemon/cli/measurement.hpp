@@ -27,6 +27,7 @@ Result<Picture> read_picture(const std::string& path);
 /// What one image told.
 struct Measured {
   std::vector<SpotFix> spots;  ///< one a subaperture
+  std::vector<int> torn;  ///< of the found, those placed by the shape that the wavefront gives them
   int tracked = 0;
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid

@@ -53,6 +53,7 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   }
   line["file"] = file;
   line["spots"] = spots_of(measured);
+  line["torn"] = measured.torn;
   line["template"] = template_name(config.tracking.templates);
   put(line, measurement.templates());
   return line;
@@ -64,6 +65,9 @@ void print_table(const json& line) {
   if (line["template_reason"].is_string()) {
     print("{} spots have a template of the reference: {}\n", line["own_templates"].get<int>(),
           line["template_reason"].get<std::string>());
+  }
+  if (line.contains("refined") && line["refined"]["reason"].is_string()) {
+    print("refined: {}\n", line["refined"]["reason"].get<std::string>());
   }
   if (!line["valid"].get<bool>()) return;
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
@@ -81,7 +85,8 @@ void print_table(const json& line) {
 }
 
 void put_refined(json& line, const RefinedModes& found, const std::vector<int>& modes_j,
-                 bool valid) {
+                 const std::optional<std::string>& doubt) {
+  const bool valid = !doubt;
   double squares = 0.0;
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
     if (modes_j[k] > 2) squares += found.waves[k] * found.waves[k];
@@ -89,7 +94,9 @@ void put_refined(json& line, const RefinedModes& found, const std::vector<int>& 
   line["valid"] = valid;
   line["coefficients"] = valid ? json(found.waves) : json(std::vector<json>(modes_j.size()));
   line["rms_waves"] = valid ? json(std::sqrt(squares)) : json();
-  line["refined"] = {{"sigma_waves", found.sigma_waves}, {"chi2_per_pixel", found.chi2_per_pixel}};
+  line["refined"] = {{"sigma_waves", found.sigma_waves},
+                     {"chi2_per_pixel", found.chi2_per_pixel},
+                     {"reason", doubt ? json(*doubt) : json()}};
   if (!found.amplitudes.empty()) line["refined"]["amplitudes"] = found.amplitudes;
 }
 

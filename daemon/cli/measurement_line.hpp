@@ -14,9 +14,10 @@ namespace ovws::cli {
 nlohmann::json line_of(const std::string& file, const Config& config,
                        const Measurement& measurement, const Measured& measured);
 
-/// The coefficients of all pixels instead of those of the spots' positions; null unless `valid`.
+/// The coefficients of all pixels instead of those of the spots' positions; null if there is a
+/// `doubt`, which is told.
 void put_refined(nlohmann::json& line, const RefinedModes& found, const std::vector<int>& modes_j,
-                 bool valid);
+                 const std::optional<std::string>& doubt);
 
 /// On standard output.
 void print_table(const nlohmann::json& line);

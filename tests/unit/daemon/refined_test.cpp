@@ -165,7 +165,7 @@ TEST(RefineCamera, AMeanOfFramesHoldsTheElectronsOfAll) {
 TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
   const RefineCamera camera{1.0, 5.0};
   RefinedModes modes{{0.1}, {0.001}, 1.0, 500.0, 0.0, 5};
-  EXPECT_TRUE(modes.believable(camera));
+  EXPECT_FALSE(modes.doubt(camera).has_value());
   modes.peak_e = 4.0;
   EXPECT_NE(modes.doubt(camera)->find("read noise"), std::string::npos);
   modes.peak_e = 500.0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -214,6 +215,19 @@ TEST_F(Refine, WhatCannotBeFittedIsAnErrorThatSaysSo) {
   EXPECT_EQ(field(dark, {0.0, 5.0}, flat), "camera");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {0, 1}).error().field, "modes");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {1}, {0.5}).error().field, "refine.box_half");
+}
+
+TEST_F(Refine, EndsSoonWhenToldTo) {
+  const std::atomic<bool> stop{true};
+  RefineOptions options;
+  options.stop = &stop;
+  auto refiner = Refiner::make({}, {}, {}, 512, 512, modes_18(), options).value();
+  Image<float> light = bench().model.light({}).value();
+  scale(light, kPeakE / bench().model.peak_of_spots(light, {}));
+  const auto refused = refiner.refine(light, {}, Waves(18, 0.0));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, Errc::refused);
+  EXPECT_NE(refused.error().reason.find("stop"), std::string::npos);
 }
 
 }  // namespace
