@@ -75,7 +75,7 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   std::uniform_real_distribution<double> within(-reach, reach);
   std::optional<Refiner> refiner;
   if (bench.refined) {
-    instances = std::max(4, instances / kRefinedShare);
+    instances = std::max(16, instances / kRefinedShare);
     refiner.emplace(
         refiner_of(thousand_px_bench(), bench.method.charge, bench.measurer->modes_j()));
   }
@@ -166,7 +166,7 @@ Findings wavefront(const Settings& settings) {
   const std::vector<double> snrs =
       settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
                      : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
-  const int instances = settings.quick ? 10 : 100;
+  const int instances = settings.quick ? 30 : 100;
   const std::vector<Bench> all = benches();
   std::vector<Outcome> outcomes(all.size() * snrs.size());
   parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
