@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -19,6 +20,9 @@ constexpr int kInARow = 5;  // frames without a spot: noise loses one now and th
 constexpr std::int64_t kPauseNs = 500'000'000;
 constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
 constexpr double kPictureHalf = 3.0;  // lambda/d
+// Memory is locked: what a search needs grows with both, to some hundred MiB here.
+constexpr std::size_t kMostSpots = 200;
+constexpr double kMostSpotPx = 40.0;  // lambda/d
 
 bool lacks_spots(const FrameRecord& record) {
   return record.settled && record.tracked < record.spot_count;
@@ -74,7 +78,15 @@ bool SpotFinder::do_work() {
 }
 
 std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
-  if (!make_bench(frame, sensor)) return std::nullopt;
+  try {
+    return make_bench(frame, sensor) ? explain(frame) : std::nullopt;
+  } catch (const std::bad_alloc&) {
+    bench_.reset();  // the ordinary plan needs nothing more
+    return std::nullopt;
+  }
+}
+
+std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   std::vector<SpotFix> fixes(bench_->reference_px.size());
   ShapedAcquisition& acquisition = bench_->acquisition;
   acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes);
@@ -86,7 +98,7 @@ std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const Sensor
   return out;
 }
 
-/// False: what stands in the snapshot makes no sensor.
+/// False: what stands in the snapshot makes no sensor, or one too large to search.
 bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
   const int cols = frame.image.width, rows = frame.image.height;
   const auto lattice = make_lattice(sensor.sensor, slm_);
@@ -100,6 +112,7 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
   if (same) return true;
   bench_.reset();
   const SpotModel spots{sensor.sensor.charge, lambda_d_px(optics_, slm_, sensor.sensor)};
+  if (reference_px.size() > kMostSpots || spots.lambda_d_px > kMostSpotPx) return false;
   auto tracker = make_tracker(sensor.tracking, spots);
   if (!tracker) return false;
   const double px_per_cycle = camera_px_per_cycle(optics_, slm_);

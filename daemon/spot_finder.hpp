@@ -16,7 +16,8 @@ namespace ovws {
 /// whole image (ShapedAcquisition). What it finds becomes a new measurement plan: torn spots get
 /// templates of the shape that the wavefront gives them. If all are round again, or the image is
 /// not explained, the ordinary plan returns. After a search without result it waits, each time
-/// longer.
+/// longer. Sensors of more than 200 spots, or of spots of more than 40 camera pixels of lambda/d,
+/// are not searched.
 class SpotFinder : public Agent {
  public:
   SpotFinder(const OpticsConfig& optics, const SlmGeometry& slm, Instrument& instrument);
@@ -32,6 +33,7 @@ class SpotFinder : public Agent {
   struct Bench;
   bool make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
   std::optional<TornSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
+  std::optional<TornSpots> explain(const FrameCopy& frame);
 
   OpticsConfig optics_;
   SlmGeometry slm_;
