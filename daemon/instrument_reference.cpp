@@ -11,8 +11,10 @@ namespace {
 constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
 
 std::string listed(const std::vector<int>& numbers) {
-  std::string text;
-  for (const int number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  constexpr std::size_t kNamed = 8;
+  const std::size_t named = std::min(numbers.size(), kNamed);
+  std::string text = fmt::format("{}", fmt::join(numbers.begin(), numbers.begin() + named, ", "));
+  if (numbers.size() > named) text += fmt::format(" and {} more", numbers.size() - named);
   return text;
 }
 
@@ -70,7 +72,7 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
     return fail_reference(Error{
         Errc::refused, "",
         fmt::format("spots {} were found in fewer than half of the frames: check the image, the "
-                    "exposure and the region of interest",
+                    "exposure and the region of interest, or use fewer subapertures",
                     listed(too_rare))});
   }
   Reference reference;

@@ -19,13 +19,17 @@ constexpr std::chrono::milliseconds kTurn(50);
 constexpr int kInARow = 5;  // frames without a spot: noise loses one now and then
 constexpr std::int64_t kPauseNs = 500'000'000;
 constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
-constexpr double kPictureHalf = 3.0;  // lambda/d
+constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
+constexpr double kPictureHalf = 3.0;    // lambda/d
 // Memory is locked: what a search needs grows with both, to some hundred MiB here.
 constexpr std::size_t kMostSpots = 200;
 constexpr double kMostSpotPx = 40.0;  // lambda/d
 
-bool lacks_spots(const FrameRecord& record) {
-  return record.settled && record.tracked < record.spot_count;
+/// A torn spot may be lost, or found in its wrong half: then no wavefront explains the positions.
+bool is_doubtful(const FrameRecord& record) {
+  const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
+  return record.settled && (record.tracked < record.spot_count ||
+                            record.reconstruction.fit_residual_px > explained_px);
 }
 
 }  // namespace
@@ -47,20 +51,20 @@ SpotFinder::SpotFinder(const OpticsConfig& optics, const SlmGeometry& slm, Instr
     : optics_(optics),
       slm_(slm),
       instrument_(instrument),
-      inbox_(lacks_spots),
+      inbox_(is_doubtful),
       pause_ns_(kPauseNs) {}
 
 SpotFinder::~SpotFinder() = default;
 
 void SpotFinder::saw(const FrameRecord& record) {
   if (!record.settled) return;
-  lost_in_a_row_ = lacks_spots(record) ? lost_in_a_row_ + 1 : 0;
+  lost_in_a_row_ = is_doubtful(record) ? lost_in_a_row_ + 1 : 0;
   lost_.store(lost_in_a_row_ >= kInARow, std::memory_order_relaxed);
 }
 
 bool SpotFinder::do_work() {
   if (!lost_ || monotonic_ns() < next_ns_) {
-    if (!lost_) pause_ns_ = kPauseNs;
+    if (!lost_) pause_ns_ = kPauseNs, next_ns_ = 0;
     inbox_.forget();
     std::this_thread::sleep_for(kTurn);
     return false;
@@ -89,7 +93,7 @@ std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const Sensor
 std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   std::vector<SpotFix> fixes(bench_->reference_px.size());
   ShapedAcquisition& acquisition = bench_->acquisition;
-  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes);
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false);
   const std::vector<bool>& torn = acquisition.torn();
   if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return std::nullopt;
   TornSpots out;

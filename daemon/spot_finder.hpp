@@ -12,12 +12,12 @@
 
 namespace ovws {
 
-/// The search thread's agent. Some frames in a row that lack a spot make it search one frame's
-/// whole image (ShapedAcquisition). What it finds becomes a new measurement plan: torn spots get
-/// templates of the shape that the wavefront gives them. If all are round again, or the image is
-/// not explained, the ordinary plan returns. After a search without result it waits, each time
-/// longer. Sensors of more than 200 spots, or of spots of more than 40 camera pixels of lambda/d,
-/// are not searched.
+/// The search thread's agent. Some frames in a row that lack a spot, or whose spots no
+/// wavefront explains, make it search one frame's whole image (ShapedAcquisition). What it finds
+/// becomes a new measurement plan: torn spots get templates of the shape that the wavefront gives
+/// them. If all are round again, or the image is not explained, the ordinary plan returns. After a
+/// search without result it waits, each time longer. Sensors of more than 200 spots, or of spots of
+/// more than 40 camera pixels of lambda/d, are not searched.
 class SpotFinder : public Agent {
  public:
   SpotFinder(const OpticsConfig& optics, const SlmGeometry& slm, Instrument& instrument);

@@ -53,14 +53,14 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
       }) {}
 
 int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
-                               TrackScratch& scratch, std::span<SpotFix> out) {
+                               TrackScratch& scratch, std::span<SpotFix> out, bool believe_sure) {
   shapes_.clear();
   torn_.assign(out.size(), false);
   const int found = plain_.acquire(image, tracker, scratch, out);
   const bool all_sure = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
     return fix.found() && fix.quality > kSure;
   });
-  if (all_sure || plain_.seen().empty()) return found;
+  if ((all_sure && believe_sure) || plain_.seen().empty()) return found;
   if (!model_) model_.emplace(make_model_());
   const CellImage cells = average_cells(image, model_->bin);
   int most = (3 * int(out.size()) - 1) / 4;

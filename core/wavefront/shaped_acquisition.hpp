@@ -28,9 +28,10 @@ class ShapedAcquisition {
   /// quarter of lambda/d, or missing, is replaced by the place that the fit gives, right to some
   /// hundredths of lambda/d, or lost. Half a second at most on the default bench, and it allocates:
   /// not for the frame path. As Acquisition::acquire otherwise; an image of another size has
-  /// nothing.
+  /// nothing. Without `believe_sure` the image is explained even if the tracker is sure of every
+  /// spot: it may have found torn ones in their wrong half.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
-              std::span<SpotFix> out);
+              std::span<SpotFix> out, bool believe_sure = true);
 
   /// Whether the last image needed ShapeFit and was explained by it. Then also, until the next
   /// call:

@@ -70,6 +70,19 @@ class Torn(BenchCase):
         self.assertLess(self.error(self.newest(stream), {}), 0.01)
         self.assertEqual(self.call("system.status")["counters"]["frames_lost"], 0)
 
+    def test_bright_spots_found_in_their_wrong_half_are_seen_through(self):
+        self.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
+        self.call("camera.set", {"exposure_us": 500.0})
+        self.take_reference()
+        stream = self.stream("wavefront")
+        modes = random_modes(2)
+        self.hide(modes)
+        frames = self.newest(stream, 3)
+        first = self.error(frames, modes)
+        wait_for(lambda: self.call("system.status")["sensor"]["torn"], 30.0)
+        wait_for(lambda: self.error(self.newest(stream, 5), modes) < 0.12, 10.0)
+        print(f"\n  thresholded, wavefront 2: error of all modes {first:.3f} wave at first, {self.error(self.newest(stream), modes):.3f} when followed")
+
     def test_with_lg(self):
         self.check("lg")
 
