@@ -14,23 +14,33 @@ constexpr double kMaxStep = 0.5;       // in units of w
 constexpr double kMinSharpness = 0.03;
 constexpr double kMinCurvature = 0.1;  // in units of the smoothed light: a flat place is no guide
 
+/// Half the difference of the two curvatures along the Hessian's own axes; their mean is half its
+/// trace.
+double half_gap_of(const Moments::Hessian& h) {
+  const double difference = 0.5 * (h.xx - h.yy);
+  return std::sqrt(difference * difference + h.xy * h.xy);
+}
+
 double least_curvature(const Moments::Hessian& h) {
-  const double gap = std::hypot(0.5 * (h.xx - h.yy), h.xy);
+  const double gap = half_gap_of(h);
   return std::min(std::abs(0.5 * h.trace() + gap), std::abs(0.5 * h.trace() - gap));
 }
 
 /// One step towards a minimum (sign = 1) or a maximum (sign = -1): Newton's, with the curvatures
 /// along the Hessian's own axes made positive, so that a saddle repels instead of attracting.
+/// A function f of a symmetric 2 x 2 matrix H is (f1 + f2)/2 + (f1 - f2)/2 N, where N is H without
+/// its mean, over half_gap: no angle is needed.
 Vec2 step_of(const Moments& m, const Moments::Hessian& h, double light, double sign) {
   const double mean = 0.5 * h.trace();
-  const double half_gap = std::hypot(0.5 * (h.xx - h.yy), h.xy);
-  const double angle = 0.5 * std::atan2(h.xy, 0.5 * (h.xx - h.yy));
-  const double c = std::cos(angle), s = std::sin(angle);
+  const double half_gap = half_gap_of(h);
   const double least = kMinCurvature * light;
-  const double e1 = std::max(std::abs(mean + half_gap), least);
-  const double e2 = std::max(std::abs(mean - half_gap), least);
-  const double a = (c * m.x + s * m.y) / e1, b = (-s * m.x + c * m.y) / e2;
-  return {-sign * (c * a - s * b), -sign * (s * a + c * b)};
+  const double f1 = 1.0 / std::max(std::abs(mean + half_gap), least);
+  const double f2 = 1.0 / std::max(std::abs(mean - half_gap), least);
+  const double both = 0.5 * (f1 + f2);
+  const double apart = half_gap > 0.0 ? 0.5 * (f1 - f2) / half_gap : 0.0;
+  const double difference = 0.5 * (h.xx - h.yy);
+  return {-sign * ((both + apart * difference) * m.x + apart * h.xy * m.y),
+          -sign * (apart * h.xy * m.x + (both - apart * difference) * m.y)};
 }
 
 }  // namespace

@@ -14,10 +14,17 @@ namespace {
 constexpr int kBlock = 16;
 
 template <class T>
-void convert(const T* __restrict in, int count, float* __restrict out) {
+void convert_block(const T* __restrict in, float* __restrict out) {
+  for (int i = 0; i < kBlock; ++i) out[i] = float(in[i]);
+}
+
+/// The last block may overlap the one before.
+template <class T>
+void convert(const T* in, int count, float* out) {
   int k = 0;
-  for (; k + kBlock <= count; k += kBlock) {
-    for (int i = 0; i < kBlock; ++i) out[k + i] = float(in[k + i]);
+  for (; k + kBlock <= count; k += kBlock) convert_block(in + k, out + k);
+  if (k < count && count >= kBlock) {
+    return convert_block(in + count - kBlock, out + count - kBlock);
   }
   for (; k < count; ++k) out[k] = float(in[k]);
 }
