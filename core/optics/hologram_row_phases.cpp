@@ -43,17 +43,16 @@ std::uint16_t phase16(double waves) {
 PhaseRows::PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px, int width,
                      int height)
     : modes_(modes, centre_px, diameter_px),
-      centre_px_(centre_px),
       diameter_px_(diameter_px),
       width_(width),
       height_(height),
       degree_(static_cast<int>(modes_.terms().size()) - 1),
       steps_(longest_stretch()) {
+  columns_.reserve(height);
+  for (int y = 0; y < height; ++y) {
+    columns_.push_back(columns_in_circle(centre_px, diameter_px, y, width));
+  }
   if (in_fixed_point()) add_stretches();
-}
-
-Columns PhaseRows::columns(int y) const {
-  return columns_in_circle(centre_px_, diameter_px_, y, width_);
 }
 
 /// From a multiple of kGrain on.
@@ -97,8 +96,8 @@ int PhaseRows::longest_stretch() const {
 void PhaseRows::add_stretches() {
   stretches_.assign(all_steps() / kGrain + 1, -1);
   int count = 0;
-  for (int y = 0; y < height_; ++y) {
-    const Columns steps = steps_of(columns(y));
+  for (const Columns& in_pupil : columns_) {
+    const Columns steps = steps_of(in_pupil);
     for (int first = steps.begin; first < steps.end; first += steps_) {
       int& stretch = stretches_[first / kGrain];
       if (stretch >= 0) continue;
@@ -144,7 +143,7 @@ std::size_t PhaseRows::row_size() const {
 
 Columns PhaseRows::row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
                        std::span<double> waves) const {
-  const Columns in_pupil = columns(y);
+  const Columns in_pupil = columns_[y];
   if (in_pupil.begin >= in_pupil.end) return in_pupil;
   if (!in_fixed_point()) {
     const std::span<double> shown = waves.first(in_pupil.end - in_pupil.begin);

@@ -38,7 +38,6 @@ class PhaseRows {
 
  private:
   int all_steps() const { return (width_ + kPhaseLanes - 1) / kPhaseLanes; }
-  Columns columns(int y) const;
   Columns steps_of(Columns columns) const;
   double largest_terms(int steps) const;
   int longest_stretch() const;
@@ -46,14 +45,14 @@ class PhaseRows {
   void add_stretch(int first_x);
 
   WavefrontRows modes_;
-  Vec2 centre_px_;
   double diameter_px_;
   int width_;
   int height_;
   int degree_;
-  int steps_ = 0;               ///< of the longest stretch; 0: not in fixed point
-  std::vector<double> terms_;   ///< of HologramRowKernels::phases, stretch after stretch
-  std::vector<int> stretches_;  ///< which of them begins at each kGrain steps; -1: none
+  int steps_ = 0;                 ///< of the longest stretch; 0: not in fixed point
+  std::vector<Columns> columns_;  ///< of each row, in the pupil
+  std::vector<double> terms_;     ///< of HologramRowKernels::phases, stretch after stretch
+  std::vector<int> stretches_;    ///< which of them begins at each kGrain steps; -1: none
 };
 
 /// Waves to 16-bit phase, to the nearest 1/65536 (a tie to the even one); whole waves overflow
