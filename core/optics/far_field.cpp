@@ -31,12 +31,13 @@ struct FarField::Impl {
 
 FarField::FarField(SlmGeometry slm, FarFieldWindow window) {
   assert(slm.width_px > 0 && slm.height_px > 0 && window.cols > 0 && window.rows > 0);
+  const double step_y = window.step_y_cpp != 0.0 ? window.step_y_cpp : window.step_cpp;
   // Along x first: the rows that come out are then only as many as the SLM has.
   impl_ = std::make_unique<Impl>(
       Impl{slm,
            window,
            ChirpZ(axis(slm.width_px, window.cols, window.origin_cpp.x, window.step_cpp)),
-           ChirpZ(axis(slm.height_px, window.rows, window.origin_cpp.y, window.step_cpp)),
+           ChirpZ(axis(slm.height_px, window.rows, window.origin_cpp.y, step_y)),
            {slm.height_px, window.cols}});
 }
 

@@ -9,12 +9,13 @@
 
 namespace ovws {
 
-/// A camera window in the far field: pixel (c, r) looks at the frequency origin + step * (c, r).
+/// A window in the far field: its point (c, r) looks at the frequency origin + step * (c, r).
 struct FarFieldWindow {
   int cols = 0;
   int rows = 0;
-  Vec2 origin_cpp;        ///< cycles per SLM pixel at camera pixel (0, 0)
-  double step_cpp = 0.0;  ///< per camera pixel: 1 / camera_px_per_cycle
+  Vec2 origin_cpp;          ///< cycles per SLM pixel at (0, 0)
+  double step_cpp = 0.0;    ///< a camera's pixel: 1 / camera_px_per_cycle
+  double step_y_cpp = 0.0;  ///< along y where it differs; 0: step_cpp
 };
 
 /// The window of an ROI-sized image whose base spot (frequency grooves / SLM size) falls on

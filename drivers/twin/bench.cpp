@@ -92,9 +92,10 @@ BenchStatus Bench::status() const {
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
   const bool aberration_changed = now.truth.aberration != last_.truth.aberration;
-  const bool window_changed = now.window != last_.window;
+  const bool window_changed =
+      now.window != last_.window || now.truth.geometry != last_.truth.geometry;
   if (aberration_changed) model_.set_aberration(now.truth.aberration);
-  if (window_changed) model_.set_window(*now.window);
+  if (window_changed) model_.set_window(*now.window, now.truth.geometry);
   if (aberration_changed || window_changed || now.grey != last_.grey) {
     last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
   }

@@ -17,31 +17,43 @@ double vortex_peak_intensity(const SensorConfig& sensor) {
   return peak * peak;
 }
 
+std::complex<float> turn(double turns) {
+  const double angle = 2.0 * std::numbers::pi * std::remainder(turns, 1.0);
+  return {float(std::cos(angle)), float(std::sin(angle))};
+}
+
+/// work(0) and work(1) at the same time.
+template <class Work>
+void in_two(const Work& work) {
+  const std::jthread helper([&] { work(1); });
+  work(0);
+}
+
 }  // namespace
 
 BenchModel::BenchModel(const Config& config)
     : config_(config), slm_(config), unit_(vortex_peak_intensity(config.sensor)) {}
 
-void BenchModel::set_window(const Roi& window) {
-  OpticsConfig optics = config_.optics;
-  optics.centre_px = *optics.centre_px - Vec2{double(window.x), double(window.y)};
+void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   const SlmGeometry& slm = config_.slm.geometry;
-  const FarFieldWindow looked_at =
-      far_field_window(config_.sensor, slm, optics, window.width, window.height);
-  halves_.clear();
+  view_.emplace(camera_map(config_, geometry), slm, window);
+  const FarFieldWindow& grid = view_->grid();
   SlmGeometry upper = slm, lower = slm;
   upper.height_px = slm.height_px / 2;
   lower.height_px = slm.height_px - upper.height_px;
-  halves_.push_back({0, FarField(upper, looked_at), {slm.width_px, upper.height_px}, {}});
+  halves_.clear();
+  halves_.push_back({0, FarField(upper, grid), {slm.width_px, upper.height_px}, {}, {}});
   halves_.push_back(
-      {upper.height_px, FarField(lower, looked_at), {slm.width_px, lower.height_px}, {}});
-  // The middles of two halves are half of the whole apart, however it was cut.
-  between_.resize(std::size_t(looked_at.rows));
-  for (int r = 0; r < looked_at.rows; ++r) {
-    const double v = looked_at.origin_cpp.y + r * looked_at.step_cpp;
-    const double angle = -std::numbers::pi * std::remainder(v * slm.height_px, 2.0);
-    between_[std::size_t(r)] = {float(std::cos(angle)), float(std::sin(angle))};
+      {upper.height_px, FarField(lower, grid), {slm.width_px, lower.height_px}, {}, {}});
+  const double step_y = grid.step_y_cpp != 0.0 ? grid.step_y_cpp : grid.step_cpp;
+  for (Half& half : halves_) {
+    const double middle = half.first_row + (half.field.height - slm.height_px) / 2.0;
+    for (int r = 0; r < grid.rows; ++r) {
+      half.turns.push_back(turn(-(grid.origin_cpp.y + r * step_y) * middle));
+    }
   }
+  whole_ = {grid.cols, grid.rows};
+  seen_ = {window.width, window.height};
 }
 
 void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
@@ -49,48 +61,61 @@ void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
   half.far_field.propagate(half.field, half.far);
 }
 
-Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
-  Half& upper = halves_.front();
-  Half& lower = halves_.back();
-  std::jthread helper([&] { propagate(grey, lower); });
-  propagate(grey, upper);
-  helper.join();
-  Image<float> intensity(upper.far.width, upper.far.height);
-  const float scale = float(1.0 / unit_);
-  for (int r = 0; r < intensity.height; ++r) {
-    const std::complex<float> turn = between_[std::size_t(r)];
+/// The field of both halves, phases about the SLM's centre.
+void BenchModel::collect(int first_row, int end_row) {
+  const Half &upper = halves_.front(), &lower = halves_.back();
+  for (int r = first_row; r < end_row; ++r) {
+    const std::complex<float> a = upper.turns[std::size_t(r)], b = lower.turns[std::size_t(r)];
     const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
-    float* out = intensity.row(r);
-    for (int c = 0; c < intensity.width; ++c) {
+    std::complex<float>* out = whole_.row(r);
+    for (int c = 0; c < whole_.width; ++c) {
       // By hand, as in SlmModel::modulate.
-      const float re = up[c].real() + turn.real() * low[c].real() - turn.imag() * low[c].imag();
-      const float im = up[c].imag() + turn.real() * low[c].imag() + turn.imag() * low[c].real();
-      out[c] = scale * (re * re + im * im);
+      out[c] = {a.real() * up[c].real() - a.imag() * up[c].imag() + b.real() * low[c].real() -
+                    b.imag() * low[c].imag(),
+                a.real() * up[c].imag() + a.imag() * up[c].real() + b.real() * low[c].imag() +
+                    b.imag() * low[c].real()};
     }
+  }
+}
+
+const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
+  in_two([&](int half) { propagate(grey, halves_[std::size_t(half)]); });
+  const auto share = [](int rows, int half) { return half * rows / 2; };
+  in_two([&](int half) { collect(share(whole_.height, half), share(whole_.height, half + 1)); });
+  in_two([&](int half) {
+    view_->read(whole_, share(seen_.height, half), share(seen_.height, half + 1), seen_);
+  });
+  return seen_;
+}
+
+Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
+  const Image<std::complex<float>>& seen = field(grey);
+  Image<float> intensity(seen.width, seen.height);
+  const float scale = float(1.0 / unit_);
+  for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+    const float re = seen.pixels[i].real(), im = seen.pixels[i].imag();
+    intensity.pixels[i] = scale * (re * re + im * im);
   }
   return intensity;
 }
 
-std::vector<Vec2> true_spots_px(const Config& config, std::span<const Mode> aberration) {
-  const SlmGeometry& slm = config.slm.geometry;
-  const auto lattice = make_lattice(config.sensor, slm);
+std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return {};
-  std::vector<Vec2> spots = model_spots_px(*lattice, config.sensor, slm, config.optics,
-                                           config.camera.sensor_width, config.camera.sensor_height);
-  if (aberration.empty()) return spots;
-
   std::vector<int> modes_j;
-  Eigen::VectorXd waves(Eigen::Index(aberration.size()));
-  for (const Mode& mode : aberration) {
+  Eigen::VectorXd waves(Eigen::Index(truth.aberration.size()));
+  for (const Mode& mode : truth.aberration) {
     waves[Eigen::Index(modes_j.size())] = mode.waves;
     modes_j.push_back(mode.j);
   }
-  const Eigen::VectorXd moved =
-      slope_matrix(*lattice, config.sensor, modes_j, slope_kind(config.sensor.charge),
-                   camera_px_per_cycle(config.optics, slm)) *
-      waves;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    spots[i] = spots[i] + Vec2{moved[Eigen::Index(2 * i)], moved[Eigen::Index(2 * i + 1)]};
+  // With a scale of 1 camera pixel per cycle, displacements are in cycles per SLM pixel.
+  const Eigen::VectorXd moved_cpp =
+      slope_matrix(*lattice, config.sensor, modes_j, slope_kind(config.sensor.charge), 1.0) * waves;
+  const CameraMap map = camera_map(config, truth.geometry);
+  std::vector<Vec2> spots;
+  for (const Subaperture& s : lattice->subapertures) {
+    const auto i = Eigen::Index(2 * spots.size());
+    spots.push_back(map.pixel(s.frequency_cpp + Vec2{moved_cpp[i], moved_cpp[i + 1]}));
   }
   return spots;
 }

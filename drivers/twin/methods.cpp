@@ -21,6 +21,13 @@ Json json_of(const Roi& roi) {
   return {{"x", roi.x}, {"y", roi.y}, {"width", roi.width}, {"height", roi.height}};
 }
 
+Json json_of(const CameraGeometry& geometry) {
+  return {{"rotation_deg", geometry.rotation_deg},
+          {"mirror", mirror_names()[std::size_t(geometry.mirror)]},
+          {"magnification", geometry.magnification},
+          {"centre_px", {geometry.centre_px.x, geometry.centre_px.y}}};
+}
+
 Json json_of(const std::vector<Mode>& aberration) {
   Json modes = Json::array();
   for (const Mode& mode : aberration) {
@@ -36,6 +43,7 @@ Json json_of(const Config& config, const Truth& truth) {
   return {{"aberration", json_of(truth.aberration)},
           {"norm", "rms"},
           {"peak_electrons", truth.peak_electrons},
+          {"geometry", json_of(truth.geometry)},
           {"photons", photons_per_spot(config, truth)},
           {"quantum_efficiency", d.quantum_efficiency},
           {"prnu", d.prnu},
@@ -94,7 +102,7 @@ RpcAnswer Methods::get(const Json& params) const {
 
   Json result = json_of(config_, truth);
   Json spots = Json::array();
-  for (const Vec2& spot : true_spots_px(config_, truth.aberration)) {
+  for (const Vec2& spot : true_spots_px(config_, truth)) {
     spots.push_back({{"i", spots.size()},
                      {"x", spot.x - camera.settings.roi.x},
                      {"y", spot.y - camera.settings.roi.y}});
@@ -122,6 +130,7 @@ RpcAnswer Methods::set(const Json& params) {
   read_aberration(reader, truth);
   read_detector(reader, truth);
   read_noise(reader, truth);
+  read_geometry(reader, truth.geometry);
   reader.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
   reader.number("photons", photons, 0.0, 1e15);
   if (reader.has("photons") && reader.has("peak_electrons")) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/optics/lattice.hpp"
+#include "drivers/twin/camera_map.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
@@ -17,7 +18,23 @@ namespace {
 
 constexpr int kMaxConfigDepth = 16;
 
-void read(ObjectReader& r, CameraConfig& camera) {
+void read_rotation(ObjectReader& r, CameraGeometry& geometry) {
+  int mirror = int(geometry.mirror);
+  r.number("rotation_deg", geometry.rotation_deg, -360.0, 360.0);
+  r.choice("mirror", mirror, mirror_names());
+  geometry.mirror = Mirror(mirror);
+}
+
+void read_scale(ObjectReader& r, CameraGeometry& geometry) {
+  using namespace limits;
+  r.number("magnification", geometry.magnification, kMagnification.min, kMagnification.max);
+  std::vector<double> centre{geometry.centre_px.x, geometry.centre_px.y};
+  r.numbers("centre_px", centre, 2, 2, kCentrePx.min, kCentrePx.max);
+  geometry.centre_px = {centre[0], centre[1]};
+}
+
+void read(ObjectReader& r, CameraConfig& camera, CameraGeometry& geometry) {
+  read_rotation(r, geometry);
   r.string("address", camera.address);
   r.string("serial", camera.serial);
   if (camera.serial.empty() || camera.serial.size() > 15) {
@@ -39,15 +56,12 @@ void read(ObjectReader& r, SlmConfig& slm) {
   r.integer("flatness_seed", slm.flatness_seed, 0, 1'000'000);
 }
 
-void read(ObjectReader& r, OpticsConfig& optics) {
+void read(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {
+  read_scale(r, geometry);
   using namespace limits;
   r.number("wavelength_nm", optics.wavelength_nm, kWavelengthNm.min, kWavelengthNm.max);
   r.number("focal_length_mm", optics.focal_length_mm, kFocalLengthMm.min, kFocalLengthMm.max);
-  r.number("magnification", optics.magnification, kMagnification.min, kMagnification.max);
   r.number("camera_pitch_um", optics.camera_pitch_um, kCameraPitchUm.min, kCameraPitchUm.max);
-  std::vector<double> centre{optics.centre_px->x, optics.centre_px->y};
-  r.numbers("centre_px", centre, 2, 2, kCentrePx.min, kCentrePx.max);
-  optics.centre_px = Vec2{centre[0], centre[1]};
 }
 
 void read(ObjectReader& r, SensorConfig& sensor) {
@@ -75,9 +89,9 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
 }
 
 void read(ObjectReader& r, Config& c) {
-  r.object("camera", [&](ObjectReader& in) { read(in, c.camera); });
+  r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
   r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
-  r.object("optics", [&](ObjectReader& in) { read(in, c.optics); });
+  r.object("optics", [&](ObjectReader& in) { read(in, c.optics, c.truth.geometry); });
   r.object("sensor", [&](ObjectReader& in) { read(in, c.sensor); });
   r.object("light", [&](ObjectReader& in) { read(in, c.light, c.truth); });
   r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
@@ -87,12 +101,12 @@ void read(ObjectReader& r, Config& c) {
 }
 
 /// Per photon in the brightest pixel of an ideal charge-1 spot: photons in the whole spot.
-double photons_per_peak_photon(const Config& config) {
+double photons_per_peak_photon(const Config& config, const Truth& truth) {
   // |F|max = kVortexPeak A for an aperture of A pixels, and the sum of |F|^2 over the frequencies
   // is A (Parseval); a camera pixel spans 1 / S cycles per SLM pixel.
   const double radius = config.sensor.pupil_diameter_px / config.sensor.subapertures_across / 2;
   const double area = std::numbers::pi * radius * radius;
-  const double scale = camera_px_per_cycle(config.optics, config.slm.geometry);
+  const double scale = camera_map(config, truth.geometry).scale;
   return scale * scale / (kVortexPeak * kVortexPeak * area);
 }
 
@@ -131,12 +145,25 @@ void read_noise(ObjectReader& r, Truth& truth) {
   truth.noise = Noise(noise);
 }
 
+void read_geometry(ObjectReader& r, CameraGeometry& geometry) {
+  r.object("geometry", [&](ObjectReader& in) {
+    read_rotation(in, geometry);
+    read_scale(in, geometry);
+  });
+}
+
+const std::vector<std::string>& mirror_names() {
+  static const std::vector<std::string> names{"none", "x", "y"};
+  return names;
+}
+
 double photons_per_spot(const Config& config, const Truth& truth) {
-  return truth.peak_electrons / truth.detector.quantum_efficiency * photons_per_peak_photon(config);
+  return truth.peak_electrons / truth.detector.quantum_efficiency *
+         photons_per_peak_photon(config, truth);
 }
 
 double peak_electrons_for(const Config& config, const Truth& truth, double photons) {
-  return photons * truth.detector.quantum_efficiency / photons_per_peak_photon(config);
+  return photons * truth.detector.quantum_efficiency / photons_per_peak_photon(config, truth);
 }
 
 Result<Config> parse_config(const std::string& json_text) {

@@ -31,6 +31,18 @@ struct SlmConfig {
   int flatness_seed = 1;
 };
 
+enum class Mirror { none, x, y };
+
+/// How the camera stands in the far field; camera_map.hpp says exactly.
+struct CameraGeometry {
+  double rotation_deg = 0.0;
+  Mirror mirror = Mirror::none;
+  double magnification = 1.0;
+  Vec2 centre_px{255.5, 255.5};  ///< of the *sensor* (not of the ROI): where the base spot falls
+
+  friend bool operator==(const CameraGeometry&, const CameraGeometry&) = default;
+};
+
 enum class LightShape { uniform, gaussian };
 
 struct LightConfig {
@@ -52,6 +64,7 @@ struct Truth {
   /// laser's power stays what that makes it: a charge-0 spot peaks 3.9 times higher, and where
   /// neighbouring spots interfere a charge-1 spot reaches 1.2 to 1.4 times as much.
   double peak_electrons = 6000.0;
+  CameraGeometry geometry;
   DetectorConfig detector;  ///< bits: not used
   int bits = 0;             ///< of the converter; 0: as many as the pixel format has
   Noise noise = Noise::fresh;
@@ -60,13 +73,14 @@ struct Truth {
 struct Config {
   CameraConfig camera;
   SlmConfig slm;
-  /// centre_px: where on the *sensor* (not in the ROI) the base spot falls; always set.
-  OpticsConfig optics = {.centre_px = Vec2{255.5, 255.5}};
+  OpticsConfig optics;  ///< magnification and centre_px are not used: truth.geometry has them
   SensorConfig sensor;  ///< the hologram expected: its pupil, and where its spots should be
   LightConfig light;
   Truth truth;
   std::string control_endpoint = "tcp://127.0.0.1:7790";
 };
+
+const std::vector<std::string>& mirror_names();  ///< in the order of Mirror
 
 constexpr double kReferenceExposureUs = 2000.0;
 /// Greatest |F| of a charge-1 vortex behind a uniform circular aperture, in units of the
@@ -82,6 +96,8 @@ Result<Config> load_config(const std::string& path);
 void read_aberration(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
+/// The object `geometry` of twin.set: any of its keys.
+void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
 
 /// Mean photons that one subaperture sends to the camera in kReferenceExposureUs, and back.
 double photons_per_spot(const Config& config, const Truth& truth);

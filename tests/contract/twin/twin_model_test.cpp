@@ -54,7 +54,7 @@ Vec2 centre_of_light(const Image<float>& image) {
 TEST(TwinConfig, EmptyMeansTheDefaultsOfTheBench) {
   const Config config = config_of("{}");
   EXPECT_EQ(config.slm.display, "DUMMY1");
-  EXPECT_EQ(config.optics.centre_px, (Vec2{255.5, 255.5}));
+  EXPECT_EQ(config.truth.geometry.centre_px, (Vec2{255.5, 255.5}));
   EXPECT_TRUE(config.truth.aberration.empty());
 }
 
@@ -93,7 +93,7 @@ TEST(BenchModel, AllLightOfTheSlmIsThatOfItsAreaInSpots) {
   const Config config = config_of("{}");
   BenchModel model(config);
   // A flat SLM sends all its light into the zeroth order, and this window holds nearly all of it.
-  model.set_window({-556, -306, 1024, 1024});
+  model.set_window({-556, -306, 1024, 1024}, {});
   const Image<float> light = model.intensity(Image<std::uint8_t>(1280, 768));
   const double sum = std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0);
   const double photons =
@@ -115,7 +115,7 @@ TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
       grey.at(x, y) = inside ? all.at(x, y) : std::uint8_t(128 * ((x + y) % 2));
     }
   }
-  model.set_window({192, 192, 128, 128});
+  model.set_window({192, 192, 128, 128}, {});
   const Image<float> light = model.intensity(grey);
   EXPECT_NEAR(*std::max_element(light.pixels.begin(), light.pixels.end()), 1.0, 0.06);
   EXPECT_LT(light.at(63, 63), 0.02);
@@ -125,11 +125,12 @@ TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
 TEST(BenchModel, AHiddenTiltMovesTheBrightSpotRightAndDownAsTheTruthSays) {
   Config config = config_of(R"({"sensor": {"charge": 0}})");
   BenchModel model(config);
-  model.set_window({224, 224, 64, 64});
+  model.set_window({224, 224, 64, 64}, {});
   const Image<std::uint8_t> grey = hologram(config.sensor);
   const std::vector<Mode> tilts{{2, 0.8}, {1, 0.5}};  // dW/dx and dW/dy, both positive
   model.set_aberration(tilts);
-  const Vec2 truth = true_spots_px(config, tilts)[9] - Vec2{224, 224};
+  config.truth.aberration = tilts;
+  const Vec2 truth = true_spots_px(config, config.truth)[9] - Vec2{224, 224};
   EXPECT_GT(truth.x, 31.5 + 3.0);
   EXPECT_GT(truth.y, 31.5 + 2.0);
   EXPECT_GT(truth.x - 31.5, truth.y - 31.5);
@@ -142,7 +143,7 @@ TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
   const Image<std::uint8_t> grey = hologram(config.sensor);
   const auto peak = [&grey](const Config& c) {
     BenchModel model(c);
-    model.set_window({224, 224, 64, 64});
+    model.set_window({224, 224, 64, 64}, {});
     const Image<float> light = model.intensity(grey);
     return double(*std::max_element(light.pixels.begin(), light.pixels.end()));
   };

@@ -23,7 +23,12 @@ class TwinOnBench : public ::testing::Test {
     bench.call("twin.set", {{"aberration", nlohmann::json::array()},
                             {"peak_electrons", 6000},
                             {"read_noise_e", 5},
-                            {"noise", "fresh"}});
+                            {"noise", "fresh"},
+                            {"geometry",
+                             {{"rotation_deg", 0},
+                              {"mirror", "none"},
+                              {"magnification", 1.0},
+                              {"centre_px", {255.5, 255.5}}}}});
   }
 
   static std::vector<Vec2> spots_of(const nlohmann::json& truth) {
@@ -75,6 +80,22 @@ TEST_F(TwinOnBench, HiddenAstigmatismMovesTheSpotsAsTheTruthSays) {
   const auto moved = spots_of(bench.call("twin.get"));
   EXPECT_GT(norm(moved[0] - at_rest[0]), 3.0);
   EXPECT_LT(worst_px(bench.newer_frame(), 1, moved), kNearPx);
+}
+
+TEST_F(TwinOnBench, ATurnedMirroredCameraShowsTheSpotsWhereTheTruthSays) {
+  bench.show(sensor);
+  bench.start(settings);
+  const auto straight = spots_of(bench.call("twin.get"));
+  const auto set = bench.call("twin.set", {{"geometry",
+                                            {{"rotation_deg", 33},
+                                             {"mirror", "x"},
+                                             {"magnification", 1.05},
+                                             {"centre_px", {265.5, 240.5}}}}});
+  EXPECT_EQ(set.at("applied").at("geometry").at("mirror"), "x");
+  const auto turned = spots_of(bench.call("twin.get"));
+  EXPECT_NEAR(turned[9].x, 265.5, 1e-9);
+  EXPECT_NEAR(norm(turned[0] - turned[9]), 1.05 * norm(straight[0] - straight[9]), 1e-9);
+  EXPECT_LT(worst_px(bench.newer_frame(), 1, turned), 1.05 * kNearPx);
 }
 
 TEST_F(TwinOnBench, AnAberrationOfTheHologramMovesTheSpotsAsOneOfTheLightDoes) {
@@ -272,6 +293,8 @@ TEST_F(TwinOnBench, RefusesWhatItDoesNotUnderstand) {
   EXPECT_EQ(bench.call("twin.got").at("error").at("code"), -32601);
   EXPECT_EQ(bench.call("twin.set", {{"red_noise_e", 3}}).at("error").at("code"), -32602);
   EXPECT_EQ(bench.call("twin.set", {{"read_noise_e", -3}}).at("error").at("code"), -32602);
+  EXPECT_EQ(bench.call("twin.set", {{"geometry", {{"rotation", 3}}}}).at("error").at("code"),
+            -32602);
   EXPECT_EQ(bench.call("twin.fault", {{"kind", "fire"}}).at("error").at("code"), -32602);
   EXPECT_EQ(bench.call("twin.fault", {{"kind", "freeze"}, {"frames", 3}}).at("error").at("code"),
             -32602);

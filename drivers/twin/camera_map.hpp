@@ -1,0 +1,28 @@
+/// Where on the camera the light of a spatial frequency falls, and the other way round.
+#pragma once
+
+#include "core/base/vec2.hpp"
+#include "drivers/twin/twin_config.hpp"
+
+namespace ovws::twin {
+
+/// pixel = centre + S R(rotation) M(mirror) (u - u_base), x right, y down: u in cycles per SLM
+/// pixel, u_base the frequency of the base grating, S = camera_px_per_cycle. A positive angle turns
+/// +x towards +y; the mirror comes first: "x" changes the sign of u's x, "y" that of its y.
+struct CameraMap {
+  Vec2 centre_px;    ///< of the sensor, or of a window of it once `seen_from` it
+  Vec2 base_cpp;     ///< u_base
+  double scale = 0;  ///< S
+  Vec2 of_x, of_y;   ///< R M (1, 0) and R M (0, 1); for multiples of 90 degrees 0 and +-1 exactly
+
+  Vec2 pixel(Vec2 cpp) const;
+  Vec2 frequency(Vec2 px) const;
+  /// The same with pixels counted from `corner_px`.
+  CameraMap seen_from(Vec2 corner_px) const;
+  bool axis_aligned() const;  ///< by multiples of 90 degrees, mirrored or not
+};
+
+/// `config.optics` gives wavelength, focal length and pitch; the rest is the geometry's.
+CameraMap camera_map(const Config& config, const CameraGeometry& geometry);
+
+}  // namespace ovws::twin

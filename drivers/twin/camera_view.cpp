@@ -1,0 +1,142 @@
+#include "drivers/twin/camera_view.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ovws::twin {
+namespace {
+
+constexpr int kTaps = CameraView::kTaps;
+constexpr int kPlaces = 512;  ///< between two points; linear between them: within 1e-6
+constexpr double kOversampling = 2.0;
+/// Kaiser, "Nonrecursive digital filter design using the I0-sinh window function" (1974): for the
+/// transition from half of the Nyquist frequency to one and a half over 12 taps.
+constexpr double kKaiserBeta = 8.6;
+
+double windowed_sinc(double t) {
+  const double reach = t / (kTaps / 2);
+  if (std::abs(reach) >= 1.0) return 0.0;
+  const double angle = std::numbers::pi * t;
+  const double sinc = t == 0.0 ? 1.0 : std::sin(angle) / angle;
+  return sinc * std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - reach * reach)) /
+         std::cyl_bessel_i(0.0, kKaiserBeta);
+}
+
+template <class Taps>
+std::vector<Taps> make_kernel() {
+  std::vector<Taps> kernel(kPlaces + 1);
+  for (int place = 0; place <= kPlaces; ++place) {
+    for (int k = 0; k < kTaps; ++k) {
+      const double at = double(place) / kPlaces + (kTaps / 2 - 1) - k;
+      kernel[std::size_t(place)][std::size_t(k)] = float(windowed_sinc(at));
+    }
+  }
+  return kernel;
+}
+
+/// A place on the grid along one axis: the first point to read, and how to weigh them.
+struct Place {
+  int first;
+  Eigen::Array<float, kTaps, 1> weights;
+};
+
+template <class Taps>
+Place place(double at, int period, const std::vector<Taps>& kernel) {
+  at -= period * std::floor((at - kTaps / 2) / period);
+  const double whole = std::floor(at);
+  const double fine = (at - whole) * kPlaces;
+  const int step = std::min(int(fine), kPlaces - 1);
+  using Row = Eigen::Map<const Eigen::Array<float, kTaps, 1>>;
+  const Row below(kernel[std::size_t(step)].data()), above(kernel[std::size_t(step) + 1].data());
+  return {int(whole) - (kTaps / 2 - 1), below + float(fine - step) * (above - below)};
+}
+
+}  // namespace
+
+CameraView::CameraView(const CameraMap& map, const SlmGeometry& slm, const Roi& window)
+    : width_(window.width), height_(window.height), aligned_(map.axis_aligned()) {
+  const CameraMap here = map.seen_from({double(window.x), double(window.y)});
+  if (aligned_) {
+    align(here);
+  } else {
+    turn(here, slm);
+  }
+}
+
+void CameraView::align(const CameraMap& map) {
+  const bool lies = map.of_x.x == 0.0;
+  const bool from_right = map.of_x.x < 0.0 || map.of_y.x < 0.0;
+  const bool from_below = map.of_x.y < 0.0 || map.of_y.y < 0.0;
+  const Vec2 first{from_right ? width_ - 1.0 : 0.0, from_below ? height_ - 1.0 : 0.0};
+  grid_ = {lies ? height_ : width_, lies ? width_ : height_, map.frequency(first), 1.0 / map.scale};
+  per_column_ = {map.of_x.x, map.of_y.x};
+  per_row_ = {map.of_x.y, map.of_y.y};
+  start_ = Vec2{} - (first.x * per_column_ + first.y * per_row_);
+}
+
+void CameraView::turn(const CameraMap& map, const SlmGeometry& slm) {
+  const Vec2 step{1.0 / (kOversampling * slm.width_px), 1.0 / (kOversampling * slm.height_px)};
+  period_ = {int(kOversampling) * slm.width_px, int(kOversampling) * slm.height_px};
+  const auto on_grid = [&](Vec2 px) {
+    const Vec2 u = map.frequency(px);
+    return Vec2{u.x / step.x, u.y / step.y};
+  };
+  const Vec2 origin = on_grid({0.0, 0.0});
+  Vec2 low = origin, high = origin;
+  for (const Vec2 corner :
+       {Vec2{width_ - 1.0, 0.0}, Vec2{0.0, height_ - 1.0}, Vec2{width_ - 1.0, height_ - 1.0}}) {
+    const Vec2 at = on_grid(corner);
+    low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+    high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+  }
+  // One more than the taps reach, so that rounding makes no first place wrap round.
+  const Vec2 margin{kTaps / 2 + 1.0, kTaps / 2 + 1.0};
+  low = low - margin;
+  const auto points = [](double span, int period) {
+    return int(std::min(std::ceil(span), double(period))) + kTaps + 3;
+  };
+  grid_ = {points(high.x - low.x, period_[0]),
+           points(high.y - low.y, period_[1]),
+           {low.x * step.x, low.y * step.y},
+           step.x,
+           step.y};
+  start_ = origin - low;
+  per_column_ = on_grid({1.0, 0.0}) - origin;
+  per_row_ = on_grid({0.0, 1.0}) - origin;
+  kernel_ = make_kernel<Taps>();
+}
+
+void CameraView::copy(const Image<std::complex<float>>& far, int first_row, int end_row,
+                      Image<std::complex<float>>& out) const {
+  const std::ptrdiff_t step = std::lround(per_column_.x + per_column_.y * far.width);
+  for (int r = first_row; r < end_row; ++r) {
+    const Vec2 at = start_ + double(r) * per_row_;
+    const std::complex<float>* from = far.row(int(at.y)) + int(at.x);
+    std::complex<float>* to = out.row(r);
+    for (int c = 0; c < width_; ++c) to[c] = from[c * step];
+  }
+}
+
+void CameraView::read(const Image<std::complex<float>>& far, int first_row, int end_row,
+                      Image<std::complex<float>>& out) const {
+  if (aligned_) return copy(far, first_row, end_row, out);
+  using Line = Eigen::Array<float, 2, kTaps>;
+  for (int r = first_row; r < end_row; ++r) {
+    std::complex<float>* to = out.row(r);
+    for (int c = 0; c < width_; ++c) {
+      const Vec2 at = start_ + double(c) * per_column_ + double(r) * per_row_;
+      const Place x = place(at.x, period_[0], kernel_), y = place(at.y, period_[1], kernel_);
+      Line columns = Line::Zero();
+      for (int k = 0; k < kTaps; ++k) {
+        const std::complex<float>* line = far.row(y.first + k) + x.first;
+        columns += y.weights[k] * Eigen::Map<const Line>(reinterpret_cast<const float*>(line));
+      }
+      const Eigen::Vector2f sum = columns.matrix() * x.weights.matrix();
+      to[c] = {sum[0], sum[1]};
+    }
+  }
+}
+
+}  // namespace ovws::twin
