@@ -13,6 +13,8 @@ namespace {
 /// than the daemon's settle_ms by what a frame's delivery and the news of a change may take.
 constexpr auto kTurning = std::chrono::milliseconds(10);
 
+constexpr std::size_t kFrameTruths = 32;
+
 }  // namespace
 
 Bench::Bench(const Config& config) : model_(config) {
@@ -57,9 +59,11 @@ void Bench::set_truth(const Truth& truth) {
   ordered_ = state_.number;
 }
 
-std::uint64_t Bench::begin(const Roi& window) {
+std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
   const std::lock_guard lock(mutex_);
-  if (state_.window != window) {
+  const bool moved = state_.truth.turbulence && state_.t_ns != t_ns;
+  state_.t_ns = t_ns;
+  if (state_.window != window || moved) {
     state_.window = window;
     note_change();
     ordered_ = state_.number;
@@ -83,11 +87,38 @@ std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
   return there ? scene_ : nullptr;
 }
 
+void Bench::note_sent(std::uint64_t frame_id, const Scene& scene) {
+  if (!scene.truth.turbulence) return;
+  const std::lock_guard lock(mutex_);
+  frame_truths_.push_back({frame_id, scene.t_ns, scene.turbulence});
+  if (frame_truths_.size() > kFrameTruths) frame_truths_.pop_front();
+}
+
+std::vector<FrameTruth> Bench::frame_truths() const {
+  const std::lock_guard lock(mutex_);
+  return {frame_truths_.begin(), frame_truths_.end()};
+}
+
 BenchStatus Bench::status() const {
   const std::lock_guard lock(mutex_);
   BenchStatus status = status_;
   status.changes = state_.number;
   return status;
+}
+
+/// Returns whether the light has changed by it.
+bool Bench::move_air(const State& now) {
+  const std::optional<TurbulenceConfig>& wanted = now.truth.turbulence;
+  if (!wanted && !turbulence_) return false;
+  const bool same = wanted && turbulence_ && turbulence_->config() == *wanted;
+  if (same && now.t_ns == last_.t_ns) return false;
+  if (!wanted) {
+    turbulence_.reset();
+  } else if (!same) {
+    turbulence_.emplace(*wanted);
+  }
+  model_.set_turbulence(turbulence_ ? &*turbulence_ : nullptr, now.t_ns);
+  return true;
 }
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
@@ -96,11 +127,14 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
   if (aberration_changed) model_.set_aberration(now.truth.aberration);
   if (window_changed) model_.set_window(*now.window, now.truth.geometry);
-  if (aberration_changed || window_changed || now.grey != last_.grey) {
+  const bool air_moved = move_air(now);
+  if (aberration_changed || window_changed || air_moved || now.grey != last_.grey) {
     last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
   }
   last_ = now;
-  return std::make_shared<Scene>(Scene{last_intensity_, now.truth});
+  Scene scene{last_intensity_, now.truth, now.t_ns, {}};
+  if (turbulence_) scene.turbulence = turbulence_->modes(now.t_ns);
+  return std::make_shared<Scene>(std::move(scene));
 }
 
 void Bench::work(const std::stop_token& stop) {

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <vector>
 
 #include "core/base/image.hpp"
 #include "core/port/camera.hpp"
@@ -21,6 +23,15 @@ namespace ovws::twin {
 struct Scene {
   std::shared_ptr<const Image<float>> intensity;  ///< as BenchModel::intensity
   Truth truth;
+  std::int64_t t_ns = 0;           ///< UTC: the moment of the turbulence
+  Turbulence::Modes turbulence{};  ///< its modes then; zeros without turbulence
+};
+
+/// What was true of a frame that was sent.
+struct FrameTruth {
+  std::uint64_t frame_id = 0;
+  std::int64_t t_ns = 0;
+  Turbulence::Modes turbulence{};
 };
 
 struct BenchStatus {
@@ -46,14 +57,18 @@ class Bench {
   Truth truth() const;
   void set_truth(const Truth& truth);
 
-  /// A frame of this window of the sensor begins now. Returns the number of the present state.
-  std::uint64_t begin(const Roi& window);
+  /// A frame of this window of the sensor begins now, `t_ns` UTC. Returns the number of the present
+  /// state: with turbulence, a new one.
+  std::uint64_t begin(const Roi& window, std::int64_t t_ns = 0);
   /// The light for a frame that was begun in state `begun`, of that state or of a newer one. A
   /// scene that is not `ready` yet is for preparing the frame: it becomes so, or a newer one does.
   /// Returns `ready` itself when a frame of it may be sent, which is decided anew after each
   /// preparation; null if nothing comes by the deadline, or on stop.
   std::shared_ptr<const Scene> scene(std::uint64_t begun, const std::shared_ptr<const Scene>& ready,
                                      Deadline deadline, const std::stop_token& stop);
+  /// A frame was sent. With turbulence, `frame_truths` has it from now on.
+  void note_sent(std::uint64_t frame_id, const Scene& scene);
+  std::vector<FrameTruth> frame_truths() const;  ///< the last 32, the oldest first
   BenchStatus status() const;
 
  private:
@@ -62,9 +77,11 @@ class Bench {
     std::shared_ptr<const Image<std::uint8_t>> grey;
     Truth truth;
     std::optional<Roi> window;
+    std::int64_t t_ns = 0;
     std::uint64_t number = 0;  ///< counts the changes
   };
   std::shared_ptr<const Scene> compute(const State& now);
+  bool move_air(const State& now);
   void note_change();        // call with mutex_ locked
   bool may_be_sent() const;  // call with mutex_ locked
 
@@ -76,10 +93,12 @@ class Bench {
   std::uint64_t ordered_ = 0;   ///< the newest change of truth or window
   Deadline shown_since_;        ///< when the display began to show what it shows
   BenchStatus status_;
+  std::deque<FrameTruth> frame_truths_;
 
   // The bench's thread only.
   BenchModel model_;
   State last_;
+  std::optional<Turbulence> turbulence_;
   std::shared_ptr<const Image<float>> last_intensity_;
 };
 

@@ -21,6 +21,9 @@ class BenchModel {
   explicit BenchModel(const Config& config);
 
   void set_aberration(std::span<const Mode> modes) { slm_.set_aberration(modes); }
+  void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
+    slm_.set_turbulence(turbulence, t_ns);
+  }
   /// Sensor pixels; may lie anywhere.
   void set_window(const Roi& window, const CameraGeometry& geometry);
 

@@ -68,6 +68,8 @@ bool FrameSource::may_repeat() const {
 
 bool FrameSource::wants_more() const {
   if (!request_ || ready_.size() >= kAhead) return false;
+  // No two frames are of the same moment of the air.
+  if (request_->scene->truth.turbulence) return ready_.empty() && past_.empty();
   return request_->scene->truth.noise == Noise::fresh ||
          ready_.size() + past_.size() < history_of(request_->scene->truth.noise);
 }

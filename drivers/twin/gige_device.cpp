@@ -176,10 +176,14 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto deadline = start + kFarFieldTime;
   // A server that hangs shows nothing new: then go by what is known.
   deps_.screen.catch_up(start + kDisplayTime, stop_);
-  const std::uint64_t begun = deps_.bench.begin(settings.roi);
+  const std::uint64_t begun =
+      deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
   std::shared_ptr<const Scene> ready;
   while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
-    if (scene == ready) return FrameFate::send;
+    if (scene == ready) {
+      deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
+      return FrameFate::send;
+    }
     if (!deps_.frames.take({scene, settings.exposure_us, settings.gain_db, *format}, deadline,
                            stop_, out)) {
       break;

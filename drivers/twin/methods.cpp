@@ -1,5 +1,8 @@
 #include "drivers/twin/methods.hpp"
 
+#include <limits>
+
+#include "core/port/clock.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws::twin {
@@ -28,6 +31,25 @@ Json json_of(const CameraGeometry& geometry) {
           {"centre_px", {geometry.centre_px.x, geometry.centre_px.y}}};
 }
 
+Json json_of(const std::optional<TurbulenceConfig>& turbulence) {
+  if (!turbulence) return nullptr;
+  return {{"rms_waves", turbulence->rms_waves},
+          {"speed_pupils_per_s", turbulence->speed_pupils_per_s},
+          {"direction_deg", turbulence->direction_deg},
+          {"outer_scale_pupils", turbulence->outer_scale_pupils},
+          {"seed", turbulence->seed},
+          {"tilt", turbulence->tilt}};
+}
+
+Json json_of(const std::vector<FrameTruth>& frames) {
+  Json json = Json::array();
+  for (const FrameTruth& frame : frames) {
+    json.push_back(
+        {{"frame_id", frame.frame_id}, {"t_ns", frame.t_ns}, {"modes", frame.turbulence}});
+  }
+  return json;
+}
+
 Json json_of(const std::vector<Mode>& aberration) {
   Json modes = Json::array();
   for (const Mode& mode : aberration) {
@@ -44,6 +66,7 @@ Json json_of(const Config& config, const Truth& truth) {
           {"norm", "rms"},
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
+          {"turbulence", json_of(truth.turbulence)},
           {"photons", photons_per_spot(config, truth)},
           {"quantum_efficiency", d.quantum_efficiency},
           {"prnu", d.prnu},
@@ -78,6 +101,16 @@ Json json_of(const FrameTally& tally, const FrameCounts& frames) {
           {"reused", frames.reused}};
 }
 
+/// `at_ns`: nanoseconds, whole, exact beyond the digits of a double.
+void read_moment(ObjectReader& reader, std::int64_t& t_ns) {
+  const Json* at = reader.raw("at_ns");
+  if (at == nullptr) return;
+  if (!at->is_number_integer() || *at < 0 || *at > std::numeric_limits<std::int64_t>::max()) {
+    return reader.fault("at_ns", "must be a whole number of nanoseconds, UTC, 0 or more");
+  }
+  t_ns = at->get<std::int64_t>();
+}
+
 RpcAnswer failed(const Error& error) {
   return tl::make_unexpected(rpc_failure(error));
 }
@@ -93,14 +126,27 @@ RpcAnswer Methods::call(const std::string& method, const Json& params) {
   return tl::make_unexpected(RpcFailure{RpcCode::method, "method not found", data});
 }
 
-RpcAnswer Methods::get(const Json& params) const {
-  if (auto done = ObjectReader(params, "").finish(); !done) return failed(done.error());
+const Turbulence& Methods::turbulence(const TurbulenceConfig& config) {
+  if (!turbulence_ || turbulence_->config() != config) turbulence_.emplace(config);
+  return *turbulence_;
+}
+
+RpcAnswer Methods::get(const Json& params) {
+  std::int64_t t_ns = utc_ns();
+  ObjectReader reader(params, "");
+  read_moment(reader, t_ns);
+  if (auto done = reader.finish(); !done) return failed(done.error());
   const Truth truth = deps_.bench.truth();
   const CameraStatus camera = deps_.camera.status();
   const BenchStatus bench = deps_.bench.status();
   const ScreenStatus screen = deps_.screen.status();
 
   Json result = json_of(config_, truth);
+  if (truth.turbulence) {
+    result["turbulence"]["t_ns"] = t_ns;
+    result["turbulence"]["modes"] = turbulence(*truth.turbulence).modes(t_ns);
+    result["turbulence"]["frames"] = json_of(deps_.bench.frame_truths());
+  }
   Json spots = Json::array();
   for (const Vec2& spot : true_spots_px(config_, truth)) {
     spots.push_back({{"i", spots.size()},
@@ -131,6 +177,7 @@ RpcAnswer Methods::set(const Json& params) {
   read_detector(reader, truth);
   read_noise(reader, truth);
   read_geometry(reader, truth.geometry);
+  read_turbulence(reader, truth.turbulence);
   reader.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
   reader.number("photons", photons, 0.0, 1e15);
   if (reader.has("photons") && reader.has("peak_electrons")) {

@@ -1,6 +1,7 @@
 /// The twin's own methods: what tests and people read and change behind the daemon's back.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "drivers/twin/bench.hpp"
@@ -29,12 +30,15 @@ class Methods {
   RpcAnswer call(const std::string& method, const Json& params);
 
  private:
-  RpcAnswer get(const Json& params) const;
+  RpcAnswer get(const Json& params);
   RpcAnswer set(const Json& params);
   RpcAnswer fault(const Json& params);
 
+  const Turbulence& turbulence(const TurbulenceConfig& config);
+
   const Config config_;
   const Deps deps_;
+  std::optional<Turbulence> turbulence_;  ///< the one asked for last
 };
 
 }  // namespace ovws::twin

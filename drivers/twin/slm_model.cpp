@@ -96,6 +96,13 @@ void SlmModel::set_aberration(std::span<const Mode> modes) {
   }
 }
 
+void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
+  screen_.reset();
+  if (turbulence == nullptr) return;
+  const Vec2 centre{(incident_.width - 1) / 2.0, (incident_.height - 1) / 2.0};
+  screen_.emplace(*turbulence, t_ns, centre, config_.sensor.pupil_diameter_px);
+}
+
 void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row,
                         Image<std::complex<float>>& field) const {
   const std::uint8_t* from = grey.row(first_row);
@@ -105,6 +112,10 @@ void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row,
     const std::complex<float> a = incident[i], b = phasor_of_grey_[from[i]];
     field.pixels[i] = {a.real() * b.real() - a.imag() * b.imag(),
                        a.real() * b.imag() + a.imag() * b.real()};
+  }
+  if (!screen_) return;
+  for (int y = 0; y < field.height; ++y) {
+    screen_->modulate(first_row + y, field.width, field.row(y));
   }
 }
 

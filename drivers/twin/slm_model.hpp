@@ -3,10 +3,12 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 #include <span>
 
 #include "core/base/image.hpp"
 #include "core/optics/zernike.hpp"
+#include "drivers/twin/pupil_screen.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -19,6 +21,9 @@ class SlmModel {
   /// The wavefront of the light that meets the SLM, over the sensor's pupil; 0 outside.
   void set_aberration(std::span<const Mode> modes);
 
+  /// And what turbulence adds to it at this moment; null: none.
+  void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
+
   /// `grey`: width x height of the SLM. `field`: as wide, and filled with the rows of the SLM from
   /// `first_row` on; amplitude 1 in the middle of the beam. May be called by several threads.
   void modulate(const Image<std::uint8_t>& grey, int first_row,
@@ -30,6 +35,7 @@ class SlmModel {
   Image<float> surface_waves_;           ///< flatness error; empty: none
   Image<float> amplitude_;               ///< of the beam; empty: 1 everywhere
   Image<std::complex<float>> incident_;  ///< beam, aberration and surface
+  std::optional<PupilScreen> screen_;    ///< turbulence
 };
 
 }  // namespace ovws::twin

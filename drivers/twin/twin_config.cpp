@@ -98,6 +98,7 @@ void read(ObjectReader& r, Config& c) {
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
   read_aberration(r, c.truth);
   read_noise(r, c.truth);
+  read_turbulence(r, c.truth.turbulence);
 }
 
 /// Per photon in the brightest pixel of an ideal charge-1 spot: photons in the whole spot.
@@ -143,6 +144,22 @@ void read_noise(ObjectReader& r, Truth& truth) {
   int noise = int(truth.noise);
   r.choice("noise", noise, {"fresh", "pool", "none"});
   truth.noise = Noise(noise);
+}
+
+void read_turbulence(ObjectReader& r, std::optional<TurbulenceConfig>& turbulence) {
+  const nlohmann::json* given = r.raw("turbulence");
+  if (given == nullptr || r.failed()) return;
+  turbulence.reset();
+  if (given->is_null()) return;
+  TurbulenceConfig& t = turbulence.emplace();
+  r.object("turbulence", [&t](ObjectReader& in) {
+    in.number("rms_waves", t.rms_waves, 0.0, 10.0);
+    in.number("speed_pupils_per_s", t.speed_pupils_per_s, 0.0, 1000.0);
+    in.number("direction_deg", t.direction_deg, -360.0, 360.0);
+    in.number("outer_scale_pupils", t.outer_scale_pupils, 0.1, 1000.0);
+    in.integer("seed", t.seed, 0, 1'000'000);
+    in.boolean("tilt", t.tilt);
+  });
 }
 
 void read_geometry(ObjectReader& r, CameraGeometry& geometry) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/optics/detector.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/zernike.hpp"
+#include "drivers/twin/turbulence.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws::twin {
@@ -65,6 +67,7 @@ struct Truth {
   /// neighbouring spots interfere a charge-1 spot reaches 1.2 to 1.4 times as much.
   double peak_electrons = 6000.0;
   CameraGeometry geometry;
+  std::optional<TurbulenceConfig> turbulence;
   DetectorConfig detector;  ///< bits: not used
   int bits = 0;             ///< of the converter; 0: as many as the pixel format has
   Noise noise = Noise::fresh;
@@ -96,6 +99,8 @@ Result<Config> load_config(const std::string& path);
 void read_aberration(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
+/// `turbulence`: null, or an object that replaces what was there.
+void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
 /// The object `geometry` of twin.set: any of its keys.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
 

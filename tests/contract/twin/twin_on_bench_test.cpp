@@ -24,6 +24,7 @@ class TwinOnBench : public ::testing::Test {
                             {"peak_electrons", 6000},
                             {"read_noise_e", 5},
                             {"noise", "fresh"},
+                            {"turbulence", nullptr},
                             {"geometry",
                              {{"rotation_deg", 0},
                               {"mirror", "none"},
@@ -96,6 +97,66 @@ TEST_F(TwinOnBench, ATurnedMirroredCameraShowsTheSpotsWhereTheTruthSays) {
   EXPECT_NEAR(turned[9].x, 265.5, 1e-9);
   EXPECT_NEAR(norm(turned[0] - turned[9]), 1.05 * norm(straight[0] - straight[9]), 1e-9);
   EXPECT_LT(worst_px(bench.newer_frame(), 1, turned), 1.05 * kNearPx);
+}
+
+TEST_F(TwinOnBench, MovingAirIsInEachFrameAsTheTruthSaysByItsNumber) {
+  bench.show(sensor);
+  settings.frame_rate_hz = 10.0;
+  bench.start(settings);
+  const auto at_rest = spots_of(bench.call("twin.get"));
+  bench.call("twin.set", {{"turbulence", {{"rms_waves", 0.1}, {"speed_pupils_per_s", 0.5}}}});
+  double moved = 0.0;
+  const auto start = std::chrono::steady_clock::now();
+  constexpr int kFrames = 20;
+  for (int n = 0; n < kFrames; ++n) {
+    const TakenFrame frame = n == 0 ? bench.newer_frame() : bench.grab();
+    const auto truth = bench.call("twin.get", {{"at_ns", frame.t_device_ns}}).at("turbulence");
+    nlohmann::json own;
+    for (const auto& sent : truth.at("frames")) {
+      if (sent.at("t_ns") == frame.t_device_ns) own = sent;
+    }
+    ASSERT_FALSE(own.is_null()) << frame.t_device_ns;
+    EXPECT_EQ(own.at("frame_id").get<std::uint64_t>(), frame.frame_id);
+    EXPECT_EQ(own.at("modes"), truth.at("modes"));
+    // The tilt that all spots share.
+    Vec2 found, expected;
+    for (const Vec2& spot : at_rest) {
+      // Z1 = 2 y, Z2 = 2 x over the pupil's radius; 1928 camera pixels per cycle per SLM pixel.
+      constexpr double kPxPerWave = 2.0 / 384.0 * 1928.3;
+      const Vec2 tilt{kPxPerWave * own["modes"][2].get<double>(),
+                      kPxPerWave * own["modes"][1].get<double>()};
+      const Vec2 at = spot_at(frame.dn, 1, spot + tilt);
+      if (std::isnan(at.x)) continue;
+      found = found + (1.0 / kSpots) * (at - spot);
+      expected = expected + (1.0 / kSpots) * tilt;
+    }
+    EXPECT_LT(norm(found - expected), 0.5) << "frame " << n;
+    moved = std::max(moved, norm(expected));
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  std::printf("  %.1f frames/s, tilt up to %.1f px\n", kFrames / took.count(), moved);
+  EXPECT_GT(moved, 1.0);
+}
+
+TEST_F(TwinOnBench, GoesOnSendingWhileTheAirMoves) {
+  using std::chrono::steady_clock;
+  bench.show(sensor);
+  settings.frame_rate_hz = 20.0;
+  bench.start(settings);
+  bench.call("twin.set", {{"turbulence", {{"rms_waves", 0.2}, {"speed_pupils_per_s", 2.0}}}});
+  bench.newer_frame();
+  int frames = 0;
+  std::uint64_t last = bench.grab().frame_id, lost = 0;
+  const auto end = steady_clock::now() + std::chrono::seconds(4);
+  for (; steady_clock::now() < end; ++frames) {
+    const std::uint64_t id = bench.grab().frame_id;
+    lost += id - last - 1;
+    last = id;
+  }
+  const auto now = bench.call("twin.get");
+  std::printf("  %.1f frames/s, %d lost, far field %.0f ms\n", frames / 4.0, int(lost),
+              now["bench"]["far_field_ms"].get<double>());
+  EXPECT_GT(frames, 8);
 }
 
 TEST_F(TwinOnBench, AnAberrationOfTheHologramMovesTheSpotsAsOneOfTheLightDoes) {
@@ -295,6 +356,8 @@ TEST_F(TwinOnBench, RefusesWhatItDoesNotUnderstand) {
   EXPECT_EQ(bench.call("twin.set", {{"read_noise_e", -3}}).at("error").at("code"), -32602);
   EXPECT_EQ(bench.call("twin.set", {{"geometry", {{"rotation", 3}}}}).at("error").at("code"),
             -32602);
+  EXPECT_EQ(bench.call("twin.set", {{"turbulence", {{"rms", 3}}}}).at("error").at("code"), -32602);
+  EXPECT_EQ(bench.call("twin.get", {{"at_ns", -3}}).at("error").at("code"), -32602);
   EXPECT_EQ(bench.call("twin.fault", {{"kind", "fire"}}).at("error").at("code"), -32602);
   EXPECT_EQ(bench.call("twin.fault", {{"kind", "freeze"}, {"frames", 3}}).at("error").at("code"),
             -32602);

@@ -1,0 +1,85 @@
+#include "drivers/twin/pupil_screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/optics/circle_columns.hpp"
+
+namespace ovws::twin {
+namespace {
+
+constexpr int kPointsAcross = 96;
+constexpr int kBefore = 2;  ///< points before the one at or below a place
+constexpr int kPhasors = 16384;
+
+const std::vector<std::complex<float>>& phasors() {
+  static const std::vector<std::complex<float>> table = [] {
+    std::vector<std::complex<float>> made;
+    for (int k = 0; k < kPhasors; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / kPhasors;
+      made.emplace_back(float(std::cos(angle)), float(std::sin(angle)));
+    }
+    return made;
+  }();
+  return table;
+}
+
+/// std::floor is a call without SSE 4.1.
+int floor_of(float value) {
+  const int whole = int(value);
+  return whole - (value < float(whole) ? 1 : 0);
+}
+
+}  // namespace
+
+PupilScreen::PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 centre_px,
+                         double diameter_px)
+    : centre_px_(centre_px),
+      diameter_px_(diameter_px),
+      step_px_(std::max(1, int(diameter_px / kPointsAcross))),
+      first_x_px_(int(std::floor(centre_px.x - diameter_px / 2))),
+      first_y_px_(int(std::floor(centre_px.y - diameter_px / 2))) {
+  const double radius = diameter_px / 2;
+  // Columns and rows may begin at other fractions of a pixel from the centre.
+  const auto first = [&](int px, double centre) {
+    return (px - kBefore * step_px_ - centre) / radius;
+  };
+  const int points = int(diameter_px / step_px_) + kTaps + 2;
+  points_ = turbulence.sample({first(first_x_px_, centre_px.x), first(first_y_px_, centre_px.y)},
+                              step_px_ / radius, points, t_ns);
+  for (int between = 0; between < step_px_; ++between) {
+    const double at = double(between) / step_px_ + kBefore;
+    Taps taps;
+    for (int k = 0; k < kTaps; ++k) {
+      double weight = 1.0;
+      for (int other = 0; other < kTaps; ++other) {
+        if (other != k) weight *= (at - other) / (k - other);
+      }
+      taps[std::size_t(k)] = float(weight);
+    }
+    taps_.push_back(taps);
+  }
+}
+
+void PupilScreen::modulate(int y, int width, std::complex<float>* row) const {
+  const Columns pupil = columns_in_circle(centre_px_, diameter_px_, y, width);
+  if (pupil.begin == pupil.end) return;
+  const int below = y - first_y_px_;
+  const Taps& across = taps_[std::size_t(below % step_px_)];
+  const Eigen::Map<const Eigen::Matrix<float, kTaps, 1>> weights(across.data());
+  const Eigen::VectorXf line =
+      points_.middleCols(below / step_px_, kTaps) * weights * float(kPhasors);
+  const std::complex<float>* table = phasors().data();
+  for (int x = pupil.begin; x < pupil.end; ++x) {
+    const int right = x - first_x_px_;
+    const Taps& along = taps_[std::size_t(right % step_px_)];
+    const float* from = line.data() + right / step_px_;
+    float turns = 0.5F;
+    for (std::size_t k = 0; k < kTaps; ++k) turns += along[k] * from[k];
+    const std::complex<float> a = row[x], b = table[floor_of(turns) & (kPhasors - 1)];
+    row[x] = {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+  }
+}
+
+}  // namespace ovws::twin

@@ -1,0 +1,68 @@
+/// Turbulent air in front of the SLM: a frozen wavefront that the wind carries over the pupil.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec2.hpp"
+
+namespace ovws::twin {
+
+/// Lengths in pupil diameters.
+struct TurbulenceConfig {
+  /// Of what is not piston or tilt (j >= 3), over the pupil, RMS over all time.
+  double rms_waves = 0.1;
+  double speed_pupils_per_s = 1.0;
+  double direction_deg = 0.0;  ///< where the air moves to: 0 is +x, 90 is +y (down)
+  double outer_scale_pupils = 10.0;
+  int seed = 1;
+  bool tilt = true;  ///< false: each moment's own piston and tilts over the pupil are taken out
+
+  friend bool operator==(const TurbulenceConfig&, const TurbulenceConfig&) = default;
+};
+
+/// 300 plane waves of random directions and starts, their frequencies spread evenly by logarithm
+/// up to kMaxCycles per pupil, their power that of von Karman's spectrum (f^2 + 1/L0^2)^(-11/6) (as
+/// in Hardy, "Adaptive Optics for Astronomical Telescopes", 1998, ch. 3). The same configuration
+/// gives the same wavefront at the same moment. Immutable, so thread-safe.
+class Turbulence {
+ public:
+  static constexpr double kMaxCycles = 12.0;
+  static constexpr int kModes = 21;  ///< j = 0 .. 20
+  using Modes = std::array<double, kModes>;
+
+  explicit Turbulence(const TurbulenceConfig& config);
+
+  const TurbulenceConfig& config() const { return config_; }
+
+  /// Waves at a place in pupil radii from the pupil's centre, `t_ns` UTC.
+  double waves(Vec2 at, std::int64_t t_ns) const;
+  /// Its part in each mode over the pupil, RMS-normalised waves, by Noll's integrals ("Zernike
+  /// polynomials and atmospheric turbulence", 1976): exact.
+  Modes modes(std::int64_t t_ns) const;
+
+  /// Waves at the points first + step (c, r), in pupil radii: `points` x `points`, by (c, r).
+  Eigen::MatrixXf sample(Vec2 first, double step, int points, std::int64_t t_ns) const;
+
+ private:
+  struct Wave {
+    Vec2 turns_per_radius;  ///< its frequency
+    double start_turns = 0.0;
+    double waves = 0.0;  ///< amplitude
+    /// Coefficient of mode j for this wave: Re(modes[j] exp(i phase at the pupil's centre)).
+    std::array<std::complex<double>, kModes> modes{};
+  };
+  double phase_at_centre(const Wave& wave, std::int64_t t_ns) const;  ///< radians
+  void fill_modes(Wave& wave) const;
+  Modes all_modes(std::int64_t t_ns) const;  ///< piston and tilts, too
+  void scale_to_rms();
+
+  TurbulenceConfig config_;
+  Vec2 radii_per_s_;
+  std::vector<Wave> waves_;
+};
+
+}  // namespace ovws::twin
