@@ -52,6 +52,11 @@ Truth Bench::truth() const {
   return state_.truth;
 }
 
+std::shared_ptr<const Image<std::uint8_t>> Bench::shown() const {
+  const std::lock_guard lock(mutex_);
+  return state_.grey;
+}
+
 void Bench::set_truth(const Truth& truth) {
   const std::lock_guard lock(mutex_);
   state_.truth = truth;

@@ -55,6 +55,7 @@ class Bench {
   void go_dark();  ///< the SLM is off: flat, every grey level 0
 
   Truth truth() const;
+  std::shared_ptr<const Image<std::uint8_t>> shown() const;  ///< grey levels of the SLM
   void set_truth(const Truth& truth);
 
   /// A frame of this window of the sensor begins now, `t_ns` UTC. Returns the number of the present

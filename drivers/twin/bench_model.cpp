@@ -69,7 +69,7 @@ void BenchModel::collect(int first_row, int end_row) {
     const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
     std::complex<float>* out = whole_.row(r);
     for (int c = 0; c < whole_.width; ++c) {
-      // By hand, as in SlmModel::modulate.
+      // By hand, as in `product`.
       out[c] = {a.real() * up[c].real() - a.imag() * up[c].imag() + b.real() * low[c].real() -
                     b.imag() * low[c].imag(),
                 a.real() * up[c].imag() + a.imag() * up[c].real() + b.real() * low[c].imag() +

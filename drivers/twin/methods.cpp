@@ -1,5 +1,6 @@
 #include "drivers/twin/methods.hpp"
 
+#include <chrono>
 #include <limits>
 
 #include "core/port/clock.hpp"
@@ -8,8 +9,10 @@
 namespace ovws::twin {
 namespace {
 
+constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.fault"};
 const std::vector<std::string> kNoises{"fresh", "pool", "none"};
+const std::vector<std::string> kPatterns{"sensor", "grating"};  // in the order of Pattern
 const std::vector<std::string> kFaults{"none", "drop", "incomplete", "delay", "freeze", "unplug"};
 
 Json json_of(const Fault& fault) {
@@ -79,6 +82,23 @@ Json json_of(const Config& config, const Truth& truth) {
           {"noise", kNoises[std::size_t(truth.noise)]}};
 }
 
+Json waves_of(const std::vector<Mode>& modes) {
+  Json waves = Json::array();
+  for (const Mode& mode : modes) waves.push_back(mode.waves);
+  return waves;
+}
+
+Json json_of(const std::optional<Verdict>& verdict) {
+  if (!verdict) return {{"unwrapped", false}};
+  return {{"unwrapped", true},
+          {"modes", waves_of(verdict->modes)},
+          {"rms_waves", verdict->rms_waves},
+          {"rms_with_tilt_waves", verdict->rms_with_tilt_waves},
+          {"strehl", verdict->strehl},
+          {"strehl_with_tilt", verdict->strehl_with_tilt},
+          {"first_order", verdict->first_order}};
+}
+
 Json json_of(const CameraStatus& camera) {
   const CameraSettings& s = camera.settings;
   return {{"plugged", camera.plugged},
@@ -131,10 +151,27 @@ const Turbulence& Methods::turbulence(const TurbulenceConfig& config) {
   return *turbulence_;
 }
 
+void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result) {
+  if (!judge_) judge_ = std::make_unique<Judge>(config_);
+  deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, {});
+  const auto shown = deps_.bench.shown();
+  const auto verdict =
+      judge_->judge(pattern, *shown, truth.aberration,
+                    truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
+  result["wavefront"] = json_of(verdict);
+  result["wavefront"]["pattern"] = kPatterns[std::size_t(pattern)];
+  result["wavefront"]["t_ns"] = t_ns;
+  const auto flatness = judge_->flatness_modes();
+  result["flatness_modes"] = flatness ? waves_of(*flatness) : Json(nullptr);
+  result["lut_waves"] = Judge::lut_waves(config_.slm);
+}
+
 RpcAnswer Methods::get(const Json& params) {
   std::int64_t t_ns = utc_ns();
   ObjectReader reader(params, "");
+  int pattern = 0;
   read_moment(reader, t_ns);
+  reader.choice("judge", pattern, kPatterns);
   if (auto done = reader.finish(); !done) return failed(done.error());
   const Truth truth = deps_.bench.truth();
   const CameraStatus camera = deps_.camera.status();
@@ -165,6 +202,7 @@ RpcAnswer Methods::get(const Json& params) {
   result["bench"] = {{"changes", bench.changes},
                      {"far_fields", bench.far_fields},
                      {"far_field_ms", bench.far_field_ms}};
+  if (reader.has("judge")) add_verdict(Pattern(pattern), truth, t_ns, result);
   result["fault"] = json_of(deps_.faults.active());
   return result;
 }

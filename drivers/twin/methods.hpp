@@ -1,6 +1,7 @@
 /// The twin's own methods: what tests and people read and change behind the daemon's back.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "drivers/twin/fake_camera.hpp"
 #include "drivers/twin/faults.hpp"
 #include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/judge.hpp"
 #include "drivers/twin/screen.hpp"
 #include "drivers/twin/twin_config.hpp"
 #include "proto/rpc.hpp"
@@ -21,7 +23,7 @@ class Methods {
     Bench& bench;
     FrameSource& frames;
     Faults& faults;
-    const Screen& screen;
+    Screen& screen;
     const FakeCamera& camera;
   };
   Methods(const Config& config, const Deps& deps) : config_(config), deps_(deps) {}
@@ -35,10 +37,13 @@ class Methods {
   RpcAnswer fault(const Json& params);
 
   const Turbulence& turbulence(const TurbulenceConfig& config);
+  /// Adds what a judge says of what the X server shows now.
+  void add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result);
 
   const Config config_;
   const Deps deps_;
   std::optional<Turbulence> turbulence_;  ///< the one asked for last
+  std::unique_ptr<Judge> judge_;          ///< once it was asked for
 };
 
 }  // namespace ovws::twin

@@ -2,34 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/optics/circle_columns.hpp"
+#include "drivers/twin/phasor_table.hpp"
 
 namespace ovws::twin {
 namespace {
 
 constexpr int kPointsAcross = 96;
 constexpr int kBefore = 2;  ///< points before the one at or below a place
-constexpr int kPhasors = 16384;
-
-const std::vector<std::complex<float>>& phasors() {
-  static const std::vector<std::complex<float>> table = [] {
-    std::vector<std::complex<float>> made;
-    for (int k = 0; k < kPhasors; ++k) {
-      const double angle = 2.0 * std::numbers::pi * k / kPhasors;
-      made.emplace_back(float(std::cos(angle)), float(std::sin(angle)));
-    }
-    return made;
-  }();
-  return table;
-}
-
-/// std::floor is a call without SSE 4.1.
-int floor_of(float value) {
-  const int whole = int(value);
-  return whole - (value < float(whole) ? 1 : 0);
-}
 
 }  // namespace
 
@@ -68,17 +49,15 @@ void PupilScreen::modulate(int y, int width, std::complex<float>* row) const {
   const int below = y - first_y_px_;
   const Taps& across = taps_[std::size_t(below % step_px_)];
   const Eigen::Map<const Eigen::Matrix<float, kTaps, 1>> weights(across.data());
-  const Eigen::VectorXf line =
-      points_.middleCols(below / step_px_, kTaps) * weights * float(kPhasors);
-  const std::complex<float>* table = phasors().data();
+  const Eigen::VectorXf line = points_.middleCols(below / step_px_, kTaps) * weights;
+  static const PhasorTable kPhasor;
   for (int x = pupil.begin; x < pupil.end; ++x) {
     const int right = x - first_x_px_;
     const Taps& along = taps_[std::size_t(right % step_px_)];
     const float* from = line.data() + right / step_px_;
-    float turns = 0.5F;
+    float turns = 0.0F;
     for (std::size_t k = 0; k < kTaps; ++k) turns += along[k] * from[k];
-    const std::complex<float> a = row[x], b = table[floor_of(turns) & (kPhasors - 1)];
-    row[x] = {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+    row[x] = product(row[x], kPhasor(turns));
   }
 }
 

@@ -8,8 +8,14 @@
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/wavefront_rows.hpp"
+#include "drivers/twin/phasor_table.hpp"
 
 namespace ovws::twin {
+
+double slm_phase_waves(const SlmConfig& slm, int grey) {
+  return slm.depth_waves * std::pow(grey / 256.0, slm.gamma);
+}
+
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -22,7 +28,7 @@ std::complex<float> phasor(double waves) {
 std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
   std::array<std::complex<float>, 256> lut;
   for (std::size_t g = 0; g < lut.size(); ++g) {
-    lut[g] = phasor(slm.depth_waves * std::pow(double(g) / 256.0, slm.gamma));
+    lut[g] = phasor(slm_phase_waves(slm, int(g)));
   }
   return lut;
 }
@@ -108,10 +114,7 @@ void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row,
   const std::uint8_t* from = grey.row(first_row);
   const std::complex<float>* incident = incident_.row(first_row);
   for (std::size_t i = 0; i < field.pixels.size(); ++i) {
-    // By hand: std::complex's product checks for infinities, which costs ten times as much.
-    const std::complex<float> a = incident[i], b = phasor_of_grey_[from[i]];
-    field.pixels[i] = {a.real() * b.real() - a.imag() * b.imag(),
-                       a.real() * b.imag() + a.imag() * b.real()};
+    field.pixels[i] = product(incident[i], phasor_of_grey_[from[i]]);
   }
   if (!screen_) return;
   for (int y = 0; y < field.height; ++y) {

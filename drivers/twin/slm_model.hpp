@@ -13,6 +13,9 @@
 
 namespace ovws::twin {
 
+/// The phase that a grey level truly has, waves, its whole ones included.
+double slm_phase_waves(const SlmConfig& slm, int grey);
+
 /// One thread at a time.
 class SlmModel {
  public:
@@ -28,6 +31,11 @@ class SlmModel {
   /// `first_row` on; amplitude 1 in the middle of the beam. May be called by several threads.
   void modulate(const Image<std::uint8_t>& grey, int first_row,
                 Image<std::complex<float>>& field) const;
+
+  /// Of the beam, 1 in its middle.
+  float amplitude(int x, int y) const { return amplitude_.width > 0 ? amplitude_.at(x, y) : 1.0F; }
+  /// The error of the surface at each pixel; empty: none.
+  const Image<float>& surface_waves() const { return surface_waves_; }
 
  private:
   Config config_;

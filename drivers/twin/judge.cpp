@@ -1,0 +1,108 @@
+#include "drivers/twin/judge.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/twin/phasor_table.hpp"
+#include "drivers/twin/wavefront_fit.hpp"
+
+namespace ovws::twin {
+namespace {
+
+/// The modes from `first` on.
+std::vector<Mode> tail(const std::vector<Mode>& modes, int first) {
+  return {modes.begin() + first, modes.end()};
+}
+
+Eigen::VectorXd waves_of(const PupilBlocks& blocks, const std::vector<Mode>& modes) {
+  Eigen::VectorXd waves = Eigen::VectorXd::Zero(blocks.count());
+  for (const Mode& mode : modes) waves += mode.waves * blocks.modes().col(mode.j);
+  return waves;
+}
+
+double rms(const PupilBlocks& blocks, const Eigen::VectorXd& waves) {
+  const Eigen::VectorXd& weights = blocks.weights();
+  const double mean = weights.dot(waves) / weights.sum();
+  return std::sqrt(weights.dot((waves.array() - mean).square().matrix()) / weights.sum());
+}
+
+/// |sum A exp(i phi)|^2 / (sum A)^2 with phi these modes and the rest.
+double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::VectorXd& rest) {
+  for (Mode& mode : modes) mode.waves = -mode.waves;
+  const Eigen::VectorXcd sums = blocks.sums(nullptr, modes);
+  std::complex<double> sum = 0.0;
+  for (Eigen::Index b = 0; b < sums.size(); ++b) {
+    sum += sums[b] * std::polar(1.0, 2.0 * std::numbers::pi * rest[b]);
+  }
+  return std::norm(sum / blocks.weights().sum());
+}
+
+}  // namespace
+
+Judge::Judge(const Config& config)
+    : config_(config), slm_(config), aberration_(config.truth.aberration) {}
+
+const Judge::Expected& Judge::expected(Pattern pattern) {
+  std::unique_ptr<Expected>& made = expected_[std::size_t(pattern)];
+  if (made) return *made;
+  Image<std::complex<float>> ideal = ideal_hologram(config_, pattern);
+  Image<float> light(ideal.width, ideal.height);
+  for (int y = 0; y < light.height; ++y) {
+    for (int x = 0; x < light.width; ++x) {
+      if (ideal.at(x, y) != std::complex<float>{}) light.at(x, y) = slm_.amplitude(x, y);
+    }
+  }
+  const Vec2 centre{(light.width - 1) / 2.0, (light.height - 1) / 2.0};
+  made = std::make_unique<Expected>(Expected{
+      std::move(ideal), PupilBlocks(std::move(light), centre, config_.sensor.pupil_diameter_px)});
+  return *made;
+}
+
+std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& grey,
+                                    const std::vector<Mode>& aberration,
+                                    const Turbulence* turbulence, std::int64_t t_ns) {
+  const auto& [ideal, blocks] = expected(pattern);
+  if (aberration != aberration_) slm_.set_aberration(aberration);
+  aberration_ = aberration;
+  slm_.set_turbulence(turbulence, t_ns);
+  Image<std::complex<float>> field(grey.width, grey.height);
+  slm_.modulate(grey, 0, field);
+  for (std::size_t i = 0; i < field.pixels.size(); ++i) {
+    field.pixels[i] = product(field.pixels[i], std::conj(ideal.pixels[i]));
+  }
+  const WavefrontFit fit = fit_wavefront(blocks, field);
+  if (!fit.unwrapped) return std::nullopt;
+  const auto beyond_piston = tail(fit.modes, 1), beyond_tilt = tail(fit.modes, 3);
+  const std::complex<double> left = blocks.sums(&field, fit.modes).sum() / blocks.weights().sum();
+  return Verdict{fit.modes,
+                 rms(blocks, waves_of(blocks, beyond_tilt) + fit.rest_waves),
+                 rms(blocks, waves_of(blocks, beyond_piston) + fit.rest_waves),
+                 strehl(blocks, beyond_tilt, fit.rest_waves),
+                 strehl(blocks, beyond_piston, fit.rest_waves),
+                 std::norm(left)};
+}
+
+std::optional<std::vector<Mode>> Judge::flatness_modes() {
+  const PupilBlocks& blocks = expected(Pattern::grating).blocks;
+  const Image<float>& surface = slm_.surface_waves();
+  const SlmGeometry& slm = config_.slm.geometry;
+  Image<std::complex<float>> field(slm.width_px, slm.height_px, 1.0F);
+  for (int y = 0; y < surface.height; ++y) {
+    for (int x = 0; x < surface.width; ++x) {
+      field.at(x, y) =
+          std::polar(slm_.amplitude(x, y), float(2.0 * std::numbers::pi) * surface.at(x, y));
+    }
+  }
+  const WavefrontFit fit = fit_wavefront(blocks, field);
+  if (!fit.unwrapped) return std::nullopt;
+  return fit.modes;
+}
+
+std::array<double, 256> Judge::lut_waves(const SlmConfig& slm) {
+  std::array<double, 256> waves{};
+  for (std::size_t g = 0; g < waves.size(); ++g) waves[g] = slm_phase_waves(slm, int(g));
+  return waves;
+}
+
+}  // namespace ovws::twin
