@@ -68,7 +68,8 @@ WavefrontFit fit_wavefront(const PupilBlocks& blocks, const Image<std::complex<f
   }
   WavefrontFit fit{modes_of(found), rest, false};
   const Eigen::ArrayXd far = (rest.array().abs() > kFarWaves).cast<double>();
-  fit.unwrapped = (far * blocks.weights().array()).sum() <= kMostFar * blocks.weights().sum();
+  fit.unwrapped = found.allFinite() &&
+                  (far * blocks.weights().array()).sum() <= kMostFar * blocks.weights().sum();
   return fit;
 }
 

@@ -14,7 +14,8 @@ struct WavefrontFit {
   std::vector<Mode> modes;
   Eigen::VectorXd rest_waves;  ///< what the modes leave, by block; within half a wave
   /// Whether the modes explain the light, so that the rest needs no unwrapping: at most 1 % of the
-  /// light is more than 0.4 wave off. If not, nothing of the above means anything.
+  /// light is more than 0.4 wave off, and there are blocks enough to tell the modes. If not,
+  /// nothing of the above means anything.
   bool unwrapped = false;
 };
 

@@ -170,6 +170,19 @@ TEST(Judge, FlatnessErrorIsInTheWavefrontAsTheTruthSays) {
   for (const Mode& mode : *none) EXPECT_NEAR(mode.waves, 0.0, 1e-4);
 }
 
+TEST(Judge, JudgesASmallPupilAndABeamThatIsNotUniform) {
+  const Config config = bench(R"({"sensor": {"pupil_diameter_px": 301},
+                                  "light": {"shape": "gaussian", "diameter_px": 400}})");
+  const Turbulence air({.rms_waves = 0.05, .tilt = false});
+  for (const Pattern pattern : {Pattern::sensor, Pattern::grating}) {
+    const auto verdict =
+        Judge(config).judge(pattern, shown(config, pattern), Modes{{5, 0.2}}, &air, 123);
+    ASSERT_TRUE(verdict);
+    EXPECT_NEAR(verdict->modes[5].waves, 0.2 + air.modes(123)[5], 0.02);
+    EXPECT_LT(verdict->strehl, 0.5);
+  }
+}
+
 TEST(Judge, LutIsThatOfTheSlm) {
   const auto lut = Judge::lut_waves(bench(R"({"slm": {"gamma": 2.0, "depth_waves": 1.2}})").slm);
   EXPECT_EQ(lut[0], 0.0);

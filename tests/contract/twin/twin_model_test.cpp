@@ -69,6 +69,8 @@ TEST(TwinConfig, TheFileInTheRepositoryIsWhatEmptyMeans) {
   EXPECT_EQ(file->truth.detector.black_level_dn, defaults.truth.detector.black_level_dn);
   EXPECT_EQ(file->truth.detector.prnu, defaults.truth.detector.prnu);
   EXPECT_EQ(file->sensor, defaults.sensor);
+  EXPECT_EQ(file->truth.geometry, defaults.truth.geometry);
+  EXPECT_EQ(file->truth.turbulence, defaults.truth.turbulence);
   EXPECT_EQ(file->camera.sensor_width, defaults.camera.sensor_width);
   EXPECT_EQ(file->slm.depth_waves, defaults.slm.depth_waves);
   EXPECT_EQ(file->light.diameter_px, defaults.light.diameter_px);

@@ -1,0 +1,121 @@
+#include "drivers/twin/methods_json.hpp"
+
+namespace ovws::twin {
+namespace {
+
+const std::vector<std::string> kNoises{"fresh", "pool", "none"};
+
+Json json_of(const Roi& roi) {
+  return {{"x", roi.x}, {"y", roi.y}, {"width", roi.width}, {"height", roi.height}};
+}
+
+Json json_of(const CameraGeometry& geometry) {
+  return {{"rotation_deg", geometry.rotation_deg},
+          {"mirror", mirror_names()[std::size_t(geometry.mirror)]},
+          {"magnification", geometry.magnification},
+          {"centre_px", {geometry.centre_px.x, geometry.centre_px.y}}};
+}
+
+Json json_of(const std::optional<TurbulenceConfig>& turbulence) {
+  if (!turbulence) return nullptr;
+  return {{"rms_waves", turbulence->rms_waves},
+          {"speed_pupils_per_s", turbulence->speed_pupils_per_s},
+          {"direction_deg", turbulence->direction_deg},
+          {"outer_scale_pupils", turbulence->outer_scale_pupils},
+          {"seed", turbulence->seed},
+          {"tilt", turbulence->tilt}};
+}
+
+Json json_of(const std::vector<Mode>& aberration) {
+  Json modes = Json::array();
+  for (const Mode& mode : aberration) {
+    const ZernikeIndex index = zernike_index(mode.j);
+    modes.push_back({{"j", mode.j}, {"n", index.n}, {"m", index.m}, {"waves", mode.waves}});
+  }
+  return modes;
+}
+
+}  // namespace
+
+const std::vector<std::string>& fault_names() {
+  static const std::vector<std::string> names{"none",  "drop",   "incomplete",
+                                              "delay", "freeze", "unplug"};
+  return names;
+}
+
+Json json_of(const Fault& fault) {
+  Json json{{"kind", fault_names()[std::size_t(fault.kind)]}};
+  if (fault.frames > 0) json["frames"] = fault.frames;
+  if (fault.kind != FaultKind::none && fault.frames == 0) json["seconds"] = fault.seconds;
+  if (fault.kind == FaultKind::delay) json["delay_ms"] = fault.delay_ms;
+  return json;
+}
+
+Json json_of(const std::vector<FrameTruth>& frames) {
+  Json json = Json::array();
+  for (const FrameTruth& frame : frames) {
+    json.push_back(
+        {{"frame_id", frame.frame_id}, {"t_ns", frame.t_ns}, {"modes", frame.turbulence}});
+  }
+  return json;
+}
+
+Json waves_of(const std::vector<Mode>& modes) {
+  Json waves = Json::array();
+  for (const Mode& mode : modes) waves.push_back(mode.waves);
+  return waves;
+}
+
+Json json_of(const std::optional<Verdict>& verdict) {
+  if (!verdict) return {{"unwrapped", false}};
+  return {{"unwrapped", true},
+          {"modes", waves_of(verdict->modes)},
+          {"rms_waves", verdict->rms_waves},
+          {"rms_with_tilt_waves", verdict->rms_with_tilt_waves},
+          {"strehl", verdict->strehl},
+          {"strehl_with_tilt", verdict->strehl_with_tilt},
+          {"first_order", verdict->first_order}};
+}
+
+Json json_of(const CameraStatus& camera) {
+  const CameraSettings& s = camera.settings;
+  return {{"plugged", camera.plugged},
+          {"streaming", camera.streaming},
+          {"gain_db", s.gain_db},
+          {"exposure_us", s.exposure_us},
+          {"frame_rate_hz", s.frame_rate_hz},
+          {"pixel_format", pixel_format_name(s.pixel_format)},
+          {"roi", json_of(s.roi)}};
+}
+
+Json json_of(const FrameTally& tally, const FrameCounts& frames) {
+  return {{"sent", tally.sent.load()},
+          {"dropped", tally.dropped.load()},
+          {"incomplete", tally.incomplete.load()},
+          {"late", tally.late.load()},
+          {"refused", tally.refused.load()},
+          {"nudges", tally.nudges.load()},
+          {"fresh", frames.fresh},
+          {"reused", frames.reused}};
+}
+
+Json json_of(const Config& config, const Truth& truth) {
+  const DetectorConfig& d = truth.detector;
+  return {{"aberration", json_of(truth.aberration)},
+          {"norm", "rms"},
+          {"peak_electrons", truth.peak_electrons},
+          {"geometry", json_of(truth.geometry)},
+          {"turbulence", json_of(truth.turbulence)},
+          {"photons", photons_per_spot(config, truth)},
+          {"quantum_efficiency", d.quantum_efficiency},
+          {"prnu", d.prnu},
+          {"shot_noise", d.shot_noise},
+          {"dark_current_e_per_s", d.dark_current_e_per_s},
+          {"read_noise_e", d.read_noise_e},
+          {"full_well_e", d.full_well_e},
+          {"black_level_dn", d.black_level_dn},
+          {"bits", truth.bits},
+          {"noise", kNoises[std::size_t(truth.noise)]}};
+}
+
+}  // namespace ovws::twin

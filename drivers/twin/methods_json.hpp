@@ -1,0 +1,29 @@
+/// How the twin's methods say what they know.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/twin/bench.hpp"
+#include "drivers/twin/fake_camera.hpp"
+#include "drivers/twin/faults.hpp"
+#include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/judge.hpp"
+#include "drivers/twin/twin_config.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws::twin {
+
+const std::vector<std::string>& fault_names();  ///< in the order of FaultKind
+
+/// The keys that twin.set takes, with the values that are in force.
+Json json_of(const Config& config, const Truth& truth);
+Json json_of(const Fault& fault);
+Json json_of(const CameraStatus& camera);
+Json json_of(const FrameTally& tally, const FrameCounts& frames);
+Json json_of(const std::vector<FrameTruth>& frames);
+Json json_of(const std::optional<Verdict>& verdict);
+Json waves_of(const std::vector<Mode>& modes);  ///< their coefficients alone
+
+}  // namespace ovws::twin
