@@ -45,11 +45,14 @@ ordered_json slm_json(const SlmConfig& slm) {
 ordered_json optics_json(const OpticsConfig& optics) {
   ordered_json centre = nullptr;
   if (optics.centre_px) centre = {optics.centre_px->x, optics.centre_px->y};
+  ordered_json matrix = nullptr;
+  if (const auto& m = optics.registered) matrix = {m->xx, m->xy, m->yx, m->yy};
   return {{"wavelength_nm", optics.wavelength_nm},
           {"focal_length_mm", optics.focal_length_mm},
           {"magnification", optics.magnification},
           {"camera_pitch_um", optics.camera_pitch_um},
-          {"centre_px", centre}};
+          {"centre_px", centre},
+          {"px_per_cycle", matrix}};
 }
 
 ordered_json sensor_json(const SensorConfig& sensor) {

@@ -81,12 +81,29 @@ void read_centre(ObjectReader& r, std::optional<Vec2>& centre_px) {
   if (xy.size() == 2) centre_px = Vec2{xy[0], xy[1]};
 }
 
+void read_px_per_cycle(ObjectReader& r, std::optional<PxPerCycle>& registered) {
+  const auto* value = r.raw("px_per_cycle");
+  if (value == nullptr) return;
+  if (value->is_null()) return registered.reset();
+  std::vector<double> m;
+  r.numbers("px_per_cycle", m, 4, 4, limits::kPxPerCycle.min, limits::kPxPerCycle.max);
+  if (m.size() != 4) return;
+  const PxPerCycle read{m[0], m[1], m[2], m[3]};
+  if (read.scale() < limits::kLeastPxPerCycle) {
+    return r.fault("px_per_cycle",
+                   "these four numbers map an area to almost nothing: they are "
+                   "[xx, xy, yx, yy], camera pixels per cycle per SLM pixel");
+  }
+  registered = read;
+}
+
 void read_optics(ObjectReader& r, OpticsConfig& optics) {
   number(r, "wavelength_nm", optics.wavelength_nm, limits::kWavelengthNm);
   number(r, "focal_length_mm", optics.focal_length_mm, limits::kFocalLengthMm);
   number(r, "magnification", optics.magnification, limits::kMagnification);
   number(r, "camera_pitch_um", optics.camera_pitch_um, limits::kCameraPitchUm);
   read_centre(r, optics.centre_px);
+  read_px_per_cycle(r, optics.registered);
 }
 
 void read_sensor(ObjectReader& r, SensorConfig& sensor) {

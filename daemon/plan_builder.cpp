@@ -19,7 +19,7 @@ std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode
   }
   const Eigen::VectorXd moved = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
                                              slope_model(inputs.sensor.charge, inputs.tracking),
-                                             camera_px_per_cycle(inputs.optics, inputs.slm)) *
+                                             px_per_cycle(inputs.optics, inputs.slm)) *
                                 waves;
   std::vector<Vec2> result;
   for (Eigen::Index i = 0; i + 1 < moved.size(); i += 2) result.push_back({moved[i], moved[i + 1]});
@@ -74,7 +74,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
   const Eigen::MatrixXd slopes = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
                                               slope_model(inputs.sensor.charge, inputs.tracking),
-                                              camera_px_per_cycle(inputs.optics, inputs.slm));
+                                              px_per_cycle(inputs.optics, inputs.slm));
   modes_j.resize(std::size_t(determined_modes(slopes)));
   plan->reconstructor =
       std::make_unique<Reconstructor>(slopes.leftCols(modes_j.size()), modes_j, plan->reference_px);

@@ -30,6 +30,8 @@ constexpr Numbers kFocalLengthMm{1.0, 100e3};
 constexpr Numbers kMagnification{0.001, 1000.0};
 constexpr Numbers kCameraPitchUm{0.1, 100.0};
 constexpr Numbers kCentrePx{-65535.0, 65535.0};
+constexpr Numbers kPxPerCycle{-1e7, 1e7};
+constexpr double kLeastPxPerCycle = 1.0;
 
 constexpr Integers kCharge{-8, 8};
 constexpr Integers kSubaperturesAcross{1, 31};
@@ -40,6 +42,7 @@ constexpr Numbers kKernelRadius{0.1, 2.0};
 
 constexpr Numbers kModeWaves{-1000.0, 1000.0};
 constexpr Integers kReferenceFrames{1, 100000};
+constexpr Integers kPictureFrames{1, 100};
 constexpr Integers kJob{1, 2147483647};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};

@@ -2,10 +2,22 @@
 
 namespace ovws {
 
-double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
+PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
+  if (optics.registered) return *optics.registered;
   // lambda f M / (p_slm p_cam), all in micrometres: nm * 1e-3 * mm * 1e3.
   return optics.wavelength_nm * optics.focal_length_mm * optics.magnification /
          (slm.pitch_um * optics.camera_pitch_um);
+}
+
+bool is_straight(const PxPerCycle& map) {
+  constexpr double kTurn = 0.002;
+  const double least = kTurn * map.scale();
+  return !map.mirrored() && map.xx > 0.0 && std::abs(map.xy) < least && std::abs(map.yx) < least &&
+         std::abs(map.xx - map.yy) < least;
+}
+
+double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
+  return px_per_cycle(optics, slm).scale();
 }
 
 double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor) {

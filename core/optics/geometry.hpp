@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/base/vec2.hpp"
@@ -14,6 +16,28 @@ struct SlmGeometry {
   double pitch_um = 19.0;
 };
 
+/// Camera pixels that a spot moves per cycle-per-SLM-pixel of slope (u, v), x right and y down on
+/// both: (xx u + xy v, yx u + yy v).
+struct PxPerCycle {
+  double xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
+
+  constexpr PxPerCycle() = default;
+  /// A camera whose axes are those of the SLM.
+  constexpr PxPerCycle(double scale)  // NOLINT(google-explicit-constructor): a scale is a matrix
+      : xx(scale), yy(scale) {}
+  constexpr PxPerCycle(double xx_, double xy_, double yx_, double yy_)
+      : xx(xx_), xy(xy_), yx(yx_), yy(yy_) {}
+
+  Vec2 operator*(Vec2 cpp) const { return {xx * cpp.x + xy * cpp.y, yx * cpp.x + yy * cpp.y}; }
+  double determinant() const { return xx * yy - xy * yx; }
+  /// Of an area's side: the geometric mean of both directions.
+  double scale() const { return std::sqrt(std::abs(determinant())); }
+  bool mirrored() const { return determinant() < 0.0; }
+  /// By how much the camera turns the SLM's +x towards its own +y.
+  double rotation_deg() const { return std::atan2(yx, xx) * 180.0 / std::numbers::pi; }
+  friend bool operator==(const PxPerCycle&, const PxPerCycle&) = default;
+};
+
 struct OpticsConfig {
   double wavelength_nm = 632.0;
   double focal_length_mm = 200.0;
@@ -21,6 +45,9 @@ struct OpticsConfig {
   double camera_pitch_um = 3.45;
   /// Camera pixel of the base subaperture's spot, in the ROI; none: the centre of the image.
   std::optional<Vec2> centre_px;
+  /// As a registration measured it; none: S of focal length, magnification and pitches, without
+  /// rotation.
+  std::optional<PxPerCycle> registered = std::nullopt;
 };
 
 enum class Grid { hexagonal, square };
@@ -38,8 +65,14 @@ struct SensorConfig {
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
 };
 
-/// S = lambda f M / (p_slm p_cam): camera pixels that a spot moves per cycle-per-SLM-pixel of
-/// slope.
+/// `registered`, or S = lambda f M / (p_slm p_cam) in both directions.
+PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
+
+/// Whether the camera's axes are so nearly the SLM's that models along its axes hold: to 0.002 of
+/// the scale, half a pixel at 250 pixels.
+bool is_straight(const PxPerCycle& map);
+
+/// Its scale alone: camera pixels that a spot moves per cycle-per-SLM-pixel of slope.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.

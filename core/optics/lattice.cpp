@@ -89,7 +89,7 @@ std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sen
                                  int image_rows) {
   const Vec2 base_px = base_spot_px(optics, image_cols, image_rows);
   const Vec2 base_cpp = frequency({0.0, 0.0}, sensor, slm);
-  const double scale = camera_px_per_cycle(optics, slm);
+  const PxPerCycle scale = px_per_cycle(optics, slm);
   std::vector<Vec2> spots;
   spots.reserve(lattice.subapertures.size());
   for (const Subaperture& s : lattice.subapertures) {

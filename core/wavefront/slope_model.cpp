@@ -62,10 +62,9 @@ SlopeModel slope_model(int charge, const TrackingConfig& tracking) {
 
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
                              std::span<const int> modes_j, const SlopeModel& model,
-                             double camera_px_per_cycle) {
+                             const PxPerCycle& px_per_cycle) {
   const double pupil_radius = 0.5 * sensor.pupil_diameter_px;
   const double radius = 0.5 * lattice.diameter_px;
-  const double scale = camera_px_per_cycle / radius;
   const std::vector<Sample> samples = samples_of(model);
   Eigen::MatrixXd slopes =
       Eigen::MatrixXd::Zero(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
@@ -77,8 +76,9 @@ Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
         const Vec2 at = (1.0 / pupil_radius) * (centre + radius * s.at);
         sum = sum + zernike(modes_j[k], at) * s.weight;
       }
-      slopes(2 * i, k) = scale * sum.x;
-      slopes(2 * i + 1, k) = scale * sum.y;
+      const Vec2 moved = px_per_cycle * ((1.0 / radius) * sum);
+      slopes(2 * i, k) = moved.x;
+      slopes(2 * i + 1, k) = moved.y;
     }
   }
   return slopes;

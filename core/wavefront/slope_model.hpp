@@ -48,6 +48,6 @@ SlopeKind slope_kind(int charge);
 /// degree.
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
                              std::span<const int> modes_j, const SlopeModel& model,
-                             double camera_px_per_cycle);
+                             const PxPerCycle& px_per_cycle);
 
 }  // namespace ovws

@@ -40,12 +40,12 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
 /// Requires what plan_for has accepted.
 ShapedAcquisition acquisition_for(const Config& config, const MeasurementPlan& plan) {
   const Lattice lattice = *make_lattice(config.sensor, config.slm.geometry);
-  const double px_per_cycle = camera_px_per_cycle(config.optics, config.slm.geometry);
+  const double scale = camera_px_per_cycle(config.optics, config.slm.geometry);
   const std::vector<int>& modes_j = plan.reconstructor->modes_j();
-  const Eigen::MatrixXd slopes =
-      slope_matrix(lattice, config.sensor, modes_j,
-                   slope_model(config.sensor.charge, config.tracking), px_per_cycle);
-  return {lattice, config.sensor,     plan.spots,     px_per_cycle,   modes_j,
+  const Eigen::MatrixXd slopes = slope_matrix(lattice, config.sensor, modes_j,
+                                              slope_model(config.sensor.charge, config.tracking),
+                                              px_per_cycle(config.optics, config.slm.geometry));
+  return {lattice, config.sensor,     plan.spots,     scale,          modes_j,
           slopes,  plan.predicted_px, plan.roi.width, plan.roi.height};
 }
 

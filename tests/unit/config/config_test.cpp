@@ -72,6 +72,8 @@ Config random_config(unsigned seed) {
   c.optics.camera_pitch_um = dice.number(limits::kCameraPitchUm);
   if (dice.coin()) {
     c.optics.centre_px = Vec2{dice.number(limits::kCentrePx), dice.number(limits::kCentrePx)};
+    c.optics.registered = PxPerCycle{dice.number({1.0, 1e7}), dice.number({-1e7, 0.0}),
+                                     dice.number({1.0, 1e7}), dice.number({1.0, 1e7})};
   }
   c.sensor = {dice.integer(limits::kCharge),
               Grid(dice.integer({0, 1})),
@@ -117,6 +119,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.optics.magnification, b.optics.magnification);
   EXPECT_EQ(a.optics.camera_pitch_um, b.optics.camera_pitch_um);
   EXPECT_EQ(a.optics.centre_px, b.optics.centre_px);
+  EXPECT_EQ(a.optics.registered, b.optics.registered);
   EXPECT_EQ(a.sensor, b.sensor);
   EXPECT_EQ(a.tracking, b.tracking);
   EXPECT_EQ(a.refine, b.refine);
@@ -195,6 +198,8 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"camera": {"driver": ""}})").field, "camera.driver");
   EXPECT_EQ(error_of(R"({"slm": {"lut": 5}})").field, "slm.lut");
   EXPECT_EQ(error_of(R"({"optics": {"centre_px": [1]}})").field, "optics.centre_px");
+  EXPECT_EQ(error_of(R"({"optics": {"px_per_cycle": [1, 2, 3]}})").field, "optics.px_per_cycle");
+  EXPECT_EQ(error_of(R"({"optics": {"px_per_cycle": [9, 6, 6, 4]}})").field, "optics.px_per_cycle");
   EXPECT_EQ(error_of(R"({"optics": {"wavelength_nm": 0.632}})").field, "optics.wavelength_nm");
   EXPECT_EQ(error_of(R"({"sensor": {"charge": 1.5}})").field, "sensor.charge");
   EXPECT_EQ(error_of(R"({"tracking": {"tracker": "lgs"}})").nearest, "lg");

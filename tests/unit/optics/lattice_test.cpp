@@ -28,6 +28,23 @@ TEST(Geometry, GivesTheScaleOfThePapersBench) {
   EXPECT_NEAR(lambda_d_px({}, {}, {}), 12.554, 1e-3);
 }
 
+TEST(Geometry, TakesARegistrationAtItsWord) {
+  OpticsConfig optics;
+  optics.registered = PxPerCycle{0.0, 1900.0, 2000.0, 0.0};  // x and y exchanged: a mirror
+  EXPECT_NEAR(camera_px_per_cycle(optics, {}), std::sqrt(1900.0 * 2000.0), 1e-9);
+  EXPECT_TRUE(px_per_cycle(optics, {}).mirrored());
+  EXPECT_FALSE(px_per_cycle({}, {}).mirrored());
+  EXPECT_NEAR(px_per_cycle(optics, {}).rotation_deg(), 90.0, 1e-9);
+  const Lattice lattice = make_lattice({}, {}).value();
+  const auto spots = model_spots_px(lattice, {}, {}, optics, 512, 512);
+  const Vec2 base = lattice.subapertures[9].frequency_cpp;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const Vec2 f = lattice.subapertures[i].frequency_cpp - base;
+    EXPECT_NEAR(spots[i].x, 255.5 + 1900.0 * f.y, 1e-9);
+    EXPECT_NEAR(spots[i].y, 255.5 + 2000.0 * f.x, 1e-9);
+  }
+}
+
 TEST(Geometry, PutsTheBaseSpotOnTheMiddleOfTheImageUnlessToldOtherwise) {
   OpticsConfig optics;
   EXPECT_EQ(base_spot_px(optics, 512, 301), (Vec2{255.5, 150.0}));

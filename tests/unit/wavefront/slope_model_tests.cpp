@@ -55,6 +55,18 @@ TEST(SlopeModel, OfAPureTiltIsItsGradientForEveryKind) {
   }
 }
 
+TEST(SlopeModel, TurnsWithTheCamera) {
+  const PxPerCycle quarter_turn{0.0, -kPxPerCycle, kPxPerCycle, 0.0};  // +x of the SLM is +y
+  const std::vector<int> modes{1, 2, 3, 8};
+  const Eigen::MatrixXd straight = slopes(SlopeKind::vortex_tilt, modes);
+  const Eigen::MatrixXd turned =
+      slope_matrix(lattice(), sensor(), modes, SlopeKind::vortex_tilt, quarter_turn);
+  for (Eigen::Index i = 0; i + 1 < straight.rows(); i += 2) {
+    EXPECT_LT((turned.row(i) + straight.row(i + 1)).norm(), 1e-9);
+    EXPECT_LT((turned.row(i + 1) - straight.row(i)).norm(), 1e-9);
+  }
+}
+
 TEST(SlopeModel, OfPistonIsNothing) {
   for (const SlopeModel& model : kModels) EXPECT_NEAR(slopes(model, {0}).norm(), 0.0, 1e-9);
 }
