@@ -9,6 +9,7 @@
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/procedures/procedures.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/spot_finder.hpp"
@@ -46,6 +47,7 @@ struct App::Parts {
   SlmLoop slm;
   CameraActor camera;
   std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<Procedures> procedures;
   std::unique_ptr<SpotFinder> finder;
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
@@ -91,7 +93,10 @@ Result<void> App::Parts::make_instrument() {
                }});
   if (!made) return fail(made.error());
   instrument = std::move(*made);
-  finder = std::make_unique<SpotFinder>(config.optics, config.slm.geometry, *instrument);
+  procedures = std::make_unique<Procedures>(ProceduresDeps{
+      {*instrument, camera, collector, pictures, jobs},
+      [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+  finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
                                           *instrument, queue);
   return {};
@@ -119,8 +124,8 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(
-      Services{config, config_path, state, camera, *instrument, jobs, *refiner, *status, counters});
+  services = std::make_unique<Services>(Services{config, config_path, state, camera, *instrument,
+                                                 jobs, *procedures, *refiner, *status, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));
@@ -155,6 +160,7 @@ Result<void> App::Parts::start_threads() {
   }
   starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
   starts.push_back({ThreadRole::camera, camera});
+  starts.push_back({ThreadRole::procedure, *procedures});
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }
@@ -182,6 +188,7 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
+  parts_->procedures->end_soon();
   parts_->refiner->end_soon();
   parts_->slm.close();
   const std::string held = parts_->threads.stop_all(kStopPatienceS);

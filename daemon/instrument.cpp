@@ -82,6 +82,7 @@ void Instrument::show(HologramKind pattern, Changed done) {
   mailbox_.post([this, pattern, done = std::move(done)] {
     State next = state_;
     next.pattern = pattern;
+    next.painted.reset();
     done(change_to(std::move(next)));
   });
 }
@@ -123,14 +124,28 @@ void Instrument::camera_changed(const CameraSettings& camera) {
 /// changed.
 Result<SensorSnapshot> Instrument::change_to(State next) {
   if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
+  if (auto free = check_free(); !free) return fail(free.error());
+  return carry_out(std::move(next));
+}
+
+Result<void> Instrument::check_free() const {
   if (reference_job_) {
     return fail(
         Errc::refused, "",
         fmt::format("job {} is taking a reference: wait for it or cancel it", *reference_job_));
   }
+  if (lease_) {
+    return fail(Errc::refused, "",
+                fmt::format("job {} has the sensor: wait for it or cancel it", lease_->job));
+  }
+  return {};
+}
+
+Result<SensorSnapshot> Instrument::carry_out(State next) {
   const bool new_sensor = !(next.sensor == state_.sensor);
-  const bool new_picture =
-      new_sensor || next.pattern != state_.pattern || !(next.aberration == state_.aberration);
+  const bool new_picture = new_sensor || next.pattern != state_.pattern ||
+                           !(next.aberration == state_.aberration) ||
+                           next.painted != state_.painted;
   if (new_sensor) {
     HologramConfig hologram = hologram_;
     hologram.sensor = next.sensor;
@@ -163,6 +178,9 @@ std::uint64_t Instrument::shown_epoch(const State& state) {
 }
 
 HologramRequest Instrument::render(const State& state) {
+  if (state.painted) {
+    return {next_hologram_id_++, shown_epoch(state), state.pattern, state.painted};
+  }
   auto grey = std::make_shared<Image<std::uint8_t>>();
   state.renderer->render(state.pattern, state.aberration, *grey);
   return {next_hologram_id_++, shown_epoch(state), state.pattern, std::move(grey)};
@@ -172,16 +190,16 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
                                                               std::uint64_t hologram_id) {
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
-                     state.sensor, state.tracking, optics_, slm_geometry_, state.roi, state.format,
-                     state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr,
+                     state.sensor, state.tracking, optics_of(state), slm_geometry_, state.roi,
+                     state.format, state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr,
                      templates_for(state, reference).banks});
 }
 
 const OwnTemplates& Instrument::templates_for(const State& state,
                                               const std::optional<Reference>& reference) {
-  return templates_.of(state.tracking,
-                       {state.sensor.charge, lambda_d_px(optics_, slm_geometry_, state.sensor)},
-                       reference);
+  return templates_.of(
+      state.tracking,
+      {state.sensor.charge, lambda_d_px(optics_of(state), slm_geometry_, state.sensor)}, reference);
 }
 
 void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
@@ -192,6 +210,9 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.pattern = state_.pattern;
   now.aberration = state_.aberration;
   now.hologram_id = shown_hologram_id_;
+  now.sensor_epoch = state_.sensor_epoch;
+  now.optics = optics_of(state_);
+  now.registration = state_.registration;
   now.plan_id = plan->id;
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();

@@ -13,6 +13,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
+#include "core/wavefront/registration.hpp"
 #include "daemon/events.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/jobs.hpp"
@@ -26,6 +27,15 @@
 
 namespace ovws {
 
+/// Draws a picture of the SLM's size.
+using Painter = std::function<void(const HologramRenderer&, Image<std::uint8_t>&)>;
+
+/// What a job shows: the sensor with these modes for an aberration, or what `paint` draws.
+struct Exhibit {
+  std::vector<Mode> aberration;
+  Painter paint;  ///< none: the sensor
+};
+
 /// What others may know of the sensor at any time.
 struct SensorSnapshot {
   SensorConfig sensor;
@@ -34,6 +44,9 @@ struct SensorSnapshot {
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
   std::uint64_t hologram_id = 0;
+  std::uint64_t sensor_epoch = 0;  ///< of the plan
+  OpticsConfig optics;             ///< in the camera's region: as configured, or as registered
+  std::optional<Registration> registration;  ///< the one in force, in pixels of the camera's sensor
   std::uint64_t plan_id = 0;  ///< frames measured with this plan are of all that stands here
   int subapertures = 0;
   std::vector<int> modes_j;
@@ -70,6 +83,22 @@ class Instrument : public Agent {
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
   void clear_reference(Changed done);
+  /// From now on where spots are expected, and how far they move, is as configured.
+  void clear_registration(Changed done);
+
+  /// For jobs that show pictures. Prepare thread: the sensor belongs to this job, every other
+  /// change is refused. Errc::refused if it belongs to another.
+  Result<void> lend(int job);
+  /// Any thread, for the job that has the sensor: its aberration and pattern change as by
+  /// set_aberration and show.
+  void exhibit(int job, Exhibit exhibit, Changed done);
+  /// Any thread, for the job that has the sensor: where spots are expected, and how far they move,
+  /// is as measured.
+  void use_registration(int job, const Registration& registration, Changed done);
+  /// Any thread: what was shown before the sensor was lent is shown again, as soon as there is a
+  /// display; the sensor is free. `then` is called in the prepare thread, or destroyed if that has
+  /// ended.
+  void give_back(int job, std::function<void()> then);
   /// Frames of plan `plan_id` were found to have torn spots, or (none) not to: from now on they are
   /// followed as such. Nothing happens if another plan is in use by then, or while a reference is
   /// taken. Any change of the sensor ends it.
@@ -93,11 +122,24 @@ class Instrument : public Agent {
     PixelFormat format = PixelFormat::mono8;
     std::uint64_t sensor_epoch = 1;
     std::shared_ptr<const HologramRenderer> renderer;
+    std::shared_ptr<const Image<std::uint8_t>> painted;  ///< of pattern `test`
+    std::optional<Registration> registration;            ///< in pixels of the camera's sensor
+  };
+  /// The job that has the sensor, and what to go back to.
+  struct Lease {
+    int job = 0;
+    HologramKind pattern = HologramKind::sensor;
+    std::vector<Mode> aberration;
   };
 
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
+  Result<void> check_free() const;
+  Result<SensorSnapshot> carry_out(State next);
+  void fall_back_to(State before);
+  Result<State> lent_state(int job) const;
+  OpticsConfig optics_of(const State& state) const;
   static std::uint64_t shown_epoch(const State& state);
   HologramRequest render(const State& state);
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
@@ -129,6 +171,7 @@ class Instrument : public Agent {
   std::optional<CameraSettings> camera_;               ///< as last told
   std::optional<TornSpots> torn_;                      ///< of the plan in use
   std::optional<int> reference_job_;                   ///< the job's number
+  std::optional<Lease> lease_;
   Guarded<SensorSnapshot> snapshot_;
 };
 

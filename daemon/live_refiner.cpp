@@ -21,7 +21,7 @@ LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics
     : wavelength_nm_(optics.wavelength_nm),
       instrument_(instrument),
       queue_(queue),
-      model_(optics, slm, ending_),
+      model_(slm, ending_),
       inbox_(can_be_refined),
       settings_(settings) {}
 

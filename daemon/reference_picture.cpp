@@ -38,10 +38,11 @@ ReferencePicture picture_of(const ImageView& image) {
   return picture;
 }
 
-void ReferencePictureTaker::begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id) {
+void ReferencePictureTaker::begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id, int most) {
   const std::lock_guard lock(mutex_);
   sensor_epoch_ = sensor_epoch;
   hologram_id_ = hologram_id;
+  most_ = most;
   sum_ = std::make_unique<ReferencePicture>();
 }
 
@@ -55,12 +56,12 @@ std::shared_ptr<const ReferencePicture> ReferencePictureTaker::end() {
 
 bool ReferencePictureTaker::wants() {
   const std::lock_guard lock(mutex_);
-  return sum_ && sum_->frames < kMostFrames;
+  return sum_ && sum_->frames < most_;
 }
 
 void ReferencePictureTaker::take(const FrameRecord& record) {
   const std::lock_guard lock(mutex_);
-  if (!sum_ || sum_->frames == kMostFrames || !record.settled || !record.settings_known) return;
+  if (!sum_ || sum_->frames == most_ || !record.still || !record.settings_known) return;
   if (record.plan->sensor_epoch != sensor_epoch_ || record.hologram_id != hologram_id_) return;
   const ImageView& image = record.frame.image;
   if (sum_->frames == 0) {

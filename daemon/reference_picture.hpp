@@ -32,8 +32,9 @@ class ReferencePictureTaker : public FrameTaker {
   /// frame which will be compared with the mean.
   static constexpr int kMostFrames = 8;
 
-  /// From now on settled frames of this hologram, measured with a plan of this epoch, are averaged.
-  void begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id);
+  /// From now on frames during which this hologram stood still, measured with a plan of this epoch,
+  /// are averaged: at most `most` of them.
+  void begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id, int most = kMostFrames);
   /// The mean so far, and no more frames; nullptr if there was none.
   std::shared_ptr<const ReferencePicture> end();
   void cancel() { end(); }
@@ -45,6 +46,7 @@ class ReferencePictureTaker : public FrameTaker {
   std::mutex mutex_;
   std::uint64_t sensor_epoch_ = 0;
   std::uint64_t hologram_id_ = 0;
+  int most_ = 0;
   std::unique_ptr<ReferencePicture> sum_;  ///< mean_dn holds the sum; none: nothing is being taken
 };
 

@@ -13,6 +13,7 @@ struct RefineModel::Bench {
   SensorConfig sensor;
   TrackingConfig tracking;
   int cols = 0, rows = 0;
+  OpticsConfig optics;
   std::vector<int> modes_j;
   bool spot_amplitudes = false;
   Refiner refiner;
@@ -23,7 +24,8 @@ struct RefineModel::Bench {
               const RefineSetup& settings) const {
     return sensor == now.sensor && tracking == now.tracking && modes_j == now.modes_j &&
            spot_amplitudes == settings.spot_amplitudes && cols == frame.image.width &&
-           rows == frame.image.height;
+           rows == frame.image.height && optics.registered == now.optics.registered &&
+           optics.centre_px == now.optics.centre_px;
   }
   std::optional<std::vector<double>> start_of(std::span<const SpotFix> spots) {
     std::vector<float> waves(modes_j.size());
@@ -38,9 +40,8 @@ struct RefineModel::RefinedReference {
   Result<RefinedModes> modes;  ///< a failure is kept, too: the same picture would fail again
 };
 
-RefineModel::RefineModel(const OpticsConfig& optics, const SlmGeometry& slm,
-                         const std::atomic<bool>& stop)
-    : optics_(optics), slm_(slm), stop_(stop) {}
+RefineModel::RefineModel(const SlmGeometry& slm, const std::atomic<bool>& stop)
+    : slm_(slm), stop_(stop) {}
 RefineModel::~RefineModel() = default;
 
 RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
@@ -81,22 +82,29 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   bench_.reset();
   reference_.reset();
   const int cols = frame.image.width, rows = frame.image.height;
+  const PxPerCycle map = px_per_cycle(sensor.optics, slm_);
+  if (!is_straight(map)) {
+    return fail(Errc::refused, "",
+                "the camera is turned or mirrored against the SLM, and the "
+                "model of all pixels knows cameras along its axes only");
+  }
   RefineOptions options;
   options.spot_amplitudes = settings.spot_amplitudes;
   options.stop = &stop_;
-  auto refiner = Refiner::make(sensor.sensor, slm_, optics_, cols, rows, sensor.modes_j, options);
+  auto refiner =
+      Refiner::make(sensor.sensor, slm_, sensor.optics, cols, rows, sensor.modes_j, options);
   if (!refiner) return fail(refiner.error());
   const auto lattice = make_lattice(sensor.sensor, slm_);
   if (!lattice) return fail(lattice.error());
   Reconstructor by_model(slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
                                       slope_model(sensor.sensor.charge, sensor.tracking),
-                                      camera_px_per_cycle(optics_, slm_)),
+                                      camera_px_per_cycle(sensor.optics, slm_)),
                          sensor.modes_j,
-                         model_spots_px(*lattice, sensor.sensor, slm_, optics_, cols, rows));
+                         model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
   auto scratch = by_model.make_scratch();
-  bench_ = std::make_unique<Bench>(Bench{sensor.sensor, sensor.tracking, cols, rows, sensor.modes_j,
-                                         settings.spot_amplitudes, std::move(*refiner),
-                                         std::move(by_model), std::move(scratch)});
+  bench_ = std::make_unique<Bench>(Bench{
+      sensor.sensor, sensor.tracking, cols, rows, sensor.optics, sensor.modes_j,
+      settings.spot_amplitudes, std::move(*refiner), std::move(by_model), std::move(scratch)});
   return {};
 }
 

@@ -27,7 +27,7 @@ struct RefinedFrame {
 class RefineModel {
  public:
   /// Once `stop` is true a fit ends soon, refused; it must outlive this.
-  RefineModel(const OpticsConfig& optics, const SlmGeometry& slm, const std::atomic<bool>& stop);
+  RefineModel(const SlmGeometry& slm, const std::atomic<bool>& stop);
   ~RefineModel();
 
   /// `sensor`: that which the frame was measured with. `settings` with electrons_per_dn. Takes
@@ -44,7 +44,6 @@ class RefineModel {
                                                 const RefineSetup& settings);
   Result<RefinedModes> refine_picture(const Reference& reference, const RefineSetup& settings);
 
-  OpticsConfig optics_;
   SlmGeometry slm_;
   const std::atomic<bool>& stop_;
   std::unique_ptr<Bench> bench_;

@@ -20,7 +20,7 @@ namespace ovws {
 /// more than 40 camera pixels of lambda/d, are not searched.
 class SpotFinder : public Agent {
  public:
-  SpotFinder(const OpticsConfig& optics, const SlmGeometry& slm, Instrument& instrument);
+  SpotFinder(const SlmGeometry& slm, Instrument& instrument);
   ~SpotFinder() override;
 
   bool do_work() override;
@@ -35,7 +35,6 @@ class SpotFinder : public Agent {
   std::optional<TornSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
   std::optional<TornSpots> explain(const FrameCopy& frame);
 
-  OpticsConfig optics_;
   SlmGeometry slm_;
   Instrument& instrument_;
   FrameInbox inbox_;

@@ -24,6 +24,7 @@ enum class ThreadRole {
   publish,
   camera,
   prepare,
+  procedure,
   control,
   images,
   search,
@@ -48,7 +49,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 12> kThreadTable{{
+constexpr std::array<ThreadRow, 13> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -56,6 +57,8 @@ constexpr std::array<ThreadRow, 12> kThreadTable{{
     {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
     {ThreadRole::prepare, "prepare", 0, "its mailbox, the display taking a hologram", 30.0,
      OnHang::restart},
+    {ThreadRole::procedure, "procedure", 0, "frames, the other threads; a procedure takes minutes",
+     86400.0, OnHang::report},
     {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,

@@ -11,7 +11,16 @@ const std::vector<std::string>& grid_names() {
 }
 
 const std::vector<std::string>& pattern_names() {
-  static const std::vector<std::string> names{"sensor", "grating", "flat", "identify"};
+  static const std::vector<std::string> names{"sensor", "grating", "flat", "identify", "test"};
+  return names;
+}
+
+const std::vector<std::string>& showable_pattern_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = pattern_names();
+    all.pop_back();
+    return all;
+  }();
   return names;
 }
 

@@ -213,11 +213,19 @@ Result<int> decode_reference_take(const json& params) {
   return frames;
 }
 
+Result<int> decode_registration_run(const json& params) {
+  int frames = 5;
+  ObjectReader reader(params, "");
+  reader.integer("frames", frames, limits::kPictureFrames.min, limits::kPictureFrames.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return frames;
+}
+
 Result<HologramKind> decode_slm_show(const json& params) {
   std::optional<HologramKind> pattern;
   ObjectReader reader(params, "");
   reader.require("pattern");
-  read_choice(reader, "pattern", pattern, pattern_names());
+  read_choice(reader, "pattern", pattern, showable_pattern_names());
   if (auto done = reader.finish(); !done) return fail(done.error());
   return *pattern;
 }

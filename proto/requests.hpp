@@ -69,6 +69,8 @@ Result<RefineSet> decode_refine_set(const nlohmann::json& params);
 Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);
 /// `reference.take`: how many frames to average.
 Result<int> decode_reference_take(const nlohmann::json& params);
+/// `registration.run`: how many frames to average for each picture.
+Result<int> decode_registration_run(const nlohmann::json& params);
 Result<HologramKind> decode_slm_show(const nlohmann::json& params);
 /// `job.get` and `job.cancel`: the job's number.
 Result<int> decode_job(const nlohmann::json& params);

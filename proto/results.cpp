@@ -168,6 +168,31 @@ json reference_result(const std::optional<ReferenceReport>& reference) {
           {"standard_error_px", points(reference->standard_error_px)}};
 }
 
+json registration_result(const std::optional<Registration>& registration) {
+  if (!registration) {
+    json none{{"registered", false}};
+    for (const char* key : {"t_taken_ns", "base_px", "base_standard_error_px", "px_per_cycle",
+                            "px_per_cycle_standard_error", "scale_px_per_cycle", "rotation_deg",
+                            "mirrored", "residual_px", "sights"}) {
+      none[key] = nullptr;
+    }
+    return none;
+  }
+  const auto numbers = [](const PxPerCycle& m) { return json{m.xx, m.xy, m.yx, m.yy}; };
+  const Registration& r = *registration;
+  return {{"registered", true},
+          {"t_taken_ns", r.t_taken_ns},
+          {"base_px", {r.base_px.x, r.base_px.y}},
+          {"base_standard_error_px", {r.base_standard_error_px.x, r.base_standard_error_px.y}},
+          {"px_per_cycle", numbers(r.px_per_cycle)},
+          {"px_per_cycle_standard_error", numbers(r.standard_error)},
+          {"scale_px_per_cycle", r.px_per_cycle.scale()},
+          {"rotation_deg", r.px_per_cycle.rotation_deg()},
+          {"mirrored", r.px_per_cycle.mirrored()},
+          {"residual_px", r.residual_px},
+          {"sights", r.sights}};
+}
+
 json slm_show_result(HologramKind pattern, std::uint64_t hologram_id) {
   return {{"pattern", pattern_name(pattern)}, {"hologram_id", hologram_id}};
 }

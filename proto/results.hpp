@@ -16,6 +16,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
+#include "core/wavefront/registration.hpp"
 #include "proto/refine_setup.hpp"
 
 namespace ovws {
@@ -70,6 +71,9 @@ struct ReferenceReport {
   std::vector<Vec2> standard_error_px;  ///< of positions_px, by x and y
 };
 nlohmann::json reference_result(const std::optional<ReferenceReport>& reference);
+
+/// `registration.get` and `.clear`, and the result of the job of `registration.run`.
+nlohmann::json registration_result(const std::optional<Registration>& registration);
 
 nlohmann::json slm_show_result(HologramKind pattern, std::uint64_t hologram_id);
 

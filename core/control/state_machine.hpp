@@ -17,7 +17,7 @@ enum class DaemonState : std::uint8_t {
   fault,                ///< a device is there and cannot be used until somebody mends it
   waiting_for_camera,   ///< no camera; perhaps no display either
   waiting_for_display,  ///< a camera, and no display
-  job_running,          ///< a reference is being taken
+  job_running,          ///< a job has the sensor
   running,
   count,
 };
@@ -43,7 +43,7 @@ enum class Action : std::uint8_t {
   set_sensor,
   set_aberration,
   show_pattern,
-  take_reference,
+  start_job,
   clear_reference,
   cancel_job,
   save_config,
@@ -132,7 +132,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, false, true, true}},      // set_sensor
     {{true, true, false, true, true}},      // set_aberration
     {{true, true, false, true, true}},      // show_pattern
-    {{true, true, true, true, true}},       // take_reference
+    {{true, true, true, true, true}},       // start_job
     {{true, true, false, false, true}},     // clear_reference
     {{true, true, false, false, false}},    // cancel_job
     {{true, true, false, false, false}},    // save_config

@@ -20,19 +20,24 @@ Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
 }
 
-/// The sensor's phase along row y, waves (paper eq. 4): x and y from the pupil's centre, the angle
-/// about the subaperture's own.
+/// A subaperture's phase along row y, waves (paper eq. 4): x and y from the pupil's centre, the
+/// angle about the subaperture's own.
+void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int charge,
+                     int y, std::span<double> waves) {
+  const Vec2 pupil = pupil_centre(slm);
+  const Vec2 centre = pupil + s.centre_px;
+  const Columns columns = columns_in_circle(centre, diameter_px, y, slm.width_px);
+  for (int x = columns.begin; x < columns.end; ++x) {
+    const double turns = std::atan2(y - centre.y, x - centre.x) / (2.0 * std::numbers::pi);
+    waves[x] =
+        charge * turns + s.frequency_cpp.x * (x - pupil.x) + s.frequency_cpp.y * (y - pupil.y);
+  }
+}
+
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
-  const Vec2 pupil = pupil_centre(config.slm);
   for (const Subaperture& s : lattice.subapertures) {
-    const Vec2 centre = pupil + s.centre_px;
-    const Columns columns = columns_in_circle(centre, lattice.diameter_px, y, config.slm.width_px);
-    for (int x = columns.begin; x < columns.end; ++x) {
-      const double turns = std::atan2(y - centre.y, x - centre.x) / (2.0 * std::numbers::pi);
-      waves[x] = config.sensor.charge * turns + s.frequency_cpp.x * (x - pupil.x) +
-                 s.frequency_cpp.y * (y - pupil.y);
-    }
+    subaperture_row(config.slm, s, lattice.diameter_px, config.sensor.charge, y, waves);
   }
 }
 
@@ -157,12 +162,9 @@ void HologramRenderer::pattern_row(HologramKind kind, int y, std::span<double> w
 
 void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
                               Image<std::uint8_t>& grey) const {
-  const int width = config_.slm.width_px;
-  grey.width = width;
-  grey.height = config_.slm.height_px;
-  grey.pixels.resize(std::size_t(width) * grey.height);
+  const int width = sized(grey).width;
   if (kind == HologramKind::identify) return draw_identify_picture(grey);
-  if (kind == HologramKind::flat) modes = {};
+  if (kind != HologramKind::sensor && kind != HologramKind::grating) modes = {};
   const PhaseRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, width,
                         grey.height);
   const HologramRowKernels& kernels = hologram_row_kernels().back();
@@ -186,6 +188,28 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
     kernels.greys(base + shown.begin, phase.data() + shown.begin, config_.lut.data(),
                   shown.end - shown.begin, out + shown.begin);
     std::copy(plain + shown.end, plain + width, out + shown.end);
+  }
+}
+
+Image<std::uint8_t>& HologramRenderer::sized(Image<std::uint8_t>& grey) const {
+  grey.width = config_.slm.width_px;
+  grey.height = config_.slm.height_px;
+  grey.pixels.resize(std::size_t(grey.width) * grey.height);
+  return grey;
+}
+
+void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& grey) const {
+  const int width = sized(grey).width;
+  std::vector<double> waves(width);
+  std::vector<std::uint16_t> phase(width);
+  const std::vector<std::uint16_t> none(width, 0);
+  for (int y = 0; y < grey.height; ++y) {
+    std::fill(waves.begin(), waves.end(), 0.0);
+    subaperture_row(config_.slm, {{}, probe.frequency_cpp}, lattice_.diameter_px, probe.charge, y,
+                    waves);
+    add_flatness_and_wrap(config_, y, waves, phase.data());
+    hologram_row_kernels().back().greys(phase.data(), none.data(), config_.lut.data(), width,
+                                        grey.row(y));
   }
 }
 

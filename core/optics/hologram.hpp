@@ -32,6 +32,14 @@ enum class HologramKind {
   grating,   ///< base grating over the whole SLM, and the correction: the corrected beam
   flat,      ///< flatness map only
   identify,  ///< a picture that a person recognises: which screen is the SLM
+  test,      ///< what a job paints: a probe, stripes
+};
+
+/// One subaperture on the pupil's centre and nothing else: for finding out where the camera sees
+/// which slope.
+struct Probe {
+  Vec2 frequency_cpp;  ///< of its grating, cycles per SLM pixel
+  int charge = 0;
 };
 
 /// What the hologram is made of. All phases in waves.
@@ -57,7 +65,10 @@ class HologramRenderer {
   /// outside, where modes of high order grow without limit, stays in the zero order. `flat` and
   /// `identify` leave it out. However many modes: a fraction of a millisecond a megapixel, or
   /// several where only double precision will do.
+  /// `test` is not for it: it shows flat.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
+  /// As large as a subaperture of the lattice. Requires a frequency of at most 0.5 in x and y.
+  void render_probe(const Probe& probe, Image<std::uint8_t>& grey) const;
 
   /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase
   /// (gratings and `modes`) would exceed half a cycle per SLM pixel in x or y: the SLM cannot
@@ -69,6 +80,7 @@ class HologramRenderer {
   /// Pattern and flatness of row y, `width` pixels, 2 pi = 65536. `waves`: as many of working
   /// memory.
   void pattern_row(HologramKind kind, int y, std::span<double> waves, std::uint16_t* phase) const;
+  Image<std::uint8_t>& sized(Image<std::uint8_t>& grey) const;
 
   HologramConfig config_;
   Lattice lattice_;

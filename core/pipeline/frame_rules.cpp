@@ -36,7 +36,7 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
                                std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns) {
   const auto of = [&](const ShownHologram::One& one) {
     const bool fits = one.sensor_epoch != 0 && one.sensor_epoch == plan_sensor_epoch;
-    return HologramVerdict{one.hologram_id, fits};
+    return HologramVerdict{one.hologram_id, true, fits};
   };
   if (shown.healthy && exposure_begin_mono_ns >= shown.current.t_settled_mono_ns) {
     return of(shown.current);
@@ -45,7 +45,7 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
       exposure_begin_mono_ns >= shown.previous.t_settled_mono_ns) {
     return of(shown.previous);
   }
-  return {shown.current.hologram_id, false};
+  return {shown.current.hologram_id, false, false};
 }
 
 }  // namespace ovws

@@ -22,7 +22,8 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
 
 struct HologramVerdict {
   std::uint64_t hologram_id = 0;
-  bool settled = false;  ///< the hologram stood still for the whole exposure, and fits the plan
+  bool still = false;    ///< the hologram stood still for the whole exposure
+  bool settled = false;  ///< still, and fits the plan
 };
 
 /// The current hologram if it had settled when the exposure began; the previous one if that had,

@@ -137,6 +137,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
                                                   settings.exposure_begin_mono_ns, arrival);
   entry.hologram_id = hologram.hologram_id;
   // Until the plan for a new region is there, positions would be taken for those of the old one.
+  entry.still = hologram.still;
   entry.settled = hologram.settled && applied.roi == entry.plan->roi;
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);

@@ -50,11 +50,13 @@ void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply
   if (!id) return reply(failed(id.error()));
   const auto cancelled = services.jobs.cancel(*id);
   // Answered when the sensor is free again: the next request may be the next job.
-  services.instrument.after_changes([reply, cancelled] { answer_job(reply, cancelled); });
+  services.procedures.when_free([&services, reply, cancelled] {
+    services.instrument.after_changes([reply, cancelled] { answer_job(reply, cancelled); });
+  });
 }
 
 constexpr std::array<Method, 5> kMethods{{
-    {"reference.take", Action::take_reference, take},
+    {"reference.take", Action::start_job, take},
     {"reference.get", Action::read, get},
     {"reference.clear", Action::clear_reference, clear},
     {"job.get", Action::read, get_job},

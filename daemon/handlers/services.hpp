@@ -9,6 +9,7 @@
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/procedures/procedures.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
 
@@ -21,6 +22,7 @@ struct Services {
   CameraActor& camera;
   Instrument& instrument;
   Jobs& jobs;
+  Procedures& procedures;
   LiveRefiner& refiner;
   StatusReporter& status;
   Counters& counters;

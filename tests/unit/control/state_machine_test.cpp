@@ -162,8 +162,7 @@ TEST(StateMachine, ARefusalNamesTheStateAndTheWayOut) {
 }
 
 TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
-  const Result<void> camera =
-      permit(example(DaemonState::waiting_for_camera), Action::take_reference);
+  const Result<void> camera = permit(example(DaemonState::waiting_for_camera), Action::start_job);
   EXPECT_EQ(camera.error().code, Errc::unavailable);
   EXPECT_NE(camera.error().reason.find("no camera is in use"), std::string::npos);
   const Result<void> display =

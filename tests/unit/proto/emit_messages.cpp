@@ -135,6 +135,11 @@ void print_results() {
   print_result("reference.get", reference_result(reference));
   print_result("reference.clear", reference_result(std::nullopt));
   print_result("reference.take", job_started_result(1));
+  Registration registration;
+  registration.px_per_cycle = {1617.0, -1050.0, 1050.0, 1617.0};
+  print_result("registration.get", registration_result(registration));
+  print_result("registration.clear", registration_result(std::nullopt));
+  print_result("registration.run", job_started_result(2));
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
     print_result("slm.show", slm_show_result(HologramKind(k), 1));
   }
@@ -193,6 +198,7 @@ void print_all_params() {
                decode_refine_set);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
+  print_params("registration.run", {"frames", "frame"}, decode_registration_run);
   print_params("slm.show", {"pattern"}, decode_slm_show);
   print_params("job.get", {"job", "id"}, decode_job);
   print_params("config.get", {"path"}, decode_nothing);

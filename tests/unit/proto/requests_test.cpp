@@ -173,6 +173,9 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(decode_reference_take({{"frames", 7}}), 7);
   EXPECT_EQ(error_of(decode_reference_take({{"frames", 0}})).field, "frames");
   EXPECT_EQ(decode_slm_show({{"pattern", "identify"}}), HologramKind::identify);
+  EXPECT_EQ(error_of(decode_slm_show({{"pattern", "test"}})).field, "pattern");
+  EXPECT_EQ(decode_registration_run(json::object()), 5);
+  EXPECT_EQ(error_of(decode_registration_run({{"frames", 101}})).field, "frames");
   EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
   EXPECT_EQ(error_of(decode_slm_show({{"pattern", "sensr"}})).nearest, "sensor");
   EXPECT_EQ(decode_job({{"job", 3}}), 3);

@@ -24,14 +24,16 @@ void expect_range(const json& schema, Range range) {
 TEST(Schemas, AreThereForEveryStreamAndMethod) {
   std::vector<std::string> names;
   for (const SchemaFile& file : schemas()) names.emplace_back(file.name);
-  EXPECT_EQ(names, (std::vector<std::string>{
-                       "aberration.clear", "aberration.get",  "aberration.set", "camera.get",
-                       "camera.set",       "config.get",      "config.save",    "job.cancel",
-                       "job.get",          "reference.clear", "reference.get",  "reference.take",
-                       "refine.get",       "refine.set",      "sensor.get",     "sensor.set",
-                       "slm.show",         "stream.event",    "stream.image",   "stream.phase",
-                       "stream.refined",   "stream.spots",    "stream.status",  "stream.wavefront",
-                       "system.describe",  "system.status"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{
+                "aberration.clear", "aberration.get",  "aberration.set",     "camera.get",
+                "camera.set",       "config.get",      "config.save",        "job.cancel",
+                "job.get",          "reference.clear", "reference.get",      "reference.take",
+                "refine.get",       "refine.set",      "registration.clear", "registration.get",
+                "registration.run", "sensor.get",      "sensor.set",         "slm.show",
+                "stream.event",     "stream.image",    "stream.phase",       "stream.refined",
+                "stream.spots",     "stream.status",   "stream.wavefront",   "system.describe",
+                "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -60,6 +62,7 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
     expect_range(refine.at("saturation_dn"), limits::kSaturationDn);
   }
   expect_range(properties("reference.take").at("frames"), limits::kReferenceFrames);
+  expect_range(properties("registration.run").at("frames"), limits::kPictureFrames);
   expect_range(properties("job.get").at("job"), limits::kJob);
   const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
   expect_range(by_j.at("properties").at("waves"), limits::kModeWaves);
@@ -104,6 +107,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("refine.set")) EXPECT_TRUE(decode_refine_set(e)) << e;
   for (const json& e : examples("aberration.set")) EXPECT_TRUE(decode_aberration_set(e)) << e;
   for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
+  for (const json& e : examples("registration.run")) EXPECT_TRUE(decode_registration_run(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }

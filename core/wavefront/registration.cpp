@@ -1,0 +1,143 @@
+#include "core/wavefront/registration.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+
+namespace ovws {
+namespace {
+
+constexpr int kFewestSights = 4;
+constexpr double kMostCondition = 100.0;  // of the sights' spread: a line has no end of it
+constexpr double kStandsOut = 8.0;        // times the spread of all smoothed pixels
+constexpr double kSpreadOfMedian = 1.4826;
+constexpr double kFullScale = 60000.0;
+
+/// Sums over squares of side 2 half + 1, by running sums along rows and columns.
+Image<float> box_sums(const Image<float>& in, int half) {
+  Image<double> sums(in.width + 1, in.height + 1);
+  for (int y = 0; y < in.height; ++y) {
+    double row = 0.0;
+    for (int x = 0; x < in.width; ++x) {
+      const float value = in.at(x, y);
+      row += std::isfinite(value) ? double(value) : 0.0;
+      sums.at(x + 1, y + 1) = sums.at(x + 1, y) + row;
+    }
+  }
+  Image<float> out(in.width, in.height);
+  for (int y = 0; y < in.height; ++y) {
+    const int top = std::max(0, y - half), bottom = std::min(in.height, y + half + 1);
+    for (int x = 0; x < in.width; ++x) {
+      const int left = std::max(0, x - half), right = std::min(in.width, x + half + 1);
+      out.at(x, y) = float(sums.at(right, bottom) - sums.at(left, bottom) - sums.at(right, top) +
+                           sums.at(left, top));
+    }
+  }
+  return out;
+}
+
+float median_of(std::vector<float> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Middle of what is brighter than half of the brightest, among its neighbours.
+Vec2 middle_of_peak(const Image<float>& smoothed, int px, int py, int reach, float floor) {
+  const float half = 0.5F * (smoothed.at(px, py) + floor);
+  double sum = 0.0;
+  Vec2 moment;
+  for (int y = std::max(0, py - reach); y < std::min(smoothed.height, py + reach + 1); ++y) {
+    for (int x = std::max(0, px - reach); x < std::min(smoothed.width, px + reach + 1); ++x) {
+      const double above = double(std::max(0.0F, smoothed.at(x, y) - half));
+      sum += above;
+      moment = moment + above * Vec2{double(x), double(y)};
+    }
+  }
+  return (1.0 / sum) * moment;
+}
+
+Vec2 errors_of(double variance, const Eigen::Matrix3d& covariance, int row) {
+  const double error = std::sqrt(variance * covariance(row, row));
+  return {error, error};
+}
+
+}  // namespace
+
+Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
+  const auto n = Eigen::Index(sights.size());
+  if (n < kFewestSights) {
+    return fail(Errc::refused, "",
+                "the spot was found for " + std::to_string(n) +
+                    " of the slopes only, 4 are needed: see that the region of interest holds the "
+                    "base spot and its surroundings, and that the exposure shows it");
+  }
+  double scale = 0.0;  // so that the columns are of like size
+  for (const ProbeSight& s : sights) scale = std::max(scale, norm(s.offset_cpp));
+  Eigen::MatrixXd a(n, 3), b(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ProbeSight& s = sights[std::size_t(i)];
+    a.row(i) << 1.0, s.offset_cpp.x / scale, s.offset_cpp.y / scale;
+    b.row(i) << s.at_px.x, s.at_px.y;
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (!(svd.singularValues()[0] < kMostCondition * svd.singularValues()[2])) {
+    return fail(Errc::refused, "", "the spot was found on one line only: no map can be told");
+  }
+  const Eigen::MatrixXd x = svd.solve(b);
+  const double squares = (a * x - b).squaredNorm();
+  const double variance = n > 3 ? squares / (2.0 * double(n - 3)) : 0.0;
+  const Eigen::Matrix3d covariance = (a.transpose() * a).inverse();
+  const Vec2 by_u = (1.0 / scale) * errors_of(variance, covariance, 1);
+  const Vec2 by_v = (1.0 / scale) * errors_of(variance, covariance, 2);
+  Registration r;
+  r.base_px = {x(0, 0), x(0, 1)};
+  r.px_per_cycle = {x(1, 0) / scale, x(2, 0) / scale, x(1, 1) / scale, x(2, 1) / scale};
+  r.standard_error = {by_u.x, by_v.x, by_u.y, by_v.y};
+  r.base_standard_error_px = errors_of(variance, covariance, 0);
+  r.residual_px = std::sqrt(squares / (2.0 * double(n)));
+  r.sights = int(n);
+  return r;
+}
+
+std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
+  const int half = std::max(1, int(std::lround(spots.lambda_d_px)));
+  if (light.width <= 2 * half || light.height <= 2 * half) return std::nullopt;
+  const Image<float> smoothed = box_sums(light, half);
+  const auto brightest = std::max_element(smoothed.pixels.begin(), smoothed.pixels.end());
+  const int at = int(brightest - smoothed.pixels.begin());
+  const float middle = median_of(smoothed.pixels);
+  std::vector<float> away;
+  for (const float value : smoothed.pixels) away.push_back(std::abs(value - middle));
+  const double spread = kSpreadOfMedian * double(median_of(std::move(away)));
+  if (!(double(*brightest - middle) > kStandsOut * spread)) return std::nullopt;
+  return middle_of_peak(smoothed, at % light.width, at / light.width, 2 * half, middle);
+}
+
+std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots) {
+  const auto start = spot_in(light, spots);
+  if (!start) return std::nullopt;
+  // The trackers read whole numbers.
+  float least = 0.0F, most = 0.0F;
+  for (const float value : light.pixels) {
+    if (!std::isfinite(value)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  const float per_dn = float(kFullScale) / std::max(most - least, 1e-6F);
+  Image<std::uint16_t> whole(light.width, light.height);
+  for (std::size_t k = 0; k < light.pixels.size(); ++k) {
+    const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : most;
+    whole.pixels[k] = std::uint16_t(std::lround((value - least) * per_dn));
+  }
+  const auto tracker = make_tracker({TrackerKind::matched}, spots);
+  if (!tracker) return std::nullopt;
+  TrackScratch scratch = (*tracker)->make_scratch();
+  const SpotFix fix = (*tracker)->track(view_of(whole, PixelFormat::mono16), *start, scratch);
+  if (!fix.found()) return std::nullopt;
+  return Vec2{double(fix.x), double(fix.y)};
+}
+
+}  // namespace ovws

@@ -1,0 +1,87 @@
+#include "daemon/instrument.hpp"
+
+namespace ovws {
+
+/// A registration counts from the corner of the camera's sensor, all else from that of the region.
+OpticsConfig Instrument::optics_of(const State& state) const {
+  OpticsConfig optics = optics_;
+  if (!state.registration) return optics;
+  optics.registered = state.registration->px_per_cycle;
+  optics.centre_px = state.registration->base_px - Vec2{double(state.roi.x), double(state.roi.y)};
+  return optics;
+}
+
+void Instrument::clear_registration(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    State next = state_;
+    next.registration.reset();
+    ++next.sensor_epoch;
+    done(change_to(std::move(next)));
+  });
+}
+
+/// The state that this job may change.
+Result<Instrument::State> Instrument::lent_state(int job) const {
+  if (lease_ && lease_->job == job) return state_;
+  return fail(Errc::refused, "", "the sensor does not belong to this job");
+}
+
+void Instrument::use_registration(int job, const Registration& registration, Changed done) {
+  mailbox_.post([this, job, registration, done = std::move(done)] {
+    auto next = lent_state(job);
+    if (!next) return done(fail(next.error()));
+    next->registration = registration;
+    ++next->sensor_epoch;  // tracks of before lead nowhere
+    done(carry_out(std::move(*next)));
+  });
+}
+
+Result<void> Instrument::lend(int job) {
+  if (auto free = check_free(); !free) return free;
+  lease_ = Lease{job, state_.pattern, state_.aberration};
+  return {};
+}
+
+void Instrument::exhibit(int job, Exhibit exhibit, Changed done) {
+  mailbox_.post([this, job, exhibit = std::move(exhibit), done = std::move(done)] {
+    auto next = lent_state(job);
+    if (!next) return done(fail(next.error()));
+    next->aberration = exhibit.aberration;
+    next->painted.reset();
+    next->pattern = HologramKind::sensor;
+    if (exhibit.paint) {
+      auto grey = std::make_shared<Image<std::uint8_t>>();
+      exhibit.paint(*state_.renderer, *grey);
+      next->painted = std::move(grey);
+      next->pattern = HologramKind::test;
+    }
+    done(carry_out(std::move(*next)));
+  });
+}
+
+void Instrument::give_back(int job, std::function<void()> then) {
+  mailbox_.post([this, job, then = std::move(then)] {
+    if (lease_ && lease_->job == job) {
+      State before = state_;
+      before.pattern = lease_->pattern;
+      before.aberration = lease_->aberration;
+      before.painted.reset();
+      if (!carry_out(before)) fall_back_to(std::move(before));
+      lease_.reset();
+    }
+    then();
+  });
+}
+
+/// Without a display: it is to show this when it comes back.
+void Instrument::fall_back_to(State before) {
+  HologramRequest request = render(before);
+  auto plan = plan_for(before, request.hologram_id);
+  if (!plan) return;  // the state's own plan was made before: it is no error of the plan
+  shown_hologram_id_ = request.hologram_id;
+  grey_ = request.grey;
+  deps_.slm.show_when_possible(std::move(request));
+  adopt(std::move(before), std::move(*plan));
+}
+
+}  // namespace ovws

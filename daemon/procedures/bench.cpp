@@ -1,0 +1,134 @@
+#include "daemon/procedures/bench.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kLook(20);  // how often a wait sees a stop
+constexpr double kLeastPatienceS = 10.0;
+
+Error stopped_error() {
+  return {Errc::refused, "", "it was told to end"};
+}
+
+/// Without a frame for so long, none will come.
+double patience_s(const CameraSettings& camera) {
+  return std::max(kLeastPatienceS,
+                  3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
+}
+
+Error no_frame(double waited_s) {
+  return {Errc::unavailable, "",
+          fmt::format("no settled frame came for {:.0f} s: see system.status for what the camera "
+                      "and the SLM do",
+                      waited_s)};
+}
+
+}  // namespace
+
+Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop)
+    : job_(job), deps_(deps), stop_(stop) {}
+
+/// Who is asked may be gone by the time it answers: what it answers into is shared.
+template <class T>
+Result<T> Bench::wait_for(std::future<Result<T>> future) {
+  while (future.wait_for(kLook) != std::future_status::ready) {
+    if (stopped()) return fail(stopped_error());
+  }
+  try {
+    return future.get();
+  } catch (const std::future_error&) {  // asked of a thread that has ended
+    return fail(stopped_error());
+  }
+}
+
+Result<void> Bench::ask(const std::function<void(Instrument::Changed)>& what) {
+  if (stopped()) return fail(stopped_error());
+  auto promise = std::make_shared<std::promise<Result<void>>>();
+  auto future = promise->get_future();
+  what([promise = std::move(promise)](const Result<SensorSnapshot>& shown) {
+    promise->set_value(shown ? Result<void>{} : fail(shown.error()));
+  });
+  return wait_for(std::move(future));
+}
+
+Result<void> Bench::show(const std::vector<Mode>& aberration) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.exhibit(job_, {aberration, nullptr}, std::move(done));
+  });
+}
+
+Result<void> Bench::show(const Painter& paint) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.exhibit(job_, {{}, paint}, std::move(done));
+  });
+}
+
+Result<void> Bench::use_registration(const Registration& registration) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.use_registration(job_, registration, std::move(done));
+  });
+}
+
+Result<CameraSettings> Bench::set_camera(const CameraSet& change) {
+  if (stopped()) return fail(stopped_error());
+  auto promise = std::make_shared<std::promise<Result<CameraSettings>>>();
+  auto future = promise->get_future();
+  deps_.camera.change_for_job(
+      change, [promise = std::move(promise)](const Result<CameraSnapshot>& set) {
+        promise->set_value(set ? Result<CameraSettings>(set->settings) : fail(set.error()));
+      });
+  return wait_for(std::move(future));
+}
+
+void Bench::tell(double progress) {
+  progress_.store(progress);
+  deps_.jobs.tell_progress(job_);
+}
+
+Result<ReferenceCollector::Average> Bench::spots(int frames) {
+  if (stopped()) return fail(stopped_error());
+  const SensorSnapshot now = sensor();
+  auto promise = std::make_shared<std::promise<ReferenceCollector::Average>>();
+  auto future = promise->get_future();
+  deps_.collector.begin(frames, now.sensor_epoch, now.hologram_id, now.subapertures,
+                        [promise = std::move(promise)](ReferenceCollector::Average average) {
+                          promise->set_value(std::move(average));
+                        });
+  const double patient_s = patience_s(camera().settings);
+  while (future.wait_for(kLook) != std::future_status::ready) {
+    const bool silent = deps_.collector.idle_s() > patient_s;
+    if (!stopped() && !silent) continue;
+    deps_.collector.cancel();
+    return fail(stopped() ? stopped_error() : no_frame(patient_s));
+  }
+  return future.get();
+}
+
+Result<Image<float>> Bench::picture(int frames) {
+  if (stopped()) return fail(stopped_error());
+  const SensorSnapshot now = sensor();
+  deps_.pictures.begin(now.sensor_epoch, now.hologram_id, frames);
+  const double patient_s = patience_s(camera().settings) * frames;
+  const std::int64_t begun_ns = monotonic_ns();
+  while (deps_.pictures.wants()) {
+    const bool silent = 1e-9 * double(monotonic_ns() - begun_ns) > patient_s;
+    if (stopped() || silent) {
+      deps_.pictures.cancel();
+      return fail(stopped() ? stopped_error() : no_frame(patient_s));
+    }
+    std::this_thread::sleep_for(kLook / 4);
+  }
+  const auto taken = deps_.pictures.end();
+  if (!taken) return fail(no_frame(patient_s));
+  return taken->mean_dn;
+}
+
+}  // namespace ovws

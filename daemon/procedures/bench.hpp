@@ -1,0 +1,70 @@
+/// The bench in the hands of a procedure: show, wait until it stands, look.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
+#include "daemon/camera_actor.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/reference.hpp"
+#include "daemon/reference_picture.hpp"
+
+namespace ovws {
+
+struct BenchDeps {
+  Instrument& instrument;
+  CameraActor& camera;
+  ReferenceCollector& collector;
+  ReferencePictureTaker& pictures;
+  Jobs& jobs;
+};
+
+/// For the thread of one procedure. Every call waits for what it promises, and fails once the job
+/// was cancelled or the daemon ends; a procedure then returns at once. What it showed is taken back
+/// when it ends, however it ends.
+class Bench {
+ public:
+  Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop);
+
+  /// As it is now.
+  SensorSnapshot sensor() const { return deps_.instrument.snapshot(); }
+  CameraSnapshot camera() const { return deps_.camera.snapshot(); }
+
+  /// The sensor with these modes, RMS-normalised waves, in place of the aberration of before.
+  Result<void> show(const std::vector<Mode>& aberration);
+  /// What `paint` draws; it is called once, in the prepare thread.
+  Result<void> show(const Painter& paint);
+  /// In force from now on.
+  Result<void> use_registration(const Registration& registration);
+  /// All of the camera's settings that `change` names; read back.
+  Result<CameraSettings> set_camera(const CameraSet& change);
+
+  /// Of the next `frames` settled frames of the sensor shown last.
+  Result<ReferenceCollector::Average> spots(int frames);
+  /// The mean of the next `frames` frames, at most ReferencePictureTaker::kMostFrames, of what was
+  /// shown last. NaN where a frame was saturated.
+  Result<Image<float>> picture(int frames);
+
+  /// 0 .. 1, of the whole procedure.
+  void tell(double progress);
+  double progress() const { return progress_.load(); }  ///< thread-safe
+  bool stopped() const { return stop_.load(); }
+
+ private:
+  template <class T>
+  Result<T> wait_for(std::future<Result<T>> future);
+  Result<void> ask(const std::function<void(Instrument::Changed)>& what);
+
+  int job_;
+  BenchDeps deps_;
+  const std::atomic<bool>& stop_;
+  std::atomic<double> progress_{0.0};
+};
+
+}  // namespace ovws

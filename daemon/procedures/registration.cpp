@@ -1,0 +1,140 @@
+#include "daemon/procedures/registration.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kReach = 0.7;         // of the field that the sensor's own spots take
+constexpr double kMostCpp = 0.5;       // the SLM's limit
+constexpr double kMostResidual = 0.1;  // lambda/d, of what the map leaves
+constexpr int kMostCharge = 2;         // of a probe
+constexpr double kOtherScale = 0.03;   // relative: the spots are then looked for anew
+
+/// The base first: if that is not seen, it is said at once.
+constexpr std::array<Vec2, 9> kSteps{
+    {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+
+struct Look {
+  Vec2 offset_cpp;
+  Image<float> light;  ///< with the probe, minus without
+};
+
+double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
+  double most = 0.0;
+  for (const Subaperture& s : lattice.subapertures) {
+    most = std::max(most, norm(s.frequency_cpp - base_cpp));
+  }
+  // A diagonal step is longer by the root of two.
+  const double free = kMostCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
+  return std::min(kReach * most / std::sqrt(2.0), free);
+}
+
+void subtract(Image<float>& from, const Image<float>& what) {
+  for (std::size_t k = 0; k < from.pixels.size(); ++k) from.pixels[k] -= what.pixels[k];
+}
+
+Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int charge, int frames) {
+  std::vector<Look> looks;
+  const auto without = [](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
+    renderer.render(HologramKind::flat, {}, grey);
+  };
+  if (auto shown = bench.show(without); !shown) return fail(shown.error());
+  const auto background = bench.picture(frames);
+  if (!background) return fail(background.error());
+  for (const Vec2 step : kSteps) {
+    const Vec2 offset = reach * step;
+    const Probe probe{base_cpp + offset, charge};
+    const auto paint = [probe](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
+      renderer.render_probe(probe, grey);
+    };
+    if (auto shown = bench.show(paint); !shown) return fail(shown.error());
+    auto picture = bench.picture(frames);
+    if (!picture) return fail(picture.error());
+    if (picture->pixels.size() != background->pixels.size()) {
+      return fail(Errc::refused, "camera", "the camera's region changed meanwhile");
+    }
+    subtract(*picture, *background);
+    looks.push_back({offset, std::move(*picture)});
+    bench.tell(double(looks.size()) / (kSteps.size() + 1));
+  }
+  return looks;
+}
+
+std::vector<ProbeSight> sights_of(const std::vector<Look>& looks, const SpotModel& spots,
+                                  std::optional<Vec2> (*find)(const Image<float>&,
+                                                              const SpotModel&)) {
+  std::vector<ProbeSight> sights;
+  for (const Look& one : looks) {
+    if (const auto at = find(one.light, spots)) sights.push_back({one.offset_cpp, *at});
+  }
+  return sights;
+}
+
+double distance_px(const Registration& map, const ProbeSight& sight) {
+  return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
+}
+
+/// A sight may be a ghost: leaves out those that fit the others worst, as long as enough are left.
+Result<Registration> consistent(std::vector<ProbeSight> sights, double lambda_d_px) {
+  constexpr std::size_t kFewest = 5;
+  for (;;) {
+    const auto map = fit_registration(sights);
+    if (!map || map->residual_px < kMostResidual * lambda_d_px) return map;
+    if (sights.size() <= kFewest) {
+      return fail(Errc::refused, "",
+                  fmt::format("the spot does not move as a map of slopes says: {:.1f} px RMS are "
+                              "left; see that nothing moves on the bench, and that the region of "
+                              "interest holds the sensor's field",
+                              map->residual_px));
+    }
+    sights.erase(std::max_element(sights.begin(), sights.end(), [&](const auto& a, const auto& b) {
+      return distance_px(*map, a) < distance_px(*map, b);
+    }));
+  }
+}
+
+/// By the matched filter if that finds as much; under a strong aberration only the light's middle
+/// is sure.
+Result<Registration> map_of(const std::vector<Look>& looks, const SpotModel& spots) {
+  const auto rough = sights_of(looks, spots, spot_in);
+  const auto fine = sights_of(looks, spots, find_probe);
+  const auto coarse_map = consistent(rough, spots.lambda_d_px);
+  if (fine.size() < rough.size()) return coarse_map;
+  const auto map = consistent(fine, spots.lambda_d_px);
+  return map ? map : coarse_map;
+}
+
+}  // namespace
+
+Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
+  const SensorSnapshot now = bench.sensor();
+  const CameraSettings camera = bench.camera().settings;
+  const auto lattice = make_lattice(now.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const Vec2 base_cpp{now.sensor.grooves[0] / slm.width_px, now.sensor.grooves[1] / slm.height_px};
+  const int charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
+  const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
+  if (!looks) return fail(looks.error());
+  SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor)};
+  auto map = map_of(*looks, spots);
+  if (!map) return map;
+  const double ratio = map->px_per_cycle.scale() / camera_px_per_cycle(now.optics, slm);
+  if (std::abs(ratio - 1.0) > kOtherScale) {
+    spots.lambda_d_px *= ratio;
+    map = map_of(*looks, spots);
+    if (!map) return map;
+  }
+  map->t_taken_ns = utc_ns();
+  map->base_px = map->base_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
+  return map;
+}
+
+}  // namespace ovws
