@@ -87,6 +87,7 @@ std::string dump_config(const Config& config) {
   out["sensor"] = sensor_json(config.sensor);
   out["tracking"] = {{"tracker", tracker_name(config.tracking.tracker)},
                      {"template", template_name(config.tracking.templates)},
+                     {"operator", operator_name(config.tracking.mode_operator)},
                      {"kernel_radius", config.tracking.kernel_radius}};
   out["refine"] = refine_json(config.refine);
   out["stream"] = {{"endpoint", config.stream.endpoint},

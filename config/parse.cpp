@@ -120,6 +120,7 @@ void read_sensor(ObjectReader& r, SensorConfig& sensor) {
 void read_tracking(ObjectReader& r, TrackingSettings& tracking) {
   choice(r, "tracker", tracking.tracker, tracker_names());
   choice(r, "template", tracking.templates, template_names());
+  choice(r, "operator", tracking.mode_operator, operator_names());
   number(r, "kernel_radius", tracking.kernel_radius, limits::kKernelRadius);
 }
 

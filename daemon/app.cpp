@@ -43,6 +43,7 @@ struct App::Parts {
   Pipeline pipeline;
   ReferenceCollector collector;
   ReferencePictureTaker pictures;
+  OperatorMaker operators;
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
@@ -61,6 +62,7 @@ struct App::Parts {
       : config(c),
         config_path(std::move(path)),
         pipeline(config.pipeline, {counters, shown, settings}),
+        operators(config.slm.geometry),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
@@ -88,7 +90,7 @@ struct App::Parts {
 
 Result<void> App::Parts::make_instrument() {
   auto made = Instrument::make(
-      config, {pipeline, slm, collector, pictures, jobs, events, [this](bool runs) {
+      config, {pipeline, slm, collector, pictures, operators, jobs, events, [this](bool runs) {
                  state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended);
                }});
   if (!made) return fail(made.error());
@@ -149,10 +151,10 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
-  std::vector<Start> starts{{ThreadRole::refine, *refiner},  {ThreadRole::search, *finder},
-                            {ThreadRole::publish, *stream},  {ThreadRole::images, *images},
-                            {ThreadRole::control, *control}, {ThreadRole::prepare, *instrument},
-                            {ThreadRole::status, *status}};
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},     {ThreadRole::search, *finder},
+                            {ThreadRole::model, operators},     {ThreadRole::publish, *stream},
+                            {ThreadRole::images, *images},      {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {
@@ -190,6 +192,7 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   parts_->state.take(DaemonEvent::stop_requested);
   parts_->procedures->end_soon();
   parts_->refiner->end_soon();
+  parts_->operators.end_soon();
   parts_->slm.close();
   const std::string held = parts_->threads.stop_all(kStopPatienceS);
   if (held.empty()) return {};

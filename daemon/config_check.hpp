@@ -9,7 +9,7 @@ namespace ovws {
 /// Errors as the daemon's start would give them: drivers that do not exist, LUT and flatness files,
 /// lattice, tracker. Opens no device.
 Result<void> check_usable(const Config& config);
-/// Errc::invalid (field "tracker") for a tracker that is too slow to run on every frame.
-Result<void> check_daemon_tracker(const TrackingConfig& tracking);
+/// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
+Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 
 }  // namespace ovws

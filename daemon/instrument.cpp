@@ -192,7 +192,7 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_of(state), slm_geometry_, state.roi,
                      state.format, state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr,
-                     templates_for(state, reference).banks});
+                     templates_for(state, reference).banks, operator_for(state)});
 }
 
 const OwnTemplates& Instrument::templates_for(const State& state,
@@ -218,8 +218,11 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);
   now.templates = templates_for(state_, now.reference).report;
+  now.mode_operator = report_operator(*plan);
   if (torn_) now.torn = torn_->numbers();
-  tell_torn(snapshot_.get().torn, now.torn);
+  const SensorSnapshot before = snapshot_.get();
+  tell_torn(before.torn, now.torn);
+  tell_operator(before.mode_operator.in_force, now.mode_operator.in_force);
   snapshot_.set(std::move(now));
   deps_.pipeline.use_plan(plan.get());
   plans_.push_back(std::move(plan));

@@ -18,6 +18,8 @@
 #include "daemon/guarded.hpp"
 #include "daemon/jobs.hpp"
 #include "daemon/mailbox.hpp"
+#include "daemon/mode_operators.hpp"
+#include "daemon/operator_maker.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/reference_templates.hpp"
 #include "daemon/slm_loop.hpp"
@@ -40,7 +42,8 @@ struct Exhibit {
 struct SensorSnapshot {
   SensorConfig sensor;
   TrackingSettings tracking;
-  TemplateReport templates;  ///< what of tracking.templates is in use
+  TemplateReport templates;      ///< what of tracking.templates is in use
+  OperatorReport mode_operator;  ///< of plan_id
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
   std::uint64_t hologram_id = 0;
@@ -59,6 +62,7 @@ struct InstrumentDeps {
   SlmLoop& slm;
   ReferenceCollector& collector;
   ReferencePictureTaker& pictures;
+  OperatorMaker& operators;
   Jobs& jobs;
   Events& events;
   /// Prepare thread: a job began (true) or ended (false).
@@ -145,6 +149,10 @@ class Instrument : public Agent {
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
   void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
+  const ModeOperator* operator_for(const State& state) const;
+  OperatorReport report_operator(const MeasurementPlan& plan);
+  void keep(const OperatorKey& key, Result<ModeOperator> made);
+  void tell_operator(OperatorKind before, OperatorKind now);
   void retire_plans();
   std::optional<Reference> reference_for(const State& state) const;
   const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);
@@ -167,6 +175,7 @@ class Instrument : public Agent {
   std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
   std::vector<Reference> references_;                  ///< one a key
   TemplateShelf templates_;                            ///< of the reference in force
+  OperatorShelf operators_;                            ///< diffractive ones
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
   std::optional<CameraSettings> camera_;               ///< as last told
   std::optional<TornSpots> torn_;                      ///< of the plan in use

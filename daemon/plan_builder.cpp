@@ -1,10 +1,10 @@
 #include "daemon/plan_builder.hpp"
 
 #include <Eigen/Core>
-#include <numeric>
 
 #include "core/tracking/mixed_tracker.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/mode_operators.hpp"
 
 namespace ovws {
 namespace {
@@ -45,12 +45,6 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
 
 }  // namespace
 
-std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
-  std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
-  std::iota(modes_j.begin(), modes_j.end(), 1);
-  return modes_j;
-}
-
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = inputs.id;
@@ -71,13 +65,13 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
     plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
                                                    inputs.torn->templates);
   }
-  std::vector<int> modes_j = reconstructed_modes(inputs.sensor);
-  const Eigen::MatrixXd slopes = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
-                                              slope_model(inputs.sensor.charge, inputs.tracking),
-                                              px_per_cycle(inputs.optics, inputs.slm));
-  modes_j.resize(std::size_t(determined_modes(slopes)));
+  const ModeOperator& modes = inputs.mode_operator != nullptr
+                                  ? *inputs.mode_operator
+                                  : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
+                                                   px_per_cycle(inputs.optics, inputs.slm));
+  plan->mode_operator = modes.kind;
   plan->reconstructor =
-      std::make_unique<Reconstructor>(slopes.leftCols(modes_j.size()), modes_j, plan->reference_px);
+      std::make_unique<Reconstructor>(modes.slopes, modes.modes_j, plan->reference_px);
   return plan;
 }
 

@@ -9,6 +9,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
+#include "core/wavefront/mode_operator.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/torn_spots.hpp"
 
@@ -31,10 +32,8 @@ struct PlanInputs {
   const TornSpots* torn = nullptr;  ///< null: none is
   /// See MatchedTracker; empty: the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> templates{};
+  const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
 };
-
-/// OSA indices that the sensor reconstructs: 1 .. Z_opt (paper eq. 5).
-std::vector<int> reconstructed_modes(const SensorConfig& sensor);
 
 /// Errors as of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);

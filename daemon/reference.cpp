@@ -23,6 +23,7 @@ ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& t
                            const Roi& roi) {
   ReferenceKey key{sensor, tracking, roi};
   if (tracking.tracker != TrackerKind::matched) key.tracking.templates = TemplateKind::model;
+  key.tracking.mode_operator = OperatorKind::slopes;
   return key;
 }
 

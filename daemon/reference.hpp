@@ -28,7 +28,7 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// `templates` matters to a tracker that has one only.
+/// `templates` matters to a tracker that has one only, `mode_operator` to no position.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 

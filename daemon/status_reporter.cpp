@@ -50,6 +50,7 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
   part.config = sensor.sensor;
   part.tracking = sensor.tracking;
   part.templates = sensor.templates;
+  part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
   part.referenced = sensor.reference.has_value();

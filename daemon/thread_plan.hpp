@@ -29,6 +29,7 @@ enum class ThreadRole {
   images,
   search,
   refine,
+  model,
   status,
   display,
 };
@@ -49,7 +50,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 13> kThreadTable{{
+constexpr std::array<ThreadRow, 14> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -64,6 +65,8 @@ constexpr std::array<ThreadRow, 13> kThreadTable{{
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,
      OnHang::report, 10},
     {ThreadRole::refine, "refine", 0, "the next lent frame; a fit takes seconds", 120.0,
+     OnHang::report, 15},
+    {ThreadRole::model, "model", 0, "an order; a diffractive matrix takes seconds", 300.0,
      OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system

@@ -45,6 +45,8 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["tracker"] = tracker_name(sensor.tracking.tracker);
   out["template"] = template_name(sensor.tracking.templates);
   put(out, sensor.templates);
+  out["operator"] = operator_name(sensor.tracking.mode_operator);
+  put(out, sensor.mode_operator);
   out["subapertures"] = sensor.subapertures;
   out["modes"] = sensor.modes;
   out["referenced"] = sensor.referenced;

@@ -125,6 +125,7 @@ struct StatusMessage {
     SensorConfig config;
     TrackingSettings tracking;
     TemplateReport templates;
+    OperatorReport mode_operator;
     int subapertures = 0, modes = 0;
     bool referenced = false;
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them

@@ -56,6 +56,11 @@ const std::vector<std::string>& template_names() {
   return names;
 }
 
+const std::vector<std::string>& operator_names() {
+  static const std::vector<std::string> names{"slopes", "diffractive", "relinearised"};
+  return names;
+}
+
 std::string_view grid_name(Grid grid) {
   return grid_names()[std::size_t(grid)];
 }
@@ -66,6 +71,10 @@ std::string_view pattern_name(HologramKind kind) {
 
 std::string_view template_name(TemplateKind kind) {
   return template_names()[std::size_t(kind)];
+}
+
+std::string_view operator_name(OperatorKind kind) {
+  return operator_names()[std::size_t(kind)];
 }
 
 }  // namespace ovws

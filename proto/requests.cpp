@@ -118,6 +118,7 @@ SensorConfig SensorSet::applied_to(SensorConfig sensor) const {
 TrackingSettings SensorSet::applied_to(TrackingSettings tracking) const {
   tracking.tracker = tracker.value_or(tracking.tracker);
   tracking.templates = templates.value_or(tracking.templates);
+  tracking.mode_operator = mode_operator.value_or(tracking.mode_operator);
   return tracking;
 }
 
@@ -162,6 +163,7 @@ Result<SensorSet> decode_sensor_set(const json& params) {
   read_number(reader, "spacing", set.spacing, limits::kSpacing);
   read_choice(reader, "tracker", set.tracker, tracker_names());
   read_choice(reader, "template", set.templates, template_names());
+  read_choice(reader, "operator", set.mode_operator, operator_names());
   if (auto done = reader.finish(); !done) return fail(done.error());
   return set;
 }

@@ -40,7 +40,8 @@ struct SensorSet {
   std::optional<std::array<double, 2>> grooves;
   std::optional<double> spacing;
   std::optional<TrackerKind> tracker;
-  std::optional<TemplateKind> templates;  ///< key "template"
+  std::optional<TemplateKind> templates;      ///< key "template"
+  std::optional<OperatorKind> mode_operator;  ///< key "operator"
   bool clamp = false;
 
   SensorConfig applied_to(SensorConfig sensor) const;

@@ -31,6 +31,7 @@ json sensor_settings(const SensorReport& report) {
   json out = to_json(report.config);
   out["tracker"] = tracker_name(report.tracking.tracker);
   out["template"] = template_name(report.tracking.templates);
+  out["operator"] = operator_name(report.tracking.mode_operator);
   return out;
 }
 
@@ -103,9 +104,15 @@ void put(json& out, const TemplateReport& report) {
   out["template_reason"] = report.reason.empty() ? json(nullptr) : json(report.reason);
 }
 
+void put(json& out, const OperatorReport& report) {
+  out["operator_in_force"] = operator_name(report.in_force);
+  out["operator_reason"] = report.reason.empty() ? json(nullptr) : json(report.reason);
+}
+
 json sensor_get_result(const SensorReport& report) {
   json out = sensor_settings(report);
   put(out, report.templates);
+  put(out, report.mode_operator);
   out["subapertures"] = report.subapertures;
   out["modes_j"] = report.modes_j;
   out["hologram_id"] = report.hologram_id;

@@ -43,10 +43,18 @@ struct TemplateReport {
 };
 void put(nlohmann::json& out, const TemplateReport& report);
 
+/// What turns displacements into modes now: the operator asked for may not be there yet.
+struct OperatorReport {
+  OperatorKind in_force = OperatorKind::slopes;
+  std::string reason;  ///< why it is not the one asked for, for a person; empty: it is
+};
+void put(nlohmann::json& out, const OperatorReport& report);
+
 struct SensorReport {
   SensorConfig config;
   TrackingSettings tracking;
   TemplateReport templates;
+  OperatorReport mode_operator;
   int subapertures = 0;
   std::vector<int> modes_j;
   std::uint64_t hologram_id = 0;

@@ -25,6 +25,7 @@ struct MeasurementPlan {
   std::uint64_t hologram_id = 0;
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
+  OperatorKind mode_operator = OperatorKind::slopes;  ///< whose inverse `reconstructor` is
   SpotModel spots;
   Roi roi;  ///< of the camera: what a frame must be an image of
   PixelFormat format = PixelFormat::mono8;

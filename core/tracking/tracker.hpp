@@ -19,10 +19,19 @@ class TemplateBank;
 /// reference shows it.
 enum class TemplateKind : std::uint8_t { model, reference };
 
-/// TrackingConfig, and where the template comes from: for whoever keeps references, for a tracker
-/// is given its templates.
+/// What turns the spots' displacements into modes.
+enum class OperatorKind : std::uint8_t {
+  slopes,        ///< the tracker's own tilt of each mode (slope_matrix)
+  diffractive,   ///< each mode through the diffraction model, tracked (diffractive_matrix)
+  relinearised,  ///< slopes, then steps from where the model puts the spots (relinearise): no
+                 ///< matrix
+};
+
+/// TrackingConfig, and what a tracker by itself does not know: where its templates come from, and
+/// how modes are made of what it finds.
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
+  OperatorKind mode_operator = OperatorKind::slopes;
 
   friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
 };

@@ -47,13 +47,15 @@ Result<std::vector<SpotFix>> model_fixes(SensorModel& model, const SensorConfig&
 
 Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorConfig& sensor,
                                              const SpotTracker& tracker,
-                                             std::span<const int> modes_j, double step_waves) {
+                                             std::span<const int> modes_j, double step_waves,
+                                             const std::atomic<bool>* stop) {
   const auto flat = model_fixes(model, sensor, tracker, {});
   if (!flat) return fail(flat.error());
   DiffractiveMatrix matrix;
   matrix.slopes = Eigen::MatrixXd::Zero(2 * Eigen::Index(flat->size()), modes_j.size());
   for (const SpotFix& fix : *flat) matrix.reference_px.push_back({double(fix.x), double(fix.y)});
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (stop != nullptr && *stop) return fail(Errc::refused, "tracking", "it was told to stop");
     const Mode up{modes_j[k], step_waves}, down{modes_j[k], -step_waves};
     const auto above = model_fixes(model, sensor, tracker, {&up, 1});
     if (!above) return fail(above.error());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -34,11 +35,12 @@ constexpr double kDiffractiveStep = 0.05;
 /// matrix reads 0.3 wave of a mode of n >= 3 to 0.005 wave: see relinearise.
 ///
 /// Errors: as of SensorModel::light for too large a step; Errc::refused, field "tracking", if the
-/// tracker finds fewer than 3 spots.
+/// tracker finds fewer than 3 spots, or if `stop`, when not null, became true meanwhile.
 Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorConfig& sensor,
                                              const SpotTracker& tracker,
                                              std::span<const int> modes_j,
-                                             double step_waves = kDiffractiveStep);
+                                             double step_waves = kDiffractiveStep,
+                                             const std::atomic<bool>* stop = nullptr);
 
 /// Where the tracker finds each spot of a wavefront in the model; a lost one has NaN. Errors as of
 /// SensorModel::light. The geometric slope at each subaperture's centre predicts where to look.

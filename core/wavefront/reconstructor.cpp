@@ -71,7 +71,9 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
   reference_px_.resize(std::size_t(slopes.rows() / 2), Vec2{NAN, NAN});
   Eigen::VectorXd reference = Eigen::VectorXd::Zero(slopes.rows());
   for (std::size_t i = 0; i < reference_px_.size(); ++i) {
-    if (!std::isfinite(reference_px_[i].x) || !std::isfinite(reference_px_[i].y)) {
+    const bool tells = !slopes_.middleRows(2 * i, 2).isZero(0.0);
+    if (!tells || !std::isfinite(reference_px_[i].x) || !std::isfinite(reference_px_[i].y)) {
+      reference_px_[i] = {NAN, NAN};
       slopes_.middleRows(2 * i, 2).setZero();
       continue;
     }

@@ -26,7 +26,8 @@ int determined_modes(const Eigen::MatrixXd& slopes);
 ///
 /// Determined means: the whole lattice tells the modes (condition number of the slopes below 1000),
 /// and with the spots that are there no mode's noise is more than kMaxNoiseGrowth times what it
-/// would be with all spots. A reference position that is not a number makes its spot always lost.
+/// would be with all spots. A spot whose reference position is not a number, or whose slopes are
+/// all 0, is always lost.
 class Reconstructor {
  public:
   static constexpr double kMaxNoiseGrowth = 5.0;

@@ -6,7 +6,7 @@ namespace ovws {
 namespace {
 
 SensorReport report_of(const SensorSnapshot& sensor) {
-  return {sensor.sensor,       sensor.tracking, sensor.templates,
+  return {sensor.sensor,       sensor.tracking, sensor.templates,  sensor.mode_operator,
           sensor.subapertures, sensor.modes_j,  sensor.hologram_id};
 }
 

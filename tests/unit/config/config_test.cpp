@@ -82,7 +82,8 @@ Config random_config(unsigned seed) {
               {dice.number(limits::kGrooves), dice.number(limits::kGrooves)},
               dice.number(limits::kSpacing)};
   c.tracking = {{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
-                TemplateKind(dice.integer({0, 1}))};
+                TemplateKind(dice.integer({0, 1})),
+                OperatorKind(dice.integer({0, 2}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
   if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);
@@ -205,6 +206,7 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"tracking": {"tracker": "lgs"}})").nearest, "lg");
   EXPECT_EQ(error_of(R"({"tracking": {"template": "modell"}})").nearest, "model");
   EXPECT_EQ(error_of(R"({"tracking": {"template": true}})").field, "tracking.template");
+  EXPECT_EQ(error_of(R"({"tracking": {"operator": "diffractiv"}})").nearest, "diffractive");
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "7701"}})").field, "stream.endpoint");

@@ -96,6 +96,8 @@ void print_status() {
       status.fault = "none really";
       status.sensor.tracking.templates = TemplateKind::reference;
       status.sensor.templates = {0, "there is no reference"};
+      status.sensor.tracking.mode_operator = OperatorKind::diffractive;
+      status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
@@ -115,7 +117,8 @@ void print_results() {
   print_result("camera.get", camera_get_result(kInfo, {}, kLimits));
   print_result("camera.set", camera_set_result(params, {}, kLimits));
   print_result("camera.set", camera_set_result(json::object(), {}, std::nullopt));
-  const SensorReport sensor{{}, {}, {2, "spot 3 is dark"}, 19, {1, 2, 3}, 7};
+  const SensorReport sensor{
+      {}, {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", sensor_get_result(sensor));
   print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
   RefineSetup refine;
@@ -190,7 +193,7 @@ void print_all_params() {
                decode_camera_set);
   print_params("sensor.set",
                {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
-                "tracker", "template"},
+                "tracker", "template", "operator"},
                decode_sensor_set);
   print_params("refine.set",
                {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn",

@@ -105,11 +105,13 @@ TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
 TEST(SensorSetRequest, ReadsEveryKey) {
   const auto set = decode_sensor_set(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
-          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour", "template": "reference"})"));
+          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour", "template": "reference",
+          "operator": "diffractive"})"));
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
   EXPECT_EQ(set->applied_to(SensorConfig{}), wanted);
-  const TrackingSettings tracking{{TrackerKind::lg_contour, 0.3}, TemplateKind::reference};
+  const TrackingSettings tracking{
+      {TrackerKind::lg_contour, 0.3}, TemplateKind::reference, OperatorKind::diffractive};
   EXPECT_EQ(set->applied_to(TrackingSettings{}), tracking);
   const auto nothing = decode_sensor_set(json::object());
   ASSERT_TRUE(nothing);
@@ -126,6 +128,7 @@ TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
   EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 1e9}}})).field, "grooves[1]");
   EXPECT_EQ(error_of(decode_sensor_set({{"tracker", "lgg"}})).nearest, "lg");
   EXPECT_EQ(error_of(decode_sensor_set({{"template", "referenc"}})).nearest, "reference");
+  EXPECT_EQ(error_of(decode_sensor_set({{"operator", "slope"}})).nearest, "slopes");
   EXPECT_EQ(error_of(decode_sensor_set({{"charge", 0}, {"template", nullptr}})).field, "template");
 }
 

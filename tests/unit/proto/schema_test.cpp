@@ -94,6 +94,7 @@ TEST(Schemas, StateTheNamesThatAreUsed) {
   EXPECT_EQ(properties("sensor.set").at("grid").at("enum"), json(grid_names()));
   EXPECT_EQ(properties("sensor.set").at("tracker").at("enum"), json(tracker_names()));
   EXPECT_EQ(properties("sensor.set").at("template").at("enum"), json(template_names()));
+  EXPECT_EQ(properties("sensor.set").at("operator").at("enum"), json(operator_names()));
   EXPECT_EQ(properties("slm.show").at("pattern").at("enum"), json(pattern_names()));
   EXPECT_EQ(properties("aberration.set").at("norm").at("enum"), json(norm_names()));
 }

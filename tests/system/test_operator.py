@@ -1,0 +1,79 @@
+"""The operator from displacements to modes: asked for, made beside the measurement, swapped in, and better where it should be."""
+import statistics
+
+from case import BenchCase, main, wait_for
+
+SHOWN = [(3, 0.05), (7, -0.05), (12, 0.05)]
+FRAMES = 50
+
+
+class Operator(BenchCase):
+    daemon_config = {"tracking": {"tracker": "matched", "operator": "diffractive"}}
+
+    def in_use(self):
+        sensor = self.call("system.status")["sensor"]
+        return sensor["operator"], sensor["operator_in_force"], sensor["operator_reason"]
+
+    def wait_for_operator(self, name):
+        wait_for(lambda: self.in_use()[1] == name, 60.0, f"operator {name}")
+        self.assertIsNone(self.in_use()[2])
+
+    def error(self, j, waves):
+        """Root sum square over all modes of what is read wrong while one is shown."""
+        fast = self.stream("wavefront")
+        hologram_id = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})["hologram_id"]
+        frames = self.settled_frames(fast, FRAMES, hologram_id)
+        found = dict(zip(frames[0]["j"], map(statistics.fmean, zip(*(frame["coefficients"] for frame in frames)))))
+        return sum((value - (waves if k == j else 0.0)) ** 2 for k, value in found.items()) ** 0.5
+
+    def errors(self, name):
+        errors = {j: self.error(j, waves) for j, waves in SHOWN}
+        print(f"\n  {name}: error of all modes at 0.05 wave " + ", ".join(f"{error:.5f} (j = {j})" for j, error in errors.items()))
+        self.call("aberration.clear")
+        return errors
+
+    def test_it_is_made_beside_the_measurement_and_reads_small_modes_better(self):
+        self.wait_for_operator("diffractive")  # the configuration's
+        events = self.stream("event")
+        self.take_reference()
+        diffractive = self.errors("diffractive")
+        applied = self.call("sensor.set", {"operator": "slopes"})["applied"]
+        self.assertEqual((applied["operator"], self.in_use()), ("slopes", ("slopes", "slopes", None)))
+        self.assertTrue(self.call("system.status")["sensor"]["referenced"])  # a reference serves both
+        slopes = self.errors("slopes")
+        for j, error in diffractive.items():
+            self.assertLess(error, 0.002)
+            self.assertLess(error, slopes[j])
+        self.assertLess(sum(diffractive.values()), 0.5 * sum(slopes.values()))
+        # Known already: in force at once.
+        self.assertEqual(self.call("sensor.set", {"operator": "diffractive"})["applied"]["operator"], "diffractive")
+        self.assertEqual(self.in_use(), ("diffractive", "diffractive", None))
+        # Another sensor: the slopes measure until its matrix is there.
+        self.call("sensor.set", {"subapertures_across": 4})
+        self.assertEqual(self.in_use()[:2], ("diffractive", "slopes"))
+        self.assertIn("being made", self.in_use()[2])
+        self.call("sensor.set", {"subapertures_across": 5, "tracker": "lg"})  # given up for this one
+        self.wait_for_operator("diffractive")
+        self.assertEqual(self.call("sensor.get")["operator_in_force"], "diffractive")
+        said = []
+        while (event := events.next(0.5)) is not None:
+            if event["kind"] == "sensor" and "operator" in (event["data"] or {}):
+                said.append(event["data"]["operator"])
+        self.assertEqual(said, ["slopes", "diffractive", "slopes", "diffractive"])
+        self.assertEqual(self.call("system.status")["counters"]["frames_lost"], 0)
+
+    def test_what_is_for_work_offline_is_refused_and_the_rest_saved(self):
+        before = self.call("sensor.get")
+        for name in ("relinearised", "slope"):
+            self.assertEqual(self.refused("sensor.set", {"operator": name, "charge": 0}).data["field"], "operator")
+            self.assertEqual(self.call("sensor.get")["charge"], before["charge"])
+        self.assertIn("refine", self.refused("sensor.set", {"operator": "relinearised"}).data["reason"])
+        self.assertEqual(self.call("config.get")["tracking"]["operator"], "diffractive")
+        # A region without spots: why is said, and the slopes stay.
+        self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 64, "height": 64}})
+        reason = wait_for(lambda: (now := self.in_use())[1] == "slopes" and "finds only" in (now[2] or "") and now[2], 30.0)
+        print(f"\n  without spots: {reason}")
+
+
+if __name__ == "__main__":
+    main()
