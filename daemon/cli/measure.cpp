@@ -22,6 +22,7 @@ struct MeasureOptions {
   bool model_reference = false;
   std::string tracker;
   std::string templates;
+  std::string mode_operator;
   bool refine = false;
   RefineCamera camera;
   RefineOptions fit;
@@ -38,6 +39,11 @@ Result<Config> config_of(const MeasureOptions& options) {
   if (!options.templates.empty()) {
     config->tracking.templates =
         options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
+  }
+  if (!options.mode_operator.empty()) {
+    const auto& names = operator_names();
+    const auto at = std::find(names.begin(), names.end(), options.mode_operator);
+    config->tracking.mode_operator = OperatorKind(at - names.begin());
   }
   return config;
 }
@@ -168,6 +174,11 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->add_option("--template", options->templates,
                    "of the tracker matched, instead of the configuration's")
       ->check(CLI::IsMember(template_names()));
+  command
+      ->add_option("--operator", options->mode_operator,
+                   "from displacements to modes, instead of the configuration's: diffractive is "
+                   "better up to about 0.1 wave, relinearised beyond, too, in a tenth of a second")
+      ->check(CLI::IsMember(operator_names()));
   auto* refine = command->add_flag("--refine", options->refine,
                                    "fit every pixel by the diffraction model: seconds an image");
   command

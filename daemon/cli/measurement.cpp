@@ -8,6 +8,7 @@
 
 #include "core/tracking/patch.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/mode_operators.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/reference_templates.hpp"
 
@@ -27,14 +28,26 @@ Image<T> pixels_of(const cv::Mat& mat) {
 
 Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
                                                   const std::optional<Reference>& reference,
-                                                  const OwnTemplates& own = {}) {
+                                                  const OwnTemplates& own = {},
+                                                  const ModeOperator* mode_operator = nullptr) {
   auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   const std::vector<Mode> nothing_shown;
   return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
                      config.slm.geometry, roi, like.format, nothing_shown, reference, 0, nullptr,
-                     own.banks});
+                     own.banks, mode_operator});
+}
+
+/// Null: the slopes.
+Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
+                                                         const ImageView& like) {
+  if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
+  const OperatorKey key =
+      operator_key(config.sensor, config.tracking, config.optics, {0, 0, like.width, like.height});
+  auto made = diffractive_operator(key, config.slm.geometry);
+  if (!made) return fail(made.error());
+  return std::make_unique<const ModeOperator>(std::move(*made));
 }
 
 /// Requires what plan_for has accepted.
@@ -105,6 +118,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   const SpotModel spots = (*by_model)->spots;
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
+  const auto mode_operator = operator_for(config, like);
+  if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
     if (reference->width != like.width || reference->height != like.height) {
       return fail(Errc::invalid, "reference", "the reference image is of another size");
@@ -117,11 +132,43 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     }
     taken.positions_px = positions_of(measured.spots);
     taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
+  } else if (*mode_operator) {
+    const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;
+    for (std::size_t i = 0; i < flat_px.size(); ++i) {
+      if (std::isfinite(flat_px[i].x)) taken.positions_px[i] = flat_px[i];
+    }
   }
   const OwnTemplates own = own_templates(config.tracking, spots, reference ? &taken : nullptr);
-  auto plan = plan_for(config, like, taken, own);
+  auto plan = plan_for(config, like, taken, own, mode_operator->get());
   if (!plan) return fail(plan.error());
-  return Measurement(config, std::move(*plan), own.report);
+  Measurement made(config, std::move(*plan), own.report);
+  if (config.tracking.mode_operator == OperatorKind::relinearised) {
+    auto relineariser = Relineariser::make(config, *made.plan_, reference.has_value());
+    if (!relineariser) return fail(relineariser.error());
+    made.relineariser_ = std::move(*relineariser);
+  }
+  return made;
+}
+
+/// The linear estimate stays, and is said to, where the steps find no better one.
+void Measurement::relinearise(Measured& measured) {
+  if (!measured.reconstruction.determined) {
+    measured.mode_operator.reason = "too few spots were found to begin from";
+    return;
+  }
+  const auto found = relineariser_->measure(measured.spots, measured.torn, measured.coefficients);
+  if (!found) {
+    measured.mode_operator.reason = found.error().reason;
+    return;
+  }
+  double squares = 0.0;
+  for (std::size_t k = 0; k < found->waves.size(); ++k) {
+    measured.coefficients[k] = float(found->waves[k]);
+    if (plan_->reconstructor->modes_j()[k] > 2) squares += found->waves[k] * found->waves[k];
+  }
+  measured.reconstruction.rms_waves = std::sqrt(squares);
+  measured.reconstruction.fit_residual_px = found->fit_residual_px;
+  measured.mode_operator.in_force = OperatorKind::relinearised;
 }
 
 Measured Measurement::measure(const ImageView& image) {
@@ -134,6 +181,8 @@ Measured Measurement::measure(const ImageView& image) {
   }
   measured.reconstruction =
       plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
+  measured.mode_operator = {plan_->mode_operator, ""};
+  if (relineariser_) relinearise(measured);
   measured.valid = measured.reconstruction.determined;
   const int half_px = int(plan_->spots.lambda_d_px);
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {

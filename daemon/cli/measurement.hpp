@@ -11,6 +11,7 @@
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
+#include "daemon/cli/relineariser.hpp"
 #include "proto/results.hpp"
 
 namespace ovws::cli {
@@ -33,6 +34,7 @@ struct Measured {
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
   Reconstruction reconstruction;
   bool valid = false;
+  OperatorReport mode_operator;  ///< what made the coefficients of the positions
 };
 
 /// For images of one size. One thread at a time.
@@ -41,7 +43,7 @@ class Measurement {
   /// `reference`: an image taken without aberration; none: the model's positions are the reference,
   /// and the template. Templates of a reference are those of this very image.
   /// Errors: a configuration that makes no sensor; a reference image of another size, or in which
-  /// spots are missing (they are named).
+  /// spots are missing (they are named); an operator that cannot be made.
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference);
 
@@ -54,8 +56,10 @@ class Measurement {
  private:
   Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan,
               TemplateReport templates = {});
+  void relinearise(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   TemplateReport templates_;
+  std::optional<Relineariser> relineariser_;
   ShapedAcquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;

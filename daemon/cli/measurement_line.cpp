@@ -56,6 +56,8 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   line["torn"] = measured.torn;
   line["template"] = template_name(config.tracking.templates);
   put(line, measurement.templates());
+  line["operator"] = operator_name(config.tracking.mode_operator);
+  put(line, measured.mode_operator);
   return line;
 }
 
@@ -65,6 +67,10 @@ void print_table(const json& line) {
   if (line["template_reason"].is_string()) {
     print("{} spots have a template of the reference: {}\n", line["own_templates"].get<int>(),
           line["template_reason"].get<std::string>());
+  }
+  if (line["operator_reason"].is_string()) {
+    print("modes are read by {}: {}\n", line["operator_in_force"].get<std::string>(),
+          line["operator_reason"].get<std::string>());
   }
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
     print("refined: {}\n", line["refined"]["reason"].get<std::string>());

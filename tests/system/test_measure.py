@@ -99,6 +99,33 @@ class Measure(unittest.TestCase):
         (refused,) = self.ovws("measure", "--model-reference", "--template", "reference", images[0], status=2)
         self.assertIn("template", str(refused))
 
+    def operator_errors(self, operator, waves, tracker, modes):
+        """Root sum square over all modes of what each noise-free image is read wrong."""
+        images = [self.farfield(f"{j}.png", f"{mode}:{waves}", 12, "--noise-free", "--peak", 9000) for j, mode in modes.items()]
+        flat = self.farfield("flat.png", "", 12, "--noise-free", "--peak", 9000)
+        lines = self.measure(*images, reference=flat, more=("--tracker", tracker, "--operator", operator))
+        errors = []
+        for line, j in zip(lines, modes):
+            self.assertEqual((line["operator"], line["operator_in_force"], line["operator_reason"]), (operator, operator, None))
+            errors.append(sum((value - (waves if k == j else 0.0)) ** 2 for k, value in zip(line["j"], line["coefficients"])) ** 0.5)
+        print(f"\n  {tracker}, {operator}: error of all modes at {waves} wave " + ", ".join(f"{error:.5f}" for error in errors))
+        return errors
+
+    def test_the_diffractive_operator_reads_small_modes_better_and_steps_read_large_ones(self):
+        modes = {3: "2,-2", 4: "2,0", 7: "3,-1", 9: "3,3", 12: "4,0", 14: "4,4"}
+        for tracker in ("lg", "matched"):
+            slopes = self.operator_errors("slopes", 0.05, tracker, modes)
+            diffractive = self.operator_errors("diffractive", 0.05, tracker, modes)
+            for error, before in zip(diffractive, slopes):
+                self.assertLess(error, 0.003)
+                self.assertLess(error, before)
+            self.assertLess(sum(diffractive), 0.6 * sum(slopes))
+            slopes = self.operator_errors("slopes", 0.3, tracker, modes)
+            relinearised = self.operator_errors("relinearised", 0.3, tracker, modes)
+            for error in relinearised:
+                self.assertLess(error, 0.003)
+            self.assertLess(sum(relinearised), 0.5 * sum(slopes))
+
     def test_refined_it_is_right_to_a_few_thousandths(self):
         camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)
         image = self.farfield("both.png", "2,-2:0.4;3,1:-0.3")
