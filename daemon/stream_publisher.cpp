@@ -25,8 +25,8 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
   message.tracked = record.tracked;
   message.valid = record.valid;
   message.wavelength_nm = wavelength_nm;
-  if (record.valid) {
-    message.rms_waves = record.reconstruction.rms_waves;
+  if (record.valid) message.rms_waves = record.reconstruction.rms_waves;
+  if (record.valid || !record.explained) {
     message.fit_residual_px = record.reconstruction.fit_residual_px;
   }
   if (record.settings_known) {

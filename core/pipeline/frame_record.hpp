@@ -67,7 +67,8 @@ struct FrameRecord {
       coefficients;  ///< RMS-normalised waves, order of plan->reconstructor->modes_j()
   int mode_count = 0;
   Reconstruction reconstruction;
-  bool valid = false;  ///< settled, referenced, and the modes are determined
+  bool explained = true;  ///< false: no wavefront explains the spots of a frame else valid
+  bool valid = false;     ///< settled, referenced, the modes are determined, the spots explained
 
   std::int64_t t_tracked_mono_ns = 0;
   std::int64_t t_reconstructed_mono_ns = 0;

@@ -1,4 +1,4 @@
-/// The rules of frame_rules.hpp, as comparisons of times.
+/// The rules of frame_rules.hpp.
 #include "core/pipeline/frame_rules.hpp"
 
 #include <algorithm>
@@ -6,6 +6,11 @@
 
 namespace ovws {
 namespace {
+
+constexpr double kMostResidual = 0.25;       // lambda/d
+constexpr double kMostResidualTorn = 0.045;  // lambda/d, if a spot may be half of one
+constexpr float kWhole = 0.65F;              // quality
+constexpr double kResidualOfNoisePx = 1.25;  // px for a noise as large as the spot's level
 
 std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
                             std::int64_t arrival_mono_ns) {
@@ -46,6 +51,22 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
     return of(shown.previous);
   }
   return {shown.current.hologram_id, false, false};
+}
+
+bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, double lambda_d_px) {
+  bool all_whole = true;
+  double squares = 0.0;
+  int count = 0;
+  for (const SpotFix& spot : spots) {
+    if (!spot.found()) continue;
+    all_whole = all_whole && spot.quality >= kWhole;
+    const double noise = spot.level > 0.0F ? double(spot.noise) / double(spot.level) : 0.0;
+    squares += noise * noise;
+    ++count;
+  }
+  const double noise_px = kResidualOfNoisePx * std::sqrt(squares / std::max(count, 1));
+  const double light_px = (all_whole ? kMostResidual : kMostResidualTorn) * lambda_d_px;
+  return found.fit_residual_px <= std::hypot(light_px, noise_px);
 }
 
 }  // namespace ovws

@@ -51,6 +51,7 @@ std::uint64_t Outbox::gap_between_streams(const Entry& entry) const {
 void Outbox::count(const Entry& entry) OVWS_NONBLOCKING {
   counters_.add(Counter::frames_published);
   if (!entry.valid) counters_.add(Counter::frames_invalid);
+  if (!entry.explained) counters_.add(Counter::frames_unexplained);
   const std::int64_t taken_ns = monotonic_ns() - entry.frame.t_arrival_mono_ns;
   if (entry.period_ns > 0 && taken_ns > entry.period_ns) {
     counters_.add(Counter::deadline_missed);

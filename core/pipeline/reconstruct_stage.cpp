@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/measurement.hpp"
 #include "core/port/clock.hpp"
 
@@ -11,11 +12,13 @@ namespace ovws {
 void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.reconstructor->modes_j().size());
+  const std::span<const SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
   entry.reconstruction = plan.reconstructor->solve(
-      std::span<const SpotFix>{entry.spots.data(), std::size_t(entry.spot_count)},
-      entry.measurement->reconstruct_scratch,
+      spots, entry.measurement->reconstruct_scratch,
       std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)});
-  entry.valid = entry.settled && entry.reconstruction.determined && plan.referenced();
+  const bool told = entry.settled && entry.reconstruction.determined && plan.referenced();
+  entry.explained = !told || is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
+  entry.valid = told && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
   deps_.latency.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
   deps_.outbox.put(entry);

@@ -21,6 +21,8 @@ std::string_view counter_name(Counter counter) {
       return "frames_unsettled";
     case Counter::frames_invalid:
       return "frames_invalid";
+    case Counter::frames_unexplained:
+      return "frames_unexplained";
     case Counter::frames_published:
       return "frames_published";
     case Counter::spots_lost:

@@ -210,6 +210,7 @@ SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratc
   fix.y = float(at.y);
   fix.quality = float(fit.quality());
   fix.level = float(fit.amplitude()) * bank.mean_bright();
+  fix.noise = float(fit.noise());
   return fix;
 }
 

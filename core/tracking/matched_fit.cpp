@@ -74,6 +74,7 @@ bool MatchedFit::is_spot() {
   const double noise = std::max(double(sums_.difference) / pixels, least);
   if (a * a < kMinSignificance * kMinSignificance * spread * double(solver.inverse[5]))
     return false;
+  noise_ = std::sqrt(noise * pixels / double(solver.weight));
   const double light = a * a * solver.contrast;
   const double misfit = std::max(double(sums_.square) - noise * pixels, 0.0);
   quality_ = light / (light + misfit);

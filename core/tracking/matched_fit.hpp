@@ -28,12 +28,13 @@ class MatchedFit {
   /// After another has written to the scratch.
   void forget_window() OVWS_NONBLOCKING { loaded_ = false; }
 
-  /// Whether what `follow` came to rest on is a spot. Sets quality().
+  /// Whether what `follow` came to rest on is a spot. Sets quality() and noise().
   bool is_spot() OVWS_NONBLOCKING;
 
   Vec2 found() const;                                          ///< image pixels
   double amplitude() const { return double(fit_.amplitude); }  ///< DN
   double quality() const { return quality_; }                  ///< [0, 1]
+  double noise() const { return noise_; }                      ///< RMS of the pixels, DN
 
  private:
   Vec2 full_move() const;
@@ -58,6 +59,7 @@ class MatchedFit {
   double gain_ = 1.0;
   ResidualSums sums_;
   double quality_ = 0.0;
+  double noise_ = 0.0;
 };
 
 }  // namespace ovws

@@ -62,6 +62,7 @@ SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch&
   fix.y = float(found->at.y);
   fix.quality = float(found->verdict.quality);
   fix.level = float(found->verdict.level);
+  fix.noise = float(found->verdict.noise);
   return fix;
 }
 

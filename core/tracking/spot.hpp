@@ -20,6 +20,7 @@ struct SpotFix {
   float peak = 0.0F;     ///< brightest pixel of the spot's window, camera units (DN)
   float quality = 0.0F;  ///< [0,1]: contrast of the spot against its surroundings; 0 = lost
   float level = 0.0F;  ///< mean of the spot's bright part above its local background, DN; 0 = lost
+  float noise = 0.0F;  ///< RMS of the pixels' noise about the spot, DN; 0: not measured
 
   bool found() const { return !std::isnan(x); }
 };

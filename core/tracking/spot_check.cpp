@@ -157,7 +157,7 @@ double SpotCheck::significance(std::size_t around) const {
 }
 
 SpotCheck::Verdict SpotCheck::refused(double level, double noise) {
-  return {false, 0.0, level, level > 0.0 && level < kUnsure * noise};
+  return {false, 0.0, level, noise, level > 0.0 && level < kUnsure * noise};
 }
 
 SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outside& out,
@@ -171,7 +171,7 @@ SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outsi
   const bool dark = core - out.background < kMaxCoreOfRing * level;
   const bool alone = out.brightest - out.background < kMaxOutsideOfRing * level;
   if (!stands_out || !closed || !dark || !alone || level <= 0.0) return refused(level, noise);
-  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level, false};
+  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level, noise, false};
 }
 
 SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outside& out,
@@ -181,7 +181,8 @@ SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outs
   const bool broad = mean_of(flank) - out.background > kMinFlankOfCore * level;
   const bool alone = out.brightest - out.background < kMaxSurroundOfCore * level;
   if (!stands_out || !broad || !alone) return refused(level, noise);
-  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, false};
+  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, noise,
+          false};
 }
 
 }  // namespace ovws

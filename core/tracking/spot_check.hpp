@@ -27,6 +27,7 @@ class SpotCheck {
     bool passed = false;
     double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
     double level = 0.0;    ///< the bright part above the local background, DN
+    double noise = 0.0;    ///< RMS of the pixels' noise, DN
     /// Not passed, but in so much noise that the ratios of small areas do not tell.
     bool unsure = false;
   };

@@ -72,6 +72,7 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
 std::string why_not_valid(const json& message, bool referenced) {
   if (!message["settled"].get<bool>()) return "hologram changing";
   if (!referenced) return "no reference: ovws call reference.take";
+  if (message["fit_residual_px"].is_number()) return "no wavefront explains where the spots are";
   return fmt::format("{} of {} spots found", message["tracked"].get<int>(),
                      message["subapertures"].get<int>());
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "core/tracking/patch.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/mode_operators.hpp"
@@ -183,7 +184,10 @@ Measured Measurement::measure(const ImageView& image) {
       plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
   measured.mode_operator = {plan_->mode_operator, ""};
   if (relineariser_) relinearise(measured);
-  measured.valid = measured.reconstruction.determined;
+  measured.explained =
+      !measured.reconstruction.determined ||
+      is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px);
+  measured.valid = measured.reconstruction.determined && measured.explained;
   const int half_px = int(plan_->spots.lambda_d_px);
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
     SpotFix& spot = measured.spots[i];

@@ -33,6 +33,7 @@ struct Measured {
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
   Reconstruction reconstruction;
+  bool explained = true;  ///< false: no wavefront explains the spots, else it were valid
   bool valid = false;
   OperatorReport mode_operator;  ///< what made the coefficients of the positions
 };

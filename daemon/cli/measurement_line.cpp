@@ -38,8 +38,8 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   message.settled = true;
   message.valid = measured.valid;
   message.wavelength_nm = config.optics.wavelength_nm;
-  if (measured.valid) {
-    message.rms_waves = measured.reconstruction.rms_waves;
+  if (measured.valid) message.rms_waves = measured.reconstruction.rms_waves;
+  if (measured.reconstruction.determined) {
     message.fit_residual_px = measured.reconstruction.fit_residual_px;
   }
   message.saturated = measured.saturated;
@@ -75,7 +75,13 @@ void print_table(const json& line) {
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
     print("refined: {}\n", line["refined"]["reason"].get<std::string>());
   }
-  if (!line["valid"].get<bool>()) return;
+  if (!line["valid"].get<bool>()) {
+    if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
+      print("fit residual {:.4f} px: no wavefront explains where the spots are\n",
+            line["fit_residual_px"].get<double>());
+    }
+    return;
+  }
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();
     print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());

@@ -62,6 +62,37 @@ TEST(HologramRule, APatternThatIsNoSensorNeverCounts) {
   expect(judge_hologram(shown, 0, 300 * kMs, 310 * kMs), 5, false);
 }
 
+constexpr double kLambdaD = 12.55;
+
+bool explained(double residual_lambda_d, float quality, float noise = 0.0F) {
+  std::vector<SpotFix> spots(19, SpotFix{1.0F, 1.0F, 250.0F, 0.9F, 200.0F, noise});
+  spots[3] = {};  // lost
+  spots[7].quality = quality;
+  Reconstruction found;
+  found.determined = true;
+  found.fit_residual_px = residual_lambda_d * kLambdaD;
+  return is_explained(found, spots, kLambdaD);
+}
+
+TEST(ExplainedRule, WhatInterferenceLeavesIsExplainedWhateverTheSpotsLookLike) {
+  EXPECT_TRUE(explained(0.04, 0.1F));
+  EXPECT_TRUE(explained(0.06, 0.9F));
+}
+
+TEST(ExplainedRule, MoreIsExplainedWhileEverySpotIsWhole) {
+  EXPECT_TRUE(explained(0.07, 0.66F));
+  EXPECT_FALSE(explained(0.07, 0.64F));
+  EXPECT_TRUE(explained(0.22, 0.9F));
+  EXPECT_FALSE(explained(0.26, 0.9F));
+}
+
+TEST(ExplainedRule, NoiseMayLeaveMore) {
+  EXPECT_FALSE(explained(0.09, 0.4F));
+  EXPECT_TRUE(explained(0.09, 0.4F, 180.0F));  // SNR 2
+  EXPECT_FALSE(explained(0.12, 0.4F, 180.0F));
+  EXPECT_FALSE(explained(NAN, 0.9F));
+}
+
 TEST(HologramRule, WithAFaultyDisplayNothingIsSettled) {
   ShownHologram shown = changing();
   shown.healthy = false;
