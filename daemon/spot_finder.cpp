@@ -16,7 +16,7 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
-constexpr int kInARow = 5;  // frames without a spot: noise loses one now and then
+constexpr int kInARow = 5;  // doubtful frames: noise loses a spot now and then
 constexpr std::int64_t kPauseNs = 500'000'000;
 constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
 constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
@@ -55,13 +55,13 @@ SpotFinder::~SpotFinder() = default;
 
 void SpotFinder::saw(const FrameRecord& record) {
   if (!record.settled) return;
-  lost_in_a_row_ = is_doubtful(record) ? lost_in_a_row_ + 1 : 0;
-  lost_.store(lost_in_a_row_ >= kInARow, std::memory_order_relaxed);
+  doubtful_in_a_row_ = is_doubtful(record) ? doubtful_in_a_row_ + 1 : 0;
+  doubtful_.store(doubtful_in_a_row_ >= kInARow, std::memory_order_relaxed);
 }
 
 bool SpotFinder::do_work() {
-  if (!lost_ || monotonic_ns() < next_ns_) {
-    if (!lost_) pause_ns_ = kPauseNs, next_ns_ = 0;
+  if (!doubtful_ || monotonic_ns() < next_ns_) {
+    if (!doubtful_) pause_ns_ = kPauseNs, next_ns_ = 0;
     inbox_.forget();
     std::this_thread::sleep_for(kTurn);
     return false;

@@ -39,8 +39,8 @@ class SpotFinder : public Agent {
   Instrument& instrument_;
   FrameInbox inbox_;
   std::unique_ptr<Bench> bench_;
-  std::atomic<bool> lost_{false};
-  int lost_in_a_row_ = 0;  ///< publish thread's
+  std::atomic<bool> doubtful_{false};  ///< the newest frames are, several in a row
+  int doubtful_in_a_row_ = 0;          ///< publish thread's
   std::int64_t next_ns_ = 0;
   std::int64_t pause_ns_;
 };

@@ -33,12 +33,10 @@ class ShapedAcquisition {
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out, bool believe_sure = true);
 
-  /// Whether the last image needed ShapeFit and was explained by it. Then also, until the next
-  /// call:
-  bool explained() const { return !shapes_.empty(); }
+  // If the last image needed ShapeFit and was explained by it, until the next call:
   /// the wavefront, RMS-normalised waves in the order of the modes, counted from the reference;
   const Eigen::VectorXd& waves() const { return waves_; }
-  /// where it puts each spot, and which of them were found;
+  /// where it puts each spot, and which of them were found; empty if it was not so;
   const std::vector<ShapedSpot>& shapes() const { return shapes_; }
   /// and which of those the tracker did not find there: torn.
   const std::vector<bool>& torn() const { return torn_; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <random>
 
+#include "core/optics/random_modes.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
 #include "daemon/study/figure.hpp"
 #include "daemon/study/parallel.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kGross = 0.5;  ///< lambda/d: further off is another spot, or none
 constexpr double kRandomRmsWaves = 0.5;
+constexpr int kLastRandom = 18;  // OSA index
 
 struct Scene {
   std::string name;
@@ -27,19 +29,6 @@ struct Counts {
   int spots = 0, refused = 0, gross = 0;
 };
 
-/// j = 3 .. 18, equally strong on average, scaled to the RMS that is wanted.
-std::vector<Mode> random_modes(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  std::vector<Mode> modes;
-  double squares = 0.0;
-  for (int j = 3; j <= 18; ++j) {
-    modes.push_back({j, normal(random)});
-    squares += modes.back().waves * modes.back().waves;
-  }
-  for (Mode& mode : modes) mode.waves *= kRandomRmsWaves / std::sqrt(squares);
-  return modes;
-}
-
 std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Measurer& measurer) {
   std::vector<std::pair<std::string, std::vector<Mode>>> all;
   for (const double unit_waves : {2.0, -2.0}) {
@@ -51,7 +40,8 @@ std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Me
   const std::size_t single = all.size();
   std::mt19937_64 random(settings.seed);
   for (int k = 0; k < (settings.quick ? 6 : 60); ++k) {
-    all.push_back({fmt::format("random {}", k), random_modes(random)});
+    all.push_back(
+        {fmt::format("random {}", k), random_modes(random, kLastRandom, kRandomRmsWaves)});
   }
   const int images_of_one = settings.quick ? 5 : 50, images_of_random = settings.quick ? 2 : 10;
   std::vector<Scene> out;
