@@ -1,5 +1,7 @@
 #include "daemon/live_refiner.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <chrono>
 #include <new>
@@ -13,6 +15,15 @@ namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is waited for
+
+/// Of two numbers that do not go together the one that was given is at fault.
+Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
+  const bool black_stands = error.field == "black_level_dn" && !change.black_level_dn;
+  if (!black_stands || !change.saturation_dn) return error;
+  error.field = "saturation_dn";
+  error.reason = fmt::format("must be above black_level_dn, which is {}", next.black_level_dn);
+  return error;
+}
 
 }  // namespace
 
@@ -120,7 +131,7 @@ void LiveRefiner::tell(std::string state, std::optional<std::string> reason) {
 Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat format) {
   auto changed = settings_.change([&](RefineSetup& settings) -> Result<RefineSetup> {
     RefineSetup next = change.applied_to(in_format(settings, format));
-    if (auto whole = check_refine(next); !whole) return fail(whole.error());
+    if (auto whole = check_refine(next); !whole) return fail(of_given(whole.error(), change, next));
     settings = next;
     return next;
   });

@@ -132,6 +132,20 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   return std::nullopt;
 }
 
+/// What is wrong with one of several files names it.
+Error of_file(Error error, const std::string& path) {
+  if (error.reason.find(path) == std::string::npos) error.reason = path + ": " + error.reason;
+  return error;
+}
+
+void print_line(const Common& common, const json& line) {
+  if (common.json) {
+    print("{}\n", line.dump());
+  } else {
+    print_table(line);
+  }
+}
+
 /// Every image is measured, also behind one that cannot be.
 int measure(const Common& common, const MeasureOptions& options) {
   if (const auto fault = fault_of(options)) {
@@ -145,11 +159,14 @@ int measure(const Common& common, const MeasureOptions& options) {
   for (const std::string& path : options.images) {
     const auto line = measurer.line_of_file(path);
     if (!line) {
-      status = report(common, line.error());
-    } else if (common.json) {
-      print("{}\n", line->dump());
-    } else {
-      print_table(*line);
+      status = report(common, of_file(line.error(), path));
+      continue;
+    }
+    print_line(common, *line);
+    if ((*line)["tracked"] == 0) {
+      status = report(common, {Errc::refused, "image",
+                               path + ": no spots are found: check the picture, its exposure, and "
+                                      "the configuration's sensor and optics"});
     }
   }
   return status;

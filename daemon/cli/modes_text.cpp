@@ -27,6 +27,10 @@ Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
 
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm) {
   std::vector<Mode> modes;
+  if (!text.empty() && text.find_first_not_of(" \t;") == std::string::npos) {
+    return fail(Errc::invalid, "modes",
+                "\"" + text + "\" holds none: leave it out, or give n,m:waves");
+  }
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ';');) {
     if (part.find_first_not_of(" \t") == std::string::npos) continue;

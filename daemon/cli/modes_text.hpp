@@ -10,7 +10,7 @@
 namespace ovws::cli {
 
 /// RMS-normalised modes; empty text: none. Errors (Errc::invalid, field "modes") name the part at
-/// fault.
+/// fault; text without a mode, a lone ";", is one.
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm);
 
 }  // namespace ovws::cli

@@ -137,6 +137,11 @@ class Refined(RefinedCase):
             self.assertEqual(error.data["field"], field)
             self.assertIn(words, str(error))
             self.assertEqual(self.call("refine.get"), before)
+        self.call("refine.set", {"black_level_dn": 2.0})
+        error = self.refused("refine.set", {"saturation_dn": 1})  # the number given is at fault, not the one that stands
+        self.assertEqual(error.data["field"], "saturation_dn")
+        self.assertIn("above black_level_dn, which is 2", error.data["reason"])
+        self.call("refine.set", {"black_level_dn": 0.0})
         self.assertEqual(self.call("system.status")["refine"]["state"], "off")
         # Less noise stated than there is: the fit is there, and nobody is asked to believe it.
         self.call("camera.set", {"pixel_format": "Mono12"})
