@@ -143,6 +143,8 @@ class Instrument : public Agent {
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
   Result<State> lent_state(int job) const;
+  void drop_references_if_moved(const State& next);
+  Result<SensorSnapshot> change_registration(const std::optional<Registration>& registration);
   OpticsConfig optics_of(const State& state) const;
   static std::uint64_t shown_epoch(const State& state);
   HologramRequest render(const State& state);

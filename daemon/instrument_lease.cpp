@@ -1,6 +1,16 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/optics/lattice.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {
+namespace {
+
+constexpr double kSamePlace = 0.25;  // lambda/d
+
+}  // namespace
 
 /// A registration counts from the corner of the camera's sensor, all else from that of the region.
 OpticsConfig Instrument::optics_of(const State& state) const {
@@ -11,12 +21,43 @@ OpticsConfig Instrument::optics_of(const State& state) const {
   return optics;
 }
 
+/// Positions measured by a camera that has moved since would send every tracker astray.
+void Instrument::drop_references_if_moved(const State& next) {
+  const auto spots_of = [this](const State& state) {
+    return model_spots_px(state.renderer->lattice(), state.sensor, slm_geometry_, optics_of(state),
+                          state.roi.width, state.roi.height);
+  };
+  const std::vector<Vec2> before = spots_of(state_), after = spots_of(next);
+  double farthest_px = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    farthest_px = std::max(farthest_px, norm(after[i] - before[i]));
+  }
+  const double lambda_d = lambda_d_px(optics_of(next), slm_geometry_, next.sensor);
+  if (farthest_px <= kSamePlace * lambda_d || references_.empty()) return;
+  references_.clear();
+  deps_.events.emit("reference", Severity::warning,
+                    fmt::format("spots are now expected up to {:.1f} px from where they were: the "
+                                "references of before mean nothing any more, take them anew",
+                                farthest_px));
+}
+
+/// What `change` makes of the map; on an error the references of before stay.
+Result<SensorSnapshot> Instrument::change_registration(
+    const std::optional<Registration>& registration) {
+  State next = state_;
+  next.registration = registration;
+  ++next.sensor_epoch;  // tracks of before lead nowhere
+  std::vector<Reference> before = references_;
+  drop_references_if_moved(next);
+  auto changed = carry_out(std::move(next));
+  if (!changed) references_ = std::move(before);
+  return changed;
+}
+
 void Instrument::clear_registration(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
-    State next = state_;
-    next.registration.reset();
-    ++next.sensor_epoch;
-    done(change_to(std::move(next)));
+    if (auto free = check_free(); !free) return done(fail(free.error()));
+    done(change_registration(std::nullopt));
   });
 }
 
@@ -28,11 +69,8 @@ Result<Instrument::State> Instrument::lent_state(int job) const {
 
 void Instrument::use_registration(int job, const Registration& registration, Changed done) {
   mailbox_.post([this, job, registration, done = std::move(done)] {
-    auto next = lent_state(job);
-    if (!next) return done(fail(next.error()));
-    next->registration = registration;
-    ++next->sensor_epoch;  // tracks of before lead nowhere
-    done(carry_out(std::move(*next)));
+    if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
+    done(change_registration(registration));
   });
 }
 

@@ -1,0 +1,63 @@
+"""A camera that is turned, mirrored, magnified and moved: registration finds out, and what is measured is right."""
+import math
+
+from case import BenchCase, Client, main
+
+MODES = (3, 4, 5, 7, 12)
+WAVES = 0.2
+
+
+class Registration(BenchCase):
+    twin_config = {"noise": "pool"}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 50}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def place_camera(self, **geometry):
+        self.twin.call("twin.set", {"geometry": geometry})
+
+    def coefficients(self, mode_j, waves):
+        hologram = self.call("aberration.set", {"modes": [{"j": mode_j, "waves": waves}]})["hologram_id"]
+        frames = self.settled_frames(self.wavefronts, 10, hologram)
+        self.assertEqual({frame["tracked"] for frame in frames}, {19})
+        columns = zip(*(frame["coefficients"] for frame in frames))
+        return dict(zip(frames[0]["j"], (sum(column) / len(frames) for column in columns)))
+
+    def check(self, rotation_deg, mirror, magnification, centre_px):
+        self.place_camera(rotation_deg=rotation_deg, mirror=mirror, magnification=magnification, centre_px=centre_px)
+        found = self.run_job("registration.run", {}, 60.0)["result"]
+        print(f"\n  {rotation_deg} degrees, mirror {mirror}, {magnification}, base {centre_px}: "
+              f"{found['rotation_deg']:.3f} degrees, {found['mirrored']}, scale {found['scale_px_per_cycle']:.2f}, "
+              f"base {found['base_px']}, left {found['residual_px']:.3f} px of {found['sights']} sights")
+        self.assertEqual(found["mirrored"], mirror != "none")
+        self.assertAlmostEqual(found["scale_px_per_cycle"], 1928.299 * magnification, delta=3.0)
+        for axis in (0, 1):
+            self.assertAlmostEqual(found["base_px"][axis], centre_px[axis], delta=0.5)
+        if mirror == "none":
+            self.assertLess(abs(math.remainder(found["rotation_deg"] - rotation_deg, 360.0)), 0.1)
+        self.assertEqual(self.call("registration.get"), found)
+        self.take_reference(20)
+        self.wavefronts = self.stream("wavefront")
+        for j in MODES:
+            modes = self.coefficients(j, WAVES)
+            others = max(abs(value) for k, value in modes.items() if k != j)
+            print(f"    mode {j}: {modes[j]:.4f} of {WAVES}, others up to {others:.4f}")
+            self.assertAlmostEqual(modes[j], WAVES, delta=0.05 * WAVES + 0.003)
+            self.assertLess(others, 0.02)
+        self.call("aberration.clear")
+
+    def test_a_camera_of_any_angle_parity_and_scale(self):
+        middle = [255.5, 255.5]
+        for case in ((3.0, "none", 1.0, middle), (33.0, "none", 1.0, [275.5, 245.5]), (90.0, "none", 1.0, middle),
+                     (0.0, "x", 1.05, middle), (20.0, "y", 0.95, [240.0, 260.0])):
+            with self.subTest(case=case):
+                self.check(*case)
+        self.call("registration.clear")
+        self.assertFalse(self.call("registration.get")["registered"])
+
+
+if __name__ == "__main__":
+    main()
