@@ -1,5 +1,5 @@
-#include "daemon/config_file.hpp"
 #include "daemon/handlers/methods.hpp"
+#include "daemon/store/atomic_file.hpp"
 
 namespace ovws {
 namespace {

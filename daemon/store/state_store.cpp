@@ -1,0 +1,150 @@
+#include "daemon/store/state_store.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "daemon/store/atomic_file.hpp"
+#include "daemon/store/encoding.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kMaxDepth = 16;
+constexpr std::uintmax_t kMaxFileBytes = 1U << 30;
+constexpr std::string_view kSumBegin = ",\n\"sha256\": \"";
+constexpr std::string_view kSumEnd = "\"\n}\n";
+constexpr std::size_t kSumDigits = 64;
+constexpr std::size_t kSealSize = kSumBegin.size() + kSumDigits + kSumEnd.size();
+
+tl::unexpected<Error> damaged(const std::string& reason) {
+  return fail(Errc::invalid, "", reason);
+}
+
+/// Empty, and `reason` is set, if it cannot be read.
+std::string text_of(const fs::path& path, std::string& reason) {
+  std::error_code unknown;
+  const std::uintmax_t size = fs::file_size(path, unknown);
+  if (!unknown && size > kMaxFileBytes) {
+    reason = "larger than 1 GiB, so not of the daemon";
+    return {};
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string text(unknown ? 0 : std::size_t(size), '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (unknown || !file) {
+    reason = std::string("it cannot be read: ") + std::strerror(errno);
+    return {};
+  }
+  return text;
+}
+
+std::string schema_of(std::string_view kind) {
+  return "ovws.state." + std::string(kind) + "/1";
+}
+
+}  // namespace
+
+std::string seal(std::string_view schema, const json& content) {
+  const auto text = [](const json& value, int indent) {
+    return value.dump(indent, ' ', false, json::error_handler_t::replace);
+  };
+  std::string sealed = "{\n\"schema\": " + text(schema, -1) + ",\n\"content\": " + text(content, 1);
+  const std::string sum = sha256_hex(sealed);
+  sealed += kSumBegin;
+  sealed += sum;
+  sealed += kSumEnd;
+  return sealed;
+}
+
+Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
+  if (text.empty()) return damaged("it is empty");
+  const bool whole = text.size() > kSealSize && text.ends_with(kSumEnd) &&
+                     text.substr(text.size() - kSealSize).starts_with(kSumBegin);
+  if (!whole) return damaged("it is cut off, or not a file of the daemon: its checksum is missing");
+  const std::string_view body = text.substr(0, text.size() - kSealSize);
+  const std::string_view sum = text.substr(body.size() + kSumBegin.size(), kSumDigits);
+  if (sha256_hex(body) != sum) {
+    return damaged("it is damaged or was changed by hand: its checksum does not fit");
+  }
+  auto parsed = parse_strict_json(text, kMaxDepth, JsonComments::refused);
+  if (!parsed) return damaged(parsed.error().reason);
+  if (!parsed->is_object() || !parsed->contains("schema") || (*parsed)["schema"] != schema) {
+    return damaged("its schema is not " + std::string(schema));
+  }
+  if (!parsed->contains("content")) return damaged("it holds no content");
+  return Unsealed{std::move((*parsed)["content"]), std::string(sum)};
+}
+
+Result<StateStore> StateStore::open(const std::string& directory) {
+  std::error_code failed;
+  fs::create_directories(directory, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "state.directory",
+                directory + " cannot be made: " + failed.message());
+  }
+  // Asked of the disk, not of the permissions: what matters is whether a file can be written.
+  const std::string probe = directory + "/.write-test";
+  auto writable = replace_file(probe, "");
+  if (writable) writable = remove_file(probe);
+  if (!writable) return fail(Errc::unavailable, "state.directory", writable.error().reason);
+  return StateStore(directory, remove_leftovers(directory));
+}
+
+std::string StateStore::path_of(std::string_view kind, std::string_view name) const {
+  return directory_ + "/" + std::string(kind) + "." + std::string(name) + ".json";
+}
+
+Result<std::string> StateStore::put(std::string_view kind, std::string_view name,
+                                    const json& content) {
+  const std::string text = seal(schema_of(kind), content);
+  const std::string path = path_of(kind, name);
+  if (text.size() > kMaxFileBytes) {
+    return fail(Errc::refused, "path", path + " would be larger than 1 GiB");
+  }
+  if (auto written = replace_file(path, text); !written) return fail(written.error());
+  return text.substr(text.size() - kSumEnd.size() - kSumDigits, kSumDigits);
+}
+
+Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
+  return remove_file(path_of(kind, name));
+}
+
+StateStore::Loaded StateStore::load(std::string_view kind) const {
+  std::vector<std::string> files;
+  const std::string prefix = std::string(kind) + ".";
+  std::error_code failed;
+  for (fs::directory_iterator at(directory_, failed), end; !failed && at != end;
+       at.increment(failed)) {
+    const std::string file = at->path().filename();
+    if (file.starts_with(prefix) && file.ends_with(".json")) files.push_back(file);
+  }
+  std::sort(files.begin(), files.end());
+  Loaded loaded;
+  for (const std::string& file : files) {
+    const std::string path = directory_ + "/" + file;
+    std::string reason;
+    const std::string text = text_of(path, reason);
+    if (!reason.empty()) {
+      loaded.bad.push_back({path, reason});
+      continue;
+    }
+    auto whole = unseal(schema_of(kind), text);
+    if (!whole) {
+      loaded.bad.push_back({path, whole.error().reason});
+      continue;
+    }
+    const std::size_t name_size = file.size() - prefix.size() - std::string_view(".json").size();
+    loaded.items.push_back({file.substr(prefix.size(), name_size), path, std::move(whole->content),
+                            std::move(whole->sha256)});
+  }
+  return loaded;
+}
+
+}  // namespace ovws

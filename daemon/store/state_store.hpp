@@ -1,0 +1,69 @@
+/// What the daemon found out and keeps over a restart: items of a kind and a name, one file each.
+///
+/// A file is JSON text: {"schema": "ovws.state.KIND/1", "content": {…}, "sha256": "…"}. The
+/// checksum is that of all bytes before its own line, so that no byte of a file can change unseen.
+/// Every file is written by replace_file: a kill or a power cut leaves the old one or the new one.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// The text of a file, and back. Errors (Errc::invalid): it is cut off, damaged, or of another
+/// schema. What is read has passed its checksum; what it means is for its owner to check.
+std::string seal(std::string_view schema, const nlohmann::json& content);
+struct Unsealed {
+  nlohmann::json content;
+  std::string sha256;
+};
+Result<Unsealed> unseal(std::string_view schema, std::string_view text);
+
+struct StateItem {
+  std::string name, path;
+  nlohmann::json content;
+  std::string sha256;
+};
+
+/// A file that cannot be used, and why; it is left where it is.
+struct BadState {
+  std::string path, reason;
+};
+
+/// One thread at a time. Everything waits for the disk.
+class StateStore {
+ public:
+  /// Makes the directory if there is none, and removes what a killed writer left in it. Errors
+  /// (Errc::unavailable, field "state.directory"): it cannot be made, or cannot be written.
+  static Result<StateStore> open(const std::string& directory);
+
+  const std::string& directory() const { return directory_; }
+  int leftovers() const { return leftovers_; }  ///< that `open` removed
+
+  /// Kinds and names are of [a-z0-9_-]. Replaces the item of that name, whole or not at all;
+  /// returns its checksum. Errors as of replace_file.
+  Result<std::string> put(std::string_view kind, std::string_view name,
+                          const nlohmann::json& content);
+  /// It is no error if there is none. Errors as of remove_file.
+  Result<void> drop(std::string_view kind, std::string_view name);
+
+  struct Loaded {
+    std::vector<StateItem> items;  ///< by name
+    std::vector<BadState> bad;
+  };
+  Loaded load(std::string_view kind) const;
+
+ private:
+  StateStore(std::string directory, int leftovers)
+      : directory_(std::move(directory)), leftovers_(leftovers) {}
+  std::string path_of(std::string_view kind, std::string_view name) const;
+
+  std::string directory_;
+  int leftovers_ = 0;
+};
+
+}  // namespace ovws

@@ -1,0 +1,161 @@
+#include "daemon/store/atomic_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content_of(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// A folder with one file, "old".
+class AtomicFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    ASSERT_TRUE(replace_file(path_, "old"));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void expect_old_and_nothing_else() const {
+    EXPECT_EQ(content_of(path_), "old");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  }
+
+  const std::string folder_ = testing::TempDir() + "ovws_atomic_file";
+  const std::string path_ = folder_ + "/config.json";
+};
+
+std::vector<std::string> calls_seen;
+
+std::string name_of(int fd) {
+  return fs::read_symlink("/proc/self/fd/" + std::to_string(fd)).filename();
+}
+
+/// Says each call with the kind of file it is for, and does it.
+const FileCalls kRecorder{[](int fd, const void* bytes, std::size_t count) {
+                            calls_seen.push_back("write " + name_of(fd));
+                            return ::write(fd, bytes, std::min<std::size_t>(count, 2));
+                          },
+                          [](int fd) {
+                            calls_seen.push_back("fsync " + name_of(fd));
+                            return ::fsync(fd);
+                          },
+                          [](const char* from, const char* to) {
+                            calls_seen.push_back("rename " + fs::path(from).filename().string() +
+                                                 " " + fs::path(to).filename().string());
+                            return std::rename(from, to);
+                          }};
+
+template <int error>
+int failing(int) {
+  errno = error;
+  return -1;
+}
+
+TEST_F(AtomicFile, TheNewContentReplacesTheOldWhole) {
+  ASSERT_TRUE(replace_file(path_, "old, and longer"));
+  ASSERT_TRUE(replace_file(path_, "new"));
+  EXPECT_EQ(content_of(path_), "new");
+}
+
+TEST_F(AtomicFile, TheContentIsOnTheDiskBeforeTheNameIsAndTheNameBeforeItReturns) {
+  calls_seen.clear();
+  ASSERT_TRUE(replace_file(path_, "new", kRecorder));
+  ASSERT_EQ(calls_seen.size(), 5U);
+  const std::string temporary = calls_seen[0].substr(6);
+  EXPECT_NE(temporary, "config.json");
+  const std::vector<std::string> order{"write " + temporary, "write " + temporary,
+                                       "fsync " + temporary, "rename " + temporary + " config.json",
+                                       "fsync ovws_atomic_file"};
+  EXPECT_EQ(calls_seen, order);
+  EXPECT_EQ(content_of(path_), "new");
+  calls_seen.clear();
+  ASSERT_TRUE(remove_file(path_, kRecorder));
+  EXPECT_EQ(calls_seen, std::vector<std::string>{"fsync ovws_atomic_file"});
+  EXPECT_FALSE(fs::exists(path_));
+  EXPECT_TRUE(remove_file(path_)) << "what is not there is removed";
+}
+
+TEST_F(AtomicFile, ALinkIsFollowedAndPermissionsStay) {
+  fs::permissions(path_, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(path_, folder_ + "/link");
+  ASSERT_TRUE(replace_file(folder_ + "/link", "new"));
+  EXPECT_TRUE(fs::is_symlink(folder_ + "/link"));
+  EXPECT_EQ(content_of(path_), "new");
+  EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(AtomicFile, AFolderThatIsNotThereIsAnErrorWithThePathAndTheWayOut) {
+  const auto stored = replace_file("/nowhere/at/all.json", "x");
+  ASSERT_FALSE(stored);
+  EXPECT_EQ(stored.error().field, "path");
+  EXPECT_NE(stored.error().reason.find("/nowhere/at/all.json"), std::string::npos);
+  EXPECT_NE(stored.error().reason.find("make the folder"), std::string::npos);
+}
+
+TEST_F(AtomicFile, AWriteThatFailsHalfwayLeavesTheOldFileAndNothingElse) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{4096, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  const auto stored = replace_file(path_, std::string(100000, 'x'));
+  setrlimit(RLIMIT_FSIZE, &before);
+  ASSERT_FALSE(stored);
+  EXPECT_NE(stored.error().reason.find("make room"), std::string::npos) << stored.error().reason;
+  expect_old_and_nothing_else();
+}
+
+TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreToldWithTheWayOut) {
+  FileCalls full;
+  full.write = [](int fd, const void*, std::size_t) { return ssize_t(failing<ENOSPC>(fd)); };
+  FileCalls broken;
+  broken.fsync = failing<EIO>;
+  FileCalls read_only;
+  read_only.rename = [](const char*, const char*) { return failing<EROFS>(0); };
+  FileCalls forbidden;
+  forbidden.rename = [](const char*, const char*) { return failing<EACCES>(0); };
+  const std::vector<std::pair<FileCalls, std::string>> cases{
+      {full, "No space left on device: make room"},
+      {broken, "Input/output error: check the disk"},
+      {read_only, "Read-only file system: the file system can only be read"},
+      {forbidden, "Permission denied: give the daemon's user the right"}};
+  for (const auto& [calls, told] : cases) {
+    const auto stored = replace_file(path_, "new", calls);
+    ASSERT_FALSE(stored) << told;
+    EXPECT_EQ(stored.error().code, Errc::unavailable);
+    EXPECT_NE(stored.error().reason.find(path_), std::string::npos);
+    EXPECT_NE(stored.error().reason.find(told), std::string::npos) << stored.error().reason;
+    expect_old_and_nothing_else();
+  }
+}
+
+TEST_F(AtomicFile, OnlyWhatWritersLeftBehindIsRemoved) {
+  const std::vector<std::string> kept{"/config.json.bak", "/other.ovws-tmp", "/x.ovws-tmp.json"};
+  for (const std::string& name : kept) std::ofstream(folder_ + name) << "mine";
+  std::ofstream(folder_ + "/config.json.a1B2c3.ovws-tmp") << "half";
+  std::ofstream(folder_ + "/twin.json.a1B2c3.ovws-tmp") << "half";
+  EXPECT_EQ(remove_leftovers(folder_, "config.json"), 1);
+  EXPECT_TRUE(fs::exists(folder_ + "/twin.json.a1B2c3.ovws-tmp"));
+  EXPECT_EQ(remove_leftovers(folder_), 1);
+  for (const std::string& name : kept) EXPECT_TRUE(fs::exists(folder_ + name)) << name;
+  EXPECT_EQ(content_of(path_), "old");
+  EXPECT_EQ(remove_leftovers("/nowhere/at/all"), 0);
+}
+
+}  // namespace
+}  // namespace ovws

@@ -1,0 +1,173 @@
+/// A process that stores, drops and replaces in a loop is killed at any moment: what is found
+/// afterwards is whole, and is what the last finished step made or what the interrupted one meant
+/// to make.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "daemon/store/atomic_file.hpp"
+#include "daemon/store/encoding.hpp"
+#include "daemon/store/state_store.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kKills = 200;
+constexpr std::size_t kValues = 1 << 16;  // 350 kB of text
+
+json content_of(int step) {
+  const std::vector<float> values(kValues, float(step));
+  return {{"step", step}, {"values", base64_of(values)}};
+}
+
+bool consistent(const json& content) {
+  return content == content_of(content["step"].get<int>());
+}
+
+std::string config_of(int step) {
+  std::string text;
+  for (int line = 0; line < 2000; ++line) text += std::to_string(step) + "\n";
+  return text;
+}
+
+struct Told {
+  int step = 0;
+  bool finished = false;
+};
+
+/// The child: never returns. Steps in turn store an item, drop it, and replace a configuration.
+[[noreturn]] void write_until_killed(const std::string& folder, int step, int tell) {
+  auto store = StateStore::open(folder + "/state");
+  if (!store) _exit(1);
+  for (;; ++step) {
+    const auto say = [&](bool finished) {
+      const Told told{step, finished};
+      if (::write(tell, &told, sizeof told) != sizeof told) _exit(2);
+    };
+    const json content = content_of(step);
+    const std::string config = config_of(step);
+    say(false);
+    bool done = false;
+    if (step % 4 == 3) {
+      done = store->drop("item", "only").has_value();
+    } else if (step % 4 == 2) {
+      done = replace_file(folder + "/config.json", config).has_value();
+    } else {
+      done = store->put("item", "only", content).has_value();
+    }
+    if (!done) _exit(3);
+    say(true);
+  }
+}
+
+/// What the disk holds: the step whose item is there, or none; the configuration's step, 0: none.
+struct Found {
+  std::optional<int> item;
+  int config = 0;
+  friend bool operator==(const Found&, const Found&) = default;
+};
+
+Found after(Found found, int step) {
+  if (step % 4 == 3) {
+    found.item.reset();
+  } else if (step % 4 == 2) {
+    found.config = step;
+  } else {
+    found.item = step;
+  }
+  return found;
+}
+
+class KilledWriter : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_ + "/state"); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// Lets a writer begin with `step`, and kills it; what it told.
+  std::vector<Told> killed_after(int step, std::chrono::microseconds delay) const {
+    int ends[2];
+    EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    const pid_t child = ::fork();
+    if (child == 0) write_until_killed(folder_, step, ends[1]);
+    ::close(ends[1]);
+    std::this_thread::sleep_for(delay);
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status)) << "the writer ended by itself: " << WEXITSTATUS(status);
+    std::vector<Told> told;
+    for (Told one; ::read(ends[0], &one, sizeof one) == sizeof one;) told.push_back(one);
+    ::close(ends[0]);
+    return told;
+  }
+
+  Found find() const {
+    Found found;
+    remove_leftovers(folder_, "config.json");
+    const auto store = StateStore::open(folder_ + "/state");
+    EXPECT_TRUE(store);
+    const auto loaded = store->load("item");
+    for (const BadState& bad : loaded.bad) ADD_FAILURE() << bad.path << ": " << bad.reason;
+    if (!loaded.items.empty()) {
+      EXPECT_TRUE(consistent(loaded.items[0].content));
+      found.item = loaded.items[0].content["step"].get<int>();
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_ + "/state"), {}),
+              std::ptrdiff_t(loaded.items.size()));
+    std::ostringstream text;
+    text << std::ifstream(folder_ + "/config.json").rdbuf();
+    if (!text.str().empty()) found.config = std::stoi(text.str());
+    EXPECT_TRUE(found.config == 0 || text.str() == config_of(found.config));
+    return found;
+  }
+
+  const std::string folder_ = testing::TempDir() + "ovws_killed_writer";
+};
+
+TEST_F(KilledWriter, WhateverMomentItIsKilledAtTheOldOrTheNewIsFoundWhole) {
+  std::mt19937 random(7);
+  Found expected;
+  int step = 1;
+  int interrupted = 0, taken_over = 0;
+  for (int kill = 0; kill < kKills && !HasFailure(); ++kill) {
+    const auto delay = std::chrono::microseconds(random() % 40000);
+    Found old = expected;
+    int begun = 0;  // 0: none
+    for (const Told& told : killed_after(step, delay)) {
+      step = told.step + 1;
+      begun = told.step;
+      if (!told.finished) continue;
+      old = after(old, told.step);
+      begun = 0;
+    }
+    const Found found = find();
+    const bool is_old = found == old;
+    const bool is_new = begun != 0 && found == after(old, begun);
+    EXPECT_TRUE(is_old || is_new) << "kill " << kill << ": item of step " << found.item.value_or(-1)
+                                  << ", after step " << step - 1;
+    interrupted += begun != 0;
+    taken_over += begun != 0 && is_new && !is_old;
+    expected = found;
+  }
+  std::printf("  %d kills over %d steps: %d within a step, %d of them behind the rename\n", kKills,
+              step - 1, interrupted, taken_over);
+  EXPECT_GT(interrupted, kKills / 4) << "too few kills hit a step to say anything";
+}
+
+}  // namespace
+}  // namespace ovws

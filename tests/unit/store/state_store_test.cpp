@@ -1,0 +1,166 @@
+#include "daemon/store/state_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+
+#include "daemon/store/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kSchema = "ovws.state.reference/1";
+
+json content_of(std::span<const float> values) {
+  return {{"frames", 100},
+          {"text", "a \"quoted\" word, \u00b5m"},
+          {"number", 0.1},
+          {"picture", base64_of(values)}};
+}
+
+const std::array<float, 5> kValues{0.0F, -1.5F, std::nanf(""), 1e-38F,
+                                   std::numeric_limits<float>::infinity()};
+
+class Store : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(folder_); }
+  StateStore open() const {
+    auto store = StateStore::open(folder_);
+    EXPECT_TRUE(store);
+    return *store;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
+  }
+  const std::string folder_ = testing::TempDir() + "ovws_state_store/deep";
+};
+
+TEST(Encoding, TheChecksumIsTheStandardOne) {
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Encoding, FloatsKeepTheirBitsAndNothingElseIsTaken) {
+  const std::string text = base64_of(kValues);
+  const auto back = floats_of(text, kValues.size());
+  ASSERT_TRUE(back);
+  EXPECT_EQ(std::memcmp(back->data(), kValues.data(), sizeof kValues), 0);
+  EXPECT_EQ(base64_of(std::array<float, 1>{1.0F}), "AACAPw==");
+  EXPECT_FALSE(floats_of(text, kValues.size() + 1));
+  EXPECT_FALSE(floats_of(text, kValues.size() - 1));
+  EXPECT_FALSE(floats_of("AACAPw=", 1));
+  EXPECT_FALSE(floats_of("AACA?w==", 1));
+  EXPECT_FALSE(floats_of("", 1));
+  EXPECT_TRUE(floats_of("", 0));
+}
+
+TEST(Seal, WhatIsSealedComesBack) {
+  const json content = content_of(kValues);
+  const std::string text = seal(kSchema, content);
+  const auto whole = unseal(kSchema, text);
+  ASSERT_TRUE(whole) << whole.error().reason;
+  EXPECT_EQ(whole->content, content);
+  const json plain = json::parse(text);
+  EXPECT_EQ(plain["schema"], kSchema);
+  EXPECT_EQ(plain["sha256"], whole->sha256);
+  EXPECT_EQ(whole->sha256, sha256_hex(text.substr(0, text.find(",\n\"sha256\""))));
+}
+
+TEST(Seal, AFileThatIsCutOffAnywhereIsRefusedWithAReason) {
+  const std::string text = seal(kSchema, content_of(kValues));
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const auto cut = unseal(kSchema, std::string_view(text).substr(0, size));
+    ASSERT_FALSE(cut) << size;
+    EXPECT_FALSE(cut.error().reason.empty());
+  }
+}
+
+TEST(Seal, NoBitOfAFileCanFlipUnseen) {
+  std::string text = seal(kSchema, content_of(kValues));
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (int bit = 0; bit < 8; ++bit) {
+      text[i] = char(text[i] ^ (1 << bit));
+      ASSERT_FALSE(unseal(kSchema, text)) << "byte " << i << ", bit " << bit;
+      text[i] = char(text[i] ^ (1 << bit));
+    }
+  }
+  EXPECT_TRUE(unseal(kSchema, text));
+}
+
+TEST(Seal, GarbageAndOtherSchemasAreRefused) {
+  std::mt19937 random(1);
+  for (int n = 0; n < 2000; ++n) {
+    std::string text(random() % 300, '\0');
+    for (char& c : text) c = char(random());
+    EXPECT_FALSE(unseal(kSchema, text));
+  }
+  const auto other = unseal(kSchema, seal("ovws.state.reference/2", json::object()));
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().reason.find(kSchema), std::string::npos);
+  std::string nested(100000, '[');
+  EXPECT_FALSE(unseal(kSchema, nested + ",\n\"sha256\": \"" + sha256_hex(nested) + "\"\n}\n"));
+}
+
+TEST_F(Store, ItemsOfAKindComeBackByNameUntilTheyAreDropped) {
+  StateStore store = open();
+  const auto first = store.put("reference", "a", content_of(kValues));
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(store.put("reference", "b", {{"frames", 2}}));
+  ASSERT_TRUE(store.put("matrix", "a", {{"frames", 3}}));
+  ASSERT_TRUE(store.put("reference", "b", {{"frames", 4}}));
+  const auto loaded = open().load("reference");
+  EXPECT_TRUE(loaded.bad.empty());
+  ASSERT_EQ(loaded.items.size(), 2U);
+  EXPECT_EQ(loaded.items[0].name, "a");
+  EXPECT_EQ(loaded.items[0].content, content_of(kValues));
+  EXPECT_EQ(loaded.items[0].sha256, *first);
+  EXPECT_EQ(loaded.items[1].content["frames"], 4);
+  ASSERT_TRUE(store.drop("reference", "a"));
+  ASSERT_TRUE(store.drop("reference", "a"));
+  EXPECT_EQ(store.load("reference").items.size(), 1U);
+  EXPECT_EQ(store.load("matrix").items.size(), 1U);
+}
+
+TEST_F(Store, ABadFileIsToldAndLeftAndTheOthersAreLoaded) {
+  StateStore store = open();
+  ASSERT_TRUE(store.put("reference", "good", {{"frames", 1}}));
+  write("reference.empty.json", "");
+  write("reference.garbage.json", "\xff\xfe{}");
+  write("reference.half.json", seal(kSchema, {{"frames", 1}}).substr(0, 60));
+  fs::create_directories(folder_ + "/reference.folder.json");
+  const auto loaded = store.load("reference");
+  ASSERT_EQ(loaded.items.size(), 1U);
+  ASSERT_EQ(loaded.bad.size(), 4U);
+  for (const BadState& bad : loaded.bad) {
+    EXPECT_FALSE(bad.reason.empty());
+    EXPECT_TRUE(fs::exists(bad.path)) << bad.path;
+  }
+}
+
+TEST_F(Store, OpeningMakesTheFolderAndRemovesWhatAKilledWriterLeft) {
+  EXPECT_EQ(open().leftovers(), 0);
+  write("reference.a.json.a1B2c3.ovws-tmp", "half");
+  EXPECT_EQ(open().leftovers(), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 0);
+}
+
+TEST_F(Store, AFolderThatCannotBeWrittenIsAnErrorWithTheWayOut) {
+  // /proc cannot be written by anybody, root included.
+  for (const char* folder : {"/proc/self/fdinfo", "/proc/ovws"}) {
+    const auto store = StateStore::open(folder);
+    ASSERT_FALSE(store) << folder;
+    EXPECT_EQ(store.error().field, "state.directory");
+    EXPECT_NE(store.error().reason.find(folder), std::string::npos) << store.error().reason;
+  }
+}
+
+}  // namespace
+}  // namespace ovws
