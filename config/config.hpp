@@ -40,6 +40,11 @@ struct ControlConfig {
   std::string endpoint = "tcp://127.0.0.1:7702";
 };
 
+struct StateConfig {
+  /// What is kept over a restart; none: $STATE_DIRECTORY, and without that nothing is kept.
+  std::optional<std::string> directory;
+};
+
 enum class RealtimePolicy {
   enforce,  ///< a missing privilege is a start-up error
   ignore,   ///< a missing privilege is a warning
@@ -58,6 +63,7 @@ struct Config {
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;
+  StateConfig state;
   RealtimePolicy realtime = RealtimePolicy::ignore;
   PipelineConfig pipeline;
   LogConfig log;

@@ -143,6 +143,11 @@ void read_stream(ObjectReader& r, StreamConfig& stream) {
   number(r, "image_rate_hz", stream.image_rate_hz, limits::kImageRateHz);
 }
 
+void read_state(ObjectReader& r, StateConfig& state) {
+  r.optional_string("directory", state.directory);
+  if (state.directory && state.directory->empty()) r.fault("directory", "must not be empty");
+}
+
 void read_pipeline(ObjectReader& r, PipelineConfig& pipeline) {
   integer(r, "workers", pipeline.workers, limits::kWorkers);
   integer(r, "records", pipeline.records, limits::kRecords);
@@ -181,6 +186,7 @@ Result<Config> read_config(const nlohmann::json& json) {
   r.object("refine", [&config](ObjectReader& o) { read_refine(o, config.refine); });
   r.object("stream", [&config](ObjectReader& o) { read_stream(o, config.stream); });
   r.object("control", [&](ObjectReader& o) { endpoint(o, "endpoint", config.control.endpoint); });
+  r.object("state", [&config](ObjectReader& o) { read_state(o, config.state); });
   choice(r, "realtime", config.realtime, {"enforce", "ignore"});
   r.object("pipeline", [&config](ObjectReader& o) { read_pipeline(o, config.pipeline); });
   r.object("log", [&config](ObjectReader& o) { read_log(o, config.log); });

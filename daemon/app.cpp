@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "daemon/camera_actor.hpp"
+#include "daemon/daemon_store.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
@@ -14,6 +15,7 @@
 #include "daemon/slm_loop.hpp"
 #include "daemon/spot_finder.hpp"
 #include "daemon/status_reporter.hpp"
+#include "daemon/store/atomic_file.hpp"
 #include "daemon/stream_publisher.hpp"
 #include "daemon/thread_plan.hpp"
 #include "drivers/zmq/control_server.hpp"
@@ -36,6 +38,7 @@ struct App::Parts {
   Counters counters;
   StreamQueue queue;
   Events events{queue};
+  DaemonStore store{config.state, events};
   StateKeeper state{events};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
@@ -72,7 +75,7 @@ struct App::Parts {
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {
-      instrument->camera_changed(now.settings);
+      instrument->camera_changed(now.settings, now.info);
     }
     state.set_fault("camera", now.at_fault ? now.fault : "");
     state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
@@ -90,9 +93,9 @@ struct App::Parts {
 
 Result<void> App::Parts::make_instrument() {
   auto made = Instrument::make(
-      config, {pipeline, slm, collector, pictures, operators, jobs, events, [this](bool runs) {
-                 state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended);
-               }});
+      config,
+      {pipeline, slm, collector, pictures, operators, jobs, events, store,
+       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   if (!made) return fail(made.error());
   instrument = std::move(*made);
   procedures = std::make_unique<Procedures>(ProceduresDeps{
@@ -121,7 +124,7 @@ Result<void> App::Parts::bind_streams() {
                                             counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
                                                        *refiner, pipeline, published_latency,
-                                                       counters, events, queue, threads});
+                                                       counters, events, store, queue, threads});
   return {};
 }
 
@@ -174,6 +177,7 @@ App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 App::~App() = default;
 
 Result<std::unique_ptr<App>> App::make(const Config& config, const std::string& config_path) {
+  if (!config_path.empty()) remove_leftovers_of(config_path);
   auto parts = std::make_unique<Parts>(config, config_path);
   if (auto made = parts->make_instrument(); !made) return fail(made.error());
   if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());

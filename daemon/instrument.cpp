@@ -35,6 +35,8 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   state.format = config.camera.settings.pixel_format;
   state.renderer = *renderer;
   std::unique_ptr<Instrument> instrument(new Instrument(config, deps, *hologram, state));
+  instrument->references_ = instrument->archive_.load();
+  instrument->limit_pictures();
   HologramRequest first = instrument->render(state);
   auto plan = instrument->plan_for(state, first.hologram_id);
   if (!plan) return fail(plan.error());
@@ -52,6 +54,7 @@ Instrument::Instrument(const Config& config, const InstrumentDeps& deps, Hologra
       workers_(config.pipeline.workers),
       deps_(deps),
       hologram_(std::move(hologram)),
+      archive_(ReferenceBench(config, hologram_), deps.store, deps.events),
       state_(std::move(state)) {}
 
 bool Instrument::do_work() {
@@ -97,13 +100,17 @@ void Instrument::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
   });
 }
 
-void Instrument::camera_changed(const CameraSettings& camera) {
-  mailbox_.post([this, camera] {
+void Instrument::camera_changed(const CameraSettings& camera,
+                                const std::optional<CameraInfo>& info) {
+  mailbox_.post([this, camera, info] {
     if (reference_job_ && camera_ && !(camera == *camera_)) {
       fail_reference(Error{Errc::refused, "camera", "the camera's settings changed meanwhile"});
     }
     camera_ = camera;
-    if (camera.roi == state_.roi && camera.pixel_format == state_.format) return;
+    const bool same_reference = know_camera(info);
+    if (same_reference && camera.roi == state_.roi && camera.pixel_format == state_.format) {
+      return tell_stale();
+    }
     State next = state_;
     next.roi = camera.roi;
     next.format = camera.pixel_format;
@@ -226,6 +233,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   snapshot_.set(std::move(now));
   deps_.pipeline.use_plan(plan.get());
   plans_.push_back(std::move(plan));
+  tell_stale();
 }
 
 void Instrument::tell_torn(const std::vector<int>& before, const std::vector<int>& now) {

@@ -21,6 +21,7 @@
 #include "daemon/mode_operators.hpp"
 #include "daemon/operator_maker.hpp"
 #include "daemon/reference.hpp"
+#include "daemon/reference_archive.hpp"
 #include "daemon/reference_templates.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/torn_spots.hpp"
@@ -65,6 +66,7 @@ struct InstrumentDeps {
   OperatorMaker& operators;
   Jobs& jobs;
   Events& events;
+  DaemonStore& store;
   /// Prepare thread: a job began (true) or ended (false).
   std::function<void(bool)> on_job;
 };
@@ -86,6 +88,7 @@ class Instrument : public Agent {
   void show(HologramKind pattern, Changed done);
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
+  /// On the disk, too; an error if it cannot be removed there, and then nothing has changed.
   void clear_reference(Changed done);
   /// From now on where spots are expected, and how far they move, is as configured.
   void clear_registration(Changed done);
@@ -107,9 +110,10 @@ class Instrument : public Agent {
   /// followed as such. Nothing happens if another plan is in use by then, or while a reference is
   /// taken. Any change of the sensor ends it.
   void follow(std::uint64_t plan_id, std::optional<TornSpots> torn);
-  /// What the camera uses now. If its image changed, frames are measured with a plan made for it
-  /// from then on; a reference that is being taken ends with any change.
-  void camera_changed(const CameraSettings& camera);
+  /// What the camera uses now, and which it is. If its image changed, frames are measured with a
+  /// plan made for it from then on; a reference that is being taken ends with any change, one of
+  /// another camera is not used.
+  void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
   /// Calls `then` in the prepare thread when every change asked for so far was carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
 
@@ -156,9 +160,16 @@ class Instrument : public Agent {
   void keep(const OperatorKey& key, Result<ModeOperator> made);
   void tell_operator(OperatorKind before, OperatorKind now);
   void retire_plans();
+  bool is_for(const Reference& reference, const State& state) const;
+  const Reference* find_reference(const State& state) const;
   std::optional<Reference> reference_for(const State& state) const;
   const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);
   void finish_reference(int job, const ReferenceCollector::Average& average);
+  Reference new_reference(ReferenceSource source) const;
+  bool know_camera(const std::optional<CameraInfo>& info);
+  void tell_stale();
+  void limit_pictures();
+  Result<SensorSnapshot> keep_reference(Reference reference);
   Result<SensorSnapshot> change_reference(std::optional<Reference> reference);
   void fail_reference(const Error& why);
   void end_reference_job();
@@ -169,6 +180,7 @@ class Instrument : public Agent {
   int workers_;
   InstrumentDeps deps_;
   HologramConfig hologram_;  ///< its sensor is that of the state
+  ReferenceArchive archive_;
   State state_;
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
@@ -180,6 +192,8 @@ class Instrument : public Agent {
   OperatorShelf operators_;                            ///< diffractive ones
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
   std::optional<CameraSettings> camera_;               ///< as last told
+  std::optional<CameraInfo> camera_info_;              ///< the same
+  std::vector<std::string> stale_told_;                ///< fields, by the last event
   std::optional<TornSpots> torn_;                      ///< of the plan in use
   std::optional<int> reference_job_;                   ///< the job's number
   std::optional<Lease> lease_;

@@ -51,15 +51,86 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
 }
 
 void Instrument::clear_reference(Changed done) {
-  mailbox_.post([this, done = std::move(done)] { done(change_reference(std::nullopt)); });
+  mailbox_.post([this, done = std::move(done)] {
+    const std::vector<Reference> before = references_;
+    auto changed = change_reference(std::nullopt);
+    if (!changed) return done(std::move(changed));
+    for (const Reference& one : before) {
+      if (!is_for(one, state_)) continue;
+      auto dropped = archive_.drop(one);
+      if (dropped) continue;
+      references_ = before;  // it would come back with the next start
+      if (auto again = change_to(state_); !again) return done(fail(again.error()));
+      return done(fail(dropped.error()));
+    }
+    done(std::move(changed));
+  });
+}
+
+/// While the camera is not known, those of any are.
+bool Instrument::is_for(const Reference& reference, const State& state) const {
+  return reference.key == reference_key(state.sensor, state.tracking, state.roi) &&
+         !of_other_camera(reference, camera_info_);
+}
+
+/// The one taken last, if several cameras' are known and which is in use is not.
+const Reference* Instrument::find_reference(const State& state) const {
+  const auto found = std::find_if(references_.rbegin(), references_.rend(),
+                                  [&](const Reference& known) { return is_for(known, state); });
+  return found == references_.rend() ? nullptr : &*found;
 }
 
 std::optional<Reference> Instrument::reference_for(const State& state) const {
-  const ReferenceKey key = reference_key(state.sensor, state.tracking, state.roi);
-  for (const Reference& known : references_) {
-    if (known.key == key) return known;
+  const Reference* const found = find_reference(state);
+  return found != nullptr ? std::optional(*found) : std::nullopt;
+}
+
+/// Whether the same reference is to be used with it.
+bool Instrument::know_camera(const std::optional<CameraInfo>& info) {
+  const Reference* const before = find_reference(state_);
+  camera_info_ = info;
+  const Reference* const now = find_reference(state_);
+  if (before != nullptr && now == nullptr) {
+    deps_.events.emit("reference", Severity::warning,
+                      title_of(*before) + " is not used: it was taken with another camera",
+                      {{"t_taken_ns", before->t_taken_ns}, {"used", false}});
   }
-  return std::nullopt;
+  return before == now;
+}
+
+/// An event when another set of settings is not that of the reference; not for every value.
+void Instrument::tell_stale() {
+  const std::optional<Reference> reference = snapshot_.get().reference;
+  std::vector<std::string> fields, words;
+  if (reference) {
+    for (const StaleField& one : stale_fields(*reference, camera_)) {
+      fields.push_back(one.field);
+      words.push_back(
+          fmt::format("{} was {}, and is {}", one.field, one.then.dump(), one.now.dump()));
+    }
+  }
+  if (fields == stale_told_) return;
+  stale_told_ = fields;
+  if (!reference) return;
+  const std::string how = words.empty() ? "the camera is set as it was then"
+                                        : fmt::format("{}", fmt::join(words, "; "));
+  deps_.events.emit("reference", fields.empty() ? Severity::info : Severity::warning,
+                    title_of(*reference) + " is in force: " + how,
+                    {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
+}
+
+/// Of now, without its positions.
+Reference Instrument::new_reference(ReferenceSource source) const {
+  const bool measured = source == ReferenceSource::measured;
+  Reference reference;
+  reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
+  reference.source = source;
+  reference.t_taken_ns = utc_ns();
+  if (measured) reference.aberration = state_.aberration;
+  reference.origin = std::make_shared<const nlohmann::json>(
+      archive_.bench().origin({reference.key, reference.aberration, camera_, camera_info_,
+                               measured ? grey_.get() : nullptr}));
+  return reference;
 }
 
 void Instrument::finish_reference(int job, const ReferenceCollector::Average& average) {
@@ -75,30 +146,51 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
                     "exposure and the region of interest, or use fewer subapertures",
                     listed(too_rare))});
   }
-  Reference reference;
-  reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
+  Reference reference = new_reference(ReferenceSource::measured);
   reference.frames = average.frames;
-  reference.t_taken_ns = utc_ns();
-  reference.aberration = state_.aberration;
   reference.positions_px = average.mean_px;
   reference.standard_error_px = average.standard_error_px;
   reference.picture = deps_.pictures.end();
   end_reference_job();
-  if (auto changed = change_reference(std::move(reference)); !changed) {
+  if (auto changed = keep_reference(std::move(reference)); !changed) {
     return deps_.jobs.fail_job(job, changed.error());
   }
   deps_.jobs.finish(job, {{"frames", average.frames}});
 }
 
-/// Puts a reference in force for the present state, or none; on an error the one before stays.
-Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> reference) {
-  const ReferenceKey key = reference_key(state_.sensor, state_.tracking, state_.roi);
-  std::vector<Reference> before = references_;
-  std::erase_if(references_, [&](const Reference& known) { return known.key == key; });
-  if (reference) references_.push_back(std::move(*reference));
+/// Puts a reference in force, and then on the disk: what cannot be kept is in force all the same.
+Result<SensorSnapshot> Instrument::keep_reference(Reference reference) {
+  const std::vector<Reference> before = references_;
+  auto changed = change_reference(std::move(reference));
+  if (!changed) return changed;
+  Reference& in_force = references_.back();
+  archive_.keep(in_force);
+  for (const Reference& one : before) {
+    const bool replaced = is_for(one, state_) && !in_force.sha256.empty();
+    // One of the same identity has been overwritten.
+    if (replaced && identity_of(*one.origin) != identity_of(*in_force.origin)) {
+      if (auto dropped = archive_.drop(one); !dropped) {
+        deps_.events.emit("reference", Severity::warning, dropped.error().reason);
+      }
+    }
+  }
+  changed->reference = in_force;
+  snapshot_.set(*changed);
+  return changed;
+}
+
+void Instrument::limit_pictures() {
   for (std::size_t i = 0; i + kMostPictures < references_.size(); ++i) {
     references_[i].picture.reset();
   }
+}
+
+/// Puts a reference in force for the present state, or none; on an error the one before stays.
+Result<SensorSnapshot> Instrument::change_reference(std::optional<Reference> reference) {
+  std::vector<Reference> before = references_;
+  std::erase_if(references_, [&](const Reference& known) { return is_for(known, state_); });
+  if (reference) references_.push_back(std::move(*reference));
+  limit_pictures();
   auto changed = change_to(state_);
   if (!changed) references_ = std::move(before);
   return changed;

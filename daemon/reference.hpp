@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -32,14 +34,25 @@ struct ReferenceKey {
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 
+enum class ReferenceSource {
+  measured,  ///< averaged from frames
+  model,     ///< where the configuration says that spots are: misalignment is in the coefficients
+};
+constexpr const char* reference_source_name(ReferenceSource source) {
+  return source == ReferenceSource::model ? "model" : "measured";
+}
+
 struct Reference {
   ReferenceKey key;
+  ReferenceSource source = ReferenceSource::measured;
   int frames = 0;
   std::int64_t t_taken_ns = 0;
   std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
   std::shared_ptr<const ReferencePicture> picture;  ///< none: too few frames, or long ago
+  std::shared_ptr<const nlohmann::json> origin;     ///< see ReferenceBench; none: not of a daemon
+  std::string sha256;                               ///< of the file that keeps it; empty: none does
 };
 
 /// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish

@@ -45,7 +45,12 @@ StatusMessage::SlmPart slm_part(const SlmSnapshot& slm) {
   return part;
 }
 
-StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
+std::string reference_state(const SensorSnapshot& sensor, const CameraSnapshot& camera) {
+  if (!sensor.reference) return "none";
+  return stale_fields(*sensor.reference, camera.settings).empty() ? "in_force" : "stale";
+}
+
+StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const CameraSnapshot& camera) {
   StatusMessage::SensorPart part;
   part.config = sensor.sensor;
   part.tracking = sensor.tracking;
@@ -54,6 +59,7 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor) {
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
   part.referenced = sensor.reference.has_value();
+  part.reference = reference_state(sensor, camera);
   part.torn = sensor.torn;
   return part;
 }
@@ -95,14 +101,16 @@ StatusMessage StatusReporter::current() const {
   status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
   status.state = deps_.state.name();
   status.fault = deps_.state.fault();
-  status.camera = camera_part(deps_.camera.snapshot(), deps_.pipeline);
+  const CameraSnapshot camera = deps_.camera.snapshot();
+  status.camera = camera_part(camera, deps_.pipeline);
   status.slm = slm_part(deps_.slm.snapshot());
   for (const HungThread& one : deps_.threads.hung_threads()) {
     if (one.row->role != ThreadRole::display) continue;
     status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
   }
-  status.sensor = sensor_part(deps_.instrument.snapshot());
+  status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
   status.refine = deps_.refiner.report();
+  status.store = deps_.store.report();
   const Measured measured = measured_.get();
   status.rates = measured.rates;
   status.latency = measured.latency;

@@ -9,6 +9,7 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/daemon_store.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
@@ -31,6 +32,7 @@ struct StatusDeps {
   LatencyHistogram& published_latency;
   Counters& counters;
   Events& events;
+  const DaemonStore& store;
   StreamQueue& queue;
   ThreadPlan& threads;
 };

@@ -50,6 +50,7 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["subapertures"] = sensor.subapertures;
   out["modes"] = sensor.modes;
   out["referenced"] = sensor.referenced;
+  out["reference"] = sensor.reference;
   out["torn"] = sensor.torn;
   return out;
 }
@@ -102,6 +103,9 @@ json status_body(const StatusMessage& message) {
            {"slm", slm_part(message.slm)},
            {"sensor", sensor_part(message.sensor)},
            {"refine", refine_part(message.refine)},
+           {"store",
+            {{"directory", or_null(message.store.directory)},
+             {"reason", or_null(message.store.reason)}}},
            {"loop", message.loop_closed ? "closed" : "open"},
            {"rates",
             {{"grabbed_hz", message.rates.grabbed_hz},

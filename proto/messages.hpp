@@ -128,6 +128,7 @@ struct StatusMessage {
     OperatorReport mode_operator;
     int subapertures = 0, modes = 0;
     bool referenced = false;
+    std::string reference = "none";  ///< "none", "in_force", "stale"
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   } sensor;
   bool loop_closed = false;
@@ -137,6 +138,11 @@ struct StatusMessage {
     std::optional<double> last_duration_ms;
     std::optional<std::string> reason;  ///< why there is no refinement now
   } refine;
+
+  struct StorePart {
+    std::optional<std::string> directory;  ///< what is kept over a restart is there
+    std::optional<std::string> reason;     ///< why something is not kept
+  } store;
 
   struct Rates {
     double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status

@@ -1,6 +1,7 @@
 #include "proto/results.hpp"
 
 #include <array>
+#include <ctime>
 
 #include "proto/names.hpp"
 #include "proto/rpc.hpp"
@@ -156,23 +157,42 @@ json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id) {
   return {{"modes", list}, {"norm", "rms"}, {"hologram_id", hologram_id}};
 }
 
+std::string utc_text(std::int64_t t_ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::time_t seconds = t_ns / kSecond;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
+  const std::string milliseconds = std::to_string(1000 + t_ns % kSecond / 1'000'000);
+  return text.data() + ("." + milliseconds.substr(1)) + "Z";
+}
+
 json reference_result(const std::optional<ReferenceReport>& reference) {
   if (!reference) {
-    return {{"taken", false},
-            {"frames", nullptr},
-            {"charge", nullptr},
-            {"tracker", nullptr},
-            {"t_taken_ns", nullptr},
-            {"positions_px", nullptr},
-            {"standard_error_px", nullptr}};
+    json out{{"taken", false}, {"stale", json::array()}};
+    for (const char* key : {"source", "frames", "charge", "tracker", "t_taken_ns", "t_taken",
+                            "positions_px", "standard_error_px", "sha256", "origin"}) {
+      out[key] = nullptr;
+    }
+    return out;
+  }
+  json stale = json::array();
+  for (const StaleField& one : reference->stale) {
+    stale.push_back({{"field", one.field}, {"then", one.then}, {"now", one.now}});
   }
   return {{"taken", true},
+          {"source", reference->source},
           {"frames", reference->frames},
           {"charge", reference->charge},
           {"tracker", tracker_name(reference->tracker)},
           {"t_taken_ns", reference->t_taken_ns},
+          {"t_taken", utc_text(reference->t_taken_ns)},
           {"positions_px", points(reference->positions_px)},
-          {"standard_error_px", points(reference->standard_error_px)}};
+          {"standard_error_px", points(reference->standard_error_px)},
+          {"sha256", reference->sha256.empty() ? json(nullptr) : json(reference->sha256)},
+          {"stale", stale},
+          {"origin", reference->origin}};
 }
 
 json registration_result(const std::optional<Registration>& registration) {

@@ -69,14 +69,27 @@ nlohmann::json refine_set_result(const nlohmann::json& params, const RefineSetup
 /// `aberration.get`, `.set` and `.clear`: RMS-normalised waves.
 nlohmann::json aberration_result(std::span<const Mode> modes, std::uint64_t hologram_id);
 
+/// "2026-01-31T12:00:00.000Z"
+std::string utc_text(std::int64_t t_ns);
+
+/// A setting that is not what it was when the reference was taken.
+struct StaleField {
+  std::string field;
+  nlohmann::json then, now;
+};
+
 /// `reference.get`.
 struct ReferenceReport {
   int frames = 0;
   int charge = 1;
   TrackerKind tracker = TrackerKind::lg;
   std::int64_t t_taken_ns = 0;
-  std::vector<Vec2> positions_px;       ///< camera pixels of the ROI, by subaperture
-  std::vector<Vec2> standard_error_px;  ///< of positions_px, by x and y
+  std::vector<Vec2> positions_px;        ///< camera pixels of the ROI, by subaperture
+  std::vector<Vec2> standard_error_px;   ///< of positions_px, by x and y
+  std::string_view source = "measured";  ///< or "model"
+  std::string sha256;                    ///< of the file that keeps it; empty: it is not kept
+  std::vector<StaleField> stale;
+  nlohmann::json origin;  ///< what it was taken with; as in the schema
 };
 nlohmann::json reference_result(const std::optional<ReferenceReport>& reference);
 

@@ -16,6 +16,11 @@ std::string text_or(const json& object, const char* key, const std::string& othe
                                                          : otherwise;
 }
 
+std::string reference_text(const std::string& state) {
+  if (state == "none") return "no reference";
+  return state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
+}
+
 void print_status(const json& status) {
   const json& camera = status["camera"];
   const json& slm = status["slm"];
@@ -35,8 +40,10 @@ void print_status(const json& status) {
   if (slm["fault"].is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
         sensor["charge"].get<int>(), sensor["subapertures"].get<int>(), sensor["modes"].get<int>(),
-        text_or(sensor, "tracker", ""),
-        sensor["referenced"].get<bool>() ? "referenced" : "no reference");
+        text_or(sensor, "tracker", ""), reference_text(text_or(sensor, "reference", "none")));
+  if (status.contains("store") && status["store"]["reason"].is_string()) {
+    print("store      {}\n", text_or(status["store"], "reason", ""));
+  }
   const json& refine = status["refine"];
   if (text_or(refine, "state", "off") != "off") {
     print("refine     {}, {} done, {} refused{}\n", text_or(refine, "state", ""),

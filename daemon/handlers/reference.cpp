@@ -5,11 +5,26 @@
 namespace ovws {
 namespace {
 
-std::optional<ReferenceReport> report_of(const std::optional<Reference>& reference) {
+std::optional<ReferenceReport> report_of(const Services& services,
+                                         const std::optional<Reference>& reference) {
   if (!reference) return std::nullopt;
-  return ReferenceReport{
-      reference->frames,     reference->key.sensor.charge, reference->key.tracking.tracker,
-      reference->t_taken_ns, reference->positions_px,      reference->standard_error_px};
+  return ReferenceReport{reference->frames,
+                         reference->key.sensor.charge,
+                         reference->key.tracking.tracker,
+                         reference->t_taken_ns,
+                         reference->positions_px,
+                         reference->standard_error_px,
+                         reference_source_name(reference->source),
+                         reference->sha256,
+                         stale_fields(*reference, services.camera.snapshot().settings),
+                         *reference->origin};
+}
+
+Instrument::Changed answer(const Services& services, RpcReply reply) {
+  return [&services, reply = std::move(reply)](Result<SensorSnapshot> changed) {
+    if (!changed) return reply(failed(changed.error()));
+    reply(reference_result(report_of(services, changed->reference)));
+  };
 }
 
 void take(Services& services, const nlohmann::json& params, RpcReply reply) {
@@ -23,15 +38,12 @@ void take(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 void get(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
-  reply(reference_result(report_of(services.instrument.snapshot().reference)));
+  reply(reference_result(report_of(services, services.instrument.snapshot().reference)));
 }
 
 void clear(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
-  services.instrument.clear_reference([reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(failed(cleared.error()));
-    reply(reference_result(report_of(cleared->reference)));
-  });
+  services.instrument.clear_reference(answer(services, std::move(reply)));
 }
 
 void answer_job(const RpcReply& reply, const Result<JobReport>& job) {

@@ -85,6 +85,17 @@ bool is_leftover(std::string_view file, std::string_view name) {
   return name.empty() || file == name;
 }
 
+/// An empty name: any.
+int remove_in(const fs::path& folder, std::string_view name) {
+  int removed = 0;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+    const bool left = is_leftover(at->path().filename().string(), name);
+    if (left && ::unlink(at->path().c_str()) == 0) ++removed;
+  }
+  return removed;
+}
+
 }  // namespace
 
 Result<void> replace_file(const std::string& link, std::string_view content,
@@ -110,14 +121,13 @@ Result<void> remove_file(const std::string& path, const FileCalls& calls) {
   return failure(path, "removed");
 }
 
-int remove_leftovers(const std::string& folder, std::string_view name) {
-  int removed = 0;
-  std::error_code failed;
-  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
-    const bool left = is_leftover(at->path().filename().string(), name);
-    if (left && ::unlink(at->path().c_str()) == 0) ++removed;
-  }
-  return removed;
+int remove_leftovers(const std::string& folder) {
+  return remove_in(folder, "");
+}
+
+int remove_leftovers_of(const std::string& path) {
+  const fs::path target = fs::absolute(target_of(path));
+  return remove_in(target.parent_path(), target.filename().string());
 }
 
 }  // namespace ovws

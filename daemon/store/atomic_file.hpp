@@ -31,8 +31,9 @@ Result<void> replace_file(const std::string& path, std::string_view content,
 /// Removes a file for good; it is no error if there is none. Otherwise as replace_file.
 Result<void> remove_file(const std::string& path, const FileCalls& calls = {});
 
-/// Removes what writers of `name` in `folder` that were killed left behind (an empty name: writers
-/// of any file). Returns how many. To be called when nobody writes there.
-int remove_leftovers(const std::string& folder, std::string_view name = "");
+/// Removes what writers that were killed left behind: of any file in `folder`, or of the one file.
+/// Returns how many. To be called when nobody writes there.
+int remove_leftovers(const std::string& folder);
+int remove_leftovers_of(const std::string& path);
 
 }  // namespace ovws

@@ -116,7 +116,8 @@ Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
   return remove_file(path_of(kind, name));
 }
 
-StateStore::Loaded StateStore::load(std::string_view kind) const {
+std::vector<BadState> StateStore::load(std::string_view kind,
+                                       const std::function<void(StateItem)>& take) const {
   std::vector<std::string> files;
   const std::string prefix = std::string(kind) + ".";
   std::error_code failed;
@@ -126,25 +127,25 @@ StateStore::Loaded StateStore::load(std::string_view kind) const {
     if (file.starts_with(prefix) && file.ends_with(".json")) files.push_back(file);
   }
   std::sort(files.begin(), files.end());
-  Loaded loaded;
+  std::vector<BadState> all_bad;
   for (const std::string& file : files) {
     const std::string path = directory_ + "/" + file;
     std::string reason;
     const std::string text = text_of(path, reason);
     if (!reason.empty()) {
-      loaded.bad.push_back({path, reason});
+      all_bad.push_back({path, reason});
       continue;
     }
     auto whole = unseal(schema_of(kind), text);
     if (!whole) {
-      loaded.bad.push_back({path, whole.error().reason});
+      all_bad.push_back({path, whole.error().reason});
       continue;
     }
     const std::size_t name_size = file.size() - prefix.size() - std::string_view(".json").size();
-    loaded.items.push_back({file.substr(prefix.size(), name_size), path, std::move(whole->content),
-                            std::move(whole->sha256)});
+    take({file.substr(prefix.size(), name_size), path, std::move(whole->content),
+          std::move(whole->sha256)});
   }
-  return loaded;
+  return all_bad;
 }
 
 }  // namespace ovws

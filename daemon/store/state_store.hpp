@@ -5,6 +5,7 @@
 /// Every file is written by replace_file: a kill or a power cut leaves the old one or the new one.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -51,11 +52,10 @@ class StateStore {
   /// It is no error if there is none. Errors as of remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
 
-  struct Loaded {
-    std::vector<StateItem> items;  ///< by name
-    std::vector<BadState> bad;
-  };
-  Loaded load(std::string_view kind) const;
+  /// Hands over each whole item, by name and one at a time, for they may be large; returns the
+  /// files that are not whole.
+  std::vector<BadState> load(std::string_view kind,
+                             const std::function<void(StateItem)>& take) const;
 
  private:
   StateStore(std::string directory, int leftovers)

@@ -94,6 +94,7 @@ Config random_config(unsigned seed) {
   c.refine.spot_amplitudes = dice.coin();
   c.stream = {"tcp://*:1", "ipc:///tmp/" + std::to_string(seed), dice.number(limits::kImageRateHz)};
   c.control.endpoint = "tcp://[::1]:2";
+  if (dice.coin()) c.state.directory = dice.text();
   c.realtime = dice.coin() ? RealtimePolicy::enforce : RealtimePolicy::ignore;
   c.pipeline = {dice.integer(limits::kWorkers), 1 << dice.integer({3, 12})};
   c.log.level = dice.coin() ? "debug" : "error";
@@ -101,6 +102,7 @@ Config random_config(unsigned seed) {
 }
 
 void expect_same(const Config& a, const Config& b) {
+  EXPECT_EQ(a.state.directory, b.state.directory);
   EXPECT_EQ(a.camera.driver, b.camera.driver);
   EXPECT_EQ(a.camera.id, b.camera.id);
   EXPECT_EQ(a.camera.settings, b.camera.settings);

@@ -9,6 +9,7 @@
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
+#include "proto/schemas.hpp"
 
 namespace ovws {
 namespace {
@@ -98,6 +99,8 @@ void print_status() {
       status.sensor.templates = {0, "there is no reference"};
       status.sensor.tracking.mode_operator = OperatorKind::diffractive;
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
+      status.sensor.reference = "stale";
+      status.store = {"/var/lib/ovws", "the disk is full"};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
@@ -133,8 +136,15 @@ void print_results() {
     print_result(method, aberration_result(modes, 3));
     print_result(method, aberration_result({}, 0));
   }
-  const ReferenceReport reference{100, -1,       TrackerKind::weighted,
-                                  5,   {{1, 2}}, {{0.1, std::nan("")}}};
+  ReferenceReport reference;
+  reference.charge = -1;
+  reference.tracker = TrackerKind::weighted;
+  reference.positions_px = {{1, 2}};
+  reference.standard_error_px = {{0.1, std::nan("")}};
+  reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
+  reference.origin =
+      json::parse(schema_text("reference.get")).at("result").at("examples")[0].at("origin");
+  reference.sha256 = "ba7816bf";
   print_result("reference.get", reference_result(reference));
   print_result("reference.clear", reference_result(std::nullopt));
   print_result("reference.take", job_started_result(1));
@@ -154,6 +164,7 @@ void print_results() {
   }
   Config config;
   print_result("config.get", json::parse(dump_config(config)));
+  config.state.directory = "state";
   config.slm.lut = "lut.txt";
   config.optics.centre_px = Vec2{1, 2};
   config.realtime = RealtimePolicy::enforce;

@@ -118,17 +118,16 @@ class KilledWriter : public testing::Test {
 
   Found find() const {
     Found found;
-    remove_leftovers(folder_, "config.json");
+    remove_leftovers_of(folder_ + "/config.json");
     const auto store = StateStore::open(folder_ + "/state");
     EXPECT_TRUE(store);
-    const auto loaded = store->load("item");
-    for (const BadState& bad : loaded.bad) ADD_FAILURE() << bad.path << ": " << bad.reason;
-    if (!loaded.items.empty()) {
-      EXPECT_TRUE(consistent(loaded.items[0].content));
-      found.item = loaded.items[0].content["step"].get<int>();
-    }
+    const auto all_bad = store->load("item", [&found](const StateItem& item) {
+      EXPECT_TRUE(consistent(item.content));
+      found.item = item.content["step"].get<int>();
+    });
+    for (const BadState& bad : all_bad) ADD_FAILURE() << bad.path << ": " << bad.reason;
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_ + "/state"), {}),
-              std::ptrdiff_t(loaded.items.size()));
+              std::ptrdiff_t(found.item.has_value()));
     std::ostringstream text;
     text << std::ifstream(folder_ + "/config.json").rdbuf();
     if (!text.str().empty()) found.config = std::stoi(text.str());

@@ -1,0 +1,43 @@
+/// The daemon's store: where it is, or why there is none, and what could not be kept.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "config/config.hpp"
+#include "daemon/events.hpp"
+#include "daemon/store/state_store.hpp"
+#include "proto/messages.hpp"
+
+namespace ovws {
+
+/// Thread-safe; waits for the disk. Without a store the daemon runs all the same.
+class DaemonStore {
+ public:
+  /// `config.directory`, or the first of $STATE_DIRECTORY. A store that cannot be used, or none, is
+  /// told here, once.
+  DaemonStore(const StateConfig& config, Events& events);
+
+  /// The item's checksum. Errors (Errc::unavailable): there is no store, or as of replace_file;
+  /// `report` tells it until something can be kept again.
+  Result<std::string> put(std::string_view kind, std::string_view name,
+                          const nlohmann::json& content);
+  /// Without a store there is nothing to drop. Errors as of remove_file.
+  Result<void> drop(std::string_view kind, std::string_view name);
+  /// As of StateStore::load; of every file that is not whole an event says why it is not used.
+  void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
+
+  StatusMessage::StorePart report() const;
+
+ private:
+  Events& events_;
+  mutable std::mutex mutex_;
+  std::optional<StateStore> store_;
+  StatusMessage::StorePart report_;
+};
+
+}  // namespace ovws

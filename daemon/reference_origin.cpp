@@ -1,0 +1,158 @@
+#include "daemon/reference_origin.hpp"
+
+#include "daemon/store/encoding.hpp"
+#include "proto/requests.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+/// Keys of the configuration as its file has them.
+json config_json(const Config& config) {
+  return json::parse(dump_config(config));
+}
+
+json aberration_json(const std::vector<Mode>& aberration) {
+  json modes = json::array();
+  for (const Mode& mode : aberration) modes.push_back({{"j", mode.j}, {"waves", mode.waves}});
+  return modes;
+}
+
+json camera_json(const std::optional<CameraInfo>& camera) {
+  if (!camera) return nullptr;
+  // As a file gives them back: what a camera says need not be UTF-8.
+  const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
+  return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+json settings_json(const std::optional<CameraSettings>& settings) {
+  if (!settings) return nullptr;
+  return {{"gain_db", settings->gain_db},
+          {"exposure_us", settings->exposure_us},
+          {"pixel_format", pixel_format_name(settings->pixel_format)}};
+}
+
+std::string hash_of(const Image<std::uint8_t>& grey) {
+  return sha256_of(std::span(grey.pixels));
+}
+
+/// The first key below `path` in which they differ, with both values; empty: none. A key that one
+/// of them lacks counts as null.
+std::string difference(const std::string& path, const json& then, const json& now) {
+  if (!then.is_object() || !now.is_object()) {
+    return then == now ? "" : path + " was " + then.dump() + ", and is " + now.dump();
+  }
+  json keys = then;
+  keys.update(now);
+  for (const auto& [key, value] : keys.items()) {
+    const json null;
+    auto found = difference(path + "." + key, then.contains(key) ? then[key] : null,
+                            now.contains(key) ? now[key] : null);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+}  // namespace
+
+ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
+    : config_(config), hologram_(std::move(hologram)) {
+  bench_ = {{"optics", config_json(config)["optics"]},
+            {"slm",
+             {{"width", hologram_.slm.width_px},
+              {"height", hologram_.slm.height_px},
+              {"pitch_um", hologram_.slm.pitch_um},
+              {"lut_sha256", nullptr},
+              {"flatness_sha256", nullptr}}}};
+  json& slm = bench_["slm"];
+  if (config.slm.lut) {
+    slm["lut_sha256"] = sha256_of(std::span<const std::uint8_t>(hologram_.lut));
+  }
+  if (hologram_.flatness_waves) {
+    slm["flatness_sha256"] = sha256_of(std::span<const float>(hologram_.flatness_waves->pixels));
+  }
+}
+
+json ReferenceBench::origin(const OriginInputs& inputs) const {
+  Config config = config_;
+  config.sensor = inputs.key.sensor;
+  config.tracking = inputs.key.tracking;
+  json all = config_json(config);
+  return {{"program", OVWS_VERSION},
+          {"camera", camera_json(inputs.camera)},
+          {"settings", settings_json(inputs.settings)},
+          {"roi", to_json(inputs.key.roi)},
+          {"sensor", std::move(all["sensor"])},
+          {"tracking", std::move(all["tracking"])},
+          {"optics", bench_["optics"]},
+          {"slm", bench_["slm"]},
+          {"aberration", aberration_json(inputs.aberration)},
+          {"hologram_sha256", inputs.grey != nullptr ? json(hash_of(*inputs.grey)) : json()}};
+}
+
+Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
+  for (const char* part : {"sensor", "tracking", "roi", "aberration", "camera", "settings"}) {
+    if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
+  }
+  // Read as the configuration is: as strictly, and with the same ranges.
+  const auto config = parse_config(json{
+      {"sensor", origin["sensor"]},
+      {"tracking", origin["tracking"]},
+      {"camera",
+       {{"roi", origin["roi"]}}}}.dump());
+  if (!config) return fail(config.error());
+  auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  if (!modes) return fail(modes.error());
+  return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
+               std::move(*modes)};
+}
+
+std::string ReferenceBench::obstacle(const Reference& reference) const {
+  const json& origin = *reference.origin;
+  for (const char* part : {"optics", "slm"}) {
+    auto differs = difference(part, origin.value(part, json()), bench_[part]);
+    if (!differs.empty()) return differs;
+  }
+  HologramConfig hologram = hologram_;
+  hologram.sensor = reference.key.sensor;
+  const auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return renderer.error().reason;
+  if (renderer->lattice().subapertures.size() != reference.positions_px.size()) {
+    return "it has not as many spots as its sensor";
+  }
+  const json hash = origin.value("hologram_sha256", json());
+  if (hash.is_null()) return {};
+  Image<std::uint8_t> grey;
+  renderer->render(HologramKind::sensor, reference.aberration, grey);
+  return hash == hash_of(grey) ? "" : "this program draws its hologram otherwise";
+}
+
+std::string identity_of(const json& origin) {
+  json identity;
+  for (const char* part : {"camera", "roi", "sensor", "tracking", "optics", "slm"}) {
+    identity[part] = origin.value(part, json());
+  }
+  return sha256_hex(identity.dump()).substr(0, 16);
+}
+
+bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera) {
+  if (!reference.origin || !camera) return false;
+  const json& then = (*reference.origin)["camera"];
+  return !then.is_null() && then != camera_json(camera);
+}
+
+std::vector<StaleField> stale_fields(const Reference& reference,
+                                     const std::optional<CameraSettings>& now) {
+  std::vector<StaleField> stale;
+  if (reference.source == ReferenceSource::model || !reference.origin || !now) return stale;
+  const json& then = (*reference.origin)["settings"];
+  if (!then.is_object()) return stale;
+  const json current = settings_json(now);
+  for (const auto& [field, value] : current.items()) {
+    if (then[field] != value) stale.push_back({field, then[field], value});
+  }
+  return stale;
+}
+
+}  // namespace ovws

@@ -1,0 +1,63 @@
+/// Where a reference comes from: what decides whether it may be used, and what only makes it stale.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/port/camera.hpp"
+#include "daemon/reference.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+
+/// What a reference is taken with.
+struct OriginInputs {
+  const ReferenceKey& key;
+  const std::vector<Mode>& aberration;
+  const std::optional<CameraSettings>& settings;  ///< none: not known
+  const std::optional<CameraInfo>& camera;
+  const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: of the model
+};
+
+/// The bench as the configuration says it: with another one a reference's positions mean nothing.
+class ReferenceBench {
+ public:
+  /// `hologram`: of that configuration, whose LUT and flatness are known by their checksums.
+  ReferenceBench(const Config& config, HologramConfig hologram);
+
+  /// "origin" of reference.get.
+  nlohmann::json origin(const OriginInputs& inputs) const;
+  /// Of an origin: the key and the aberration. Errors: they are not those of a configuration.
+  struct Known {
+    ReferenceKey key;
+    std::vector<Mode> aberration;
+  };
+  static Result<Known> known(const nlohmann::json& origin);
+
+  /// Why a reference that was kept cannot be used here; empty if it can. Its hologram is rendered
+  /// anew: a program that draws another one says so.
+  std::string obstacle(const Reference& reference) const;
+
+ private:
+  Config config_;
+  HologramConfig hologram_;
+  nlohmann::json bench_;  ///< {optics, slm}
+};
+
+/// 16 hexadecimal digits, the same for references of which only one can be in force: of one bench,
+/// camera, sensor, tracking and region.
+std::string identity_of(const nlohmann::json& origin);
+
+/// Whether both are known and differ: another camera's positions mean nothing.
+bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera);
+
+/// Settings that are not those it was taken with, and that its positions outlive: gain, exposure,
+/// pixel format. Of a model reference none, and none while the camera's are not known.
+std::vector<StaleField> stale_fields(const Reference& reference,
+                                     const std::optional<CameraSettings>& now);
+
+}  // namespace ovws

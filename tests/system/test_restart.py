@@ -1,0 +1,163 @@
+"""What survives a restart: the reference, with all that it was taken with; and nothing that a kill can break."""
+import json
+import random
+import re
+import statistics
+import threading
+import time
+
+from case import BenchCase, Client, ClientError, main, wait_for
+
+KILLS = 10
+BY_DEFECT = re.compile(r"damaged|cut off|not a file of the daemon|is empty")
+
+
+class Restart(BenchCase):
+    daemon_config = {"state": {"directory": "state"}}  # in the bench's own folder
+    twin_config = {"aberration": [{"n": 2, "m": 2, "waves": 0.2}]}
+
+    def files(self):
+        return sorted((self.bench.directory / "state").iterdir())
+
+    def new_client(self):
+        self.client.close()
+        self.client = Client(timeout_s=2.0)
+        self.addCleanup(self.client.close)
+
+    def kill(self):
+        self.bench.process("ovwsd").popen.kill()
+        self.bench.stop("ovwsd")
+
+    def start_again(self, config=None):
+        """The daemon with this configuration, or as it was; returns its log."""
+        self.bench.start_daemon(config or self.daemon_config)
+        self.wait_until("running", 30.0)
+        return self.bench.log("ovwsd")
+
+    def reference_state(self):
+        return self.call("system.status")["sensor"]["reference"]
+
+    def means(self, hologram_id=None, count=30):
+        frames = self.settled_frames(self.stream("wavefront"), count, hologram_id, 30.0)
+        return dict(zip(frames[0]["j"], map(statistics.fmean, zip(*(frame["coefficients"] for frame in frames)))))
+
+    def test_the_reference_is_in_force_again_after_a_kill(self):
+        self.call("camera.set", {"gain_db": 3.0})
+        self.call("config.save")
+        saved = (self.bench.directory / "ovwsd.json").read_text()
+        self.take_reference(50)
+        before = self.call("reference.get")
+        self.assertEqual(before["source"], "measured")
+        self.assertEqual(before["origin"]["camera"]["serial"], "TWIN0001")
+        self.assertEqual(before["origin"]["settings"], {"gain_db": 3.0, "exposure_us": 2000.0, "pixel_format": "Mono8"})
+        self.assertEqual(len(self.files()), 1)
+        kept = json.loads(self.files()[0].read_text())
+        self.assertEqual((kept["schema"], kept["sha256"]), ("ovws.state.reference/1", before["sha256"]))
+        self.assertEqual(kept["content"]["origin"], before["origin"])
+        self.kill()
+        log = self.start_again(saved)
+        self.assertIn(before["sha256"], log)
+        self.assertIn(before["t_taken"], log)
+        self.assertEqual(self.call("reference.get"), before)
+        self.assertEqual(self.reference_state(), "in_force")
+        rest = self.means()
+        hologram_id = self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})["hologram_id"]
+        shown = self.means(hologram_id)
+        print(f"\n  without a new reference: at most {max(map(abs, rest.values())):.4f} waves; 0.1 of j = 3 reads {shown[3]:.4f}")
+        self.assertLess(max(map(abs, rest.values())), 0.01)
+        self.assertAlmostEqual(shown[3], 0.1, delta=0.02)
+
+    def test_what_only_makes_it_stale_is_told_and_what_makes_it_another_ones_too(self):
+        self.take_reference(20)
+        before = self.call("reference.get")
+        self.call("camera.set", {"gain_db": 6.0})
+        self.assertEqual(self.call("reference.get")["stale"], [{"field": "gain_db", "then": 0.0, "now": 6.0}])
+        self.assertEqual(self.reference_state(), "stale")
+        self.assertTrue(self.settled_frames(self.stream("wavefront"), 1))
+        wait_for(lambda: "gain_db was 0.0, and is 6.0" in self.bench.log("ovwsd"), what="the event")
+        self.call("camera.set", {"gain_db": 0.0})
+        self.assertEqual(self.reference_state(), "in_force")
+        self.kill()
+        log = self.start_again(self.daemon_config | {"optics": {"wavelength_nm": 633.0}})
+        self.assertIn("is not used: optics.wavelength_nm was 632.0, and is 633.0", log)
+        self.assertEqual((self.reference_state(), self.call("reference.get")["taken"]), ("none", False))
+        self.kill()
+        self.start_again()
+        self.assertEqual(self.call("reference.get"), before)
+
+    def test_a_cleared_one_is_gone(self):
+        self.take_reference(20)
+        self.call("reference.clear")
+        self.kill()
+        self.start_again()
+        self.assertEqual((self.files(), self.reference_state()), ([], "none"))
+
+    def test_a_store_that_is_damaged_or_cannot_be_written_stops_nothing(self):
+        self.take_reference(20)
+        file = self.files()[0]
+        self.kill()
+        whole = file.read_bytes()
+        file.write_bytes(whole[:len(whole) // 2])
+        log = self.start_again()
+        self.assertRegex(log, re.escape(file.name) + " is not used, and left as it is: it is cut off")
+        self.assertEqual(self.reference_state(), "none")
+        self.assertEqual(file.read_bytes(), whole[:len(whole) // 2])
+        self.kill()
+        self.start_again({"state": {"directory": "/proc/nowhere"}})
+        store = self.call("system.status")["store"]
+        self.assertIsNone(store["directory"])
+        self.assertIn("/proc/nowhere", store["reason"])
+        self.take_reference(20)
+        self.assertIsNone(self.call("reference.get")["sha256"])
+
+    def churn(self, end):
+        """Takes, clears and saves until the daemon is gone: the reference after the last step that was done, and the step that was not."""
+        done, step = None, random.randrange(3)
+        while True:
+            begun = (("take", "save", "clear")[step % 3], time.time_ns())
+            try:
+                if begun[0] == "take":
+                    self.take_reference(3)
+                elif begun[0] == "clear":
+                    self.call("reference.clear")
+                else:
+                    self.call("config.save")
+                done = self.call("reference.get")
+            except ClientError:
+                self.assertTrue(end.wait(5.0))
+                return done, begun
+            step += 1
+
+    def test_kills_at_any_moment_leave_the_old_or_the_new(self):
+        random.seed(11)
+        path = self.bench.directory / "ovwsd.json"
+        old = self.call("reference.get")
+        found_new = 0
+        for kill in range(KILLS):
+            end = threading.Event()
+            killer = threading.Timer(random.uniform(0.05, 1.5), lambda: (self.bench.process("ovwsd").popen.kill(), end.set()))
+            killer.start()
+            done, (what, begun_ns) = self.churn(end)
+            killer.join()
+            self.bench.stop("ovwsd")
+            self.new_client()  # what the old one has asked for must not reach the next daemon
+            old = done or old
+            log = self.start_again(path.read_text())
+            self.assertNotRegex(log, BY_DEFECT)
+            now = self.call("reference.get")
+            if now["sha256"] != old["sha256"]:
+                found_new += 1
+                self.assertEqual(what, "take" if now["taken"] else "clear", (kill, old["t_taken"], now["t_taken"]))
+                self.assertTrue(not now["taken"] or now["t_taken_ns"] >= begun_ns)
+            if now["taken"]:
+                self.assertIn(now["sha256"], log)
+                self.assertIn(now["t_taken"], log)
+                self.assertTrue(self.settled_frames(self.stream("wavefront"), 1, timeout_s=30.0))
+            self.assertEqual(len(self.files()), int(now["taken"]))
+            old = now
+        self.assertEqual([p.name for p in self.bench.directory.iterdir() if p.name.endswith(".ovws-tmp")], [])
+        print(f"\n  {KILLS} kills, {found_new} of them found the new one of what was interrupted")
+
+
+if __name__ == "__main__":
+    main()
