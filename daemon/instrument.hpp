@@ -106,6 +106,9 @@ class Instrument : public Agent {
   /// display; the sensor is free. `then` is called in the prepare thread, or destroyed if that has
   /// ended.
   void give_back(int job, std::function<void()> then);
+  /// Positions count from where the registration, or else the configuration, says that spots are,
+  /// from now on.
+  void use_model_reference(Changed done);
   /// Frames of plan `plan_id` were found to have torn spots, or (none) not to: from now on they are
   /// followed as such. Nothing happens if another plan is in use by then, or while a reference is
   /// taken. Any change of the sensor ends it.
@@ -160,6 +163,7 @@ class Instrument : public Agent {
   void keep(const OperatorKey& key, Result<ModeOperator> made);
   void tell_operator(OperatorKind before, OperatorKind now);
   void retire_plans();
+  std::vector<Vec2> model_positions(const State& state) const;
   bool is_for(const Reference& reference, const State& state) const;
   const Reference* find_reference(const State& state) const;
   std::optional<Reference> reference_for(const State& state) const;

@@ -67,6 +67,20 @@ void Instrument::clear_reference(Changed done) {
   });
 }
 
+void Instrument::use_model_reference(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    Reference model = new_reference(ReferenceSource::model);
+    model.positions_px = model_positions(state_);
+    model.standard_error_px.assign(model.positions_px.size(), Vec2{});
+    done(keep_reference(std::move(model)));
+  });
+}
+
+std::vector<Vec2> Instrument::model_positions(const State& state) const {
+  return model_spots_px(state.renderer->lattice(), state.sensor, slm_geometry_, optics_of(state),
+                        state.roi.width, state.roi.height);
+}
+
 /// While the camera is not known, those of any are.
 bool Instrument::is_for(const Reference& reference, const State& state) const {
   return reference.key == reference_key(state.sensor, state.tracking, state.roi) &&
@@ -82,7 +96,11 @@ const Reference* Instrument::find_reference(const State& state) const {
 
 std::optional<Reference> Instrument::reference_for(const State& state) const {
   const Reference* const found = find_reference(state);
-  return found != nullptr ? std::optional(*found) : std::nullopt;
+  if (found == nullptr) return std::nullopt;
+  Reference reference = *found;
+  // A registration says anew where the model's spots are.
+  if (reference.source == ReferenceSource::model) reference.positions_px = model_positions(state);
+  return reference;
 }
 
 /// Whether the same reference is to be used with it.

@@ -47,7 +47,8 @@ RefineModel::~RefineModel() = default;
 RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                                  const RefineSetup& settings) {
   RefinedFrame out;
-  out.against_reference = sensor.reference.has_value();
+  const bool measured = sensor.reference && sensor.reference->source == ReferenceSource::measured;
+  out.against_reference = measured;
   const auto refused = [&out](std::string why) {
     out.refusal = std::move(why);
     return out;
@@ -55,7 +56,7 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   std::optional<std::vector<double>> start;
   const RefinedModes* reference = nullptr;
-  if (sensor.reference) {
+  if (measured) {
     const auto& modes = refined_reference(*sensor.reference, settings);
     if (!modes) return refused("the reference cannot be refined: " + modes.error().reason);
     reference = &*modes;

@@ -223,6 +223,14 @@ Result<int> decode_registration_run(const json& params) {
   return frames;
 }
 
+Result<void> decode_reference_set(const json& params) {
+  int source = 0;
+  ObjectReader reader(params, "");
+  reader.require("source");
+  reader.choice("source", source, {"model"});
+  return reader.finish();
+}
+
 Result<HologramKind> decode_slm_show(const json& params) {
   std::optional<HologramKind> pattern;
   ObjectReader reader(params, "");

@@ -72,6 +72,8 @@ Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);
 Result<int> decode_reference_take(const nlohmann::json& params);
 /// `registration.run`: how many frames to average for each picture.
 Result<int> decode_registration_run(const nlohmann::json& params);
+/// `reference.set`: what positions count from, of which only "model" can be set.
+Result<void> decode_reference_set(const nlohmann::json& params);
 Result<HologramKind> decode_slm_show(const nlohmann::json& params);
 /// `job.get` and `job.cancel`: the job's number.
 Result<int> decode_job(const nlohmann::json& params);

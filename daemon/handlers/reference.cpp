@@ -46,6 +46,11 @@ void clear(Services& services, const nlohmann::json& params, RpcReply reply) {
   services.instrument.clear_reference(answer(services, std::move(reply)));
 }
 
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto model = decode_reference_set(params); !model) return reply(failed(model.error()));
+  services.instrument.use_model_reference(answer(services, std::move(reply)));
+}
+
 void answer_job(const RpcReply& reply, const Result<JobReport>& job) {
   if (!job) return reply(failed(job.error()));
   reply(to_json(*job));
@@ -67,9 +72,10 @@ void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply
   });
 }
 
-constexpr std::array<Method, 5> kMethods{{
+constexpr std::array<Method, 6> kMethods{{
     {"reference.take", Action::start_job, take},
     {"reference.get", Action::read, get},
+    {"reference.set", Action::clear_reference, set},
     {"reference.clear", Action::clear_reference, clear},
     {"job.get", Action::read, get_job},
     {"job.cancel", Action::cancel_job, cancel_job},

@@ -57,6 +57,8 @@ class Messages(BenchCase):
         self.take_reference(20)
         call("reference.get")
         call("job.get", {"job": job + 1})
+        call("reference.set", {"source": "model"})
+        call("reference.get")
         call("reference.clear")
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})

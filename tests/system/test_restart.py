@@ -85,12 +85,27 @@ class Restart(BenchCase):
         self.start_again()
         self.assertEqual(self.call("reference.get"), before)
 
-    def test_a_cleared_one_is_gone(self):
+    def test_a_cleared_one_is_gone_and_the_model_can_take_its_place(self):
         self.take_reference(20)
         self.call("reference.clear")
         self.kill()
         self.start_again()
         self.assertEqual((self.files(), self.reference_state()), ([], "none"))
+        model = self.call("reference.set", {"source": "model"})
+        self.assertEqual((model["source"], model["frames"], model["stale"]), ("model", 0, []))
+        self.assertEqual(model["positions_px"][9], [255.5, 255.5])  # the base subaperture's, in the middle of 19
+        self.call("camera.set", {"gain_db": 6.0})
+        self.assertEqual(self.reference_state(), "in_force")
+        self.call("camera.set", {"gain_db": 0.0})
+        absolute = self.means()
+        print(f"\n  against the model the hidden 0.2 waves of j = 5 read {absolute[5]:.4f}")
+        self.assertAlmostEqual(absolute[5], 0.2, delta=0.03)
+        self.kill()
+        self.start_again()
+        self.assertEqual(self.call("reference.get"), model)
+        self.take_reference(20)
+        self.assertEqual(self.call("reference.get")["source"], "measured")
+        self.assertEqual(len(self.files()), 1)
 
     def test_a_store_that_is_damaged_or_cannot_be_written_stops_nothing(self):
         self.take_reference(20)

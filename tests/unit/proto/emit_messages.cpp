@@ -144,6 +144,7 @@ void print_results() {
   reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
   reference.origin =
       json::parse(schema_text("reference.get")).at("result").at("examples")[0].at("origin");
+  print_result("reference.set", reference_result(reference));
   reference.sha256 = "ba7816bf";
   print_result("reference.get", reference_result(reference));
   print_result("reference.clear", reference_result(std::nullopt));
@@ -184,9 +185,10 @@ json any_value(std::mt19937& random) {
 }
 
 template <class Decode>
-void print_params(const char* method, const std::vector<std::string>& keys, Decode decode) {
+void print_params(const char* method, const std::vector<std::string>& keys, Decode decode,
+                  int trials = 1000) {
   std::mt19937 random(7);
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < trials; ++k) {
     json params = json::object();
     for (int n = int(random() % 3); n > 0; --n) {
       params[keys[random() % keys.size()]] = any_value(random);
@@ -213,6 +215,7 @@ void print_all_params() {
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
   print_params("registration.run", {"frames", "frame"}, decode_registration_run);
+  print_params("reference.set", {"source"}, decode_reference_set, 3000);
   print_params("slm.show", {"pattern"}, decode_slm_show);
   print_params("job.get", {"job", "id"}, decode_job);
   print_params("config.get", {"path"}, decode_nothing);

@@ -26,14 +26,14 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
   for (const SchemaFile& file : schemas()) names.emplace_back(file.name);
   EXPECT_EQ(names,
             (std::vector<std::string>{
-                "aberration.clear", "aberration.get",  "aberration.set",     "camera.get",
-                "camera.set",       "config.get",      "config.save",        "job.cancel",
-                "job.get",          "reference.clear", "reference.get",      "reference.take",
-                "refine.get",       "refine.set",      "registration.clear", "registration.get",
-                "registration.run", "sensor.get",      "sensor.set",         "slm.show",
-                "stream.event",     "stream.image",    "stream.phase",       "stream.refined",
-                "stream.spots",     "stream.status",   "stream.wavefront",   "system.describe",
-                "system.status"}));
+                "aberration.clear", "aberration.get",   "aberration.set", "camera.get",
+                "camera.set",       "config.get",       "config.save",    "job.cancel",
+                "job.get",          "reference.clear",  "reference.get",  "reference.set",
+                "reference.take",   "refine.get",       "refine.set",     "registration.clear",
+                "registration.get", "registration.run", "sensor.get",     "sensor.set",
+                "slm.show",         "stream.event",     "stream.image",   "stream.phase",
+                "stream.refined",   "stream.spots",     "stream.status",  "stream.wavefront",
+                "system.describe",  "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -109,6 +109,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("aberration.set")) EXPECT_TRUE(decode_aberration_set(e)) << e;
   for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
   for (const json& e : examples("registration.run")) EXPECT_TRUE(decode_registration_run(e)) << e;
+  for (const json& e : examples("reference.set")) EXPECT_TRUE(decode_reference_set(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }
