@@ -150,7 +150,6 @@ class Instrument : public Agent {
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
   Result<State> lent_state(int job) const;
-  void drop_references_if_moved(const State& next);
   Result<SensorSnapshot> change_registration(const std::optional<Registration>& registration);
   OpticsConfig optics_of(const State& state) const;
   static std::uint64_t shown_epoch(const State& state);
@@ -165,6 +164,7 @@ class Instrument : public Agent {
   void retire_plans();
   std::vector<Vec2> model_positions(const State& state) const;
   bool is_for(const Reference& reference, const State& state) const;
+  bool is_at_its_place(const Reference& reference, const State& state) const;
   const Reference* find_reference(const State& state) const;
   std::optional<Reference> reference_for(const State& state) const;
   const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);

@@ -1,16 +1,6 @@
-#include <spdlog/fmt/fmt.h>
-
-#include <algorithm>
-
-#include "core/optics/lattice.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {
-namespace {
-
-constexpr double kSamePlace = 0.25;  // lambda/d
-
-}  // namespace
 
 /// A registration counts from the corner of the camera's sensor, all else from that of the region.
 OpticsConfig Instrument::optics_of(const State& state) const {
@@ -21,36 +11,20 @@ OpticsConfig Instrument::optics_of(const State& state) const {
   return optics;
 }
 
-/// Positions measured by a camera that has moved since would send every tracker astray.
-void Instrument::drop_references_if_moved(const State& next) {
-  const auto spots_of = [this](const State& state) {
-    return model_spots_px(state.renderer->lattice(), state.sensor, slm_geometry_, optics_of(state),
-                          state.roi.width, state.roi.height);
-  };
-  const std::vector<Vec2> before = spots_of(state_), after = spots_of(next);
-  double farthest_px = 0.0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    farthest_px = std::max(farthest_px, norm(after[i] - before[i]));
-  }
-  const double lambda_d = lambda_d_px(optics_of(next), slm_geometry_, next.sensor);
-  if (farthest_px <= kSamePlace * lambda_d || references_.empty()) return;
-  references_.clear();
-  deps_.events.emit("reference", Severity::warning,
-                    fmt::format("spots are now expected up to {:.1f} px from where they were: the "
-                                "references of before mean nothing any more, take them anew",
-                                farthest_px));
-}
-
-/// What `change` makes of the map; on an error the references of before stay.
 Result<SensorSnapshot> Instrument::change_registration(
     const std::optional<Registration>& registration) {
   State next = state_;
   next.registration = registration;
   ++next.sensor_epoch;  // tracks of before lead nowhere
-  std::vector<Reference> before = references_;
-  drop_references_if_moved(next);
+  const std::optional<Reference> before = reference_for(state_);
   auto changed = carry_out(std::move(next));
-  if (!changed) references_ = std::move(before);
+  if (changed && before && !changed->reference) {
+    deps_.events.emit("reference", Severity::warning,
+                      title_of(*before) +
+                          " is not used: spots are now expected elsewhere than when it was taken; "
+                          "take another one",
+                      {{"t_taken_ns", before->t_taken_ns}, {"used", false}});
+  }
   return changed;
 }
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {
 namespace {
 
+constexpr double kSamePlace = 0.25;       // lambda/d
 constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
 
 std::string listed(const std::vector<int>& numbers) {
@@ -87,10 +89,27 @@ bool Instrument::is_for(const Reference& reference, const State& state) const {
          !of_other_camera(reference, camera_info_);
 }
 
+/// Positions that a camera measured which stood otherwise would send every tracker astray: whether
+/// both maps expect the spots at the same places.
+bool Instrument::is_at_its_place(const Reference& reference, const State& state) const {
+  if (reference.source == ReferenceSource::model) return true;
+  if (!reference.registration && !state.registration) return true;
+  State then = state;
+  then.registration = reference.registration;
+  const std::vector<Vec2> before = model_positions(then), now = model_positions(state);
+  double farthest_px = 0.0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    farthest_px = std::max(farthest_px, norm(now[i] - before[i]));
+  }
+  return farthest_px <= kSamePlace * lambda_d_px(optics_of(state), slm_geometry_, state.sensor);
+}
+
 /// The one taken last, if several cameras' are known and which is in use is not.
 const Reference* Instrument::find_reference(const State& state) const {
-  const auto found = std::find_if(references_.rbegin(), references_.rend(),
-                                  [&](const Reference& known) { return is_for(known, state); });
+  const auto found =
+      std::find_if(references_.rbegin(), references_.rend(), [&](const Reference& known) {
+        return is_for(known, state) && is_at_its_place(known, state);
+      });
   return found == references_.rend() ? nullptr : &*found;
 }
 
@@ -144,10 +163,11 @@ Reference Instrument::new_reference(ReferenceSource source) const {
   reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
   reference.source = source;
   reference.t_taken_ns = utc_ns();
+  reference.registration = state_.registration;
   if (measured) reference.aberration = state_.aberration;
   reference.origin = std::make_shared<const nlohmann::json>(
       archive_.bench().origin({reference.key, reference.aberration, camera_, camera_info_,
-                               measured ? grey_.get() : nullptr}));
+                               state_.registration, measured ? grey_.get() : nullptr}));
   return reference;
 }
 

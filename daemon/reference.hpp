@@ -18,6 +18,7 @@
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
 #include "core/tracking/tracker.hpp"
+#include "core/wavefront/registration.hpp"
 #include "daemon/reference_picture.hpp"
 
 namespace ovws {
@@ -47,6 +48,7 @@ struct Reference {
   ReferenceSource source = ReferenceSource::measured;
   int frames = 0;
   std::int64_t t_taken_ns = 0;
+  std::optional<Registration> registration;  ///< in force while it was taken
   std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;

@@ -1,6 +1,8 @@
 #include "daemon/reference_origin.hpp"
 
 #include "daemon/store/encoding.hpp"
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
 #include "proto/requests.hpp"
 
 namespace ovws {
@@ -24,6 +26,34 @@ json camera_json(const std::optional<CameraInfo>& camera) {
   // As a file gives them back: what a camera says need not be UTF-8.
   const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
   return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+json registration_json(const std::optional<Registration>& registration) {
+  if (!registration) return nullptr;
+  const PxPerCycle& map = registration->px_per_cycle;
+  return {{"t_taken_ns", registration->t_taken_ns},
+          {"base_px", {registration->base_px.x, registration->base_px.y}},
+          {"px_per_cycle", {map.xx, map.xy, map.yx, map.yy}}};
+}
+
+Result<std::optional<Registration>> registration_from(const json& content) {
+  if (content.is_null()) return std::nullopt;
+  std::vector<double> base, map;
+  ObjectReader r(content, "registration");
+  for (const char* key : {"t_taken_ns", "base_px", "px_per_cycle"}) r.require(key);
+  const json* const t_taken_ns = r.raw("t_taken_ns");
+  r.numbers("base_px", base, 2, 2, -1e6, 1e6);
+  r.numbers("px_per_cycle", map, 4, 4, limits::kPxPerCycle.min, limits::kPxPerCycle.max);
+  if (auto read = r.finish(); !read) return fail(read.error());
+  Registration registration;
+  registration.base_px = {base[0], base[1]};
+  registration.px_per_cycle = {map[0], map[1], map[2], map[3]};
+  const bool mappable = registration.px_per_cycle.scale() >= limits::kLeastPxPerCycle;
+  if (!t_taken_ns->is_number_integer() || !mappable) {
+    return fail(Errc::invalid, "registration", "is not a map of slopes");
+  }
+  registration.t_taken_ns = t_taken_ns->get<std::int64_t>();
+  return registration;
 }
 
 json settings_json(const std::optional<CameraSettings>& settings) {
@@ -82,6 +112,7 @@ json ReferenceBench::origin(const OriginInputs& inputs) const {
   return {{"program", OVWS_VERSION},
           {"camera", camera_json(inputs.camera)},
           {"settings", settings_json(inputs.settings)},
+          {"registration", registration_json(inputs.registration)},
           {"roi", to_json(inputs.key.roi)},
           {"sensor", std::move(all["sensor"])},
           {"tracking", std::move(all["tracking"])},
@@ -92,7 +123,8 @@ json ReferenceBench::origin(const OriginInputs& inputs) const {
 }
 
 Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
-  for (const char* part : {"sensor", "tracking", "roi", "aberration", "camera", "settings"}) {
+  for (const char* part :
+       {"sensor", "tracking", "roi", "aberration", "camera", "settings", "registration"}) {
     if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
   }
   // Read as the configuration is: as strictly, and with the same ranges.
@@ -104,8 +136,10 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
   if (!config) return fail(config.error());
   auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
   if (!modes) return fail(modes.error());
+  auto registration = registration_from(origin["registration"]);
+  if (!registration) return fail(registration.error());
   return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
-               std::move(*modes)};
+               std::move(*modes), *registration};
 }
 
 std::string ReferenceBench::obstacle(const Reference& reference) const {

@@ -9,6 +9,7 @@
 #include "config/config.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/port/camera.hpp"
+#include "core/wavefront/registration.hpp"
 #include "daemon/reference.hpp"
 #include "proto/results.hpp"
 
@@ -20,6 +21,7 @@ struct OriginInputs {
   const std::vector<Mode>& aberration;
   const std::optional<CameraSettings>& settings;  ///< none: not known
   const std::optional<CameraInfo>& camera;
+  const std::optional<Registration>& registration;
   const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: of the model
 };
 
@@ -31,10 +33,11 @@ class ReferenceBench {
 
   /// "origin" of reference.get.
   nlohmann::json origin(const OriginInputs& inputs) const;
-  /// Of an origin: the key and the aberration. Errors: they are not those of a configuration.
+  /// Of an origin. Errors: it lacks something, or it is not that of a configuration.
   struct Known {
     ReferenceKey key;
     std::vector<Mode> aberration;
+    std::optional<Registration> registration;  ///< its map and time
   };
   static Result<Known> known(const nlohmann::json& origin);
 

@@ -107,6 +107,20 @@ class Restart(BenchCase):
         self.assertEqual(self.call("reference.get")["source"], "measured")
         self.assertEqual(len(self.files()), 1)
 
+    def test_one_of_a_camera_that_stands_askew_waits_for_its_registration(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "centre_px": [275.5, 245.5]}})
+        self.run_job("registration.run", {}, 60.0)
+        self.take_reference(20)
+        before = self.call("reference.get")
+        self.assertEqual(before["origin"]["registration"]["t_taken_ns"], self.call("registration.get")["t_taken_ns"])
+        self.kill()
+        self.assertIn(before["sha256"], self.start_again())
+        self.assertEqual(self.reference_state(), "none")
+        self.run_job("registration.run", {}, 60.0)
+        self.assertEqual(self.call("reference.get"), before)
+
     def test_a_store_that_is_damaged_or_cannot_be_written_stops_nothing(self):
         self.take_reference(20)
         file = self.files()[0]

@@ -56,7 +56,8 @@ class Archive : public testing::Test {
     return std::make_unique<Started>(config, folder_, hologram_of(config));
   }
 
-  static Reference taken(const Started& daemon, const Config& config, std::int64_t t_taken_ns = 5) {
+  static Reference taken(const Started& daemon, const Config& config, std::int64_t t_taken_ns = 5,
+                         const std::optional<Registration>& registration = std::nullopt) {
     Reference reference;
     reference.key = reference_key(config.sensor, config.tracking, config.camera.settings.roi);
     reference.frames = 100;
@@ -80,7 +81,7 @@ class Archive : public testing::Test {
     const std::optional<CameraSettings> settings = config.camera.settings;
     const std::optional<CameraInfo> camera = kCamera;
     reference.origin = std::make_shared<const json>(daemon.archive.bench().origin(
-        {reference.key, reference.aberration, settings, camera, &grey}));
+        {reference.key, reference.aberration, settings, camera, registration, &grey}));
     return reference;
   }
 
@@ -198,6 +199,22 @@ TEST_F(Archive, AnotherCameraIsTold) {
   EXPECT_TRUE(of_other_camera(reference, camera));
 }
 
+TEST_F(Archive, TheMapThatItWasTakenUnderComesBack) {
+  auto daemon = started(config_);
+  Registration registration;
+  registration.px_per_cycle = {0.0, 1900.0, -1900.0, 0.1};
+  registration.base_px = {100.0, 200.0 / 3.0};
+  registration.t_taken_ns = 7;
+  Reference turned = taken(*daemon, config_, 8, registration);
+  daemon->archive.keep(turned);
+  const auto all = found(config_);
+  ASSERT_EQ(all.size(), 1U);
+  ASSERT_TRUE(all[0].registration);
+  EXPECT_EQ(all[0].registration->px_per_cycle, registration.px_per_cycle);
+  EXPECT_EQ(all[0].registration->base_px.y, registration.base_px.y);
+  EXPECT_EQ(all[0].registration->t_taken_ns, 7);
+}
+
 TEST_F(Archive, OnlySoManyAreKept) {
   auto daemon = started(config_);
   for (int n = 0; n < int(ReferenceArchive::kMostKept) + 3; ++n) {
@@ -228,6 +245,7 @@ TEST_F(Archive, ContentThatDoesNotFitTogetherIsRefused) {
       {"/origin/sensor/charme", 1},
       {"/origin/roi/width", 33},
       {"/origin/aberration", "none"},
+      {"/origin/registration", json::object()},
       {"/picture/width", 31},
       {"/picture/height", 1 << 20},
       {"/picture/pixel_format", "Mono9"},

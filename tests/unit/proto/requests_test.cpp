@@ -175,6 +175,9 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(decode_reference_take(json::object()), 100);
   EXPECT_EQ(decode_reference_take({{"frames", 7}}), 7);
   EXPECT_EQ(error_of(decode_reference_take({{"frames", 0}})).field, "frames");
+  EXPECT_TRUE(decode_reference_set({{"source", "model"}}));
+  EXPECT_EQ(error_of(decode_reference_set(json::object())).field, "source");
+  EXPECT_EQ(error_of(decode_reference_set({{"source", "modle"}})).nearest, "model");
   EXPECT_EQ(decode_slm_show({{"pattern", "identify"}}), HologramKind::identify);
   EXPECT_EQ(error_of(decode_slm_show({{"pattern", "test"}})).field, "pattern");
   EXPECT_EQ(decode_registration_run(json::object()), 5);

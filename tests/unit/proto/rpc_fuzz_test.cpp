@@ -55,6 +55,7 @@ void decode_all(const Json& params) {
   (void)decode_sensor_set(params);
   (void)decode_aberration_set(params);
   (void)decode_reference_take(params);
+  (void)decode_reference_set(params);
   (void)decode_registration_run(params);
   (void)decode_slm_show(params);
   (void)decode_job(params);
