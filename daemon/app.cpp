@@ -10,6 +10,7 @@
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
@@ -52,6 +53,7 @@ struct App::Parts {
   CameraActor camera;
   std::unique_ptr<Instrument> instrument;
   std::unique_ptr<Procedures> procedures;
+  std::unique_ptr<ClosedLoop> loop;
   std::unique_ptr<SpotFinder> finder;
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
@@ -101,6 +103,10 @@ Result<void> App::Parts::make_instrument() {
   procedures = std::make_unique<Procedures>(ProceduresDeps{
       {*instrument, camera, collector, pictures, jobs},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+  loop = std::make_unique<ClosedLoop>(
+      ClosedLoopDeps{*instrument, events, [this](bool closed) {
+                       state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
+                     }});
   finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
                                           *instrument, queue);
@@ -115,7 +121,7 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, collector, *finder, counters, queue, published_latency});
+      StreamPublisherDeps{pipeline, collector, *finder, *loop, counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
@@ -123,14 +129,15 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
-                                                       *refiner, pipeline, published_latency,
+                                                       *loop, *refiner, pipeline, published_latency,
                                                        counters, events, store, queue, threads});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(Services{config, config_path, state, camera, *instrument,
-                                                 jobs, *procedures, *refiner, *status, counters});
+  services =
+      std::make_unique<Services>(Services{config, config_path, state, camera, *instrument, jobs,
+                                          *procedures, *loop, *refiner, *status, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));
@@ -166,6 +173,7 @@ Result<void> App::Parts::start_threads() {
   starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
   starts.push_back({ThreadRole::camera, camera});
   starts.push_back({ThreadRole::procedure, *procedures});
+  starts.push_back({ThreadRole::loop, *loop});
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }

@@ -81,6 +81,14 @@ void Instrument::set_aberration(std::vector<Mode> modes, Changed done) {
   });
 }
 
+void Instrument::set_correction(std::vector<Mode> modes, Changed done) {
+  mailbox_.post([this, modes = std::move(modes), done = std::move(done)]() mutable {
+    State next = state_;
+    next.correction = std::move(modes);
+    done(change_to(std::move(next)));
+  });
+}
+
 void Instrument::show(HologramKind pattern, Changed done) {
   mailbox_.post([this, pattern, done = std::move(done)] {
     State next = state_;
@@ -151,7 +159,7 @@ Result<void> Instrument::check_free() const {
 Result<SensorSnapshot> Instrument::carry_out(State next) {
   const bool new_sensor = !(next.sensor == state_.sensor);
   const bool new_picture = new_sensor || next.pattern != state_.pattern ||
-                           !(next.aberration == state_.aberration) ||
+                           !(shown_modes(next) == shown_modes(state_)) ||
                            next.painted != state_.painted;
   if (new_sensor) {
     HologramConfig hologram = hologram_;
@@ -161,7 +169,7 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
     next.renderer = *renderer;
     ++next.sensor_epoch;
   }
-  if (auto sampled = next.renderer->check_sampling(next.aberration); !sampled) {
+  if (auto sampled = next.renderer->check_sampling(shown_modes(next)); !sampled) {
     return fail(sampled.error());
   }
   torn_.reset();
@@ -184,12 +192,29 @@ std::uint64_t Instrument::shown_epoch(const State& state) {
   return state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
 }
 
+/// What is added to the pattern: the aberration less the correction. The corrected beam, for which
+/// the grating is shown, has no aberration of ours.
+std::vector<Mode> Instrument::shown_modes(const State& state) {
+  std::vector<Mode> modes;
+  if (state.pattern != HologramKind::grating) modes = state.aberration;
+  for (const Mode& correction : state.correction) {
+    const auto same = std::find_if(modes.begin(), modes.end(),
+                                   [&](const Mode& mode) { return mode.j == correction.j; });
+    if (same == modes.end()) {
+      modes.push_back({correction.j, -correction.waves});
+    } else {
+      same->waves -= correction.waves;
+    }
+  }
+  return modes;
+}
+
 HologramRequest Instrument::render(const State& state) {
   if (state.painted) {
     return {next_hologram_id_++, shown_epoch(state), state.pattern, state.painted};
   }
   auto grey = std::make_shared<Image<std::uint8_t>>();
-  state.renderer->render(state.pattern, state.aberration, *grey);
+  state.renderer->render(state.pattern, shown_modes(state), *grey);
   return {next_hologram_id_++, shown_epoch(state), state.pattern, std::move(grey)};
 }
 
@@ -198,8 +223,9 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_of(state), slm_geometry_, state.roi,
-                     state.format, state.aberration, reference, workers_, torn_ ? &*torn_ : nullptr,
-                     templates_for(state, reference).banks, operator_for(state)});
+                     state.format, shown_modes(state), reference, workers_,
+                     torn_ ? &*torn_ : nullptr, templates_for(state, reference).banks,
+                     operator_for(state)});
 }
 
 const OwnTemplates& Instrument::templates_for(const State& state,
@@ -216,6 +242,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.tracking = state_.tracking;
   now.pattern = state_.pattern;
   now.aberration = state_.aberration;
+  now.correction = state_.correction;
   now.hologram_id = shown_hologram_id_;
   now.sensor_epoch = state_.sensor_epoch;
   now.optics = optics_of(state_);

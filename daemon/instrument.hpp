@@ -47,6 +47,7 @@ struct SensorSnapshot {
   OperatorReport mode_operator;  ///< of plan_id
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
+  std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
   std::uint64_t sensor_epoch = 0;  ///< of the plan
   OpticsConfig optics;             ///< in the camera's region: as configured, or as registered
@@ -85,6 +86,7 @@ class Instrument : public Agent {
 
   void change_sensor(SensorSet change, Changed done);
   void set_aberration(std::vector<Mode> modes, Changed done);
+  void set_correction(std::vector<Mode> modes, Changed done);
   void show(HologramKind pattern, Changed done);
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
@@ -129,6 +131,7 @@ class Instrument : public Agent {
     TrackingSettings tracking;
     HologramKind pattern = HologramKind::sensor;
     std::vector<Mode> aberration;
+    std::vector<Mode> correction;
     Roi roi;
     PixelFormat format = PixelFormat::mono8;
     std::uint64_t sensor_epoch = 1;
@@ -153,6 +156,7 @@ class Instrument : public Agent {
   Result<SensorSnapshot> change_registration(const std::optional<Registration>& registration);
   OpticsConfig optics_of(const State& state) const;
   static std::uint64_t shown_epoch(const State& state);
+  static std::vector<Mode> shown_modes(const State& state);
   HologramRequest render(const State& state);
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);

@@ -164,7 +164,7 @@ Reference Instrument::new_reference(ReferenceSource source) const {
   reference.source = source;
   reference.t_taken_ns = utc_ns();
   reference.registration = state_.registration;
-  if (measured) reference.aberration = state_.aberration;
+  if (measured) reference.aberration = shown_modes(state_);
   reference.origin = std::make_shared<const nlohmann::json>(
       archive_.bench().origin({reference.key, reference.aberration, camera_, camera_info_,
                                state_.registration, measured ? grey_.get() : nullptr}));

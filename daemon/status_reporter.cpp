@@ -101,6 +101,7 @@ StatusMessage StatusReporter::current() const {
   status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
   status.state = deps_.state.name();
   status.fault = deps_.state.fault();
+  status.loop_closed = deps_.loop.is_closed();
   const CameraSnapshot camera = deps_.camera.snapshot();
   status.camera = camera_part(camera, deps_.pipeline);
   status.slm = slm_part(deps_.slm.snapshot());

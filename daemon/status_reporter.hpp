@@ -13,6 +13,7 @@
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/loop/closed_loop.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/stream_queue.hpp"
@@ -27,6 +28,7 @@ struct StatusDeps {
   const SlmLoop& slm;
   const Instrument& instrument;
   const ImagePublisher& images;
+  const ClosedLoop& loop;
   const LiveRefiner& refiner;
   Pipeline& pipeline;
   LatencyHistogram& published_latency;

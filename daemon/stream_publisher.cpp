@@ -46,6 +46,7 @@ bool StreamPublisher::do_work() {
     send_record(*record);
     deps_.collector.add(*record);
     deps_.finder.saw(*record);
+    deps_.loop.saw(*record);
     deps_.pipeline.release(record);
   }
   send_queue();
@@ -59,6 +60,7 @@ void StreamPublisher::on_close() {
 void StreamPublisher::send_record(const FrameRecord& record) {
   WavefrontMessage wavefront;
   static_cast<FrameMessage&>(wavefront) = frame_message(record, wavelength_nm_);
+  wavefront.loop_closed = deps_.loop.is_closed();
   const std::int64_t latency_ns = monotonic_ns() - record.frame.t_arrival_mono_ns;
   wavefront.t_publish_ns = utc_ns();
   wavefront.latency_us = double(latency_ns) / 1000.0;

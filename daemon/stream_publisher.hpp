@@ -10,6 +10,7 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
+#include "daemon/loop/closed_loop.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/spot_finder.hpp"
 #include "daemon/stream_queue.hpp"
@@ -22,6 +23,7 @@ struct StreamPublisherDeps {
   Pipeline& pipeline;
   ReferenceCollector& collector;
   SpotFinder& finder;
+  ClosedLoop& loop;
   Counters& counters;
   StreamQueue& queue;
   LatencyHistogram& published_latency;

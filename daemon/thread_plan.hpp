@@ -25,6 +25,7 @@ enum class ThreadRole {
   camera,
   prepare,
   procedure,
+  loop,
   control,
   images,
   search,
@@ -50,7 +51,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 14> kThreadTable{{
+constexpr std::array<ThreadRow, 15> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -60,6 +61,8 @@ constexpr std::array<ThreadRow, 14> kThreadTable{{
      30.0, OnHang::restart},
     {ThreadRole::procedure, "procedure", 0, "frames, the other threads; a procedure takes minutes",
      86400.0, OnHang::report},
+    {ThreadRole::loop, "loop", 0, "the next usable frame, a hologram being shown", 30.0,
+     OnHang::restart},
     {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,

@@ -42,6 +42,10 @@ constexpr Numbers kKernelRadius{0.1, 2.0};
 
 constexpr Numbers kModeWaves{-1000.0, 1000.0};
 constexpr Integers kReferenceFrames{1, 100000};
+constexpr Numbers kLoopGain{0.001, 1.0};
+constexpr Numbers kLoopLeak{0.0, 0.99};
+constexpr Numbers kLoopLimitWaves{0.001, 100.0};
+constexpr Numbers kLoopPatienceS{0.1, 3600.0};
 constexpr Integers kPictureFrames{1, 100};
 constexpr Integers kJob{1, 2147483647};
 

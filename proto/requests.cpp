@@ -1,6 +1,7 @@
 #include "proto/requests.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -238,6 +239,41 @@ Result<HologramKind> decode_slm_show(const json& params) {
   read_choice(reader, "pattern", pattern, showable_pattern_names());
   if (auto done = reader.finish(); !done) return fail(done.error());
   return *pattern;
+}
+
+Result<LoopSettings> decode_loop_close(const json& params) {
+  LoopSettings settings;
+  ObjectReader reader(params, "");
+  reader.number("gain", settings.gain, limits::kLoopGain.min, limits::kLoopGain.max);
+  reader.number("leak", settings.leak, limits::kLoopLeak.min, limits::kLoopLeak.max);
+  reader.number("limit_waves", settings.limit_waves, limits::kLoopLimitWaves.min,
+                limits::kLoopLimitWaves.max);
+  reader.number("patience_s", settings.patience_s, limits::kLoopPatienceS.min,
+                limits::kLoopPatienceS.max);
+  std::vector<double> modes;
+  reader.numbers("modes", modes, 1, kMaxZernikeIndex, 1, kMaxZernikeIndex);
+  for (const double j : modes) {
+    if (j != std::floor(j)) reader.fault("modes", "must be whole numbers: OSA indices");
+    settings.modes.push_back(int(j));
+  }
+  reader.objects("gains", kMaxZernikeIndex, [&](ObjectReader& r, std::size_t) {
+    Mode one;
+    r.require("j");
+    r.require("gain");
+    r.integer("j", one.j, 1, kMaxZernikeIndex);
+    r.number("gain", one.waves, 0.0, limits::kLoopGain.max);
+    settings.gains.push_back(one);
+  });
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return settings;
+}
+
+Result<bool> decode_loop_open(const json& params) {
+  bool keep = true;
+  ObjectReader reader(params, "");
+  reader.boolean("keep", keep);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return keep;
 }
 
 Result<int> decode_job(const json& params) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "core/control/integrator.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
@@ -75,6 +76,10 @@ Result<int> decode_registration_run(const nlohmann::json& params);
 /// `reference.set`: what positions count from, of which only "model" can be set.
 Result<void> decode_reference_set(const nlohmann::json& params);
 Result<HologramKind> decode_slm_show(const nlohmann::json& params);
+/// `loop.close`; the limits of single numbers only, see check_loop.
+Result<LoopSettings> decode_loop_close(const nlohmann::json& params);
+/// `loop.open`: whether the correction is kept.
+Result<bool> decode_loop_open(const nlohmann::json& params);
 /// `job.get` and `job.cancel`: the job's number.
 Result<int> decode_job(const nlohmann::json& params);
 /// Methods that take no params: an error for any key.

@@ -220,6 +220,25 @@ json registration_result(const std::optional<Registration>& registration) {
           {"sights", r.sights}};
 }
 
+json loop_result(const LoopReport& report) {
+  const LoopSettings& s = report.settings;
+  json gains = json::array();
+  for (const Mode& one : s.gains) gains.push_back({{"j", one.j}, {"gain", one.waves}});
+  const auto or_null = [](bool known, json value) { return known ? std::move(value) : json(); };
+  return {{"closed", report.closed},
+          {"gain", s.gain},
+          {"leak", s.leak},
+          {"modes", or_null(!s.modes.empty(), s.modes)},
+          {"gains", gains},
+          {"limit_waves", s.limit_waves},
+          {"patience_s", s.patience_s},
+          {"steps", report.steps},
+          {"residual_rms_waves",
+           or_null(report.residual_rms_waves.has_value(), report.residual_rms_waves.value_or(0.0))},
+          {"correction_rms_waves", report.correction_rms_waves},
+          {"opened_because", or_null(!report.opened_because.empty(), report.opened_because)}};
+}
+
 json slm_show_result(HologramKind pattern, std::uint64_t hologram_id) {
   return {{"pattern", pattern_name(pattern)}, {"hologram_id", hologram_id}};
 }

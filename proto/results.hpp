@@ -11,6 +11,7 @@
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
+#include "core/control/integrator.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
@@ -97,6 +98,17 @@ nlohmann::json reference_result(const std::optional<ReferenceReport>& reference)
 nlohmann::json registration_result(const std::optional<Registration>& registration);
 
 nlohmann::json slm_show_result(HologramKind pattern, std::uint64_t hologram_id);
+
+/// `loop.close`, `.open` and `.get`.
+struct LoopReport {
+  bool closed = false;
+  LoopSettings settings;  ///< of the present or the last time
+  std::int64_t steps = 0;
+  std::optional<double> residual_rms_waves;  ///< before the last step, of the corrected modes
+  double correction_rms_waves = 0.0;
+  std::string opened_because;  ///< empty: it is closed, or never was
+};
+nlohmann::json loop_result(const LoopReport& report);
 
 enum class JobState { running, done, failed, cancelled };
 struct JobReport {

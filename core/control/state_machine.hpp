@@ -30,6 +30,8 @@ enum class DaemonEvent : std::uint8_t {
   display_lost,
   job_begun,
   job_ended,
+  loop_closed,
+  loop_opened,
   fault_raised,
   fault_cleared,
   stop_requested,
@@ -48,6 +50,9 @@ enum class Action : std::uint8_t {
   cancel_job,
   save_config,
   set_refine,
+  close_loop,
+  open_loop,
+  set_correction,
   count,
 };
 
@@ -57,6 +62,7 @@ struct Conditions {
   bool camera = false;
   bool display = false;
   bool job = false;
+  bool loop = false;  ///< closed
   bool fault = false;
   bool stopping = false;
   friend constexpr bool operator==(const Conditions&, const Conditions&) = default;
@@ -95,6 +101,8 @@ constexpr Table<DaemonEvent, EventRow> kEvents{{
     {&Conditions::display, false},  // display_lost
     {&Conditions::job, true},       // job_begun
     {&Conditions::job, false},      // job_ended
+    {&Conditions::loop, true},      // loop_closed
+    {&Conditions::loop, false},     // loop_opened
     {&Conditions::fault, true},     // fault_raised
     {&Conditions::fault, false},    // fault_cleared
     {&Conditions::stopping, true},  // stop_requested
@@ -107,7 +115,7 @@ struct Obstacle {
   Errc code;
   std::string_view reason;
 };
-constexpr std::array<Obstacle, 5> kObstacles{{
+constexpr std::array<Obstacle, 6> kObstacles{{
     {&Conditions::stopping, true, Errc::refused,
      "the daemon is stopping; start it again and repeat the request"},
     {&Conditions::started, false, Errc::refused,
@@ -119,24 +127,28 @@ constexpr std::array<Obstacle, 5> kObstacles{{
      "can be"},
     {&Conditions::job, true, Errc::refused,
      "a job is running; wait for its end or cancel it with job.cancel"},
+    {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
 }};
 
 /// Which obstacles matter to an action, in the order of kObstacles.
 struct ActionRow {
   std::array<bool, kObstacles.size()> minds;
 };
-//                               stopping starting camera display job
+//                               stopping starting camera display job loop
 constexpr Table<Action, ActionRow> kActions{{
-    {{false, false, false, false, false}},  // read
-    {{true, true, false, false, true}},     // set_camera: the camera's keeper knows more
-    {{true, true, false, true, true}},      // set_sensor
-    {{true, true, false, true, true}},      // set_aberration
-    {{true, true, false, true, true}},      // show_pattern
-    {{true, true, true, true, true}},       // start_job
-    {{true, true, false, false, true}},     // clear_reference
-    {{true, true, false, false, false}},    // cancel_job
-    {{true, true, false, false, false}},    // save_config
-    {{true, true, false, false, false}},    // set_refine
+    {{false, false, false, false, false, false}},  // read
+    {{true, true, false, false, true, false}},     // set_camera: the camera's keeper knows more
+    {{true, true, false, true, true, true}},       // set_sensor
+    {{true, true, false, true, true, false}},      // set_aberration
+    {{true, true, false, true, true, true}},       // show_pattern
+    {{true, true, true, true, true, true}},        // start_job
+    {{true, true, false, false, true, true}},      // clear_reference
+    {{true, true, false, false, false, false}},    // cancel_job
+    {{true, true, false, false, false, false}},    // save_config
+    {{true, true, false, false, false, false}},    // set_refine
+    {{true, true, true, true, true, true}},        // close_loop
+    {{true, true, false, false, false, false}},    // open_loop
+    {{true, true, false, true, true, true}},       // set_correction
 }};
 
 }  // namespace control

@@ -41,12 +41,15 @@ void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
   }
 }
 
+/// In the pupil: outside of it no correction is known, and light there stays in the zero order.
 void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(config.slm);
+  const Columns columns =
+      columns_in_circle(pupil, config.sensor.pupil_diameter_px, y, config.slm.width_px);
   const double fx = config.sensor.grooves[0] / config.slm.width_px;
   const double fy = config.sensor.grooves[1] / config.slm.height_px;
-  for (std::size_t x = 0; x < waves.size(); ++x) {
-    waves[x] = fx * (static_cast<double>(x) - pupil.x) + fy * (y - pupil.y);
+  for (int x = columns.begin; x < columns.end; ++x) {
+    waves[x] = fx * (x - pupil.x) + fy * (y - pupil.y);
   }
 }
 

@@ -29,7 +29,7 @@ PhaseLut linear_lut();
 
 enum class HologramKind {
   sensor,    ///< subapertures with their gratings and vortices
-  grating,   ///< base grating over the whole SLM, and the correction: the corrected beam
+  grating,   ///< base grating over the pupil, and the correction: the corrected beam
   flat,      ///< flatness map only
   identify,  ///< a picture that a person recognises: which screen is the SLM
   test,      ///< what a job paints: a probe, stripes

@@ -5,9 +5,9 @@
 namespace ovws {
 namespace {
 
-std::array<std::span<const Method>, 7> all_methods() {
+std::array<std::span<const Method>, 8> all_methods() {
   return {system_methods(),      camera_methods(), sensor_methods(), reference_methods(),
-          calibration_methods(), refine_methods(), config_methods()};
+          calibration_methods(), loop_methods(),   refine_methods(), config_methods()};
 }
 
 const Method* find_method(const std::string& name) {

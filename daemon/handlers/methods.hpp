@@ -26,6 +26,7 @@ struct Method {
 std::span<const Method> system_methods();
 std::span<const Method> camera_methods();
 std::span<const Method> sensor_methods();
+std::span<const Method> loop_methods();
 std::span<const Method> calibration_methods();
 std::span<const Method> reference_methods();
 std::span<const Method> refine_methods();

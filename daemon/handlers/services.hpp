@@ -9,6 +9,7 @@
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
@@ -23,6 +24,7 @@ struct Services {
   Instrument& instrument;
   Jobs& jobs;
   Procedures& procedures;
+  ClosedLoop& loop;
   LiveRefiner& refiner;
   StatusReporter& status;
   Counters& counters;

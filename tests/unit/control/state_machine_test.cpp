@@ -16,9 +16,9 @@ constexpr std::size_t kStateCount = std::size_t(DaemonState::count);
 
 std::vector<Conditions> all_conditions() {
   std::vector<Conditions> all;
-  for (unsigned bits = 0; bits < 64; ++bits) {
+  for (unsigned bits = 0; bits < 128; ++bits) {
     const auto bit = [bits](unsigned n) { return ((bits >> n) & 1U) != 0; };
-    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)});
+    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6)});
   }
   return all;
 }
@@ -73,21 +73,23 @@ TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
   // Rows as DaemonState, columns as DaemonEvent.
   constexpr S kNext[kStateCount][kEventCount] = {
       {S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping,
-       S::stopping, S::stopping, S::stopping},
+       S::stopping, S::stopping, S::stopping, S::stopping, S::stopping},
       {S::waiting_for_camera, S::starting, S::starting, S::starting, S::starting, S::starting,
-       S::starting, S::starting, S::starting, S::stopping},
-      {S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault,
-       S::waiting_for_display, S::stopping},
+       S::starting, S::starting, S::starting, S::starting, S::starting, S::stopping},
+      {S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault, S::fault,
+       S::fault, S::waiting_for_display, S::stopping},
       {S::waiting_for_camera, S::running, S::waiting_for_camera, S::waiting_for_camera,
-       S::waiting_for_camera, S::waiting_for_camera, S::waiting_for_camera, S::fault,
-       S::waiting_for_camera, S::stopping},
+       S::waiting_for_camera, S::waiting_for_camera, S::waiting_for_camera, S::waiting_for_camera,
+       S::waiting_for_camera, S::fault, S::waiting_for_camera, S::stopping},
       {S::waiting_for_display, S::waiting_for_display, S::waiting_for_camera, S::running,
-       S::waiting_for_display, S::waiting_for_display, S::waiting_for_display, S::fault,
-       S::waiting_for_display, S::stopping},
+       S::waiting_for_display, S::waiting_for_display, S::waiting_for_display,
+       S::waiting_for_display, S::waiting_for_display, S::fault, S::waiting_for_display,
+       S::stopping},
       {S::job_running, S::job_running, S::waiting_for_camera, S::job_running,
-       S::waiting_for_display, S::job_running, S::running, S::fault, S::job_running, S::stopping},
+       S::waiting_for_display, S::job_running, S::running, S::job_running, S::job_running, S::fault,
+       S::job_running, S::stopping},
       {S::running, S::running, S::waiting_for_camera, S::running, S::waiting_for_display,
-       S::job_running, S::running, S::fault, S::running, S::stopping},
+       S::job_running, S::running, S::running, S::running, S::fault, S::running, S::stopping},
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
@@ -104,7 +106,8 @@ TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
       const int changed = (once.started != conditions.started) +
                           (once.camera != conditions.camera) +
                           (once.display != conditions.display) + (once.job != conditions.job) +
-                          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
+                          (once.loop != conditions.loop) + (once.fault != conditions.fault) +
+                          (once.stopping != conditions.stopping);
       EXPECT_LE(changed, 1);
       EXPECT_EQ(after(once, DaemonEvent(e)), once);
     }
@@ -130,15 +133,22 @@ TEST(StateMachine, StoppingIsFinal) {
 
 TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
-  // show_pattern, take_reference, clear_reference, cancel_job, save_config, set_refine.
+  // show_pattern, start_job, clear_reference, cancel_job, save_config, set_refine, close_loop,
+  // open_loop, set_correction.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
-      {true, false, false, false, false, false, false, false, false, false},  // stopping
-      {true, false, false, false, false, false, false, false, false, false},  // starting
-      {true, true, false, false, false, false, true, true, true, true},       // fault
-      {true, true, true, true, true, false, true, true, true, true},          // waiting_for_camera
-      {true, true, false, false, false, false, true, true, true, true},       // waiting_for_display
-      {true, false, false, false, false, false, false, true, true, true},     // job_running
-      {true, true, true, true, true, true, true, true, true, true},           // running
+      {true, false, false, false, false, false, false, false, false, false, false, false,
+       false},  // stopping
+      {true, false, false, false, false, false, false, false, false, false, false, false,
+       false},  // starting
+      {true, true, false, false, false, false, true, true, true, true, false, true,
+       false},  // fault
+      {true, true, true, true, true, false, true, true, true, true, false, true,
+       true},  // waiting_for_camera
+      {true, true, false, false, false, false, true, true, true, true, false, true,
+       false},  // waiting_for_display
+      {true, false, false, false, false, false, false, true, true, true, false, true,
+       false},  // job_running
+      {true, true, true, true, true, true, true, true, true, true, true, true, true},  // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {
@@ -183,6 +193,21 @@ TEST(StateMachine, ASensorIsNotChangedUnderARunningJob) {
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().code, Errc::refused);
   EXPECT_NE(answer.error().reason.find("job.cancel"), std::string::npos);
+}
+
+TEST(StateMachine, WhatAClosedLoopSteersByIsNotChanged) {
+  const Conditions closed = after(up(), DaemonEvent::loop_closed);
+  EXPECT_EQ(state_of(closed), DaemonState::running);
+  for (const Action action :
+       {Action::set_sensor, Action::show_pattern, Action::start_job, Action::clear_reference,
+        Action::close_loop, Action::set_correction}) {
+    const Result<void> answer = permit(closed, action);
+    ASSERT_FALSE(answer);
+    EXPECT_NE(answer.error().reason.find("loop.open"), std::string::npos);
+  }
+  EXPECT_TRUE(permit(closed, Action::set_aberration));
+  EXPECT_TRUE(permit(closed, Action::set_camera));
+  EXPECT_TRUE(permit(closed, Action::open_loop));
 }
 
 static_assert(state_of(Conditions{}) == DaemonState::starting);

@@ -22,7 +22,7 @@ class FrameTest : public testing::Test {
     plan_.id = kPlan;
     plan_.sensor_epoch = kEpoch;
     record_.plan = &plan_;
-    record_.settled = true;
+    record_.still = record_.settled = true;
     record_.settings_known = true;
     record_.hologram_id = kHologram;
     record_.gain_db = 3.0;
@@ -63,9 +63,9 @@ TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
 TEST_F(FrameInboxTest, LeavesFramesThatSayNothingForSure) {
   FrameInbox inbox(can_be_refined);
   EXPECT_EQ(inbox.next(0ms), nullptr);
-  record_.settled = false;
+  record_.still = record_.settled = false;
   inbox.take(record_);
-  record_.settled = true;
+  record_.still = record_.settled = true;
   record_.settings_known = false;
   inbox.take(record_);
   record_.settings_known = true;
@@ -113,9 +113,9 @@ TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
 TEST_F(ReferencePictureTest, TakesOnlyWhatTheReferenceIsOf) {
   ReferencePictureTaker taker;
   taker.begin(kEpoch, kHologram);
-  record_.settled = false;
+  record_.still = record_.settled = false;
   taker.take(record_);
-  record_.settled = true;
+  record_.still = record_.settled = true;
   record_.hologram_id = kHologram + 1;
   taker.take(record_);
   record_.hologram_id = kHologram;

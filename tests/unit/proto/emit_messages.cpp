@@ -149,6 +149,18 @@ void print_results() {
   print_result("reference.get", reference_result(reference));
   print_result("reference.clear", reference_result(std::nullopt));
   print_result("reference.take", job_started_result(1));
+  LoopReport loop;
+  print_result("loop.get", loop_result(loop));
+  loop.settings.modes = {3, 4};
+  loop.settings.gains = {{3, 0.2}};
+  loop.residual_rms_waves = 0.1;
+  loop.opened_because = "no usable frame came for 2 s";
+  for (const char* method : {"loop.close", "loop.open", "loop.get"}) {
+    print_result(method, loop_result(loop));
+  }
+  for (const char* method : {"correction.get", "correction.set", "correction.clear"}) {
+    print_result(method, aberration_result(modes, 3));
+  }
   Registration registration;
   registration.px_per_cycle = {1617.0, -1050.0, 1050.0, 1617.0};
   print_result("registration.get", registration_result(registration));
@@ -168,6 +180,7 @@ void print_results() {
   config.state.directory = "state";
   config.slm.lut = "lut.txt";
   config.optics.centre_px = Vec2{1, 2};
+  config.optics.registered = PxPerCycle{0, 1900, 1900, 0};
   config.realtime = RealtimePolicy::enforce;
   config.refine.electrons_per_dn = 40.0;
   print_result("config.get", json::parse(dump_config(config)));
@@ -180,7 +193,7 @@ json any_value(std::mt19937& random) {
       "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], {},
       {"x": 0, "y": 0, "width": 64, "height": 64}, {"x": 0}, [{"j": 3, "waves": 0.5}],
       [{"n": 2, "m": 0, "waves": 0.5}], [{"n": 2, "waves": 1}],
-      [{"j": 3, "n": 2, "m": -2, "waves": 1}]])");
+      [{"j": 3, "n": 2, "m": -2, "waves": 1}], [{"j": 3, "gain": 0.2}], [3, 4]])");
   return values[random() % values.size()];
 }
 
@@ -214,6 +227,10 @@ void print_all_params() {
                decode_refine_set);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
+  print_params("loop.close", {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"},
+               decode_loop_close);
+  print_params("loop.open", {"keep", "clear"}, decode_loop_open);
+  print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set);
   print_params("registration.run", {"frames", "frame"}, decode_registration_run);
   print_params("reference.set", {"source"}, decode_reference_set, 3000);
   print_params("slm.show", {"pattern"}, decode_slm_show);

@@ -26,14 +26,15 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
   for (const SchemaFile& file : schemas()) names.emplace_back(file.name);
   EXPECT_EQ(names,
             (std::vector<std::string>{
-                "aberration.clear", "aberration.get",   "aberration.set", "camera.get",
-                "camera.set",       "config.get",       "config.save",    "job.cancel",
-                "job.get",          "reference.clear",  "reference.get",  "reference.set",
-                "reference.take",   "refine.get",       "refine.set",     "registration.clear",
-                "registration.get", "registration.run", "sensor.get",     "sensor.set",
-                "slm.show",         "stream.event",     "stream.image",   "stream.phase",
-                "stream.refined",   "stream.spots",     "stream.status",  "stream.wavefront",
-                "system.describe",  "system.status"}));
+                "aberration.clear", "aberration.get",     "aberration.set",   "camera.get",
+                "camera.set",       "config.get",         "config.save",      "correction.clear",
+                "correction.get",   "correction.set",     "job.cancel",       "job.get",
+                "loop.close",       "loop.get",           "loop.open",        "reference.clear",
+                "reference.get",    "reference.set",      "reference.take",   "refine.get",
+                "refine.set",       "registration.clear", "registration.get", "registration.run",
+                "sensor.get",       "sensor.set",         "slm.show",         "stream.event",
+                "stream.image",     "stream.phase",       "stream.refined",   "stream.spots",
+                "stream.status",    "stream.wavefront",   "system.describe",  "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -63,6 +64,11 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   }
   expect_range(properties("reference.take").at("frames"), limits::kReferenceFrames);
   expect_range(properties("registration.run").at("frames"), limits::kPictureFrames);
+  const json loop = properties("loop.close");
+  expect_range(loop.at("gain"), limits::kLoopGain);
+  expect_range(loop.at("leak"), limits::kLoopLeak);
+  expect_range(loop.at("limit_waves"), limits::kLoopLimitWaves);
+  expect_range(loop.at("patience_s"), limits::kLoopPatienceS);
   expect_range(properties("job.get").at("job"), limits::kJob);
   const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
   expect_range(by_j.at("properties").at("waves"), limits::kModeWaves);
@@ -83,6 +89,7 @@ TEST(Schemas, StateTheRangesOfTheConfiguration) {
   expect_range(group("optics").at("magnification"), limits::kMagnification);
   expect_range(group("optics").at("camera_pitch_um"), limits::kCameraPitchUm);
   expect_range(group("optics").at("centre_px").at("items"), limits::kCentrePx);
+  expect_range(group("optics").at("px_per_cycle").at("items"), limits::kPxPerCycle);
   expect_range(group("tracking").at("kernel_radius"), limits::kKernelRadius);
   expect_range(group("stream").at("image_rate_hz"), limits::kImageRateHz);
   expect_range(group("pipeline").at("workers"), limits::kWorkers);
@@ -95,7 +102,7 @@ TEST(Schemas, StateTheNamesThatAreUsed) {
   EXPECT_EQ(properties("sensor.set").at("tracker").at("enum"), json(tracker_names()));
   EXPECT_EQ(properties("sensor.set").at("template").at("enum"), json(template_names()));
   EXPECT_EQ(properties("sensor.set").at("operator").at("enum"), json(operator_names()));
-  EXPECT_EQ(properties("slm.show").at("pattern").at("enum"), json(pattern_names()));
+  EXPECT_EQ(properties("slm.show").at("pattern").at("enum"), json(showable_pattern_names()));
   EXPECT_EQ(properties("aberration.set").at("norm").at("enum"), json(norm_names()));
 }
 
@@ -110,6 +117,8 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
   for (const json& e : examples("registration.run")) EXPECT_TRUE(decode_registration_run(e)) << e;
   for (const json& e : examples("reference.set")) EXPECT_TRUE(decode_reference_set(e)) << e;
+  for (const json& e : examples("loop.close")) EXPECT_TRUE(decode_loop_close(e)) << e;
+  for (const json& e : examples("loop.open")) EXPECT_TRUE(decode_loop_open(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }

@@ -1,0 +1,70 @@
+/// loop.* and correction.*: what is subtracted from the hologram, by the loop or by a person.
+#include "daemon/handlers/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+ClosedLoop::Done answer_with(RpcReply reply) {
+  return [reply = std::move(reply)](const Result<LoopReport>& now) {
+    if (!now) return reply(failed(now.error()));
+    reply(loop_result(*now));
+  };
+}
+
+void close(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto settings = decode_loop_close(params);
+  if (!settings) return reply(failed(settings.error()));
+  services.loop.close(*settings, answer_with(std::move(reply)));
+}
+
+void open(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto keep = decode_loop_open(params);
+  if (!keep) return reply(failed(keep.error()));
+  services.loop.open(*keep, answer_with(std::move(reply)));
+}
+
+void get(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  reply(loop_result(services.loop.report()));
+}
+
+void answer_correction(const RpcReply& reply, const Result<SensorSnapshot>& now) {
+  if (!now) return reply(failed(now.error()));
+  reply(aberration_result(now->correction, now->hologram_id));
+}
+
+void get_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  answer_correction(reply, services.instrument.snapshot());
+}
+
+void set_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
+  auto modes = decode_aberration_set(params);
+  if (!modes) return reply(failed(modes.error()));
+  services.instrument.set_correction(
+      std::move(*modes), [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
+}
+
+void clear_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  services.instrument.set_correction(
+      {}, [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
+}
+
+constexpr std::array<Method, 6> kMethods{{
+    {"loop.close", Action::close_loop, close},
+    {"loop.open", Action::open_loop, open},
+    {"loop.get", Action::read, get},
+    {"correction.get", Action::read, get_correction},
+    {"correction.set", Action::set_correction, set_correction},
+    {"correction.clear", Action::set_correction, clear_correction},
+}};
+
+}  // namespace
+
+std::span<const Method> loop_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

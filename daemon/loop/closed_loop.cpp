@@ -1,0 +1,177 @@
+#include "daemon/loop/closed_loop.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <utility>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(50);
+
+std::string reason_of(LoopEnd end, const LoopSettings& settings) {
+  switch (end) {
+    case LoopEnd::none:
+      break;
+    case LoopEnd::too_few_spots:
+      return fmt::format(
+          "no usable frame came for {:g} s: too few spots are tracked, or the camera "
+          "or the SLM is at fault",
+          settings.patience_s);
+    case LoopEnd::at_limit:
+      return fmt::format("the correction was at its limit of {:g} waves for {:g} s",
+                         settings.limit_waves, settings.patience_s);
+    case LoopEnd::growing:
+      return fmt::format("the residual was {:g} times its level of before for {:g} s",
+                         settings.growth, settings.patience_s);
+  }
+  return "";
+}
+
+double rms_of(const std::vector<Mode>& modes) {
+  double squares = 0.0;
+  for (const Mode& mode : modes) squares += mode.waves * mode.waves;
+  return std::sqrt(squares);
+}
+
+}  // namespace
+
+void ClosedLoop::close(const LoopSettings& settings, Done done) {
+  mailbox_.post([this, settings, done = std::move(done)] { done(begin(settings)); });
+}
+
+void ClosedLoop::open(bool keep, Done done) {
+  mailbox_.post([this, keep, done = std::move(done)] { done(end(keep)); });
+}
+
+void ClosedLoop::saw(const FrameRecord& record) {
+  if (!is_closed() || !record.valid) return;
+  {
+    const std::lock_guard lock(mutex_);
+    newest_.hologram_id = record.hologram_id;
+    newest_.modes_j = record.plan->reconstructor->modes_j();
+    newest_.residual_waves.assign(record.coefficients.begin(),
+                                  record.coefficients.begin() + record.mode_count);
+    filled_once_ = true;
+  }
+  filled_.notify_one();
+}
+
+bool ClosedLoop::do_work() {
+  const bool asked = mailbox_.run_one(is_closed() ? std::chrono::milliseconds(0) : kTurn);
+  if (!is_closed()) return asked;
+  if (take_sample()) {
+    act();
+    return true;
+  }
+  const LoopEnd end = integrator_->wait(monotonic_ns());
+  if (end != LoopEnd::none) give_up(reason_of(end, report_.get().settings));
+  return asked;
+}
+
+/// A frame of an older hologram still shows the error that has been corrected since.
+bool ClosedLoop::take_sample() {
+  std::unique_lock lock(mutex_);
+  if (!filled_.wait_for(lock, kTurn, [this] { return filled_once_; })) return false;
+  std::swap(taken_, newest_);
+  filled_once_ = false;
+  lock.unlock();
+  return taken_.hologram_id == deps_.instrument.snapshot().hologram_id;
+}
+
+Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
+  if (is_closed()) return fail(Errc::refused, "", "the loop is closed already");
+  if (auto good = check_loop(settings); !good) return fail(good.error());
+  const SensorSnapshot sensor = deps_.instrument.snapshot();
+  if (sensor.pattern != HologramKind::sensor) {
+    return fail(Errc::refused, "",
+                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+  }
+  if (!sensor.reference) {
+    return fail(Errc::refused, "reference",
+                "there is no reference to steer to: take one with reference.take first");
+  }
+  for (const int j : settings.modes) {
+    if (std::find(sensor.modes_j.begin(), sensor.modes_j.end(), j) != sensor.modes_j.end()) {
+      continue;
+    }
+    return fail(Errc::invalid, "modes",
+                fmt::format("mode j = {} is not measured: this sensor tells j = {} to {}", j,
+                            sensor.modes_j.front(), sensor.modes_j.back()));
+  }
+  integrator_.emplace(settings, sensor.correction, monotonic_ns());
+  LoopReport report;
+  report.settings = settings;
+  report.correction_rms_waves = rms_of(sensor.correction);
+  report_.set(report);
+  set_closed(true, "");
+  return report_.get();
+}
+
+Result<LoopReport> ClosedLoop::end(bool keep) {
+  if (is_closed()) set_closed(false, "it was asked to");
+  if (!keep) {
+    if (auto cleared = show({}); !cleared) return fail(cleared.error());
+    LoopReport report = report_.get();
+    report.correction_rms_waves = 0.0;
+    report_.set(report);
+  }
+  return report_.get();
+}
+
+void ClosedLoop::act() {
+  const LoopEnd end = integrator_->step(taken_.modes_j, taken_.residual_waves, monotonic_ns());
+  if (end != LoopEnd::none) return give_up(reason_of(end, report_.get().settings));
+  if (auto shown = show(integrator_->correction()); !shown) {
+    return give_up("the correction cannot be shown: " + shown.error().reason);
+  }
+  tell_step();
+}
+
+Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
+  auto promise = std::make_shared<std::promise<Result<void>>>();
+  auto shown = promise->get_future();
+  deps_.instrument.set_correction(
+      correction, [promise = std::move(promise)](const Result<SensorSnapshot>& now) {
+        promise->set_value(now ? Result<void>{} : fail(now.error()));
+      });
+  try {
+    return shown.get();
+  } catch (const std::future_error&) {  // the prepare thread has ended
+    return fail(Errc::unavailable, "", "the daemon is stopping");
+  }
+}
+
+void ClosedLoop::give_up(const std::string& reason) {
+  set_closed(false, reason);
+}
+
+void ClosedLoop::set_closed(bool closed, const std::string& why) {
+  LoopReport report = report_.get();
+  report.closed = closed;
+  report.opened_because = why;
+  report_.set(report);
+  closed_ = closed;
+  deps_.on_change(closed);
+  const bool by_itself = !closed && why != "it was asked to";
+  deps_.events.emit("loop", by_itself ? Severity::warning : Severity::info,
+                    closed ? "the loop is closed" : "the loop is open: " + why,
+                    {{"closed", closed}, {"steps", report.steps}, {"by_itself", by_itself}});
+}
+
+void ClosedLoop::tell_step() {
+  LoopReport report = report_.get();
+  report.steps = integrator_->steps();
+  report.residual_rms_waves = integrator_->residual_rms_waves();
+  report.correction_rms_waves = rms_of(integrator_->correction());
+  report_.set(report);
+}
+
+}  // namespace ovws

@@ -1,0 +1,84 @@
+/// The closed loop: takes the wavefront of each usable frame, steps the integrator, and has the
+/// correction shown.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/control/integrator.hpp"
+#include "core/pipeline/frame_record.hpp"
+#include "core/rt/agent.hpp"
+#include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/mailbox.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+
+struct ClosedLoopDeps {
+  Instrument& instrument;
+  Events& events;
+  /// Loop thread: the loop was closed (true) or opened (false).
+  std::function<void(bool)> on_change;
+};
+
+/// The agent of the loop thread. One step a hologram: a frame counts only if it is valid and was
+/// exposed while the newest hologram stood still.
+class ClosedLoop : public Agent {
+ public:
+  using Done = std::function<void(Result<LoopReport>)>;
+
+  explicit ClosedLoop(ClosedLoopDeps deps) : deps_(std::move(deps)) {}
+
+  bool do_work() override;
+  void on_close() override { mailbox_.close(); }
+
+  // Thread-safe; `done` is called in the loop thread.
+  /// Goes on from the correction that is shown. Errc::refused if it is closed, or if there is
+  /// nothing to steer by: no reference, or the sensor is not shown.
+  void close(const LoopSettings& settings, Done done);
+  /// Unless it is kept, the correction is cleared.
+  void open(bool keep, Done done);
+  LoopReport report() const { return report_.get(); }
+  bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
+
+  /// Publish thread.
+  void saw(const FrameRecord& record);
+
+ private:
+  struct Sample {
+    std::uint64_t hologram_id = 0;
+    std::vector<int> modes_j;
+    std::vector<float> residual_waves;
+  };
+  Result<LoopReport> begin(const LoopSettings& settings);
+  Result<LoopReport> end(bool keep);
+  bool take_sample();
+  void act();
+  Result<void> show(const std::vector<Mode>& correction);
+  void give_up(const std::string& reason);
+  void set_closed(bool closed, const std::string& why);
+  void tell_step();
+
+  ClosedLoopDeps deps_;
+  Mailbox mailbox_;
+  std::atomic<bool> closed_{false};
+  std::mutex mutex_;
+  std::condition_variable filled_;
+  Sample newest_;
+  bool filled_once_ = false;  ///< newest_ was not taken yet
+  Guarded<LoopReport> report_;
+
+  // The loop thread only.
+  std::optional<Integrator> integrator_;
+  Sample taken_;
+};
+
+}  // namespace ovws
