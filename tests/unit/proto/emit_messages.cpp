@@ -225,12 +225,12 @@ void print_all_params() {
                {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn",
                 "saturation_dn", "spot_amplitudes"},
                decode_refine_set);
-  print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set);
+  print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
   print_params("loop.close", {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"},
                decode_loop_close);
   print_params("loop.open", {"keep", "clear"}, decode_loop_open);
-  print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set);
+  print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
   print_params("registration.run", {"frames", "frame"}, decode_registration_run);
   print_params("reference.set", {"source"}, decode_reference_set, 3000);
   print_params("slm.show", {"pattern"}, decode_slm_show);
