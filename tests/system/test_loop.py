@@ -1,4 +1,5 @@
 """The closed loop against hidden aberrations, with the twin's own truth as judge."""
+import os
 import random
 import time
 
@@ -10,6 +11,11 @@ def random_modes(seed, rms_waves):
     modes = {j: drawn.gauss(0.0, 1.0) for j in range(3, 19)}
     scale = rms_waves / sum(v * v for v in modes.values()) ** 0.5
     return [{"j": j, "waves": scale * v} for j, v in modes.items()]
+
+
+HOLD_S = float(os.environ.get("OVWS_HOLD_S", "5"))
+# A spot's peak of 500 electrons with a read noise of 97 has a signal to noise ratio of 500 / sqrt(500 + 97^2) = 5.
+SNR_5 = {"peak_electrons": 500, "read_noise_e": 97.0, "full_well_e": 4000, "black_level_dn": 32, "bits": 12, "noise": "fresh"}
 
 
 class Loop(BenchCase):
@@ -44,13 +50,33 @@ class Loop(BenchCase):
             judged = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
             print(f"\n  wavefront {seed}: after {self.steps()} steps {left:.4f} wave are left; the judge says {judged['rms_waves']}")
             self.assertLess(left, 0.01)
-            began, worst = time.monotonic(), 0.0
-            while time.monotonic() - began < 5.0:
-                worst = max(worst, self.true_residual())
+            worst = self.worst_residual()
             report = self.call("loop.open")
             print(f"    at most {worst:.4f} in {report['steps']} steps")
             self.assertLess(worst, 0.01)
             self.assertFalse(report["closed"])
+
+    def worst_residual(self):
+        began, worst = time.monotonic(), 0.0
+        while time.monotonic() - began < HOLD_S:
+            worst = max(worst, self.true_residual())
+        return worst
+
+    def test_in_noise_less_than_0_03_wave_is_left(self):
+        self.call("camera.set", {"pixel_format": "Mono12", "frame_rate_hz": 20})
+        self.twin.call("twin.set", SNR_5)
+        for tracker in ("matched", "lg"):
+            self.call("sensor.set", {"tracker": tracker})
+            self.hide([])
+            self.call("correction.clear")
+            self.take_reference(100)
+            self.hide(random_modes(3, 0.5))
+            self.call("loop.close", {"gain": 0.3, "patience_s": 5.0})
+            wait_for(lambda: self.steps() >= 20, 60.0, "20 steps")
+            after_20, worst = self.true_residual(), self.worst_residual()
+            report = self.call("loop.open")
+            print(f"\n  {tracker}, SNR 5: after 20 steps {after_20:.4f}, then at most {worst:.4f} wave in {report['steps']} steps, {report['opened_because']}")
+            self.assertLess(worst, 0.03)
 
     def test_the_state_says_what_may_not_be_done(self):
         self.call("loop.close", {"gain": 0.3, "modes": [3, 4, 5]})
