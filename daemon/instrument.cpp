@@ -36,6 +36,7 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   state.renderer = *renderer;
   std::unique_ptr<Instrument> instrument(new Instrument(config, deps, *hologram, state));
   instrument->references_ = instrument->archive_.load();
+  state.registration = instrument->registrations_.load();
   instrument->limit_pictures();
   HologramRequest first = instrument->render(state);
   auto plan = instrument->plan_for(state, first.hologram_id);
@@ -55,6 +56,7 @@ Instrument::Instrument(const Config& config, const InstrumentDeps& deps, Hologra
       deps_(deps),
       hologram_(std::move(hologram)),
       archive_(ReferenceBench(config, hologram_), deps.store, deps.events),
+      registrations_(config.slm.geometry, deps.store, deps.events),
       state_(std::move(state)) {}
 
 bool Instrument::do_work() {
@@ -116,6 +118,7 @@ void Instrument::camera_changed(const CameraSettings& camera,
     }
     camera_ = camera;
     const bool same_reference = know_camera(info);
+    check_registration();
     if (same_reference && camera.roi == state_.roi && camera.pixel_format == state_.format) {
       return tell_stale();
     }
@@ -246,7 +249,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.hologram_id = shown_hologram_id_;
   now.sensor_epoch = state_.sensor_epoch;
   now.optics = optics_of(state_);
-  now.registration = state_.registration;
+  now.registration = registration_of(state_);
   now.plan_id = plan->id;
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();

@@ -23,6 +23,7 @@
 #include "daemon/reference.hpp"
 #include "daemon/reference_archive.hpp"
 #include "daemon/reference_templates.hpp"
+#include "daemon/registration_archive.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/torn_spots.hpp"
 #include "proto/requests.hpp"
@@ -155,6 +156,8 @@ class Instrument : public Agent {
   Result<State> lent_state(int job) const;
   Result<SensorSnapshot> change_registration(const std::optional<Registration>& registration);
   OpticsConfig optics_of(const State& state) const;
+  std::optional<Registration> registration_of(const State& state) const;
+  void check_registration();
   static std::uint64_t shown_epoch(const State& state);
   static std::vector<Mode> shown_modes(const State& state);
   HologramRequest render(const State& state);
@@ -189,6 +192,7 @@ class Instrument : public Agent {
   InstrumentDeps deps_;
   HologramConfig hologram_;  ///< its sensor is that of the state
   ReferenceArchive archive_;
+  RegistrationArchive registrations_;
   State state_;
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;

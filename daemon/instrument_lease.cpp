@@ -1,3 +1,4 @@
+#include "core/optics/lattice.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {
@@ -6,9 +7,16 @@ namespace ovws {
 OpticsConfig Instrument::optics_of(const State& state) const {
   OpticsConfig optics = optics_;
   if (!state.registration) return optics;
-  optics.registered = state.registration->px_per_cycle;
-  optics.centre_px = state.registration->base_px - Vec2{double(state.roi.x), double(state.roi.y)};
+  const Registration map = *registration_of(state);
+  optics.registered = map.px_per_cycle;
+  optics.centre_px = map.base_px - Vec2{double(state.roi.x), double(state.roi.y)};
   return optics;
+}
+
+/// With the base of the sensor that is shown, whatever it was measured with.
+std::optional<Registration> Instrument::registration_of(const State& state) const {
+  if (!state.registration) return std::nullopt;
+  return rebased(*state.registration, base_grating_cpp(state.sensor, slm_geometry_));
 }
 
 Result<SensorSnapshot> Instrument::change_registration(
@@ -31,8 +39,19 @@ Result<SensorSnapshot> Instrument::change_registration(
 void Instrument::clear_registration(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
+    if (auto dropped = registrations_.drop(); !dropped) return done(fail(dropped.error()));
     done(change_registration(std::nullopt));
   });
+}
+
+/// Another camera stands otherwise.
+void Instrument::check_registration() {
+  if (!state_.registration || !registrations_.is_of_another(camera_info_)) return;
+  deps_.events.emit("registration", Severity::warning,
+                    "the registration is not used: it was measured with another camera",
+                    {{"t_taken_ns", state_.registration->t_taken_ns}, {"used", false}});
+  if (auto changed = change_registration(std::nullopt); changed) return;
+  state_.registration.reset();  // without a display; the next plan is without it
 }
 
 /// The state that this job may change.
@@ -44,7 +63,9 @@ Result<Instrument::State> Instrument::lent_state(int job) const {
 void Instrument::use_registration(int job, const Registration& registration, Changed done) {
   mailbox_.post([this, job, registration, done = std::move(done)] {
     if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
-    done(change_registration(registration));
+    auto changed = change_registration(registration);
+    if (changed) registrations_.keep(registration, camera_info_);
+    done(std::move(changed));
   });
 }
 

@@ -96,6 +96,10 @@ bool Instrument::is_at_its_place(const Reference& reference, const State& state)
   if (!reference.registration && !state.registration) return true;
   State then = state;
   then.registration = reference.registration;
+  // Its base is that of its own sensor, which is the state's.
+  if (then.registration) {
+    then.registration->base_cpp = base_grating_cpp(state.sensor, slm_geometry_);
+  }
   const std::vector<Vec2> before = model_positions(then), now = model_positions(state);
   double farthest_px = 0.0;
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -163,11 +167,11 @@ Reference Instrument::new_reference(ReferenceSource source) const {
   reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
   reference.source = source;
   reference.t_taken_ns = utc_ns();
-  reference.registration = state_.registration;
+  reference.registration = registration_of(state_);
   if (measured) reference.aberration = shown_modes(state_);
   reference.origin = std::make_shared<const nlohmann::json>(
       archive_.bench().origin({reference.key, reference.aberration, camera_, camera_info_,
-                               state_.registration, measured ? grey_.get() : nullptr}));
+                               reference.registration, measured ? grey_.get() : nullptr}));
   return reference;
 }
 

@@ -84,11 +84,15 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
   return lattice;
 }
 
+Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm) {
+  return frequency({0.0, 0.0}, sensor, slm);
+}
+
 std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,
                                  const SlmGeometry& slm, const OpticsConfig& optics, int image_cols,
                                  int image_rows) {
   const Vec2 base_px = base_spot_px(optics, image_cols, image_rows);
-  const Vec2 base_cpp = frequency({0.0, 0.0}, sensor, slm);
+  const Vec2 base_cpp = base_grating_cpp(sensor, slm);
   const PxPerCycle scale = px_per_cycle(optics, slm);
   std::vector<Vec2> spots;
   spots.reserve(lattice.subapertures.size());

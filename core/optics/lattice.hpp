@@ -29,6 +29,9 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
 
 constexpr int kMaxSubapertures = 1024;
 
+/// Frequency of the base subaperture's grating: grooves over the SLM's size, cycles per SLM pixel.
+Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm);
+
 /// Where each subaperture's spot falls for a flat wavefront: base + S (f_i - f_base), camera
 /// pixels.
 std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,

@@ -65,6 +65,13 @@ Vec2 errors_of(double variance, const Eigen::Matrix3d& covariance, int row) {
 
 }  // namespace
 
+Registration rebased(const Registration& registration, Vec2 base_cpp) {
+  Registration out = registration;
+  out.base_px = out.base_px + out.px_per_cycle * (base_cpp - registration.base_cpp);
+  out.base_cpp = base_cpp;
+  return out;
+}
+
 Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
   const auto n = Eigen::Index(sights.size());
   if (n < kFewestSights) {

@@ -21,6 +21,7 @@ struct ProbeSight {
 
 /// at = base_px + px_per_cycle * offset.
 struct Registration {
+  Vec2 base_cpp;  ///< the grating of the base subaperture that base_px is of
   PxPerCycle px_per_cycle;
   Vec2 base_px;
   /// One standard error of each number, from what the map leaves of the sights.
@@ -30,6 +31,9 @@ struct Registration {
   int sights = 0;
   std::int64_t t_taken_ns = 0;  ///< UNIX epoch UTC; 0: not said
 };
+
+/// The same map, its base that of another grating.
+Registration rebased(const Registration& registration, Vec2 base_cpp);
 
 /// By least squares. Errors (Errc::refused): fewer than 4 sights, or all nearly on one line.
 Result<Registration> fit_registration(std::span<const ProbeSight> sights);

@@ -119,7 +119,7 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   const CameraSettings camera = bench.camera().settings;
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
-  const Vec2 base_cpp{now.sensor.grooves[0] / slm.width_px, now.sensor.grooves[1] / slm.height_px};
+  const Vec2 base_cpp = base_grating_cpp(now.sensor, slm);
   const int charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
   const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
   if (!looks) return fail(looks.error());
@@ -133,6 +133,7 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
     if (!map) return map;
   }
   map->t_taken_ns = utc_ns();
+  map->base_cpp = base_cpp;
   map->base_px = map->base_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
   return map;
 }

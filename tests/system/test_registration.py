@@ -55,6 +55,10 @@ class Registration(BenchCase):
                      (0.0, "x", 1.05, middle), (20.0, "y", 0.95, [240.0, 260.0])):
             with self.subTest(case=case):
                 self.check(*case)
+        # Another grating moves the base spot, and the map with it.
+        self.call("sensor.set", {"grooves": [205, 15]})
+        self.take_reference(20)
+        self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
         self.call("registration.clear")
         self.assertFalse(self.call("registration.get")["registered"])
 

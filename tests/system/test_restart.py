@@ -67,6 +67,24 @@ class Restart(BenchCase):
         self.assertLess(max(map(abs, rest.values())), 0.01)
         self.assertAlmostEqual(shown[3], 0.1, delta=0.02)
 
+    def test_the_registration_is_in_force_again_after_a_kill(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"geometry": {"rotation_deg": 5.0}})
+        self.run_job("registration.run", {}, 60.0)
+        before = self.call("registration.get")
+        self.take_reference(20)
+        self.kill()
+        self.start_again()
+        self.assertEqual(self.call("registration.get"), before)
+        self.assertEqual(self.reference_state(), "in_force")
+        self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.stream("wavefront"), 10)}, {19})
+        self.call("registration.clear")
+        self.kill()
+        self.start_again()
+        self.assertFalse(self.call("registration.get")["registered"])
+        self.assertEqual(self.reference_state(), "none")
+
     def test_what_only_makes_it_stale_is_told_and_what_makes_it_another_ones_too(self):
         self.take_reference(20)
         before = self.call("reference.get")

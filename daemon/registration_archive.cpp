@@ -1,0 +1,134 @@
+#include "daemon/registration_archive.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <vector>
+
+#include "daemon/reference_origin.hpp"
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kKind = "registration";
+constexpr const char* kName = "camera";
+constexpr double kMostPx = 1e9;
+
+std::string title_of(const Registration& registration) {
+  return "the registration of " + utc_text(registration.t_taken_ns);
+}
+
+json slm_json(const SlmGeometry& slm) {
+  return {{"width", slm.width_px}, {"height", slm.height_px}, {"pitch_um", slm.pitch_um}};
+}
+
+json camera_json(const std::optional<CameraInfo>& camera) {
+  return camera ? to_json(*camera) : json();
+}
+
+/// The keys of registration.get, and the grating that base_px is of.
+Result<Registration> registration_from(const json& content) {
+  Registration out;
+  std::vector<double> base, base_error, map, error, grating;
+  ObjectReader r(content, "registration");
+  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size) {
+    r.require(key);
+    r.numbers(key, to, size, size, -kMostPx, kMostPx);
+  };
+  list("base_px", base, 2);
+  list("base_standard_error_px", base_error, 2);
+  list("base_grating_cpp", grating, 2);
+  list("px_per_cycle", map, 4);
+  list("px_per_cycle_standard_error", error, 4);
+  r.require("residual_px");
+  r.number("residual_px", out.residual_px, 0.0, kMostPx);
+  r.require("sights");
+  r.integer("sights", out.sights, 0, 1 << 20);
+  for (const char* known : {"registered", "scale_px_per_cycle", "rotation_deg", "mirrored"}) {
+    r.raw(known);
+  }
+  const json* const taken = r.raw("t_taken_ns");
+  if (taken != nullptr && taken->is_number_integer()) out.t_taken_ns = taken->get<std::int64_t>();
+  if (auto done = r.finish(); !done) return fail(done.error());
+  out.base_px = {base[0], base[1]};
+  out.base_standard_error_px = {base_error[0], base_error[1]};
+  out.base_cpp = {grating[0], grating[1]};
+  out.px_per_cycle = {map[0], map[1], map[2], map[3]};
+  out.standard_error = {error[0], error[1], error[2], error[3]};
+  if (out.px_per_cycle.scale() < limits::kLeastPxPerCycle) {
+    return fail(Errc::invalid, "registration.px_per_cycle", "is not a map of slopes");
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Registration> RegistrationArchive::use(const json& content) {
+  if (!content.is_object() || !content.contains("registration") || !content.contains("slm")) {
+    return fail(Errc::invalid, "", "it is not that of a registration");
+  }
+  if (content["slm"] != slm_json(slm_)) {
+    return fail(
+        Errc::invalid, "slm",
+        "it is of another SLM: " + content["slm"].dump() + ", not " + slm_json(slm_).dump());
+  }
+  camera_ = content.value("camera", json());
+  return registration_from(content["registration"]);
+}
+
+std::optional<Registration> RegistrationArchive::load() {
+  std::optional<Registration> found;
+  store_.load(kKind, [&](const StateItem& item) {
+    json data{{"path", item.path}, {"sha256", item.sha256}, {"used", false}};
+    const auto kept = use(item.content);
+    if (!kept || item.name != kName) {
+      const std::string why = kept ? "its file's name is not the daemon's" : kept.error().reason;
+      return events_.emit("registration", Severity::warning,
+                          fmt::format("{} is not used, and left as it is: {}", item.path, why),
+                          std::move(data));
+    }
+    data["used"] = true;
+    data["t_taken_ns"] = kept->t_taken_ns;
+    events_.emit(
+        "registration", Severity::info,
+        fmt::format("{} ({}, sha256 {}) is found again", title_of(*kept), item.path, item.sha256),
+        std::move(data));
+    found = *kept;
+  });
+  return found;
+}
+
+void RegistrationArchive::keep(const Registration& registration,
+                               const std::optional<CameraInfo>& camera) {
+  camera_ = camera_json(camera);
+  json numbers = registration_result(registration);
+  numbers["base_grating_cpp"] = {registration.base_cpp.x, registration.base_cpp.y};
+  const auto kept = store_.put(
+      kKind, kName, {{"registration", numbers}, {"slm", slm_json(slm_)}, {"camera", camera_}});
+  json data{{"t_taken_ns", registration.t_taken_ns}};
+  if (kept) {
+    data["sha256"] = *kept;
+    return events_.emit("registration", Severity::info,
+                        fmt::format("{} is kept (sha256 {})", title_of(registration), *kept),
+                        std::move(data));
+  }
+  if (!store_.report().directory) return;
+  events_.emit("registration", Severity::error,
+               fmt::format("{} is in force, and will not survive a restart: {}",
+                           title_of(registration), kept.error().reason),
+               std::move(data));
+}
+
+Result<void> RegistrationArchive::drop() {
+  return store_.drop(kKind, kName);
+}
+
+bool RegistrationArchive::is_of_another(const std::optional<CameraInfo>& camera) const {
+  return camera && !camera_.is_null() && camera_ != camera_json(camera);
+}
+
+}  // namespace ovws
