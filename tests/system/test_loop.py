@@ -13,13 +13,15 @@ def random_modes(seed, rms_waves):
     return [{"j": j, "waves": scale * v} for j, v in modes.items()]
 
 
+# The whole pupil's light in one spot: (D/d)^2 = 25 times the field of a subaperture.
+BEAM_ELECTRONS = 1.5
 HOLD_S = float(os.environ.get("OVWS_HOLD_S", "5"))
 # A spot's peak of 500 electrons with a read noise of 97 has a signal to noise ratio of 500 / sqrt(500 + 97^2) = 5.
 SNR_5 = {"peak_electrons": 500, "read_noise_e": 97.0, "full_well_e": 4000, "black_level_dn": 32, "bits": 12, "noise": "fresh"}
 
 
 class Loop(BenchCase):
-    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 50}}
+    daemon_config = {"stream": {"image_rate_hz": 10}, "camera": {"frame_rate_hz": 50}}
 
     def setUp(self):
         super().setUp()
@@ -77,6 +79,44 @@ class Loop(BenchCase):
             report = self.call("loop.open")
             print(f"\n  {tracker}, SNR 5: after 20 steps {after_20:.4f}, then at most {worst:.4f} wave in {report['steps']} steps, {report['opened_because']}")
             self.assertLess(worst, 0.03)
+
+    def test_five_waves_of_astigmatism_from_cold(self):
+        pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
+        self.hide([{"j": 3, "waves": 5.0 / 6.0**0.5}])  # 5 waves at the pupil's edge
+        aberrated = self.beam(pictures)
+        self.call("loop.close", {"gain": 0.5})
+        wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
+        self.call("loop.open")
+        corrected = self.beam(pictures)
+        self.hide([])
+        self.call("correction.clear")
+        before = self.beam(pictures)
+        for name, (strehl, middle) in (("before", before), ("aberrated", aberrated), ("corrected", corrected)):
+            print(f"\n  {name}: true Strehl ratio {strehl}, brightest pixel by the camera {middle}", end="")
+        self.assertGreater(corrected[0], 0.95)
+        self.assertGreater(corrected[1], 0.9 * before[1])
+        self.assertLess(aberrated[1], 0.2 * before[1])
+
+    def beam(self, pictures):
+        """The beam of the grating: its true Strehl ratio, and its brightest pixel as the camera sees it, at an exposure that it bears."""
+        hologram = self.call("slm.show", {"pattern": "grating"})["hologram_id"]
+        self.twin.call("twin.set", {"peak_electrons": BEAM_ELECTRONS})
+        picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
+        for _ in range(3):  # begun after all had settled
+            picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
+        if "OVWS_PICTURES" in os.environ:
+            self.keep(picture, hologram)
+        brightest = max(picture["binary"])
+        judged = self.twin.call("twin.get", {"judge": "grating"})["wavefront"]
+        self.twin.call("twin.set", {"peak_electrons": 6000})
+        self.call("slm.show", {"pattern": "sensor"})
+        return judged.get("strehl"), brightest
+
+    def keep(self, picture, number):
+        """As PGM, to be looked at."""
+        rows, columns = picture["shape"]
+        with open(f"{os.environ['OVWS_PICTURES']}/beam-{number}.pgm", "wb") as file:
+            file.write(b"P5 %d %d 255\n" % (columns, rows) + picture["binary"])
 
     def test_the_state_says_what_may_not_be_done(self):
         self.call("loop.close", {"gain": 0.3, "modes": [3, 4, 5]})
