@@ -13,23 +13,29 @@ std::optional<std::string> directory_of(const StateConfig& config) {
   return std::string(all.substr(0, all.find(':')));
 }
 
+std::string item_of(std::string_view kind, std::string_view name) {
+  return std::string(kind) + '/' + std::string(name);
+}
+
 }  // namespace
 
 DaemonStore::DaemonStore(const StateConfig& config, Events& events) : events_(events) {
   const auto directory = directory_of(config);
   if (!directory) {
-    report_.reason = "no folder is named: set state.directory, or $STATE_DIRECTORY";
-    events_.emit("store", Severity::info, "nothing is kept over a restart: " + *report_.reason);
+    why_none_ = "no folder is named: set state.directory, or $STATE_DIRECTORY";
+    report_.set({std::nullopt, why_none_});
+    events_.emit("store", Severity::info, "nothing is kept over a restart: " + *why_none_);
     return;
   }
   auto opened = StateStore::open(*directory);
   if (!opened) {
-    report_.reason = opened.error().reason;
-    events_.emit("store", Severity::error, "nothing is kept over a restart: " + *report_.reason,
+    why_none_ = opened.error().reason;
+    report_.set({std::nullopt, why_none_});
+    events_.emit("store", Severity::error, "nothing is kept over a restart: " + *why_none_,
                  {{"path", *directory}});
     return;
   }
-  report_.directory = directory;
+  report_.set({directory, std::nullopt});
   if (opened->leftovers() > 0) {
     events_.emit("store", Severity::info,
                  "files that were being written when the daemon was killed are removed: " +
@@ -39,20 +45,34 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events) : events_(ev
   store_ = std::move(*opened);
 }
 
+/// What could not be kept is told until that very item is kept or dropped.
+void DaemonStore::note(const std::string& item, const std::optional<std::string>& why_not_kept) {
+  if (why_not_kept) {
+    not_kept_[item] = *why_not_kept;
+  } else {
+    not_kept_.erase(item);
+  }
+  StatusMessage::StorePart report = report_.get();
+  report.reason.reset();
+  if (!not_kept_.empty()) report.reason = not_kept_.begin()->second;
+  report_.set(report);
+}
+
 Result<std::string> DaemonStore::put(std::string_view kind, std::string_view name,
                                      const nlohmann::json& content) {
   const std::lock_guard lock(mutex_);
-  if (!store_) return fail(Errc::unavailable, "state.directory", *report_.reason);
+  if (!store_) return fail(Errc::unavailable, "state.directory", *why_none_);
   auto kept = store_->put(kind, name, content);
-  report_.reason.reset();
-  if (!kept) report_.reason = kept.error().reason;
+  note(item_of(kind, name), kept ? std::nullopt : std::optional(kept.error().reason));
   return kept;
 }
 
 Result<void> DaemonStore::drop(std::string_view kind, std::string_view name) {
   const std::lock_guard lock(mutex_);
   if (!store_) return {};
-  return store_->drop(kind, name);
+  auto dropped = store_->drop(kind, name);
+  if (dropped) note(item_of(kind, name), std::nullopt);
+  return dropped;
 }
 
 void DaemonStore::load(std::string_view kind, const std::function<void(StateItem)>& take) const {
@@ -63,11 +83,6 @@ void DaemonStore::load(std::string_view kind, const std::function<void(StateItem
                  bad.path + " is not used, and left as it is: " + bad.reason,
                  {{"path", bad.path}, {"reason", bad.reason}});
   }
-}
-
-StatusMessage::StorePart DaemonStore::report() const {
-  const std::lock_guard lock(mutex_);
-  return report_;
 }
 
 }  // namespace ovws

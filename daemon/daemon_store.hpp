@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "config/config.hpp"
 #include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
 #include "daemon/store/state_store.hpp"
 #include "proto/messages.hpp"
 
@@ -31,13 +33,17 @@ class DaemonStore {
   /// As of StateStore::load; of every file that is not whole an event says why it is not used.
   void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
 
-  StatusMessage::StorePart report() const;
+  StatusMessage::StorePart report() const { return report_.get(); }
 
  private:
   Events& events_;
-  mutable std::mutex mutex_;
+  void note(const std::string& item, const std::optional<std::string>& why_not_kept);
+
+  mutable std::mutex mutex_;  ///< held while the disk works
   std::optional<StateStore> store_;
-  StatusMessage::StorePart report_;
+  std::optional<std::string> why_none_;
+  std::map<std::string, std::string> not_kept_;  ///< why, by kind and name
+  Guarded<StatusMessage::StorePart> report_;     ///< never waits for the disk
 };
 
 }  // namespace ovws

@@ -185,6 +185,9 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
     if (auto shown = deps_.slm.show(std::move(request)); !shown) return fail(shown.error());
     shown_hologram_id_ = hologram_id;
     grey_ = grey;
+  } else if (next.sensor_epoch != state_.sensor_epoch) {
+    // The same picture stays on the SLM, but what is measured of it means something else.
+    deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
   }
   adopt(std::move(next), std::move(*plan));
   return snapshot_.get();

@@ -96,9 +96,10 @@ class Instrument : public Agent {
   /// From now on where spots are expected, and how far they move, is as configured.
   void clear_registration(Changed done);
 
-  /// For jobs that show pictures. Prepare thread: the sensor belongs to this job, every other
-  /// change is refused. Errc::refused if it belongs to another.
-  Result<void> lend(int job);
+  /// For jobs that show pictures. Prepare thread: whether no job has the sensor.
+  Result<void> check_free() const;
+  /// Prepare thread: the sensor, which is free, belongs to this job; every other change is refused.
+  void lend(int job);
   /// Any thread, for the job that has the sensor: its aberration and pattern change as by
   /// set_aberration and show.
   void exhibit(int job, Exhibit exhibit, Changed done);
@@ -150,7 +151,6 @@ class Instrument : public Agent {
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
-  Result<void> check_free() const;
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
   Result<State> lent_state(int job) const;

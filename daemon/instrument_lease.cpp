@@ -63,16 +63,15 @@ Result<Instrument::State> Instrument::lent_state(int job) const {
 void Instrument::use_registration(int job, const Registration& registration, Changed done) {
   mailbox_.post([this, job, registration, done = std::move(done)] {
     if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
+    if (!deps_.jobs.runs(job)) return done(fail(Errc::refused, "", "it was cancelled"));
     auto changed = change_registration(registration);
     if (changed) registrations_.keep(registration, camera_info_);
     done(std::move(changed));
   });
 }
 
-Result<void> Instrument::lend(int job) {
-  if (auto free = check_free(); !free) return free;
+void Instrument::lend(int job) {
   lease_ = Lease{job, state_.pattern, state_.aberration};
-  return {};
 }
 
 void Instrument::exhibit(int job, Exhibit exhibit, Changed done) {

@@ -28,6 +28,7 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
       return done(fail(Errc::refused, "",
                        fmt::format("job {} is already taking a reference", *reference_job_)));
     }
+    if (auto free = check_free(); !free) return done(fail(free.error()));
     if (state_.pattern != HologramKind::sensor) {
       return done(fail(Errc::refused, "",
                        "the SLM does not show the sensor: call slm.show with \"sensor\" first"));

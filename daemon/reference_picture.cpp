@@ -54,6 +54,11 @@ std::shared_ptr<const ReferencePicture> ReferencePictureTaker::end() {
   return made;
 }
 
+int ReferencePictureTaker::frames() {
+  const std::lock_guard lock(mutex_);
+  return sum_ ? sum_->frames : 0;
+}
+
 bool ReferencePictureTaker::wants() {
   const std::lock_guard lock(mutex_);
   return sum_ && sum_->frames < most_;

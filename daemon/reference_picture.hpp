@@ -38,6 +38,7 @@ class ReferencePictureTaker : public FrameTaker {
   /// The mean so far, and no more frames; nullptr if there was none.
   std::shared_ptr<const ReferencePicture> end();
   void cancel() { end(); }
+  int frames();  ///< averaged so far; 0 if nothing is being taken
 
   bool wants() override;
   void take(const FrameRecord& record) override;

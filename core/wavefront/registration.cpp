@@ -122,9 +122,7 @@ std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
   return middle_of_peak(smoothed, at % light.width, at / light.width, 2 * half, middle);
 }
 
-std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots) {
-  const auto start = spot_in(light, spots);
-  if (!start) return std::nullopt;
+std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px) {
   // The trackers read whole numbers.
   float least = 0.0F, most = 0.0F;
   for (const float value : light.pixels) {
@@ -141,7 +139,7 @@ std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots
   const auto tracker = make_tracker({TrackerKind::matched}, spots);
   if (!tracker) return std::nullopt;
   TrackScratch scratch = (*tracker)->make_scratch();
-  const SpotFix fix = (*tracker)->track(view_of(whole, PixelFormat::mono16), *start, scratch);
+  const SpotFix fix = (*tracker)->track(view_of(whole, PixelFormat::mono16), start_px, scratch);
   if (!fix.found()) return std::nullopt;
   return Vec2{double(fix.x), double(fix.y)};
 }

@@ -43,7 +43,8 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights);
 /// wrong by a third. To within a fraction of lambda/d: a start for find_probe.
 std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots);
 
-/// The same place to the precision of the matched filter; none if it does not find the spot there.
-std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots);
+/// The same place to the precision of the matched filter, begun at `start_px`; none if it does not
+/// find the spot there.
+std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px);
 
 }  // namespace ovws

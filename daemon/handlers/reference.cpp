@@ -65,7 +65,9 @@ void get_job(Services& services, const nlohmann::json& params, RpcReply reply) {
 void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto id = decode_job(params);
   if (!id) return reply(failed(id.error()));
+  const bool ran = services.jobs.runs(*id);
   const auto cancelled = services.jobs.cancel(*id);
+  if (!ran) return answer_job(reply, cancelled);
   // Answered when the sensor is free again: the next request may be the next job.
   services.procedures.when_free([&services, reply, cancelled] {
     services.instrument.after_changes([reply, cancelled] { answer_job(reply, cancelled); });

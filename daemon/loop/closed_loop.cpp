@@ -111,14 +111,20 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   report.settings = settings;
   report.correction_rms_waves = rms_of(sensor.correction);
   report_.set(report);
-  set_closed(true, "");
+  {
+    const std::lock_guard lock(mutex_);
+    filled_once_ = false;  // what was seen before may be against another reference
+  }
+  set_closed(true, "", Severity::info);
   return report_.get();
 }
 
 Result<LoopReport> ClosedLoop::end(bool keep) {
-  if (is_closed()) set_closed(false, "it was asked to");
   if (!keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
+  }
+  if (is_closed()) set_closed(false, "it was asked to", Severity::info);
+  if (!keep) {
     LoopReport report = report_.get();
     report.correction_rms_waves = 0.0;
     report_.set(report);
@@ -150,20 +156,18 @@ Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
 }
 
 void ClosedLoop::give_up(const std::string& reason) {
-  set_closed(false, reason);
+  set_closed(false, reason, Severity::warning);
 }
 
-void ClosedLoop::set_closed(bool closed, const std::string& why) {
+void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severity) {
   LoopReport report = report_.get();
   report.closed = closed;
   report.opened_because = why;
   report_.set(report);
   closed_ = closed;
   deps_.on_change(closed);
-  const bool by_itself = !closed && why != "it was asked to";
-  deps_.events.emit("loop", by_itself ? Severity::warning : Severity::info,
-                    closed ? "the loop is closed" : "the loop is open: " + why,
-                    {{"closed", closed}, {"steps", report.steps}, {"by_itself", by_itself}});
+  deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
+                    {{"closed", closed}, {"steps", report.steps}});
 }
 
 void ClosedLoop::tell_step() {

@@ -44,7 +44,7 @@ class ClosedLoop : public Agent {
   /// Goes on from the correction that is shown. Errc::refused if it is closed, or if there is
   /// nothing to steer by: no reference, or the sensor is not shown.
   void close(const LoopSettings& settings, Done done);
-  /// Unless it is kept, the correction is cleared.
+  /// Unless it is kept, the correction is cleared first: if it cannot be, nothing changes.
   void open(bool keep, Done done);
   LoopReport report() const { return report_.get(); }
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
@@ -64,7 +64,7 @@ class ClosedLoop : public Agent {
   void act();
   Result<void> show(const std::vector<Mode>& correction);
   void give_up(const std::string& reason);
-  void set_closed(bool closed, const std::string& why);
+  void set_closed(bool closed, const std::string& why, Severity severity);
   void tell_step();
 
   ClosedLoopDeps deps_;

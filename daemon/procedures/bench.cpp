@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "core/port/clock.hpp"
 
@@ -33,8 +34,9 @@ Error no_frame(double waited_s) {
 
 }  // namespace
 
-Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop)
-    : job_(job), deps_(deps), stop_(stop) {}
+Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
+             std::atomic<double>& progress)
+    : job_(job), deps_(deps), stop_(stop), progress_(progress) {}
 
 /// Who is asked may be gone by the time it answers: what it answers into is shared.
 template <class T>
@@ -109,17 +111,24 @@ Result<ReferenceCollector::Average> Bench::spots(int frames) {
     deps_.collector.cancel();
     return fail(stopped() ? stopped_error() : no_frame(patient_s));
   }
-  return future.get();
+  try {
+    return future.get();
+  } catch (const std::future_error&) {  // another one has begun to collect
+    return fail(Errc::internal, "", "the frames were taken from it");
+  }
 }
 
 Result<Image<float>> Bench::picture(int frames) {
   if (stopped()) return fail(stopped_error());
   const SensorSnapshot now = sensor();
   deps_.pictures.begin(now.sensor_epoch, now.hologram_id, frames);
-  const double patient_s = patience_s(camera().settings) * frames;
-  const std::int64_t begun_ns = monotonic_ns();
+  const double patient_s = patience_s(camera().settings);
+  std::int64_t last_ns = monotonic_ns();
+  int seen = 0;
   while (deps_.pictures.wants()) {
-    const bool silent = 1e-9 * double(monotonic_ns() - begun_ns) > patient_s;
+    const int taken = deps_.pictures.frames();
+    if (std::exchange(seen, taken) != taken) last_ns = monotonic_ns();
+    const bool silent = 1e-9 * double(monotonic_ns() - last_ns) > patient_s;
     if (stopped() || silent) {
       deps_.pictures.cancel();
       return fail(stopped() ? stopped_error() : no_frame(patient_s));

@@ -30,7 +30,9 @@ struct BenchDeps {
 /// when it ends, however it ends.
 class Bench {
  public:
-  Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop);
+  /// `stop` and `progress` outlive it.
+  Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
+        std::atomic<double>& progress);
 
   /// As it is now.
   SensorSnapshot sensor() const { return deps_.instrument.snapshot(); }
@@ -47,13 +49,11 @@ class Bench {
 
   /// Of the next `frames` settled frames of the sensor shown last.
   Result<ReferenceCollector::Average> spots(int frames);
-  /// The mean of the next `frames` frames, at most ReferencePictureTaker::kMostFrames, of what was
-  /// shown last. NaN where a frame was saturated.
+  /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
   Result<Image<float>> picture(int frames);
 
   /// 0 .. 1, of the whole procedure.
   void tell(double progress);
-  double progress() const { return progress_.load(); }  ///< thread-safe
   bool stopped() const { return stop_.load(); }
 
  private:
@@ -64,7 +64,7 @@ class Bench {
   int job_;
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
-  std::atomic<double> progress_{0.0};
+  std::atomic<double>& progress_;
 };
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <future>
+#include <new>
 #include <utility>
 
 namespace ovws {
@@ -26,11 +27,16 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
   const std::weak_ptr<Run> known = run;
   {
     const std::lock_guard lock(mutex_);
-    if (run_ || ending_) {
+    if (ending_) return done(fail(Errc::refused, "", "the daemon is stopping"));
+    if (run_) {
       return done(fail(Errc::refused, "", "another job is running: wait for its end or cancel it"));
     }
     run_ = run;
     begun_ = true;  // not to be carried out before it has all it needs
+  }
+  if (auto free = deps_.bench.instrument.check_free(); !free) {
+    release();
+    return done(fail(free.error()));
   }
   run->job = deps_.bench.jobs.begin(
       kind,
@@ -39,18 +45,11 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
       },
       [known] {
         const auto it = known.lock();
-        return it && it->bench ? it->bench->progress() : 0.0;
+        return it ? it->progress.load() : 0.0;
       });
   run->procedure = std::move(procedure);
-  run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop);
-  if (auto lent = deps_.bench.instrument.lend(run->job); !lent) {
-    deps_.bench.jobs.fail_job(run->job, lent.error());
-    {
-      const std::lock_guard lock(mutex_);
-      run_.reset();
-    }
-    return done(fail(lent.error()));
-  }
+  run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop, run->progress);
+  deps_.bench.instrument.lend(run->job);
   deps_.on_job(true);
   done(run->job);
   {
@@ -58,6 +57,17 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
     begun_ = false;
   }
   asked_.notify_one();
+}
+
+/// Nothing runs any more; who waits for that is told.
+void Procedures::release() {
+  std::vector<std::function<void()>> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    run_.reset();
+    waiting.swap(waiting_);
+  }
+  for (const auto& then : waiting) then();
 }
 
 void Procedures::end_soon() {
@@ -82,8 +92,18 @@ bool Procedures::do_work() {
     begun_ = true;
     run = run_;
   }
-  finish(*run, run->procedure(*run->bench));
+  finish(*run, carry_out(*run));
   return true;
+}
+
+/// Memory is locked, and pictures of many megapixels may not fit.
+Result<nlohmann::json> Procedures::carry_out(Run& run) {
+  try {
+    return run.procedure(*run.bench);
+  } catch (const std::bad_alloc&) {
+    return fail(Errc::unavailable, "",
+                "there is not enough memory: choose a smaller region of interest");
+  }
 }
 
 /// The sensor is free again before anybody hears of the end: who hears may ask for the next job.
@@ -93,19 +113,15 @@ void Procedures::finish(Run& run, const Result<nlohmann::json>& result) {
   deps_.bench.instrument.give_back(run.job, [given_back] { given_back->set_value(); });
   given_back.reset();
   done.wait();  // also if the prepare thread has ended: the promise is then broken
-  std::vector<std::function<void()>> waiting;
+  const int job = run.job;
   {
     const std::lock_guard lock(mutex_);
-    run_.reset();
-    waiting.swap(waiting_);
+    begun_ = false;
   }
   deps_.on_job(false);
-  if (result) {
-    deps_.bench.jobs.finish(run.job, *result);
-  } else {
-    deps_.bench.jobs.fail_job(run.job, result.error());
-  }
-  for (const auto& then : waiting) then();
+  release();
+  if (result) return deps_.bench.jobs.finish(job, *result);
+  deps_.bench.jobs.fail_job(job, result.error());
 }
 
 }  // namespace ovws

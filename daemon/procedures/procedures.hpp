@@ -48,11 +48,14 @@ class Procedures : public Agent {
     int job = 0;
     Procedure procedure;
     std::atomic<bool> stop{false};
+    std::atomic<double> progress{0.0};
     std::unique_ptr<Bench> bench;
   };
   void begin(const std::string& kind, Procedure procedure,
              const std::function<void(Result<int>)>& done);
+  Result<nlohmann::json> carry_out(Run& run);
   void finish(Run& run, const Result<nlohmann::json>& result);
+  void release();
 
   ProceduresDeps deps_;
   std::mutex mutex_;

@@ -68,12 +68,20 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
   return looks;
 }
 
-std::vector<ProbeSight> sights_of(const std::vector<Look>& looks, const SpotModel& spots,
-                                  std::optional<Vec2> (*find)(const Image<float>&,
-                                                              const SpotModel&)) {
-  std::vector<ProbeSight> sights;
+/// Where the light's middle is, and where the matched filter finds the spot.
+struct Sights {
+  std::vector<ProbeSight> rough, fine;
+};
+Result<Sights> sights_of(const Bench& bench, const std::vector<Look>& looks,
+                         const SpotModel& spots) {
+  Sights sights;
   for (const Look& one : looks) {
-    if (const auto at = find(one.light, spots)) sights.push_back({one.offset_cpp, *at});
+    if (bench.stopped()) return fail(Errc::refused, "", "it was told to end");
+    const auto rough = spot_in(one.light, spots);
+    if (!rough) continue;
+    sights.rough.push_back({one.offset_cpp, *rough});
+    const auto fine = find_probe(one.light, spots, *rough);
+    if (fine) sights.fine.push_back({one.offset_cpp, *fine});
   }
   return sights;
 }
@@ -103,12 +111,13 @@ Result<Registration> consistent(std::vector<ProbeSight> sights, double lambda_d_
 
 /// By the matched filter if that finds as much; under a strong aberration only the light's middle
 /// is sure.
-Result<Registration> map_of(const std::vector<Look>& looks, const SpotModel& spots) {
-  const auto rough = sights_of(looks, spots, spot_in);
-  const auto fine = sights_of(looks, spots, find_probe);
-  const auto coarse_map = consistent(rough, spots.lambda_d_px);
-  if (fine.size() < rough.size()) return coarse_map;
-  const auto map = consistent(fine, spots.lambda_d_px);
+Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
+                            const SpotModel& spots) {
+  const auto sights = sights_of(bench, looks, spots);
+  if (!sights) return fail(sights.error());
+  const auto coarse_map = consistent(sights->rough, spots.lambda_d_px);
+  if (sights->fine.size() < sights->rough.size()) return coarse_map;
+  const auto map = consistent(sights->fine, spots.lambda_d_px);
   return map ? map : coarse_map;
 }
 
@@ -124,12 +133,12 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
   if (!looks) return fail(looks.error());
   SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor)};
-  auto map = map_of(*looks, spots);
+  auto map = map_of(bench, *looks, spots);
   if (!map) return map;
   const double ratio = map->px_per_cycle.scale() / camera_px_per_cycle(now.optics, slm);
   if (std::abs(ratio - 1.0) > kOtherScale) {
     spots.lambda_d_px *= ratio;
-    map = map_of(*looks, spots);
+    map = map_of(bench, *looks, spots);
     if (!map) return map;
   }
   map->t_taken_ns = utc_ns();

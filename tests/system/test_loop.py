@@ -46,7 +46,7 @@ class Loop(BenchCase):
         for seed in (1, 2):
             self.hide(random_modes(seed, 0.5))
             self.call("correction.clear")
-            self.call("loop.close", {"gain": 0.5})
+            self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
             wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
             left = self.true_residual()
             judged = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
@@ -73,7 +73,7 @@ class Loop(BenchCase):
             self.call("correction.clear")
             self.take_reference(100)
             self.hide(random_modes(3, 0.5))
-            self.call("loop.close", {"gain": 0.3, "patience_s": 5.0})
+            self.call("loop.close", {"gain": 0.3, "patience_s": 10.0})
             wait_for(lambda: self.steps() >= 20, 60.0, "20 steps")
             after_20, worst = self.true_residual(), self.worst_residual()
             report = self.call("loop.open")
@@ -84,7 +84,7 @@ class Loop(BenchCase):
         pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
         self.hide([{"j": 3, "waves": 5.0 / 6.0**0.5}])  # 5 waves at the pupil's edge
         aberrated = self.beam(pictures)
-        self.call("loop.close", {"gain": 0.5})
+        self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
         wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
         self.call("loop.open")
         corrected = self.beam(pictures)
@@ -119,7 +119,7 @@ class Loop(BenchCase):
             file.write(b"P5 %d %d 255\n" % (columns, rows) + picture["binary"])
 
     def test_the_state_says_what_may_not_be_done(self):
-        self.call("loop.close", {"gain": 0.3, "modes": [3, 4, 5]})
+        self.call("loop.close", {"gain": 0.3, "modes": [3, 4, 5], "patience_s": 10.0})
         self.assertEqual(self.call("system.status")["loop"], "closed")
         for method, params in (("reference.take", {}), ("registration.run", {}), ("sensor.set", {"charge": 0}), ("loop.close", {}),
                                ("correction.clear", {}), ("slm.show", {"pattern": "grating"}), ("reference.clear", {})):
@@ -142,10 +142,10 @@ class Loop(BenchCase):
     def test_it_opens_by_itself(self):
         events = self.stream("event")
         self.hide([{"j": 5, "waves": 0.4}])
-        self.call("loop.close", {"limit_waves": 0.1, "patience_s": 0.5})
+        self.call("loop.close", {"limit_waves": 0.1, "patience_s": 2.0})
         wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open at its limit")
         self.assertIn("limit", self.call("loop.get")["opened_because"])
-        self.call("loop.close", {"patience_s": 0.5})
+        self.call("loop.close", {"patience_s": 2.0})
         self.twin.call("twin.set", {"peak_electrons": 10.0})
         wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open without spots")
         self.assertIn("usable", self.call("loop.get")["opened_because"])

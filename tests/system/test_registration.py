@@ -61,6 +61,9 @@ class Registration(BenchCase):
         self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
         self.call("registration.clear")
         self.assertFalse(self.call("registration.get")["registered"])
+        self.place_camera(rotation_deg=0.0, mirror="none", magnification=1.0, centre_px=[255.5, 255.5])
+        self.take_reference(20)  # frames count for the sensor again
+        self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
 
 
 if __name__ == "__main__":

@@ -134,6 +134,9 @@ class Restart(BenchCase):
         before = self.call("reference.get")
         self.assertEqual(before["origin"]["registration"]["t_taken_ns"], self.call("registration.get")["t_taken_ns"])
         self.kill()
+        for file in self.files():
+            if "registration" in file.name:
+                file.unlink()
         self.assertIn(before["sha256"], self.start_again())
         self.assertEqual(self.reference_state(), "none")
         self.run_job("registration.run", {}, 60.0)

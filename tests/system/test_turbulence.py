@@ -80,6 +80,8 @@ class Turbulence(BenchCase):
         print(f"  closed: {len(closed)} frames, {report['steps']} steps, {rms:.3f} wave RMS are left")
         left, there, step_hz = self.spectra(closed)
         steps_hz = report["steps"] / (SECONDS + 3.0)
+        if steps_hz < 2.0:
+            self.skipTest(f"this machine is too slow to tell: {steps_hz:.1f} steps/s")
         crossing_hz, bands = None, [0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2]
         for low, high in zip(bands, bands[1:]):
             inside = [f for f in range(len(left)) if low <= (f + 1) * step_hz < high]
