@@ -37,6 +37,7 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   std::unique_ptr<Instrument> instrument(new Instrument(config, deps, *hologram, state));
   instrument->references_ = instrument->archive_.load();
   state.registration = instrument->registrations_.load();
+  if (state.registration && !instrument->plan_for(state, 0)) state.registration.reset();
   instrument->limit_pictures();
   HologramRequest first = instrument->render(state);
   auto plan = instrument->plan_for(state, first.hologram_id);
@@ -79,7 +80,8 @@ void Instrument::set_aberration(std::vector<Mode> modes, Changed done) {
   mailbox_.post([this, modes = std::move(modes), done = std::move(done)]() mutable {
     State next = state_;
     next.aberration = std::move(modes);
-    done(change_to(std::move(next)));
+    if (auto free = check_no_job(); !free) return done(fail(free.error()));
+    done(carry_out(std::move(next)));
   });
 }
 
@@ -147,6 +149,12 @@ Result<SensorSnapshot> Instrument::change_to(State next) {
 }
 
 Result<void> Instrument::check_free() const {
+  if (auto free = check_no_job(); !free) return free;
+  if (!looping_) return {};
+  return fail(Errc::refused, "", "the loop is closed; open it with loop.open first");
+}
+
+Result<void> Instrument::check_no_job() const {
   if (reference_job_) {
     return fail(
         Errc::refused, "",
@@ -172,8 +180,11 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
     next.renderer = *renderer;
     ++next.sensor_epoch;
   }
-  if (auto sampled = next.renderer->check_sampling(shown_modes(next)); !sampled) {
-    return fail(sampled.error());
+  const bool has_modes =
+      next.pattern == HologramKind::sensor || next.pattern == HologramKind::grating;
+  if (has_modes) {
+    auto sampled = next.renderer->check_sampling(shown_modes(next));
+    if (!sampled) return fail(sampled.error());
   }
   torn_.reset();
   auto plan = plan_for(next, new_picture ? next_hologram_id_ : shown_hologram_id_);

@@ -88,6 +88,12 @@ class Instrument : public Agent {
   void change_sensor(SensorSet change, Changed done);
   void set_aberration(std::vector<Mode> modes, Changed done);
   void set_correction(std::vector<Mode> modes, Changed done);
+  /// The loop steers by what is in force now: until end_loop only the aberration, the camera, and
+  /// the correction by `correct` change. Errc::refused if there is nothing to steer by.
+  void begin_loop(Changed done);
+  void end_loop();
+  /// set_correction for the closed loop.
+  void correct(std::vector<Mode> modes, Changed done);
   void show(HologramKind pattern, Changed done);
   /// Starts a job that averages settled frames; `done` gets its number.
   void take_reference(int frames, std::function<void(Result<int>)> done);
@@ -96,7 +102,8 @@ class Instrument : public Agent {
   /// From now on where spots are expected, and how far they move, is as configured.
   void clear_registration(Changed done);
 
-  /// For jobs that show pictures. Prepare thread: whether no job has the sensor.
+  /// For jobs that show pictures. Prepare thread: whether neither a job nor the loop has the
+  /// sensor.
   Result<void> check_free() const;
   /// Prepare thread: the sensor, which is free, belongs to this job; every other change is refused.
   void lend(int job);
@@ -151,6 +158,7 @@ class Instrument : public Agent {
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
+  Result<void> check_no_job() const;
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
   Result<State> lent_state(int job) const;
@@ -209,6 +217,7 @@ class Instrument : public Agent {
   std::optional<TornSpots> torn_;                      ///< of the plan in use
   std::optional<int> reference_job_;                   ///< the job's number
   std::optional<Lease> lease_;
+  bool looping_ = false;  ///< the loop is closed
   Guarded<SensorSnapshot> snapshot_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace ovws {
@@ -39,11 +40,20 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
     entry.job.kind = kind;
     entry.cancel = std::move(cancel);
     entry.progress = std::move(progress);
-    if (jobs_.size() > kMostRemembered) jobs_.erase(jobs_.begin());
+    forget_oldest();
   }
   events_.emit("job", Severity::info, fmt::format("job {} ({}) is running", id, kind),
                event_data(id, JobState::running, 0.0));
   return id;
+}
+
+/// Never one that runs: somebody waits for its end.
+void Jobs::forget_oldest() {
+  if (jobs_.size() <= kMostRemembered) return;
+  const auto ended = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& one) {
+    return one.second.job.state != JobState::running;
+  });
+  if (ended != jobs_.end()) jobs_.erase(ended);
 }
 
 void Jobs::tell_progress(int id) {

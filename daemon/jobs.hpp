@@ -38,6 +38,7 @@ class Jobs {
     std::function<double()> progress;
     int told_quarters = 0;
   };
+  void forget_oldest();  // call with mutex_ locked
   bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
 
   Events& events_;

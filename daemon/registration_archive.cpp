@@ -16,7 +16,9 @@ using nlohmann::json;
 
 constexpr const char* kKind = "registration";
 constexpr const char* kName = "camera";
-constexpr double kMostPx = 1e9;
+constexpr double kMostPx = 1e5;     ///< of a base spot: far beyond any sensor
+constexpr double kMostCpp = 0.5;    ///< of a grating
+constexpr double kMostScale = 1e6;  ///< of px_per_cycle
 
 std::string title_of(const Registration& registration) {
   return "the registration of " + utc_text(registration.t_taken_ns);
@@ -35,15 +37,15 @@ Result<Registration> registration_from(const json& content) {
   Registration out;
   std::vector<double> base, base_error, map, error, grating;
   ObjectReader r(content, "registration");
-  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size) {
+  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size, double most) {
     r.require(key);
-    r.numbers(key, to, size, size, -kMostPx, kMostPx);
+    r.numbers(key, to, size, size, -most, most);
   };
-  list("base_px", base, 2);
-  list("base_standard_error_px", base_error, 2);
-  list("base_grating_cpp", grating, 2);
-  list("px_per_cycle", map, 4);
-  list("px_per_cycle_standard_error", error, 4);
+  list("base_px", base, 2, kMostPx);
+  list("base_standard_error_px", base_error, 2, kMostPx);
+  list("base_grating_cpp", grating, 2, kMostCpp);
+  list("px_per_cycle", map, 4, kMostScale);
+  list("px_per_cycle_standard_error", error, 4, kMostScale);
   r.require("residual_px");
   r.number("residual_px", out.residual_px, 0.0, kMostPx);
   r.require("sights");
@@ -76,7 +78,6 @@ Result<Registration> RegistrationArchive::use(const json& content) {
         Errc::invalid, "slm",
         "it is of another SLM: " + content["slm"].dump() + ", not " + slm_json(slm_).dump());
   }
-  camera_ = content.value("camera", json());
   return registration_from(content["registration"]);
 }
 
@@ -84,13 +85,15 @@ std::optional<Registration> RegistrationArchive::load() {
   std::optional<Registration> found;
   store_.load(kKind, [&](const StateItem& item) {
     json data{{"path", item.path}, {"sha256", item.sha256}, {"used", false}};
+    const bool named = item.name == kName;
     const auto kept = use(item.content);
-    if (!kept || item.name != kName) {
-      const std::string why = kept ? "its file's name is not the daemon's" : kept.error().reason;
+    if (!kept || !named) {
+      const std::string why = named ? kept.error().reason : "its file's name is not the daemon's";
       return events_.emit("registration", Severity::warning,
                           fmt::format("{} is not used, and left as it is: {}", item.path, why),
                           std::move(data));
     }
+    camera_ = item.content.value("camera", json());
     data["used"] = true;
     data["t_taken_ns"] = kept->t_taken_ns;
     events_.emit(

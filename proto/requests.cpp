@@ -254,6 +254,9 @@ Result<LoopSettings> decode_loop_close(const json& params) {
   reader.numbers("modes", modes, 1, kMaxZernikeIndex, 1, kMaxZernikeIndex);
   for (const double j : modes) {
     if (j != std::floor(j)) reader.fault("modes", "must be whole numbers: OSA indices");
+    if (std::find(settings.modes.begin(), settings.modes.end(), int(j)) != settings.modes.end()) {
+      reader.fault("modes", "the mode j = " + std::to_string(int(j)) + " is given twice");
+    }
     settings.modes.push_back(int(j));
   }
   reader.objects("gains", kMaxZernikeIndex, [&](ObjectReader& r, std::size_t) {
@@ -262,6 +265,9 @@ Result<LoopSettings> decode_loop_close(const json& params) {
     r.require("gain");
     r.integer("j", one.j, 1, kMaxZernikeIndex);
     r.number("gain", one.waves, 0.0, limits::kLoopGain.max);
+    const bool known = std::any_of(settings.gains.begin(), settings.gains.end(),
+                                   [&](const Mode& other) { return other.j == one.j; });
+    if (known) r.fault("j", "the mode j = " + std::to_string(one.j) + " is given twice");
     settings.gains.push_back(one);
   });
   if (auto done = reader.finish(); !done) return fail(done.error());

@@ -35,6 +35,25 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   return "";
 }
 
+/// That the loop begins from within its limits, and corrects what is measured.
+Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
+  for (const int j : settings.modes) {
+    const auto& known = sensor.modes_j;
+    if (std::find(known.begin(), known.end(), j) != known.end()) continue;
+    return fail(Errc::invalid, "modes",
+                fmt::format("mode j = {} is not measured: this sensor tells j = {} to {}", j,
+                            known.front(), known.back()));
+  }
+  for (const Mode& mode : sensor.correction) {
+    if (std::abs(mode.waves) <= settings.limit_waves) continue;
+    return fail(Errc::refused, "limit_waves",
+                fmt::format("the correction holds {:.3f} waves of mode j = {}, more than the limit "
+                            "of {:g}: raise it, or call correction.clear first",
+                            mode.waves, mode.j, settings.limit_waves));
+  }
+  return {};
+}
+
 double rms_of(const std::vector<Mode>& modes) {
   double squares = 0.0;
   for (const Mode& mode : modes) squares += mode.waves * mode.waves;
@@ -89,34 +108,24 @@ bool ClosedLoop::take_sample() {
 Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   if (is_closed()) return fail(Errc::refused, "", "the loop is closed already");
   if (auto good = check_loop(settings); !good) return fail(good.error());
-  const SensorSnapshot sensor = deps_.instrument.snapshot();
-  if (sensor.pattern != HologramKind::sensor) {
-    return fail(Errc::refused, "",
-                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+  const auto lent =
+      ask([&](Instrument::Changed done) { deps_.instrument.begin_loop(std::move(done)); });
+  if (!lent) return fail(lent.error());
+  if (auto good = check_against(settings, *lent); !good) {
+    deps_.instrument.end_loop();
+    return fail(good.error());
   }
-  if (!sensor.reference) {
-    return fail(Errc::refused, "reference",
-                "there is no reference to steer to: take one with reference.take first");
-  }
-  for (const int j : settings.modes) {
-    if (std::find(sensor.modes_j.begin(), sensor.modes_j.end(), j) != sensor.modes_j.end()) {
-      continue;
-    }
-    return fail(Errc::invalid, "modes",
-                fmt::format("mode j = {} is not measured: this sensor tells j = {} to {}", j,
-                            sensor.modes_j.front(), sensor.modes_j.back()));
-  }
+  const SensorSnapshot& sensor = *lent;
   integrator_.emplace(settings, sensor.correction, monotonic_ns());
   LoopReport report;
   report.settings = settings;
-  report.correction_rms_waves = rms_of(sensor.correction);
   report_.set(report);
   {
     const std::lock_guard lock(mutex_);
     filled_once_ = false;  // what was seen before may be against another reference
   }
   set_closed(true, "", Severity::info);
-  return report_.get();
+  return this->report();
 }
 
 Result<LoopReport> ClosedLoop::end(bool keep) {
@@ -124,12 +133,13 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
   }
   if (is_closed()) set_closed(false, "it was asked to", Severity::info);
-  if (!keep) {
-    LoopReport report = report_.get();
-    report.correction_rms_waves = 0.0;
-    report_.set(report);
-  }
-  return report_.get();
+  return this->report();
+}
+
+LoopReport ClosedLoop::report() const {
+  LoopReport report = report_.get();
+  report.correction_rms_waves = rms_of(deps_.instrument.snapshot().correction);
+  return report;
 }
 
 void ClosedLoop::act() {
@@ -142,14 +152,21 @@ void ClosedLoop::act() {
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
-  auto promise = std::make_shared<std::promise<Result<void>>>();
-  auto shown = promise->get_future();
-  deps_.instrument.set_correction(
-      correction, [promise = std::move(promise)](const Result<SensorSnapshot>& now) {
-        promise->set_value(now ? Result<void>{} : fail(now.error()));
-      });
+  const auto shown =
+      ask([&](Instrument::Changed done) { deps_.instrument.correct(correction, std::move(done)); });
+  if (!shown) return fail(shown.error());
+  return {};
+}
+
+/// What the prepare thread answers.
+Result<SensorSnapshot> ClosedLoop::ask(const std::function<void(Instrument::Changed)>& what) {
+  auto promise = std::make_shared<std::promise<Result<SensorSnapshot>>>();
+  auto answer = promise->get_future();
+  what([promise = std::move(promise)](Result<SensorSnapshot> now) {
+    promise->set_value(std::move(now));
+  });
   try {
-    return shown.get();
+    return answer.get();
   } catch (const std::future_error&) {  // the prepare thread has ended
     return fail(Errc::unavailable, "", "the daemon is stopping");
   }
@@ -165,6 +182,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   report.opened_because = why;
   report_.set(report);
   closed_ = closed;
+  if (!closed) deps_.instrument.end_loop();
   deps_.on_change(closed);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
                     {{"closed", closed}, {"steps", report.steps}});
@@ -174,7 +192,6 @@ void ClosedLoop::tell_step() {
   LoopReport report = report_.get();
   report.steps = integrator_->steps();
   report.residual_rms_waves = integrator_->residual_rms_waves();
-  report.correction_rms_waves = rms_of(integrator_->correction());
   report_.set(report);
 }
 

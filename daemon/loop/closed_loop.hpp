@@ -46,7 +46,7 @@ class ClosedLoop : public Agent {
   void close(const LoopSettings& settings, Done done);
   /// Unless it is kept, the correction is cleared first: if it cannot be, nothing changes.
   void open(bool keep, Done done);
-  LoopReport report() const { return report_.get(); }
+  LoopReport report() const;
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
 
   /// Publish thread.
@@ -63,6 +63,7 @@ class ClosedLoop : public Agent {
   bool take_sample();
   void act();
   Result<void> show(const std::vector<Mode>& correction);
+  Result<SensorSnapshot> ask(const std::function<void(Instrument::Changed)>& what);
   void give_up(const std::string& reason);
   void set_closed(bool closed, const std::string& why, Severity severity);
   void tell_step();

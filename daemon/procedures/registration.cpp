@@ -12,15 +12,28 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 0.7;         // of the field that the sensor's own spots take
-constexpr double kMostCpp = 0.5;       // the SLM's limit
-constexpr double kMostResidual = 0.1;  // lambda/d, of what the map leaves
-constexpr int kMostCharge = 2;         // of a probe
-constexpr double kOtherScale = 0.03;   // relative: the spots are then looked for anew
+constexpr double kReach = 0.7;    // of the field that the sensor's own spots take
+constexpr double kMostCpp = 0.5;  // the SLM's limit
+// lambda/d, of what the map leaves: of the matched filter's places, and of the light's middles.
+constexpr double kMostResidual = 0.02, kMostRoughResidual = 0.1;
+constexpr std::size_t kMostLeftOut = 2;  // sights that may be ghosts
+constexpr double kRim = 1.5;             // lambda/d: nearer to the rim a spot is cut off
+constexpr int kMostCharge = 2;           // of a probe
+constexpr double kOtherScale = 0.03;     // relative: the spots are then looked for anew
 
-/// The base first: if that is not seen, it is said at once.
-constexpr std::array<Vec2, 9> kSteps{
-    {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+/// All around the base, and the first ones again: has nothing moved meanwhile?
+constexpr std::array<Vec2, 12> kSteps{{{0, 0},
+                                       {1, 0},
+                                       {-1, 0},
+                                       {0, 1},
+                                       {0, -1},
+                                       {1, 1},
+                                       {-1, -1},
+                                       {1, -1},
+                                       {-1, 1},
+                                       {0, 0},
+                                       {1, 0},
+                                       {0, 1}}};
 
 struct Look {
   Vec2 offset_cpp;
@@ -68,6 +81,22 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
   return looks;
 }
 
+bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
+  return at.x < rim_px || at.y < rim_px || at.x > light.width - 1.0 - rim_px ||
+         at.y > light.height - 1.0 - rim_px;
+}
+
+/// A picture has NaN there.
+bool is_saturated(const Image<float>& light, Vec2 at, double reach_px) {
+  const int reach = int(std::ceil(reach_px)), cx = int(at.x), cy = int(at.y);
+  for (int y = std::max(0, cy - reach); y < std::min(light.height, cy + reach + 1); ++y) {
+    for (int x = std::max(0, cx - reach); x < std::min(light.width, cx + reach + 1); ++x) {
+      if (std::isnan(light.at(x, y))) return true;
+    }
+  }
+  return false;
+}
+
 /// Where the light's middle is, and where the matched filter finds the spot.
 struct Sights {
   std::vector<ProbeSight> rough, fine;
@@ -78,7 +107,11 @@ Result<Sights> sights_of(const Bench& bench, const std::vector<Look>& looks,
   for (const Look& one : looks) {
     if (bench.stopped()) return fail(Errc::refused, "", "it was told to end");
     const auto rough = spot_in(one.light, spots);
-    if (!rough) continue;
+    if (!rough || is_at_rim(one.light, *rough, kRim * spots.lambda_d_px)) continue;
+    if (is_saturated(one.light, *rough, spots.lambda_d_px)) {
+      return fail(Errc::refused, "camera.exposure_us",
+                  "the spot is saturated: lower the exposure or the gain");
+    }
     sights.rough.push_back({one.offset_cpp, *rough});
     const auto fine = find_probe(one.light, spots, *rough);
     if (fine) sights.fine.push_back({one.offset_cpp, *fine});
@@ -90,17 +123,16 @@ double distance_px(const Registration& map, const ProbeSight& sight) {
   return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
 }
 
-/// A sight may be a ghost: leaves out those that fit the others worst, as long as enough are left.
-Result<Registration> consistent(std::vector<ProbeSight> sights, double lambda_d_px) {
-  constexpr std::size_t kFewest = 5;
-  for (;;) {
+/// A sight may be a ghost: leaves out the one or two that fit the others worst.
+Result<Registration> consistent(std::vector<ProbeSight> sights, double most_residual_px) {
+  for (std::size_t left_out = 0;; ++left_out) {
     const auto map = fit_registration(sights);
-    if (!map || map->residual_px < kMostResidual * lambda_d_px) return map;
-    if (sights.size() <= kFewest) {
+    if (!map || map->residual_px < most_residual_px) return map;
+    if (left_out == kMostLeftOut) {
       return fail(Errc::refused, "",
-                  fmt::format("the spot does not move as a map of slopes says: {:.1f} px RMS are "
-                              "left; see that nothing moves on the bench, and that the region of "
-                              "interest holds the sensor's field",
+                  fmt::format("the spot does not move as a map of slopes says, {:.2f} px RMS are "
+                              "left: see that nothing moves on the bench, that the spot is not "
+                              "saturated, and that the region of interest holds the sensor's field",
                               map->residual_px));
     }
     sights.erase(std::max_element(sights.begin(), sights.end(), [&](const auto& a, const auto& b) {
@@ -115,10 +147,10 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
                             const SpotModel& spots) {
   const auto sights = sights_of(bench, looks, spots);
   if (!sights) return fail(sights.error());
-  const auto coarse_map = consistent(sights->rough, spots.lambda_d_px);
-  if (sights->fine.size() < sights->rough.size()) return coarse_map;
-  const auto map = consistent(sights->fine, spots.lambda_d_px);
-  return map ? map : coarse_map;
+  if (sights->fine.size() < sights->rough.size()) {
+    return consistent(sights->rough, kMostRoughResidual * spots.lambda_d_px);
+  }
+  return consistent(sights->fine, kMostResidual * spots.lambda_d_px);
 }
 
 }  // namespace

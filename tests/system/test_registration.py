@@ -1,7 +1,8 @@
 """A camera that is turned, mirrored, magnified and moved: registration finds out, and what is measured is right."""
 import math
+import time
 
-from case import BenchCase, Client, main
+from case import BenchCase, Client, main, wait_for
 
 MODES = (3, 4, 5, 7, 12)
 WAVES = 0.2
@@ -49,6 +50,13 @@ class Registration(BenchCase):
             self.assertLess(others, 0.02)
         self.call("aberration.clear")
 
+    def refused_while(self, spoil, why):
+        job = self.call("registration.run")["job"]
+        spoil()
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "failed", ended)
+        self.assertIn(why, ended["error"]["message"])
+
     def test_a_camera_of_any_angle_parity_and_scale(self):
         middle = [255.5, 255.5]
         for case in ((3.0, "none", 1.0, middle), (33.0, "none", 1.0, [275.5, 245.5]), (90.0, "none", 1.0, middle),
@@ -59,6 +67,11 @@ class Registration(BenchCase):
         self.call("sensor.set", {"grooves": [205, 15]})
         self.take_reference(20)
         self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
+        before = self.call("registration.get")
+        self.refused_while(lambda: self.twin.call("twin.set", {"peak_electrons": 300000}), "saturated")
+        self.twin.call("twin.set", {"peak_electrons": 6000})
+        self.refused_while(lambda: (time.sleep(1.0), self.place_camera(magnification=1.05)), "does not move")
+        self.assertEqual(self.call("registration.get"), before)
         self.call("registration.clear")
         self.assertFalse(self.call("registration.get")["registered"])
         self.place_camera(rotation_deg=0.0, mirror="none", magnification=1.0, centre_px=[255.5, 255.5])
