@@ -25,6 +25,7 @@ enum class OperatorKind : std::uint8_t {
   diffractive,   ///< each mode through the diffraction model, tracked (diffractive_matrix)
   relinearised,  ///< slopes, then steps from where the model puts the spots (relinearise): no
                  ///< matrix
+  measured,      ///< each mode shown on the bench, tracked (interaction_matrix)
 };
 
 /// TrackingConfig, and what a tracker by itself does not know: where its templates come from, and

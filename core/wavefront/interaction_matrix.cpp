@@ -1,0 +1,204 @@
+#include "core/wavefront/interaction_matrix.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/wavefront/reconstructor.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMostLost = 0.25;  // of the spots, by one mode
+constexpr double kMostNoise = 0.1;  // of a column's signal
+constexpr std::size_t kFewestSpots = 3;
+
+bool found(const SpotMeans& spots, std::size_t i) {
+  return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
+}
+
+std::string listed(const std::vector<int>& numbers) {
+  constexpr std::size_t kNamed = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kNamed, numbers.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
+  }
+  if (numbers.size() > kNamed) text += ", …";
+  return text;
+}
+
+std::string percent(double part) {
+  return std::to_string(std::lround(100.0 * part)) + " %";
+}
+
+std::string hundredths(double value) {
+  std::string text = std::to_string(std::lround(100.0 * value));
+  text.insert(0, text.size() < 3 ? 3 - text.size() : 0, '0');
+  return text.insert(text.size() - 2, ".");
+}
+
+/// Spots that are there without a push, before and after.
+std::vector<std::size_t> resting_spots(const PushPullRun& run) {
+  std::vector<std::size_t> spots;
+  for (std::size_t i = 0; i < run.before.at_px.size(); ++i) {
+    if (found(run.before, i) && found(run.after, i)) spots.push_back(i);
+  }
+  return spots;
+}
+
+void measure_drift(const PushPullRun& run, const std::vector<std::size_t>& spots,
+                   InteractionMatrix& matrix) {
+  double squares = 0.0, variance = 0.0;
+  for (const std::size_t i : spots) {
+    const Vec2 moved = run.after.at_px[i] - run.before.at_px[i];
+    const Vec2 &a = run.before.standard_error_px[i], &b = run.after.standard_error_px[i];
+    squares += moved.x * moved.x + moved.y * moved.y;
+    variance += a.x * a.x + a.y * a.y + b.x * b.x + b.y * b.y;
+  }
+  const double count = 2.0 * double(std::max<std::size_t>(1, spots.size()));
+  matrix.drift_px = std::sqrt(squares / count);
+  matrix.drift_noise_px = std::sqrt(variance / count);
+}
+
+struct Column {
+  Eigen::VectorXd slopes, standard_error;
+};
+
+/// To the precision of a float, which is how it is kept: what is read from a file is the same.
+double kept(double value) {
+  return double(float(value));
+}
+
+Column column_of(const PushPull& push, const std::vector<std::size_t>& spots, std::size_t all) {
+  Column c{Eigen::VectorXd::Zero(2 * Eigen::Index(all)),
+           Eigen::VectorXd::Zero(2 * Eigen::Index(all))};
+  const double by = 1.0 / (2.0 * push.amplitude_waves);
+  for (const std::size_t i : spots) {
+    const auto row = 2 * Eigen::Index(i);
+    const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
+    const Vec2 &a = push.plus.standard_error_px[i], &b = push.minus.standard_error_px[i];
+    c.slopes(row) = kept(by * moved.x);
+    c.slopes(row + 1) = kept(by * moved.y);
+    c.standard_error(row) = kept(by * std::hypot(a.x, b.x));
+    c.standard_error(row + 1) = kept(by * std::hypot(a.y, b.y));
+  }
+  return c;
+}
+
+double least_singular_value(const Eigen::MatrixXd& slopes) {
+  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
+}
+
+/// Appends the column unless the modes would no longer be determined with it.
+bool append(InteractionMatrix& matrix, const Column& column) {
+  const Eigen::Index before = matrix.slopes.cols();
+  Eigen::MatrixXd with(column.slopes.size(), before + 1);
+  with << matrix.slopes, column.slopes;
+  if (determined_modes(with) != int(with.cols())) return false;
+  if (column.standard_error.norm() > kMostNoise * least_singular_value(with)) return false;
+  matrix.slopes = std::move(with);
+  matrix.standard_error.conservativeResize(Eigen::NoChange, before + 1);
+  matrix.standard_error.col(before) = column.standard_error;
+  return true;
+}
+
+void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pushes,
+                  const std::vector<std::size_t>& spots, InteractionMatrix& matrix) {
+  const std::size_t all = run.before.at_px.size();
+  matrix.slopes.resize(2 * Eigen::Index(all), 0);
+  matrix.standard_error.resize(2 * Eigen::Index(all), 0);
+  for (const PushPull* push : pushes) {
+    const Column column = column_of(*push, spots, all);
+    const double signal = column.slopes.norm();
+    const double noise = column.standard_error.norm();
+    if (!(noise <= kMostNoise * signal)) {
+      matrix.dropped.push_back(
+          {push->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
+                                       " of its signal: average more frames, give more light, or "
+                                       "push by more waves"
+                                 : "it moves no spot"});
+    } else if (append(matrix, column)) {
+      matrix.modes_j.push_back(push->j);
+      matrix.amplitude_waves.push_back(push->amplitude_waves);
+    } else {
+      matrix.dropped.push_back({push->j,
+                                "the spots cannot tell it from the modes before it: it is not "
+                                "determined"});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<int> lost_by(const PushPull& push, const SpotMeans& resting) {
+  std::vector<int> lost;
+  for (std::size_t i = 0; i < resting.at_px.size(); ++i) {
+    const bool there = found(push.plus, i) && found(push.minus, i);
+    if (found(resting, i) && !there) lost.push_back(int(i));
+  }
+  return lost;
+}
+
+Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most_drift_px) {
+  InteractionMatrix matrix;
+  const auto resting = resting_spots(run);
+  measure_drift(run, resting, matrix);
+  if (matrix.drift_px > most_drift_px) {
+    return fail(Errc::refused, "",
+                "without a push the spots have moved by " + hundredths(matrix.drift_px) +
+                    " px since the beginning (RMS, at most " + hundredths(most_drift_px) +
+                    " px are allowed): let the bench come to rest, and measure again");
+  }
+  std::vector<const PushPull*> pushes;
+  std::vector<bool> lost(run.before.at_px.size(), true);
+  for (const std::size_t i : resting) lost[i] = false;
+  for (const PushPull& push : run.modes) {
+    const std::vector<int> gone = lost_by(push, run.before);
+    if (double(gone.size()) > kMostLost * double(resting.size())) {
+      matrix.dropped.push_back(
+          {push.j, "its pictures lose the spots " + listed(gone) + ": push by fewer waves"});
+      continue;
+    }
+    for (const int i : gone) lost[std::size_t(i)] = true;
+    pushes.push_back(&push);
+  }
+  std::vector<std::size_t> spots;
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    if (lost[i]) {
+      matrix.lost_spots.push_back(int(i));
+    } else {
+      spots.push_back(i);
+    }
+  }
+  if (spots.size() < kFewestSpots) {
+    return fail(Errc::refused, "",
+                "only " + std::to_string(spots.size()) +
+                    " spots are found in every picture: check the image, the exposure and the "
+                    "region of interest, or push by fewer waves");
+  }
+  take_columns(run, pushes, spots, matrix);
+  if (!matrix.modes_j.empty()) return matrix;
+  return fail(Errc::refused, "",
+              "no mode can be told: " + (matrix.dropped.empty()
+                                             ? std::string("none was asked for")
+                                             : "j = " + std::to_string(matrix.dropped[0].j) + ": " +
+                                                   matrix.dropped[0].reason));
+}
+
+Eigen::VectorXd singular_values(const InteractionMatrix& matrix) {
+  const Eigen::MatrixXd normal = matrix.slopes.transpose() * matrix.slopes;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
+}
+
+double relative_noise(const InteractionMatrix& matrix, Eigen::Index k) {
+  return matrix.standard_error.col(k).norm() / matrix.slopes.col(k).norm();
+}
+
+ModeOperator mode_operator_of(const InteractionMatrix& matrix) {
+  return {OperatorKind::measured, matrix.modes_j, matrix.slopes};
+}
+
+}  // namespace ovws

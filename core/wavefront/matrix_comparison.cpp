@@ -1,0 +1,259 @@
+#include "core/wavefront/matrix_comparison.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "core/optics/zernike.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kAlike = 0.9;        // correlation of columns that are the same but for a factor
+constexpr double kUnlike = 0.5;       // of columns that are not the same
+constexpr double kMostTurnDeg = 1.0;  // of displacements that still agree
+constexpr double kMostScale = 0.03;   // off 1, of all columns together
+constexpr double kMostFactor = 0.2;   // off the others, of one column
+constexpr std::size_t kNamed = 3;     // modes, in a sentence
+
+const char* const kRegister = "run registration.run, then reference.take and calibration.run";
+
+/// Columns of the same modes, and only the rows that tell.
+struct Pair {
+  std::vector<int> modes_j;
+  Eigen::MatrixXd measured, error, model;
+  Eigen::MatrixXd all_model;     ///< every column of the model
+  std::vector<int> all_modes_j;  ///< its modes
+};
+
+Pair pair_of(const InteractionMatrix& measured, const ModeOperator& model) {
+  std::vector<Eigen::Index> rows, from, to;
+  for (Eigen::Index i = 0; i < measured.spots(); ++i) {
+    const auto& lost = measured.lost_spots;
+    if (std::find(lost.begin(), lost.end(), int(i)) != lost.end()) continue;
+    rows.push_back(2 * i);
+    rows.push_back(2 * i + 1);
+  }
+  Pair pair;
+  for (std::size_t k = 0; k < measured.modes_j.size(); ++k) {
+    const auto at = std::find(model.modes_j.begin(), model.modes_j.end(), measured.modes_j[k]);
+    if (at == model.modes_j.end()) continue;
+    pair.modes_j.push_back(measured.modes_j[k]);
+    from.push_back(Eigen::Index(k));
+    to.push_back(at - model.modes_j.begin());
+  }
+  pair.measured = measured.slopes(rows, from);
+  pair.error = measured.standard_error(rows, from);
+  pair.model = model.slopes(rows, to);
+  pair.all_model = model.slopes(rows, Eigen::all);
+  pair.all_modes_j = model.modes_j;
+  return pair;
+}
+
+double correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  const double norms = a.norm() * b.norm();
+  return norms > 0.0 ? a.dot(b) / norms : 0.0;
+}
+
+std::vector<ModeComparison> compare_modes(const Pair& pair) {
+  std::vector<ModeComparison> modes;
+  for (std::size_t n = 0; n < pair.modes_j.size(); ++n) {
+    const auto k = Eigen::Index(n);
+    const Eigen::VectorXd m = pair.measured.col(k), s = pair.model.col(k);
+    const double squares = std::max(s.squaredNorm(), 1e-300);
+    modes.push_back({pair.modes_j[n], m.dot(s) / squares,
+                     s.cwiseProduct(pair.error.col(k)).norm() / squares, correlation(m, s)});
+  }
+  return modes;
+}
+
+/// The 2 x 2 matrix that turns the model's displacement of each spot best into the measured one,
+/// every mode counting alike.
+Eigen::Matrix2d best_map(const Pair& pair) {
+  Eigen::Matrix2d ms = Eigen::Matrix2d::Zero(), ss = Eigen::Matrix2d::Zero();
+  for (Eigen::Index k = 0; k < pair.model.cols(); ++k) {
+    const double weight = 1.0 / std::max(pair.model.col(k).squaredNorm(), 1e-300);
+    for (Eigen::Index i = 0; i < pair.model.rows(); i += 2) {
+      const Eigen::Vector2d m = pair.measured.block<2, 1>(i, k), s = pair.model.block<2, 1>(i, k);
+      ms += weight * m * s.transpose();
+      ss += weight * s * s.transpose();
+    }
+  }
+  return ms * ss.completeOrthogonalDecomposition().pseudoInverse();
+}
+
+bool explains(const Eigen::Matrix2d& map, const Pair& pair) {
+  for (Eigen::Index k = 0; k < pair.model.cols(); ++k) {
+    Eigen::VectorXd mapped = pair.model.col(k);
+    for (Eigen::Index i = 0; i < mapped.size(); i += 2) {
+      mapped.segment<2>(i) = (map * mapped.segment<2>(i)).eval();
+    }
+    if (correlation(mapped, pair.measured.col(k)) < kAlike) return false;
+  }
+  return true;
+}
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  std::array<char, 400> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, values...);
+  return buffer.data();
+}
+
+std::string listed(const std::vector<std::string>& all) {
+  std::string out;
+  for (std::size_t i = 0; i < std::min(kNamed, all.size()); ++i) {
+    out += (i == 0 ? "" : ", ") + all[i];
+  }
+  return all.size() > kNamed ? out + " and " + std::to_string(all.size() - kNamed) + " more" : out;
+}
+
+struct Finding {
+  Disagreement kind = Disagreement::none;
+  std::string words;
+};
+
+/// The ways in which displacements can be exchanged and turned over.
+struct Exchange {
+  Disagreement kind;
+  double xx, xy, yx, yy;
+  const char* words;
+};
+constexpr std::array<Exchange, 8> kExchanges{{
+    {Disagreement::none, 1, 0, 0, 1, ""},
+    {Disagreement::sign, -1, 0, 0, -1, "every displacement has the wrong sign"},
+    {Disagreement::sign, -1, 0, 0, 1, "displacements along x have the wrong sign"},
+    {Disagreement::sign, 1, 0, 0, -1, "displacements along y have the wrong sign"},
+    {Disagreement::axes, 0, 1, 1, 0, "the axes x and y are exchanged"},
+    {Disagreement::axes, 0, -1, -1, 0,
+     "the axes x and y are exchanged, and both have the wrong sign"},
+    {Disagreement::rotation, 0, -1, 1, 0, "displacements are turned by 90 degrees"},
+    {Disagreement::rotation, 0, 1, -1, 0, "displacements are turned by -90 degrees"},
+}};
+
+/// Columns that are too long or too short for the others.
+Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
+  std::vector<std::string> odd;
+  for (const ModeComparison& mode : modes) {
+    if (std::abs(mode.factor / scale - 1.0) > kMostFactor) {
+      odd.push_back(text("j = %d by %.2f", mode.j, mode.factor));
+    }
+  }
+  if (!odd.empty()) {
+    return {Disagreement::single_modes,
+            "some modes move the spots by another factor than the model says: " + listed(odd) +
+                "; see that the light is even, and that no spot is torn"};
+  }
+  if (std::abs(scale - 1.0) <= kMostScale) return {};
+  return {Disagreement::scale,
+          text("every displacement is %.3f times what the model says: the magnification or the "
+               "focal length is another one; ",
+               scale) +
+              kRegister};
+}
+
+Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>& modes) {
+  const double scale = std::sqrt(std::abs(map.determinant()));
+  const Exchange* nearest = kExchanges.data();
+  double most = -1e300;
+  for (const Exchange& e : kExchanges) {
+    const double like = e.xx * map(0, 0) + e.xy * map(0, 1) + e.yx * map(1, 0) + e.yy * map(1, 1);
+    if (like > most) nearest = &e;
+    most = std::max(most, like);
+  }
+  if (nearest->kind != Disagreement::none) {
+    return {nearest->kind, std::string(nearest->words) +
+                               ": the camera does not stand as the configuration says; " +
+                               kRegister};
+  }
+  const double turn_deg =
+      std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1)) * 180.0 / std::numbers::pi;
+  if (std::abs(turn_deg) > kMostTurnDeg) {
+    return {Disagreement::rotation,
+            text("displacements are turned by %.1f degrees: the camera does not stand as the "
+                 "configuration says; ",
+                 turn_deg) +
+                kRegister};
+  }
+  return judge_factors(modes, scale);
+}
+
+/// A lattice that is seen mirrored looks the same, and turns over those modes that the mirror does.
+Finding judge_signs(const std::vector<ModeComparison>& modes) {
+  struct Mirror {
+    Vec2 by;
+    const char* words;
+  };
+  constexpr std::array<Mirror, 3> kMirrors{{{{-1, 1}, "mirrored along x"},
+                                            {{1, -1}, "mirrored along y"},
+                                            {{-1, -1}, "turned by 180 degrees"}}};
+  constexpr Vec2 kAt{0.31, 0.57};  // on no symmetry axis of any mode
+  for (const Mirror& mirror : kMirrors) {
+    const Vec2 mirrored{mirror.by.x * kAt.x, mirror.by.y * kAt.y};
+    const bool fits = std::all_of(modes.begin(), modes.end(), [&](const ModeComparison& mode) {
+      const bool odd = zernike(mode.j, kAt) * zernike(mode.j, mirrored) < 0.0;
+      return odd == (mode.factor < 0.0);
+    });
+    if (fits) {
+      return {Disagreement::parity,
+              std::string("the modes that change sign in a picture ") + mirror.words +
+                  " have the wrong sign: the camera sees the lattice so; " + kRegister};
+    }
+  }
+  std::vector<std::string> wrong;
+  for (const ModeComparison& mode : modes) {
+    if (mode.factor < 0.0) wrong.push_back("j = " + std::to_string(mode.j));
+  }
+  return {Disagreement::sign, "single modes have the wrong sign: " + listed(wrong) +
+                                  "; the SLM and the model define them differently"};
+}
+
+Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) {
+  std::vector<std::string> others;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    if (std::abs(modes[k].correlation) > kUnlike) continue;
+    for (std::size_t l = 0; l < pair.all_modes_j.size(); ++l) {
+      const double like =
+          correlation(pair.measured.col(Eigen::Index(k)), pair.all_model.col(Eigen::Index(l)));
+      if (std::abs(like) < kAlike) continue;
+      others.push_back(text("j = %d looks like the model's j = %d%s", modes[k].j,
+                            pair.all_modes_j[l], like < 0.0 ? " with the wrong sign" : ""));
+    }
+  }
+  if (!others.empty()) {
+    return {Disagreement::order, "the order of the modes is another one: " + listed(others) +
+                                     "; the SLM and the model count them differently"};
+  }
+  return {
+      Disagreement::unlike,
+      std::string("the spots do not move as the model says, nor as it would turned, mirrored or "
+                  "in another order: see that the spots are found and whose they are; ") +
+          kRegister};
+}
+
+Finding judge(const Pair& pair, const std::vector<ModeComparison>& modes) {
+  if (modes.empty()) return {};
+  const Eigen::Matrix2d map = best_map(pair);
+  if (explains(map, pair)) return judge_map(map, modes);
+  const bool alike = std::all_of(modes.begin(), modes.end(), [](const ModeComparison& mode) {
+    return std::abs(mode.correlation) >= kAlike;
+  });
+  return alike ? judge_signs(modes) : judge_order(pair, modes);
+}
+
+}  // namespace
+
+MatrixComparison compare(const InteractionMatrix& measured, const ModeOperator& model) {
+  const Pair pair = pair_of(measured, model);
+  MatrixComparison comparison;
+  comparison.modes = compare_modes(pair);
+  Finding found = judge(pair, comparison.modes);
+  comparison.disagreement = found.kind;
+  comparison.words = std::move(found.words);
+  return comparison;
+}
+
+}  // namespace ovws
