@@ -39,6 +39,7 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   state.registration = instrument->registrations_.load();
   if (state.registration && !instrument->plan_for(state, 0)) state.registration.reset();
   instrument->limit_pictures();
+  instrument->calibrations_.load();
   HologramRequest first = instrument->render(state);
   auto plan = instrument->plan_for(state, first.hologram_id);
   if (!plan) return fail(plan.error());
@@ -58,7 +59,8 @@ Instrument::Instrument(const Config& config, const InstrumentDeps& deps, Hologra
       hologram_(std::move(hologram)),
       archive_(ReferenceBench(config, hologram_), deps.store, deps.events),
       registrations_(config.slm.geometry, deps.store, deps.events),
-      state_(std::move(state)) {}
+      state_(std::move(state)),
+      calibrations_(archive_.bench(), deps.store, deps.events) {}
 
 bool Instrument::do_work() {
   const bool worked = mailbox_.run_one(kTurn);
@@ -72,6 +74,7 @@ void Instrument::change_sensor(SensorSet change, Changed done) {
     State next = state_;
     next.sensor = change.applied_to(state_.sensor);
     next.tracking = change.applied_to(state_.tracking);
+    if (auto there = check_operator(change, next); !there) return done(fail(there.error()));
     done(change_to(std::move(next)));
   });
 }
@@ -104,7 +107,7 @@ void Instrument::show(HologramKind pattern, Changed done) {
 
 void Instrument::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
   mailbox_.post([this, plan_id, torn = std::move(torn)]() mutable {
-    if (snapshot_.get().plan_id != plan_id || reference_job_ || (!torn && !torn_)) return;
+    if (snapshot_.get().plan_id != plan_id || reference_job_ || lease_ || (!torn && !torn_)) return;
     torn_ = std::move(torn);
     auto plan = plan_for(state_, shown_hologram_id_);
     if (!plan) return torn_.reset();  // as the plan in use: it would be the same error
@@ -268,6 +271,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.subapertures = plan->subapertures();
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);
+  now.calibration = calibrations_.find(calibration_key(state_));
   now.templates = templates_for(state_, now.reference).report;
   now.mode_operator = report_operator(*plan);
   if (torn_) now.torn = torn_->numbers();

@@ -14,6 +14,7 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
 #include "core/wavefront/registration.hpp"
+#include "daemon/calibration_shelf.hpp"
 #include "daemon/events.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/jobs.hpp"
@@ -57,7 +58,8 @@ struct SensorSnapshot {
   int subapertures = 0;
   std::vector<int> modes_j;
   std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
-  std::optional<Reference> reference;  ///< the one in force
+  std::optional<Reference> reference;              ///< the one in force
+  std::shared_ptr<const Calibration> calibration;  ///< that belongs to all this; null: none
 };
 
 struct InstrumentDeps {
@@ -102,6 +104,10 @@ class Instrument : public Agent {
   /// From now on where spots are expected, and how far they move, is as configured.
   void clear_registration(Changed done);
 
+  /// Modes are read otherwise from now on; it is gone from the disk, too. An error if it cannot be
+  /// removed there, and then nothing has changed.
+  void clear_calibration(Changed done);
+
   /// For jobs that show pictures. Prepare thread: whether neither a job nor the loop has the
   /// sensor.
   Result<void> check_free() const;
@@ -113,6 +119,11 @@ class Instrument : public Agent {
   /// Any thread, for the job that has the sensor: where spots are expected, and how far they move,
   /// is as measured.
   void use_registration(int job, const Registration& registration, Changed done);
+  /// Any thread, for the job that has the sensor and shows the sensor without a push: modes are
+  /// read with what it measured from now on. Errc::refused if the sensor or its image is no longer
+  /// that of `sensor_epoch`, when the job began.
+  void use_calibration(int job, std::uint64_t sensor_epoch, MeasuredCalibration measured,
+                       Changed done);
   /// Any thread: what was shown before the sensor was lent is shown again, as soon as there is a
   /// display; the sensor is free. `then` is called in the prepare thread, or destroyed if that has
   /// ended.
@@ -121,8 +132,8 @@ class Instrument : public Agent {
   /// from now on.
   void use_model_reference(Changed done);
   /// Frames of plan `plan_id` were found to have torn spots, or (none) not to: from now on they are
-  /// followed as such. Nothing happens if another plan is in use by then, or while a reference is
-  /// taken. Any change of the sensor ends it.
+  /// followed as such. Nothing happens if another plan is in use by then, or while a job has
+  /// the sensor. Any change of the sensor ends it.
   void follow(std::uint64_t plan_id, std::optional<TornSpots> torn);
   /// What the camera uses now, and which it is. If its image changed, frames are measured with a
   /// plan made for it from then on; a reference that is being taken ends with any change, one of
@@ -174,6 +185,10 @@ class Instrument : public Agent {
   void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
   const ModeOperator* operator_for(const State& state) const;
   OperatorReport report_operator(const MeasurementPlan& plan);
+  CalibrationKey calibration_key(const State& state) const;
+  Result<void> check_operator(const SensorSet& change, const State& next) const;
+  Result<SensorSnapshot> adopt_calibration(int job, std::uint64_t sensor_epoch,
+                                           MeasuredCalibration measured);
   void keep(const OperatorKey& key, Result<ModeOperator> made);
   void tell_operator(OperatorKind before, OperatorKind now);
   void retire_plans();
@@ -206,10 +221,11 @@ class Instrument : public Agent {
   std::uint64_t next_hologram_id_ = 1;
   std::uint64_t next_plan_id_ = 1;
   std::uint64_t shown_hologram_id_ = 0;
-  std::shared_ptr<const Image<std::uint8_t>> grey_;    ///< the picture of that number
-  std::vector<Reference> references_;                  ///< one a key
-  TemplateShelf templates_;                            ///< of the reference in force
-  OperatorShelf operators_;                            ///< diffractive ones
+  std::shared_ptr<const Image<std::uint8_t>> grey_;  ///< the picture of that number
+  std::vector<Reference> references_;                ///< one a key
+  TemplateShelf templates_;                          ///< of the reference in force
+  OperatorShelf operators_;                          ///< diffractive ones
+  CalibrationShelf calibrations_;
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
   std::optional<CameraSettings> camera_;               ///< as last told
   std::optional<CameraInfo> camera_info_;              ///< the same

@@ -9,6 +9,10 @@ namespace ovws {
 /// Null: the slopes.
 const ModeOperator* Instrument::operator_for(const State& state) const {
   if (state.tracking.mode_operator == OperatorKind::slopes) return nullptr;
+  if (state.tracking.mode_operator == OperatorKind::measured) {
+    const auto measured = calibrations_.find(calibration_key(state));
+    return measured ? &measured->mode_operator : nullptr;
+  }
   const auto* const made =
       operators_.find(operator_key(state.sensor, state.tracking, optics_of(state), state.roi));
   return made != nullptr && *made ? &**made : nullptr;
@@ -19,6 +23,10 @@ OperatorReport Instrument::report_operator(const MeasurementPlan& plan) {
   if (plan.mode_operator == state_.tracking.mode_operator) {
     deps_.operators.give_up();
     return {plan.mode_operator, ""};
+  }
+  if (state_.tracking.mode_operator == OperatorKind::measured) {
+    deps_.operators.give_up();
+    return {plan.mode_operator, calibrations_.why_none(calibration_key(state_))};
   }
   const OperatorKey key =
       operator_key(state_.sensor, state_.tracking, optics_of(state_), state_.roi);
@@ -40,7 +48,7 @@ void Instrument::keep(const OperatorKey& key, Result<ModeOperator> made) {
   }
   operators_.put(key, std::move(made));
   const bool wanted =
-      state_.tracking.mode_operator != OperatorKind::slopes &&
+      state_.tracking.mode_operator == OperatorKind::diffractive &&
       key == operator_key(state_.sensor, state_.tracking, optics_of(state_), state_.roi);
   if (!wanted) return;
   auto plan = plan_for(state_, shown_hologram_id_);

@@ -127,9 +127,10 @@ std::optional<Reference> Instrument::reference_for(const State& state) const {
   return reference;
 }
 
-/// Whether the same reference is to be used with it.
+/// Whether the same reference and the same calibration are to be used with it.
 bool Instrument::know_camera(const std::optional<CameraInfo>& info) {
   const Reference* const before = find_reference(state_);
+  const auto calibration = calibrations_.find(calibration_key(state_));
   camera_info_ = info;
   const Reference* const now = find_reference(state_);
   if (before != nullptr && now == nullptr) {
@@ -137,7 +138,7 @@ bool Instrument::know_camera(const std::optional<CameraInfo>& info) {
                       title_of(*before) + " is not used: it was taken with another camera",
                       {{"t_taken_ns", before->t_taken_ns}, {"used", false}});
   }
-  return before == now;
+  return before == now && calibration == calibrations_.find(calibration_key(state_));
 }
 
 /// An event when another set of settings is not that of the reference; not for every value.

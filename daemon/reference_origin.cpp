@@ -21,13 +21,6 @@ json aberration_json(const std::vector<Mode>& aberration) {
   return modes;
 }
 
-json camera_json(const std::optional<CameraInfo>& camera) {
-  if (!camera) return nullptr;
-  // As a file gives them back: what a camera says need not be UTF-8.
-  const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
-  return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
-}
-
 json registration_json(const std::optional<Registration>& registration) {
   if (!registration) return nullptr;
   const PxPerCycle& map = registration->px_per_cycle;
@@ -86,6 +79,13 @@ std::string difference(const std::string& path, const json& then, const json& no
 
 }  // namespace
 
+json camera_json(const std::optional<CameraInfo>& camera) {
+  if (!camera) return nullptr;
+  // As a file gives them back: what a camera says need not be UTF-8.
+  const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
+  return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
 ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
     : config_(config), hologram_(std::move(hologram)) {
   bench_ = {{"optics", config_json(config)["optics"]},
@@ -143,22 +143,28 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
 }
 
 std::string ReferenceBench::obstacle(const Reference& reference) const {
-  const json& origin = *reference.origin;
+  return obstacle(*reference.origin, reference.key, reference.positions_px.size());
+}
+
+std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key,
+                                     std::size_t spots) const {
   for (const char* part : {"optics", "slm"}) {
     auto differs = difference(part, origin.value(part, json()), bench_[part]);
     if (!differs.empty()) return differs;
   }
   HologramConfig hologram = hologram_;
-  hologram.sensor = reference.key.sensor;
+  hologram.sensor = key.sensor;
   const auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return renderer.error().reason;
-  if (renderer->lattice().subapertures.size() != reference.positions_px.size()) {
+  if (renderer->lattice().subapertures.size() != spots) {
     return "it has not as many spots as its sensor";
   }
   const json hash = origin.value("hologram_sha256", json());
   if (hash.is_null()) return {};
   Image<std::uint8_t> grey;
-  renderer->render(HologramKind::sensor, reference.aberration, grey);
+  const auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  if (!modes) return modes.error().reason;
+  renderer->render(HologramKind::sensor, *modes, grey);
   return hash == hash_of(grey) ? "" : "this program draws its hologram otherwise";
 }
 

@@ -25,6 +25,9 @@ struct OriginInputs {
   const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: of the model
 };
 
+/// {vendor, model, serial}, or null.
+nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
+
 /// The bench as the configuration says it: with another one a reference's positions mean nothing.
 class ReferenceBench {
  public:
@@ -44,6 +47,11 @@ class ReferenceBench {
   /// Why a reference that was kept cannot be used here; empty if it can. Its hologram is rendered
   /// anew: a program that draws another one says so.
   std::string obstacle(const Reference& reference) const;
+  /// The same of what else has an origin, as `known` accepts it, and as many spots.
+  std::string obstacle(const nlohmann::json& origin, const ReferenceKey& key,
+                       std::size_t spots) const;
+
+  const Config& config() const { return config_; }
 
  private:
   Config config_;

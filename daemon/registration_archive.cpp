@@ -28,10 +28,6 @@ json slm_json(const SlmGeometry& slm) {
   return {{"width", slm.width_px}, {"height", slm.height_px}, {"pitch_um", slm.pitch_um}};
 }
 
-json camera_json(const std::optional<CameraInfo>& camera) {
-  return camera ? to_json(*camera) : json();
-}
-
 /// The keys of registration.get, and the grating that base_px is of.
 Result<Registration> registration_from(const json& content) {
   Registration out;

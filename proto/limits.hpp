@@ -47,6 +47,8 @@ constexpr Numbers kLoopLeak{0.0, 0.99};
 constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
 constexpr Integers kPictureFrames{1, 100};
+constexpr Numbers kPushWaves{0.005, 0.2};  ///< amplitude of a calibration
+constexpr Integers kPushFrames{2, 10000};  ///< of each of its pictures
 constexpr Integers kJob{1, 2147483647};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};

@@ -232,6 +232,26 @@ Result<void> decode_reference_set(const json& params) {
   return reader.finish();
 }
 
+Result<CalibrationRun> decode_calibration_run(const json& params) {
+  CalibrationRun run;
+  std::vector<double> modes;
+  ObjectReader reader(params, "");
+  reader.number("amplitude_waves", run.amplitude_waves, limits::kPushWaves.min,
+                limits::kPushWaves.max);
+  reader.integer("frames", run.frames, limits::kPushFrames.min, limits::kPushFrames.max);
+  reader.numbers("modes", modes, 1, kMaxZernikeIndex, 1, kMaxZernikeIndex);
+  std::set<int> given;
+  for (const double mode : modes) {
+    if (mode != std::floor(mode)) reader.fault("modes", "must be OSA indices, whole numbers");
+    if (!given.insert(int(mode)).second) {
+      reader.fault("modes", "the mode j = " + std::to_string(int(mode)) + " is given twice");
+    }
+  }
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  if (!given.empty()) run.modes_j.emplace(given.begin(), given.end());
+  return run;
+}
+
 Result<HologramKind> decode_slm_show(const json& params) {
   std::optional<HologramKind> pattern;
   ObjectReader reader(params, "");

@@ -63,6 +63,13 @@ struct RefineSet {
   RefineSetup applied_to(RefineSetup settings) const;
 };
 
+/// `calibration.run`.
+struct CalibrationRun {
+  double amplitude_waves = 0.15;            ///< RMS-normalised
+  int frames = 20;                          ///< averaged for each picture
+  std::optional<std::vector<int>> modes_j;  ///< key "modes": OSA indices; none: all
+};
+
 Result<CameraSet> decode_camera_set(const nlohmann::json& params);
 Result<SensorSet> decode_sensor_set(const nlohmann::json& params);
 Result<RefineSet> decode_refine_set(const nlohmann::json& params);
@@ -75,6 +82,8 @@ Result<int> decode_reference_take(const nlohmann::json& params);
 Result<int> decode_registration_run(const nlohmann::json& params);
 /// `reference.set`: what positions count from, of which only "model" can be set.
 Result<void> decode_reference_set(const nlohmann::json& params);
+/// No mode twice.
+Result<CalibrationRun> decode_calibration_run(const nlohmann::json& params);
 Result<HologramKind> decode_slm_show(const nlohmann::json& params);
 /// `loop.close`; the limits of single numbers only, see check_loop.
 Result<LoopSettings> decode_loop_close(const nlohmann::json& params);

@@ -43,6 +43,11 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
 /// Null: the slopes.
 Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
+  if (config.tracking.mode_operator == OperatorKind::measured) {
+    return fail(Errc::refused, "operator",
+                "a measured matrix is the running daemon's: choose slopes, diffractive or "
+                "relinearised");
+  }
   if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
   const OperatorKey key =
       operator_key(config.sensor, config.tracking, config.optics, {0, 0, like.width, like.height});

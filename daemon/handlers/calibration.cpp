@@ -1,6 +1,8 @@
-/// registration.*: what the bench measures of itself.
+/// registration.* and calibration.*: what the bench measures of itself.
+#include "daemon/procedures/calibration.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/procedures/registration.hpp"
+#include "proto/calibration_result.hpp"
 #include "proto/results.hpp"
 
 namespace ovws {
@@ -41,10 +43,56 @@ void clear_registration(Services& services, const nlohmann::json& params, RpcRep
   });
 }
 
-constexpr std::array<Method, 3> kMethods{{
+nlohmann::json calibration_of(const SensorSnapshot& sensor) {
+  if (!sensor.calibration) return calibration_result(std::nullopt);
+  const Calibration& c = *sensor.calibration;
+  const bool in_force = sensor.mode_operator.in_force == OperatorKind::measured;
+  return calibration_result(CalibrationReport{in_force, c.amplitude_waves, c.frames, c.t_taken_ns,
+                                              c.matrix, c.comparison, c.sha256, *c.origin});
+}
+
+void run_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto run = decode_calibration_run(params);
+  if (!run) return reply(failed(run.error()));
+  if (services.instrument.snapshot().pattern != HologramKind::sensor) {
+    return reply(failed({Errc::refused, "",
+                         "the SLM does not show the sensor: call slm.show with \"sensor\" first"}));
+  }
+  const SlmGeometry slm = services.config.slm.geometry;
+  start(
+      services, "calibration.run",
+      [slm, run = *run](Bench& bench) -> Result<nlohmann::json> {
+        const std::uint64_t epoch = bench.sensor().sensor_epoch;
+        auto measured = measure_calibration(bench, slm, run);
+        if (!measured) return fail(measured.error());
+        if (auto used = bench.use_calibration(epoch, std::move(*measured)); !used) {
+          return fail(used.error());
+        }
+        return calibration_of(bench.sensor());
+      },
+      reply);
+}
+
+void get_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  reply(calibration_of(services.instrument.snapshot()));
+}
+
+void clear_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+  services.instrument.clear_calibration([reply](Result<SensorSnapshot> cleared) {
+    if (!cleared) return reply(failed(cleared.error()));
+    reply(calibration_of(*cleared));
+  });
+}
+
+constexpr std::array<Method, 6> kMethods{{
     {"registration.run", Action::start_job, run_registration},
     {"registration.get", Action::read, get_registration},
     {"registration.clear", Action::clear_reference, clear_registration},
+    {"calibration.run", Action::start_job, run_calibration},
+    {"calibration.get", Action::read, get_calibration},
+    {"calibration.clear", Action::clear_reference, clear_calibration},
 }};
 
 }  // namespace

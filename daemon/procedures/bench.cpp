@@ -79,6 +79,12 @@ Result<void> Bench::use_registration(const Registration& registration) {
   });
 }
 
+Result<void> Bench::use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.use_calibration(job_, sensor_epoch, std::move(measured), std::move(done));
+  });
+}
+
 Result<CameraSettings> Bench::set_camera(const CameraSet& change) {
   if (stopped()) return fail(stopped_error());
   auto promise = std::make_shared<std::promise<Result<CameraSettings>>>();

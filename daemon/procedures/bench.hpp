@@ -44,6 +44,8 @@ class Bench {
   Result<void> show(const Painter& paint);
   /// In force from now on.
   Result<void> use_registration(const Registration& registration);
+  /// Modes are read with it from now on; the sensor is shown without a push.
+  Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
   /// All of the camera's settings that `change` names; read back.
   Result<CameraSettings> set_camera(const CameraSet& change);
 

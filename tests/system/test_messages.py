@@ -3,7 +3,7 @@ import json
 import struct
 
 import jsonschema
-from case import BenchCase, main
+from case import BenchCase, main, wait_for
 
 PICTURES = "tcp://127.0.0.1:7703"
 
@@ -22,6 +22,12 @@ class Messages(BenchCase):
         result = self.call(method, params)
         self.check(schema["result"], result)
         return result
+
+    def checked_job(self, job, method):
+        """Waits for its end; its result is that of `method`."""
+        ended = wait_for(lambda: (report := self.checked_call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "done", ended)
+        self.check(self.description["methods"][method]["result"], ended["result"])
 
     def checked_message(self, stream, topic):
         message = stream.next(5.0)
@@ -57,9 +63,24 @@ class Messages(BenchCase):
         self.take_reference(20)
         call("reference.get")
         call("job.get", {"job": job + 1})
+        call("correction.get")
+        call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
+        call("loop.close")
+        call("loop.get")
+        call("loop.open")
+        call("correction.clear")
         call("reference.set", {"source": "model"})
         call("reference.get")
         call("reference.clear")
+        call("registration.get")
+        self.checked_job(call("registration.run", {"frames": 1})["job"], "registration.get")
+        call("registration.get")
+        call("registration.clear")
+        call("calibration.get")
+        self.checked_job(call("calibration.run", {"frames": 2, "modes": [1, 2]})["job"], "calibration.get")
+        call("calibration.get")
+        call("system.status")
+        call("calibration.clear")
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})
         call("refine.get")

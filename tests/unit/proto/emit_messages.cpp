@@ -6,6 +6,7 @@
 #include <random>
 
 #include "config/config.hpp"
+#include "proto/calibration_result.hpp"
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
@@ -114,6 +115,29 @@ void print_status() {
   print_stream(kTopicEvent, encode(event, nullptr));
 }
 
+/// What a calibration was measured with is as of a reference: `origin` is of the schema's example.
+void print_calibrations() {
+  const json example = json::parse(schema_text("calibration.get")).at("result").at("examples")[0];
+  InteractionMatrix matrix;
+  matrix.amplitude_waves = {0.1, 0.05};
+  matrix.modes_j = {3, 4};
+  matrix.slopes = Eigen::MatrixXd::Identity(6, 2);
+  matrix.standard_error = 0.01 * Eigen::MatrixXd::Ones(6, 2);
+  matrix.lost_spots = {2};
+  matrix.dropped = {{5, "it moves no spot"}};
+  MatrixComparison comparison;
+  comparison.modes = {{3, 1.0, 0.01, 0.999}};  // not every model has every mode
+  for (int kind = 0; kind <= int(Disagreement::unlike); ++kind) {
+    comparison.disagreement = Disagreement(kind);
+    if (kind > 0) comparison.words = "the axes x and y are exchanged";
+    print_result("calibration.get", calibration_result(CalibrationReport{
+                                        kind > 0, 0.1, 20, 1767225600000000000, matrix, comparison,
+                                        "", example.at("origin")}));
+  }
+  print_result("calibration.clear", calibration_result(std::nullopt));
+  print_result("calibration.run", job_started_result(4));
+}
+
 void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", camera_get_result(std::nullopt, {}, std::nullopt));
@@ -166,6 +190,7 @@ void print_results() {
   print_result("registration.get", registration_result(registration));
   print_result("registration.clear", registration_result(std::nullopt));
   print_result("registration.run", job_started_result(2));
+  print_calibrations();
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
     print_result("slm.show", slm_show_result(HologramKind(k), 1));
   }
@@ -190,7 +215,7 @@ void print_results() {
 json any_value(std::mt19937& random) {
   static const json values = json::parse(R"([
       0, 1, -1, 7, 1000, 1e9, -1e9, 0.5, 1.0, null, true, "lg", "model", "square", "flat", "sensor", "grating",
-      "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], {},
+      "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], [4, 4], 0.1, {},
       {"x": 0, "y": 0, "width": 64, "height": 64}, {"x": 0}, [{"j": 3, "waves": 0.5}],
       [{"n": 2, "m": 0, "waves": 0.5}], [{"n": 2, "waves": 1}],
       [{"j": 3, "n": 2, "m": -2, "waves": 1}], [{"j": 3, "gain": 0.2}], [3, 4]])");
@@ -233,6 +258,8 @@ void print_all_params() {
   print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
   print_params("registration.run", {"frames", "frame"}, decode_registration_run);
   print_params("reference.set", {"source"}, decode_reference_set, 3000);
+  print_params("calibration.run", {"amplitude_waves", "frames", "modes", "mode"},
+               decode_calibration_run);
   print_params("slm.show", {"pattern"}, decode_slm_show);
   print_params("job.get", {"job", "id"}, decode_job);
   print_params("config.get", {"path"}, decode_nothing);

@@ -191,6 +191,18 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(decode_loop_open({{"keep", false}}), false);
   EXPECT_EQ(error_of(decode_registration_run({{"frames", 101}})).field, "frames");
   EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
+  const auto run = decode_calibration_run(json::object());
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->amplitude_waves, 0.15);
+  EXPECT_EQ(run->frames, 20);
+  EXPECT_FALSE(run->modes_j);
+  EXPECT_EQ(decode_calibration_run({{"modes", {5, 3}}})->modes_j, (std::vector<int>{3, 5}));
+  EXPECT_EQ(error_of(decode_calibration_run({{"amplitude_waves", 0.3}})).field, "amplitude_waves");
+  EXPECT_EQ(error_of(decode_calibration_run({{"frames", 1}})).field, "frames");
+  EXPECT_EQ(error_of(decode_calibration_run({{"modes", json::array()}})).field, "modes");
+  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {0}}})).field, "modes[0]");
+  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {3, 3}}})).field, "modes");
+  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {3.5}}})).field, "modes");
   EXPECT_EQ(error_of(decode_slm_show({{"pattern", "sensr"}})).nearest, "sensor");
   EXPECT_EQ(decode_job({{"job", 3}}), 3);
   EXPECT_EQ(error_of(decode_job(json::object())).field, "job");

@@ -59,6 +59,7 @@ void decode_all(const Json& params) {
   (void)decode_registration_run(params);
   (void)decode_loop_close(params);
   (void)decode_loop_open(params);
+  (void)decode_calibration_run(params);
   (void)decode_slm_show(params);
   (void)decode_job(params);
   (void)decode_nothing(params);

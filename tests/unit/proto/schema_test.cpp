@@ -26,15 +26,16 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
   for (const SchemaFile& file : schemas()) names.emplace_back(file.name);
   EXPECT_EQ(names,
             (std::vector<std::string>{
-                "aberration.clear", "aberration.get",     "aberration.set",   "camera.get",
-                "camera.set",       "config.get",         "config.save",      "correction.clear",
-                "correction.get",   "correction.set",     "job.cancel",       "job.get",
-                "loop.close",       "loop.get",           "loop.open",        "reference.clear",
-                "reference.get",    "reference.set",      "reference.take",   "refine.get",
-                "refine.set",       "registration.clear", "registration.get", "registration.run",
-                "sensor.get",       "sensor.set",         "slm.show",         "stream.event",
-                "stream.image",     "stream.phase",       "stream.refined",   "stream.spots",
-                "stream.status",    "stream.wavefront",   "system.describe",  "system.status"}));
+                "aberration.clear",   "aberration.get",   "aberration.set",   "calibration.clear",
+                "calibration.get",    "calibration.run",  "camera.get",       "camera.set",
+                "config.get",         "config.save",      "correction.clear", "correction.get",
+                "correction.set",     "job.cancel",       "job.get",          "loop.close",
+                "loop.get",           "loop.open",        "reference.clear",  "reference.get",
+                "reference.set",      "reference.take",   "refine.get",       "refine.set",
+                "registration.clear", "registration.get", "registration.run", "sensor.get",
+                "sensor.set",         "slm.show",         "stream.event",     "stream.image",
+                "stream.phase",       "stream.refined",   "stream.spots",     "stream.status",
+                "stream.wavefront",   "system.describe",  "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -69,6 +70,10 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   expect_range(loop.at("leak"), limits::kLoopLeak);
   expect_range(loop.at("limit_waves"), limits::kLoopLimitWaves);
   expect_range(loop.at("patience_s"), limits::kLoopPatienceS);
+  const json calibration = properties("calibration.run");
+  expect_range(calibration.at("amplitude_waves"), limits::kPushWaves);
+  expect_range(calibration.at("frames"), limits::kPushFrames);
+  EXPECT_EQ(calibration.at("modes").at("items").at("maximum"), kMaxZernikeIndex);
   expect_range(properties("job.get").at("job"), limits::kJob);
   const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
   expect_range(by_j.at("properties").at("waves"), limits::kModeWaves);
@@ -119,6 +124,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("reference.set")) EXPECT_TRUE(decode_reference_set(e)) << e;
   for (const json& e : examples("loop.close")) EXPECT_TRUE(decode_loop_close(e)) << e;
   for (const json& e : examples("loop.open")) EXPECT_TRUE(decode_loop_open(e)) << e;
+  for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode_calibration_run(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }

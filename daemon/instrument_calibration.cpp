@@ -1,0 +1,54 @@
+/// Calibrations: which belongs to the present state, and how one comes in force.
+#include "daemon/instrument.hpp"
+
+namespace ovws {
+
+CalibrationKey Instrument::calibration_key(const State& state) const {
+  return ovws::calibration_key(reference_key(state.sensor, state.tracking, state.roi), optics_,
+                               slm_geometry_, registration_of(state), camera_json(camera_info_));
+}
+
+/// What is asked for must be there, but what was in force may go with what it belonged to.
+Result<void> Instrument::check_operator(const SensorSet& change, const State& next) const {
+  if (change.mode_operator != OperatorKind::measured) return {};
+  const CalibrationKey key = calibration_key(next);
+  if (calibrations_.find(key)) return {};
+  return fail(Errc::refused, "operator", calibrations_.why_none(key));
+}
+
+void Instrument::use_calibration(int job, std::uint64_t sensor_epoch, MeasuredCalibration measured,
+                                 Changed done) {
+  mailbox_.post(
+      [this, job, sensor_epoch, measured = std::move(measured), done = std::move(done)]() mutable {
+        done(adopt_calibration(job, sensor_epoch, std::move(measured)));
+      });
+}
+
+Result<SensorSnapshot> Instrument::adopt_calibration(int job, std::uint64_t sensor_epoch,
+                                                     MeasuredCalibration measured) {
+  auto next = lent_state(job);
+  if (!next) return fail(next.error());
+  if (state_.sensor_epoch != sensor_epoch) {
+    return fail(Errc::refused, "camera", "the camera or its region changed meanwhile");
+  }
+  Calibration calibration{std::move(measured), calibration_key(state_), {}, nullptr, ""};
+  calibration.mode_operator = mode_operator_of(calibration.matrix);
+  calibration.origin = std::make_shared<const nlohmann::json>(
+      archive_.bench().origin({calibration.key.sensor, shown_modes(state_), camera_, camera_info_,
+                               registration_of(state_), grey_.get()}));
+  calibrations_.put(std::move(calibration));
+  next->tracking.mode_operator = OperatorKind::measured;
+  return carry_out(std::move(*next));
+}
+
+void Instrument::clear_calibration(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    if (auto free = check_free(); !free) return done(fail(free.error()));
+    if (auto dropped = calibrations_.drop(calibration_key(state_)); !dropped) {
+      return done(fail(dropped.error()));
+    }
+    done(carry_out(state_));
+  });
+}
+
+}  // namespace ovws

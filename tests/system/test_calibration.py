@@ -1,0 +1,218 @@
+"""The interaction matrix, measured on the bench: what is read with it is right, wherever the camera stands.
+
+    OVWS_CALIBRATION=full   every mode for every camera, not for two of them only
+    OVWS_AMPLITUDE=0.1      of the pushes, waves; without it the daemon's default
+    OVWS_TRACKER=matched    that finds the spots, of both tests that read modes
+"""
+import os
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+FULL = os.environ.get("OVWS_CALIBRATION") == "full"
+ALL = tuple(range(3, 15))
+FEW = ALL if FULL else (4, 7, 12, 14)
+WAVES = 0.2
+MIDDLE = [255.5, 255.5]
+CAMERAS = (  # degrees, mirror, magnification, base spot, modes
+    (3.0, "none", 1.0, MIDDLE, FEW),
+    (33.0, "none", 1.0, MIDDLE, ALL),
+    (90.0, "none", 1.0, MIDDLE, FEW),
+    (0.0, "x", 1.0, MIDDLE, ALL),
+    (0.0, "none", 1.05, MIDDLE, FEW),
+    (0.0, "none", 1.0, [275.5, 255.5], FEW))
+
+
+class CalibrationCase(BenchCase):
+    twin_config = {"noise": "pool"}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "state": {"directory": "state"}, "tracking": {"tracker": "lg"}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def calibrate(self, **params):
+        begun = time.monotonic()
+        found = self.run_job("calibration.run", params, 120.0)["result"]
+        self.assertEqual(self.call("calibration.get"), found)
+        self.assertTrue(found["in_force"])
+        factors = [mode["factor"] for mode in found["modes"]]
+        noise = [mode["standard_error_px_per_wave"] / mode["signal_px_per_wave"] for mode in found["modes"]]
+        print(f"    {len(factors)} modes in {time.monotonic() - begun:.1f} s, condition {found['condition_number']:.2f}, "
+              f"factors {min(factors):.3f} to {max(factors):.3f}, correlation from "
+              f"{min(mode['correlation'] for mode in found['modes']):.4f}, noise up to {max(noise):.4f} of the signal, "
+              f"drift {found['drift_px']:.3f} px of {found['drift_noise_px']:.3f}, {found['disagreement']}")
+        return found
+
+    def in_use(self):
+        sensor = self.call("system.status")["sensor"]
+        return sensor["operator"], sensor["operator_in_force"], sensor["operator_reason"]
+
+    def means(self, hologram_id=None):
+        """After a change that the daemon does not know of, `hologram_id` is none, and the frames of before are to be let go."""
+        stream = self.stream("wavefront")
+        frames = self.settled_frames(stream, 10, hologram_id)
+        stream.close()
+        return dict(zip(frames[0]["j"], (sum(column) / len(frames) for column in zip(*(frame["coefficients"] for frame in frames)))))
+
+    def check(self, j, modes):
+        others = max(abs(value) for k, value in modes.items() if k != j)
+        print(f"    mode {j}: {modes[j]:.4f} of {WAVES}, others up to {others:.4f}")
+        self.assertAlmostEqual(modes[j], WAVES, delta=0.02 * WAVES + 0.003)
+        self.assertLess(others, 0.02)
+
+
+class Reading(CalibrationCase):
+    def amplitude(self):
+        return {"amplitude_waves": float(os.environ["OVWS_AMPLITUDE"])} if "OVWS_AMPLITUDE" in os.environ else {}
+
+    def use_tracker(self, usual):
+        tracker = os.environ.get("OVWS_TRACKER", usual)
+        print(f"\n  tracker {tracker}")
+        self.call("sensor.set", {"tracker": tracker})
+
+    def read_with(self, rotation_deg, mirror, magnification, centre_px, modes):
+        print(f"\n  {rotation_deg} degrees, mirror {mirror}, {magnification}, base {centre_px}")
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": rotation_deg, "mirror": mirror, "magnification": magnification,
+                                                 "centre_px": centre_px}})
+        self.run_job("registration.run", {}, 60.0)
+        self.take_reference(20)
+        found = self.calibrate(frames=10, **self.amplitude())
+        self.assertEqual(([mode["j"] for mode in found["modes"]], found["dropped"], found["lost_spots"]), (list(range(1, 19)), [], []))
+        self.assertEqual((found["disagreement"], found["disagreement_reason"]), ("none", None))
+        for j in modes:
+            with self.subTest(mode=j):
+                self.check(j, self.means(self.call("aberration.set", {"modes": [{"j": j, "waves": WAVES}]})["hologram_id"]))
+        self.call("aberration.clear")
+
+    def test_what_the_slm_shows_is_read_wherever_the_camera_stands(self):
+        self.use_tracker("lg")
+        for case in CAMERAS:
+            with self.subTest(case=case[:4]):
+                self.read_with(*case)
+
+    def test_what_is_hidden_in_the_light_is_read(self):
+        self.use_tracker("matched")
+        self.take_reference(50)
+        self.calibrate(**self.amplitude())
+        for j in ALL if FULL else (3, 7, 12, 14):
+            with self.subTest(mode=j):
+                self.twin.call("twin.set", {"aberration": [{"j": j, "waves": WAVES}]})
+                time.sleep(1.0)  # the frames that were begun before
+                self.check(j, self.means())
+
+
+class Rules(CalibrationCase):
+    """What a calibration belongs to, and what is refused. A few modes and frames will do."""
+
+    def quick(self, **params):
+        return self.calibrate(frames=3, modes=[1, 2, 3, 4, 5], **params)
+
+    def expect_fallback(self, field):
+        asked, in_force, reason = self.in_use()
+        self.assertEqual((asked, in_force), ("measured", "slopes"))
+        self.assertRegex(reason, f"was measured with another {field}: run calibration.run")
+        self.assertEqual(self.call("calibration.get")["calibrated"], False)
+
+    def test_it_is_used_with_what_it_was_measured_with_only(self):
+        refused = self.refused("sensor.set", {"operator": "measured"})
+        self.assertEqual((refused.code, refused.data["field"]), (-32000, "operator"))
+        self.assertIn("there is no calibration", refused.data["reason"])
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})
+        first = self.quick()
+        self.assertEqual(self.in_use(), ("measured", "measured", None))
+        self.assertEqual(self.call("aberration.get")["modes"][0]["waves"], 0.05)  # as it was
+        self.assertEqual(self.call("sensor.get")["modes_j"], [1, 2, 3, 4, 5])
+        origin = first["origin"]
+        self.assertEqual((origin["aberration"], origin["camera"]["serial"], origin["settings"]["gain_db"], origin["slm"]["width"],
+                          origin["roi"]["width"], origin["registration"]), ([{"j": 3, "waves": 0.05}], "TWIN0001", 0.0, 1280, 512, None))
+        for change, back, field in (({"charge": 2}, {"charge": 1}, "charge"), ({"subapertures_across": 4}, {"subapertures_across": 5}, "subapertures_across")):
+            self.call("sensor.set", change)
+            self.expect_fallback(field)
+            refused = self.refused("sensor.set", {"operator": "measured"})
+            self.assertIn(field, refused.data["reason"])
+            self.call("sensor.set", back)
+            self.assertEqual(self.call("calibration.get"), first)
+            self.assertEqual(self.in_use(), ("measured", "measured", None))
+        self.call("camera.set", {"roi": {"x": 16}})
+        self.expect_fallback("roi")
+        self.call("camera.set", {"roi": {"x": 0}})
+        self.assertEqual(self.in_use()[1], "measured")
+        # One a key.
+        self.call("sensor.set", {"tracker": "matched"})
+        self.expect_fallback("tracker")
+        second = self.quick()
+        self.assertNotEqual(second["t_taken_ns"], first["t_taken_ns"])
+        self.call("sensor.set", {"tracker": "lg"})
+        self.assertEqual(self.call("calibration.get"), first)
+        self.call("sensor.set", {"operator": "slopes"})
+        self.assertEqual(self.in_use(), ("slopes", "slopes", None))
+        self.assertEqual(self.call("calibration.get"), first | {"in_force": False})
+        self.call("sensor.set", {"operator": "measured"})
+        self.assertEqual(self.in_use(), ("measured", "measured", None))
+        # The same map measured is the same registration; another magnification is another one.
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.assertEqual(self.in_use(), ("measured", "measured", None))
+        self.twin.call("twin.set", {"geometry": {"magnification": 1.05}})
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.expect_fallback("registration")
+        self.call("registration.clear")
+        self.twin.call("twin.set", {"geometry": {"magnification": 1.0}})
+        # Found again after a restart, which begins with what the configuration asks for.
+        self.bench.stop("ovwsd")
+        self.client.close()
+        self.bench.start_daemon(self.daemon_config | {"tracking": self.daemon_config["tracking"] | {"operator": "measured"}})
+        self.client = Client()
+        self.addCleanup(self.client.close)
+        self.wait_until("running")
+        self.assertEqual(self.call("calibration.get"), first)
+        self.assertEqual(self.in_use(), ("measured", "measured", None))
+        self.assertFalse(self.call("calibration.clear")["calibrated"])
+        self.assertEqual(self.in_use()[:2], ("measured", "slopes"))
+
+    def test_what_cannot_be_is_refused(self):
+        self.assertEqual(self.refused("calibration.run", {"amplitude_waves": 0.3}).data["field"], "amplitude_waves")
+        self.assertEqual(self.refused("calibration.run", {"modes": [3, 3]}).data["field"], "modes")
+        self.call("slm.show", {"pattern": "grating"})
+        self.assertIn("does not show the sensor", self.refused("calibration.run").data["reason"])
+        self.call("slm.show", {"pattern": "sensor"})
+        job = self.call("calibration.run", {"modes": [3, 40]})["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report)
+        self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "modes"))
+        self.assertIn("j = 1 to 18", ended["error"]["data"]["reason"])
+        self.wait_until("running")
+        job = self.call("calibration.run")["job"]
+        for method in ("calibration.run", "registration.run", "calibration.clear", "reference.take"):
+            self.assertIn("job", self.refused(method).data["reason"])
+        self.call("job.cancel", {"job": job})
+        self.wait_until("running")
+        self.assertEqual((self.call("calibration.get")["calibrated"], self.in_use()), (False, ("slopes", "slopes", None)))
+        # Spots that move on their own are seen.
+        job = self.call("calibration.run", {"modes": [3, 5], "frames": 10})["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.0, what="the first picture")
+        self.twin.call("twin.set", {"geometry": {"centre_px": [258.5, 255.5]}})
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 30.0)
+        self.assertEqual(ended["state"], "failed", ended)
+        self.assertRegex(ended["error"]["data"]["reason"], "the spots have moved by [0-9.]+ px")
+        self.twin.call("twin.fault", {"kind": "unplug", "seconds": 60})
+        self.wait_until("waiting_for_camera")
+        self.assertEqual(self.refused("calibration.run").code, -32001)
+
+
+class FineGrating(CalibrationCase):
+    """Spots that need nearly all that the SLM's pixels can show."""
+    twin_config = {"noise": "pool", "sensor": {"grooves": [562, 20]}}
+    daemon_config = CalibrationCase.daemon_config | {"sensor": {"grooves": [562, 20]}}
+
+    def test_modes_that_the_slm_cannot_show_are_pushed_by_less_or_left_out_and_said(self):
+        found = self.run_job("calibration.run", {"frames": 3, "modes": [1, 2, 12], "amplitude_waves": 0.2}, 60.0)["result"]
+        pushed = {mode["j"]: mode["amplitude_waves"] for mode in found["modes"]}
+        print(f"\n  pushed by {pushed}, dropped are {found['dropped']}")
+        self.assertEqual(pushed, {1: 0.2, 2: 0.1})  # the grating runs along x, as j = 2 does
+        self.assertEqual([one["j"] for one in found["dropped"]], [12])
+        self.assertIn("the SLM cannot show it", found["dropped"][0]["reason"])
+
+
+if __name__ == "__main__":
+    main()

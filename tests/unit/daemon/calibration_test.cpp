@@ -1,0 +1,232 @@
+/// Calibrations: what they belong to, and that they outlive the daemon.
+#include "daemon/calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/calibration_file.hpp"
+#include "daemon/calibration_shelf.hpp"
+#include "daemon/mode_operators.hpp"
+#include "daemon/stream_queue.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const CameraInfo kCamera{"Ovws", "Twin", "TWIN0001", "127.0.0.1"};
+
+/// A small bench, quick to render.
+Config small_bench() {
+  Config config;
+  config.slm.geometry = {160, 96, 19.0};
+  config.sensor.pupil_diameter_px = 96.0;
+  config.sensor.subapertures_across = 3;
+  config.sensor.grooves = {20.0, 4.0};
+  config.camera.settings.roi = {16, 8, 32, 24};
+  return config;
+}
+
+Registration turned(double base_x_px = 20.0) {
+  Registration registration;
+  registration.px_per_cycle = {0.0, -900.0, 900.0, 0.0};
+  registration.base_px = {base_x_px, 30.0};
+  registration.t_taken_ns = 3;
+  return registration;
+}
+
+class Calibrations : public testing::Test {
+ protected:
+  Calibrations() { fs::remove_all(folder_); }
+  ~Calibrations() override { fs::remove_all(folder_); }
+
+  /// As of a daemon that was just started with this configuration.
+  struct Started {
+    Started(const Config& config, const std::string& folder) : store({folder}, events) {
+      HologramConfig hologram;
+      hologram.slm = config.slm.geometry;
+      hologram.sensor = config.sensor;
+      bench = std::make_unique<ReferenceBench>(config, hologram);
+      shelf = std::make_unique<CalibrationShelf>(*bench, store, events);
+      shelf->load();
+    }
+    StreamQueue queue;
+    Events events{queue};
+    DaemonStore store;
+    std::unique_ptr<ReferenceBench> bench;
+    std::unique_ptr<CalibrationShelf> shelf;
+  };
+  std::unique_ptr<Started> started(const Config& config) const {
+    return std::make_unique<Started>(config, folder_);
+  }
+
+  static CalibrationKey key_of(const Config& config,
+                               const std::optional<Registration>& registration = std::nullopt) {
+    return calibration_key(
+        reference_key(config.sensor, config.tracking, config.camera.settings.roi), config.optics,
+        config.slm.geometry, registration, camera_json(kCamera));
+  }
+
+  /// The model's slopes, a little off.
+  static Calibration measured(const Started& daemon, const Config& config,
+                              std::int64_t t_taken_ns = 5,
+                              const std::optional<Registration>& registration = std::nullopt) {
+    Calibration calibration;
+    calibration.key = key_of(config, registration);
+    calibration.frames = 20;
+    calibration.t_taken_ns = t_taken_ns;
+    const auto lattice = make_lattice(config.sensor, config.slm.geometry).value();
+    const ModeOperator model =
+        slope_operator(lattice, config.sensor, config.tracking, calibration.key.px_per_cycle);
+    InteractionMatrix& matrix = calibration.matrix;
+    calibration.amplitude_waves = 0.15;
+    matrix.modes_j = model.modes_j;
+    matrix.amplitude_waves.assign(model.modes_j.size(), 0.15);
+    matrix.amplitude_waves[1] = 0.075;
+    matrix.slopes = (1.01 * model.slopes).cast<float>().cast<double>();
+    matrix.standard_error =
+        Eigen::MatrixXd::Constant(model.slopes.rows(), model.slopes.cols(), 1.0 / 64.0);
+    matrix.lost_spots = {2};
+    matrix.slopes.middleRows(4, 2).setZero();
+    matrix.dropped = {{200, "it moves no spot"}};
+    matrix.drift_px = 0.25;
+    matrix.drift_noise_px = 0.125;
+    calibration.comparison = compare(matrix, model);
+    calibration.mode_operator = mode_operator_of(matrix);
+    const std::optional<CameraSettings> settings = config.camera.settings;
+    const std::optional<CameraInfo> camera = kCamera;
+    const std::vector<Mode> aberration{{3, 0.05}};
+    calibration.origin = std::make_shared<const json>(daemon.bench->origin(
+        {calibration.key.sensor, aberration, settings, camera, registration, nullptr}));
+    return calibration;
+  }
+
+  const std::string folder_ = testing::TempDir() + "ovws_calibrations";
+  const Config config_ = small_bench();
+};
+
+TEST_F(Calibrations, BelongToAllThatMovesTheirSpots) {
+  const CalibrationKey key = key_of(config_);
+  EXPECT_TRUE(differences(key, key).empty());
+  const auto names = [&](auto change) {
+    Config other = config_;
+    change(other);
+    return differences(key, key_of(other));
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names([](Config& c) { c.sensor.charge = 2; }), Names{"charge"});
+  EXPECT_EQ(names([](Config& c) { c.sensor.grid = Grid::square; }), Names{"grid"});
+  EXPECT_EQ(names([](Config& c) { c.sensor.subapertures_across = 2; }),
+            Names{"subapertures_across"});
+  EXPECT_EQ(names([](Config& c) { c.sensor.spacing = 0.3; }), Names{"spacing"});
+  EXPECT_EQ(names([](Config& c) { c.tracking.tracker = TrackerKind::matched; }), Names{"tracker"});
+  EXPECT_EQ(names([](Config& c) { c.tracking.kernel_radius = 0.4; }), Names{"kernel_radius"});
+  EXPECT_EQ(names([](Config& c) { c.tracking.mode_operator = OperatorKind::measured; }), Names{});
+  EXPECT_EQ(differences(key, key_of(config_, turned())), Names{"registration"});
+  EXPECT_EQ(names([](Config& c) { c.camera.settings.roi.x += 16; }), Names{"roi"});
+  Config moved = config_;
+  moved.camera.settings.roi.x += 16;  // the base spot is that of the registration: it stays
+  EXPECT_EQ(differences(key_of(config_, turned()), key_of(moved, turned())), Names{"roi"});
+  CalibrationKey camera = key;
+  camera.camera["serial"] = "TWIN0002";
+  EXPECT_EQ(differences(key, camera), Names{"camera"});
+  camera.camera = nullptr;  // not known yet
+  EXPECT_TRUE(differences(key, camera).empty());
+}
+
+TEST_F(Calibrations, DoNotCareForTheNoiseOfARegistration) {
+  const CalibrationKey key = key_of(config_, turned());
+  Registration again = turned(20.05);
+  again.px_per_cycle = {0.3, -900.3, 899.8, -0.2};
+  EXPECT_TRUE(differences(key, key_of(config_, again)).empty());
+  EXPECT_FALSE(differences(key, key_of(config_, turned(20.0 + key.lambda_d_px))).empty());
+  again.px_per_cycle = {0.0, -909.0, 909.0, 0.0};
+  EXPECT_FALSE(differences(key, key_of(config_, again)).empty());
+}
+
+TEST_F(Calibrations, AreFoundAgainBitForBit) {
+  auto daemon = started(config_);
+  const Calibration before = measured(*daemon, config_, 7, turned());
+  daemon->shelf->put(before);
+  const auto after = started(config_)->shelf->find(key_of(config_, turned()));
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->sha256.size(), 64U);
+  EXPECT_EQ(after->frames, before.frames);
+  EXPECT_EQ(after->t_taken_ns, 7);
+  EXPECT_EQ(*after->origin, *before.origin);
+  EXPECT_EQ(after->amplitude_waves, 0.15);
+  EXPECT_EQ(after->matrix.amplitude_waves, before.matrix.amplitude_waves);
+  EXPECT_EQ(after->matrix.modes_j, before.matrix.modes_j);
+  EXPECT_EQ(after->matrix.slopes, before.matrix.slopes);
+  EXPECT_EQ(after->matrix.standard_error, before.matrix.standard_error);
+  EXPECT_EQ(after->matrix.lost_spots, before.matrix.lost_spots);
+  ASSERT_EQ(after->matrix.dropped.size(), 1U);
+  EXPECT_EQ(after->matrix.dropped[0].j, 200);
+  EXPECT_EQ(after->matrix.drift_px, 0.25);
+  EXPECT_EQ(after->mode_operator.slopes, before.mode_operator.slopes);
+  ASSERT_EQ(after->comparison.modes.size(), before.comparison.modes.size());
+  EXPECT_NEAR(after->comparison.modes[3].factor, 1.01, 1e-4);
+}
+
+TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
+  auto daemon = started(config_);
+  EXPECT_EQ(daemon->shelf->why_none(key_of(config_)),
+            "there is no calibration: run calibration.run");
+  daemon->shelf->put(measured(*daemon, config_, 5, turned()));
+  Registration again = turned(20.05);
+  again.t_taken_ns = 8;
+  daemon->shelf->put(measured(*daemon, config_, 9, again));
+  daemon->shelf->put(measured(*daemon, config_, 6));
+  EXPECT_EQ(daemon->shelf->find(key_of(config_, turned()))->t_taken_ns, 9);
+  EXPECT_EQ(daemon->shelf->find(key_of(config_))->t_taken_ns, 6);
+  auto next = started(config_);
+  EXPECT_EQ(next->shelf->find(key_of(config_, turned()))->t_taken_ns, 9);
+  ASSERT_TRUE(next->shelf->drop(key_of(config_, turned())));
+  EXPECT_FALSE(next->shelf->find(key_of(config_, turned())));
+  EXPECT_TRUE(next->shelf->find(key_of(config_)));
+  next = started(config_);
+  EXPECT_FALSE(next->shelf->find(key_of(config_, turned())));
+  EXPECT_TRUE(next->shelf->find(key_of(config_)));
+  Config other = config_;
+  other.tracking.tracker = TrackerKind::matched;
+  const std::string why = next->shelf->why_none(key_of(other));
+  EXPECT_NE(why.find("was measured with another tracker: run"), std::string::npos) << why;
+}
+
+TEST_F(Calibrations, OfAnotherBenchAreNotUsed) {
+  auto daemon = started(config_);
+  daemon->shelf->put(measured(*daemon, config_));
+  Config other = config_;
+  other.slm.geometry.width_px = 192;
+  EXPECT_FALSE(started(other)->shelf->find(key_of(other)));
+  EXPECT_TRUE(started(config_)->shelf->find(key_of(config_)));
+}
+
+TEST_F(Calibrations, WhoseFileDoesNotFitTogetherAreRefused) {
+  auto daemon = started(config_);
+  const json whole = calibration_content(measured(*daemon, config_));
+  ASSERT_TRUE(calibration_from(whole, config_));
+  const auto field_with = [&](const char* key, const json& value) -> std::string {
+    json content = whole;
+    content[key] = value;
+    const auto read = calibration_from(content, config_);
+    return read ? "" : read.error().field;
+  };
+  EXPECT_EQ(field_with("frames", "many"), "frames");
+  EXPECT_EQ(field_with("t_taken_ns", 0.5), "t_taken_ns");
+  EXPECT_EQ(field_with("modes_j", {3, 3}), "modes_j");
+  EXPECT_EQ(field_with("modes_j", {3}), "amplitudes_waves");
+  EXPECT_EQ(field_with("spots", 6), "slopes");
+  EXPECT_EQ(field_with("slopes", "no base64"), "slopes");
+  EXPECT_EQ(field_with("standard_error", ""), "standard_error");
+  EXPECT_EQ(field_with("lost_spots", {-1}), "lost_spots[0]");
+  EXPECT_EQ(field_with("lost_spots", {1000}), "lost_spots");
+  EXPECT_EQ(field_with("origin", nullptr), "origin");
+  EXPECT_EQ(field_with("surplus", 1), "surplus");
+}
+
+}  // namespace
+}  // namespace ovws
