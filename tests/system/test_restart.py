@@ -8,7 +8,7 @@ import time
 
 from case import BenchCase, Client, ClientError, main, wait_for
 
-KILLS = 10
+KILLS = 5
 BY_DEFECT = re.compile(r"damaged|cut off|not a file of the daemon|is empty")
 
 
