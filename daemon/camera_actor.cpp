@@ -51,17 +51,11 @@ void CameraActor::on_close() {
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
-  mailbox_.post([this, change, done = std::move(done)] {
-    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
-    carry_out(change, done);
-  });
-}
-
-void CameraActor::change_for_job(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
 }
 
 void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
+  if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
   if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
   if (!camera_ || lost_) {
     return done(

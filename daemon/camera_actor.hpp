@@ -54,8 +54,6 @@ class CameraActor : public Agent {
   /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
   /// uses now. A camera at fault is tried anew with the change.
   void change(CameraSet change, Applied done);
-  /// The same for the job that runs, which does not ask whether it may.
-  void change_for_job(CameraSet change, Applied done);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:

@@ -85,17 +85,6 @@ Result<void> Bench::use_calibration(std::uint64_t sensor_epoch, MeasuredCalibrat
   });
 }
 
-Result<CameraSettings> Bench::set_camera(const CameraSet& change) {
-  if (stopped()) return fail(stopped_error());
-  auto promise = std::make_shared<std::promise<Result<CameraSettings>>>();
-  auto future = promise->get_future();
-  deps_.camera.change_for_job(
-      change, [promise = std::move(promise)](const Result<CameraSnapshot>& set) {
-        promise->set_value(set ? Result<CameraSettings>(set->settings) : fail(set.error()));
-      });
-  return wait_for(std::move(future));
-}
-
 void Bench::tell(double progress) {
   progress_.store(progress);
   deps_.jobs.tell_progress(job_);

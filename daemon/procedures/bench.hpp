@@ -46,8 +46,6 @@ class Bench {
   Result<void> use_registration(const Registration& registration);
   /// Modes are read with it from now on; the sensor is shown without a push.
   Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
-  /// All of the camera's settings that `change` names; read back.
-  Result<CameraSettings> set_camera(const CameraSet& change);
 
   /// Of the next `frames` settled frames of the sensor shown last.
   Result<ReferenceCollector::Average> spots(int frames);
