@@ -280,13 +280,13 @@ Result<LoopSettings> decode_loop_close(const json& params) {
     settings.modes.push_back(int(j));
   }
   reader.objects("gains", kMaxZernikeIndex, [&](ObjectReader& r, std::size_t) {
-    Mode one;
+    ModeGain one;
     r.require("j");
     r.require("gain");
     r.integer("j", one.j, 1, kMaxZernikeIndex);
-    r.number("gain", one.waves, 0.0, limits::kLoopGain.max);
+    r.number("gain", one.gain, 0.0, limits::kLoopGain.max);
     const bool known = std::any_of(settings.gains.begin(), settings.gains.end(),
-                                   [&](const Mode& other) { return other.j == one.j; });
+                                   [&](const ModeGain& other) { return other.j == one.j; });
     if (known) r.fault("j", "the mode j = " + std::to_string(one.j) + " is given twice");
     settings.gains.push_back(one);
   });

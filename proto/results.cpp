@@ -223,7 +223,7 @@ json registration_result(const std::optional<Registration>& registration) {
 json loop_result(const LoopReport& report) {
   const LoopSettings& s = report.settings;
   json gains = json::array();
-  for (const Mode& one : s.gains) gains.push_back({{"j", one.j}, {"gain", one.waves}});
+  for (const ModeGain& one : s.gains) gains.push_back({{"j", one.j}, {"gain", one.gain}});
   const auto or_null = [](bool known, json value) { return known ? std::move(value) : json(); };
   return {{"closed", report.closed},
           {"gain", s.gain},

@@ -15,8 +15,8 @@ Result<void> check_loop(const LoopSettings& settings) {
   if (!(settings.leak >= 0.0 && settings.leak < 1.0)) {
     return fail(Errc::invalid, "leak", "must be from 0 to below 1");
   }
-  for (const Mode& one : settings.gains) {
-    if (one.waves >= 0.0 && one.waves <= 1.0) continue;
+  for (const ModeGain& one : settings.gains) {
+    if (one.gain >= 0.0 && one.gain <= 1.0) continue;
     return fail(Errc::invalid, "gains",
                 "the gain of mode j = " + std::to_string(one.j) + " must be from 0 to 1");
   }
@@ -32,8 +32,8 @@ bool Integrator::is_corrected(int j) const {
 }
 
 double Integrator::gain_of(int j) const {
-  for (const Mode& one : settings_.gains) {
-    if (one.j == j) return one.waves;
+  for (const ModeGain& one : settings_.gains) {
+    if (one.j == j) return one.gain;
   }
   return settings_.gain;
 }

@@ -13,15 +13,21 @@
 
 namespace ovws {
 
+struct ModeGain {
+  int j = 0;          ///< OSA index
+  double gain = 0.0;  ///< of a step, 0 <= gain <= 1
+  friend bool operator==(const ModeGain&, const ModeGain&) = default;
+};
+
 struct LoopSettings {
-  double gain = 0.5;             ///< of a step: 0 < gain <= 1
-  double leak = 0.0;             ///< part of the correction that is forgotten a step: 0 <= leak < 1
-  std::vector<int> modes = {};   ///< OSA indices to correct; empty: all that are measured, j >= 1
-  std::vector<Mode> gains = {};  ///< of single modes in place of `gain`; `waves` holds the gain
-  double limit_waves = 5.0;      ///< of each mode's correction, RMS-normalised; > 0
-  double patience_s = 2.0;       ///< without a usable frame, at the limit, or while growing; > 0
-  double growth = 3.0;           ///< times the residual's level of before: that is growing; > 1
-  double floor_waves = 0.05;     ///< residual RMS below which it never counts as growing; >= 0
+  double gain = 0.5;            ///< of a step: 0 < gain <= 1
+  double leak = 0.0;            ///< part of the correction that is forgotten a step: 0 <= leak < 1
+  std::vector<int> modes = {};  ///< OSA indices to correct; empty: all that are measured, j >= 1
+  std::vector<ModeGain> gains = {};  ///< of single modes in place of `gain`
+  double limit_waves = 5.0;          ///< of each mode's correction, RMS-normalised; > 0
+  double patience_s = 2.0;           ///< without a usable frame, at the limit, or growing; > 0
+  double growth = 3.0;               ///< times the residual's level of before: that is growing; > 1
+  double floor_waves = 0.05;         ///< residual RMS below which it never counts as growing; >= 0
 };
 
 /// Errors (Errc::invalid, field as the key).

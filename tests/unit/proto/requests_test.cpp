@@ -185,7 +185,7 @@ TEST(OtherRequests, AreStrict) {
       decode_loop_close({{"gain", 0.3}, {"modes", {3, 5}}, {"gains", {{{"j", 5}, {"gain", 0.1}}}}});
   ASSERT_TRUE(loop);
   EXPECT_EQ(loop->modes, (std::vector<int>{3, 5}));
-  EXPECT_EQ(loop->gains, (std::vector<Mode>{{5, 0.1}}));
+  EXPECT_EQ(loop->gains, (std::vector<ModeGain>{{5, 0.1}}));
   EXPECT_EQ(error_of(decode_loop_close({{"modes", {3.5}}})).field, "modes");
   EXPECT_EQ(error_of(decode_loop_close({{"gain", 0.0}})).field, "gain");
   EXPECT_EQ(decode_loop_open({{"keep", false}}), false);
