@@ -23,16 +23,19 @@ class Torn(BenchCase):
         super().setUp()
         self.twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(self.twin.close)
+        self.hidden_at_ns = 0
 
     def hide(self, modes):
         self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})
+        self.hidden_at_ns = time.time_ns()
 
     def newest(self, stream, count=FRAMES):
+        """Settled frames begun after what is hidden now was hidden: one on its way still shows what was before."""
         stream.drain()
         end, frames = time.monotonic() + 20.0, []
         while len(frames) < count and time.monotonic() < end:
             message = stream.next(1.0)
-            if message is not None and message["settled"]:
+            if message is not None and message["settled"] and message["t_device_ns"] > self.hidden_at_ns:
                 frames.append(message)
         self.assertEqual(len(frames), count)
         return frames
