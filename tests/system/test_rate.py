@@ -1,16 +1,20 @@
-"""200 frames a second of 512 x 512 Mono8 for a minute: none lost, every vortex found in every frame."""
+"""200 frames a second of 512 x 512 Mono8: none lost, every vortex found in every frame.
+
+    OVWS_RATE_S=60   for how long, seconds
+"""
+import os
 import time
 
 from case import BenchCase, main
 
 RATE_HZ = 200
-SECONDS = 60
+SECONDS = float(os.environ.get("OVWS_RATE_S", "20"))
 
 
 class Rate(BenchCase):
     daemon_config = {"camera": {"frame_rate_hz": RATE_HZ}}
 
-    def test_no_frame_is_lost_in_a_minute(self):
+    def test_no_frame_is_lost(self):
         self.take_reference(100)
         stream = self.stream("wavefront")
         first = self.settled_frames(stream, 1)[0]
@@ -30,7 +34,7 @@ class Rate(BenchCase):
         after = self.call("system.status")["counters"]
         latencies_us.sort()
         p50, p99, p999 = (latencies_us[int(q * (len(latencies_us) - 1))] for q in (0.5, 0.99, 0.999))
-        print(f"\n{messages} frames in {SECONDS} s ({messages / SECONDS:.1f}/s), {lost} lost, 19 of 19 valid in {all_tracked};"
+        print(f"\n{messages} frames in {SECONDS:.0f} s ({messages / SECONDS:.1f}/s), {lost} lost, 19 of 19 valid in {all_tracked};"
               f" arrival to message: p50 {p50:.0f} us, p99 {p99:.0f} us, p99.9 {p999:.0f} us, max {latencies_us[-1]:.0f} us")
         changed = {k: after[k] - before[k] for k in after if after[k] != before[k]}
         print("counters that moved:", changed)
