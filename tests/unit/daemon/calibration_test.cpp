@@ -10,6 +10,7 @@
 #include "daemon/calibration_shelf.hpp"
 #include "daemon/mode_operators.hpp"
 #include "daemon/stream_queue.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -104,7 +105,7 @@ class Calibrations : public testing::Test {
     return calibration;
   }
 
-  const std::string folder_ = testing::TempDir() + "ovws_calibrations";
+  const std::string folder_ = own_folder("calibrations");
   const Config config_ = small_bench();
 };
 

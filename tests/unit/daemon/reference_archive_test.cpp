@@ -10,6 +10,7 @@
 #include "core/optics/lattice.hpp"
 #include "daemon/reference_file.hpp"
 #include "daemon/stream_queue.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -89,7 +90,7 @@ class Archive : public testing::Test {
     return started(config)->archive.load();
   }
 
-  const std::string folder_ = testing::TempDir() + "ovws_reference_archive";
+  const std::string folder_ = own_folder("reference_archive");
   const Config config_ = small_bench();
 };
 

@@ -1,4 +1,5 @@
 #include "daemon/store/atomic_file.hpp"
+#include "tests/support/own_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -35,7 +36,7 @@ class AtomicFile : public testing::Test {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
   }
 
-  const std::string folder_ = testing::TempDir() + "ovws_atomic_file";
+  const std::string folder_ = own_folder("atomic_file");
   const std::string path_ = folder_ + "/config.json";
 };
 
@@ -80,12 +81,12 @@ TEST_F(AtomicFile, TheContentIsOnTheDiskBeforeTheNameIsAndTheNameBeforeItReturns
   EXPECT_NE(temporary, "config.json");
   const std::vector<std::string> order{"write " + temporary, "write " + temporary,
                                        "fsync " + temporary, "rename " + temporary + " config.json",
-                                       "fsync ovws_atomic_file"};
+                                       "fsync " + fs::path(folder_).filename().string()};
   EXPECT_EQ(calls_seen, order);
   EXPECT_EQ(content_of(path_), "new");
   calls_seen.clear();
   ASSERT_TRUE(remove_file(path_, kRecorder));
-  EXPECT_EQ(calls_seen, std::vector<std::string>{"fsync ovws_atomic_file"});
+  EXPECT_EQ(calls_seen, std::vector<std::string>{"fsync " + fs::path(folder_).filename().string()});
   EXPECT_FALSE(fs::exists(path_));
   EXPECT_TRUE(remove_file(path_)) << "what is not there is removed";
 }

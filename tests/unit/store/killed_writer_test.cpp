@@ -20,6 +20,7 @@
 #include "daemon/store/atomic_file.hpp"
 #include "daemon/store/encoding.hpp"
 #include "daemon/store/state_store.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -138,7 +139,7 @@ class KilledWriter : public testing::Test {
     return found;
   }
 
-  const std::string folder_ = testing::TempDir() + "ovws_killed_writer";
+  const std::string folder_ = own_folder("killed_writer");
 };
 
 TEST_F(KilledWriter, WhateverMomentItIsKilledAtTheOldOrTheNewIsFoundWhole) {

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "daemon/store/encoding.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -43,7 +44,7 @@ Loaded load(const StateStore& store, const char* kind) {
 
 class Store : public testing::Test {
  protected:
-  void TearDown() override { fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(fs::path(folder_).parent_path()); }
   StateStore open() const {
     auto store = StateStore::open(folder_);
     EXPECT_TRUE(store);
@@ -52,7 +53,7 @@ class Store : public testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
   }
-  const std::string folder_ = testing::TempDir() + "ovws_state_store/deep";
+  const std::string folder_ = own_folder("state_store") + "/deep";
 };
 
 TEST(Encoding, TheChecksumIsTheStandardOne) {
