@@ -31,11 +31,6 @@ Result<std::unique_ptr<const SpotTracker>> tracker_for(const OperatorKey& key, S
 
 Result<ModeOperator> by_diffraction(const OperatorKey& key, const SlmGeometry& slm,
                                     const std::atomic<bool>* stop) {
-  if (!is_straight(px_per_cycle(key.optics, slm))) {
-    return fail(Errc::refused, "tracking",
-                "the camera is turned or mirrored: the diffraction model knows cameras along the "
-                "SLM's axes only");
-  }
   auto model = SensorModel::make(key.sensor, slm, key.optics, key.cols, key.rows);
   if (!model) return fail(model.error());
   const auto tracker = tracker_for(key, *model);

@@ -83,12 +83,6 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   bench_.reset();
   reference_.reset();
   const int cols = frame.image.width, rows = frame.image.height;
-  const PxPerCycle map = px_per_cycle(sensor.optics, slm_);
-  if (!is_straight(map)) {
-    return fail(Errc::refused, "",
-                "the camera is turned or mirrored against the SLM, and the "
-                "model of all pixels knows cameras along its axes only");
-  }
   RefineOptions options;
   options.spot_amplitudes = settings.spot_amplitudes;
   options.stop = &stop_;

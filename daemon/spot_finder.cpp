@@ -103,31 +103,31 @@ std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
 bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
   const int cols = frame.image.width, rows = frame.image.height;
   const auto lattice = make_lattice(sensor.sensor, slm_);
-  if (!lattice || !is_straight(px_per_cycle(sensor.optics, slm_))) return false;
+  if (!lattice) return false;
+  const PxPerCycle map = px_per_cycle(sensor.optics, slm_);
   std::vector<Vec2> reference_px =
       sensor.reference ? sensor.reference->positions_px
                        : model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows);
   const bool same = bench_ && bench_->sensor == sensor.sensor &&
                     bench_->tracking == sensor.tracking && bench_->cols == cols &&
                     bench_->rows == rows && bench_->reference_px == reference_px &&
-                    bench_->px_per_cycle == px_per_cycle(sensor.optics, slm_);
+                    bench_->px_per_cycle == map;
   if (same) return true;
   bench_.reset();
   const SpotModel spots{sensor.sensor.charge, lambda_d_px(sensor.optics, slm_, sensor.sensor)};
   if (reference_px.size() > kMostSpots || spots.lambda_d_px > kMostSpotPx) return false;
   auto tracker = make_tracker(sensor.tracking, spots);
   if (!tracker) return false;
-  const double scale = camera_px_per_cycle(sensor.optics, slm_);
   const Eigen::MatrixXd slopes =
       slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
-                   slope_model(sensor.sensor.charge, sensor.tracking), scale);
+                   slope_model(sensor.sensor.charge, sensor.tracking), map);
   TrackScratch scratch = (*tracker)->make_scratch();
   bench_ = std::make_unique<Bench>(
-      Bench{sensor.sensor, sensor.tracking, cols, rows, px_per_cycle(sensor.optics, slm_),
-            reference_px, std::move(*tracker), std::move(scratch), spots,
-            ShapedAcquisition(*lattice, sensor.sensor, spots, scale, sensor.modes_j, slopes,
+      Bench{sensor.sensor, sensor.tracking, cols, rows, map, reference_px, std::move(*tracker),
+            std::move(scratch), spots,
+            ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
                               reference_px, cols, rows),
-            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, scale,
+            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, map,
                        int(kPictureHalf * spots.lambda_d_px))});
   return true;
 }

@@ -16,6 +16,13 @@ bool is_straight(const PxPerCycle& map) {
          std::abs(map.xx - map.yy) < least;
 }
 
+Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm) {
+  if (is_straight(px_per_cycle(optics, slm))) return {};
+  return fail(Errc::refused, "optics.px_per_cycle",
+              "the camera is turned or mirrored against the SLM, or scales its axes differently: "
+              "the diffraction model of whole pictures knows cameras along the SLM's axes only");
+}
+
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
   return px_per_cycle(optics, slm).scale();
 }

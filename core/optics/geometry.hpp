@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
 
 namespace ovws {
@@ -29,6 +30,15 @@ struct PxPerCycle {
       : xx(xx_), xy(xy_), yx(yx_), yy(yy_) {}
 
   Vec2 operator*(Vec2 cpp) const { return {xx * cpp.x + xy * cpp.y, yx * cpp.x + yy * cpp.y}; }
+  /// (1 / scale()) times the transpose: for a camera that only turns and mirrors, the SLM's
+  /// direction that it sees as `camera`.
+  Vec2 back(Vec2 camera) const {
+    const double s = scale();
+    return {(xx * camera.x + yx * camera.y) / s, (xy * camera.x + yy * camera.y) / s};
+  }
+  PxPerCycle operator/(double divisor) const {
+    return {xx / divisor, xy / divisor, yx / divisor, yy / divisor};
+  }
   double determinant() const { return xx * yy - xy * yx; }
   /// Of an area's side: the geometric mean of both directions.
   double scale() const { return std::sqrt(std::abs(determinant())); }
@@ -71,6 +81,8 @@ PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 /// Whether the camera's axes are so nearly the SLM's that models along its axes hold: to 0.002 of
 /// the scale, half a pixel at 250 pixels.
 bool is_straight(const PxPerCycle& map);
+/// Errc::refused for a camera that is not.
+Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// Its scale alone: camera pixels that a spot moves per cycle-per-SLM-pixel of slope.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);

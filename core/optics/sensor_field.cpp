@@ -39,6 +39,7 @@ void give(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
 
 Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeometry& slm,
                                       const OpticsConfig& optics, int cols, int rows) {
+  if (auto straight = check_straight(optics, slm); !straight) return fail(straight.error());
   HologramConfig hologram;
   hologram.slm = slm;
   hologram.sensor = sensor;

@@ -35,7 +35,7 @@ class SensorField {
     int end = 0;
   };
 
-  /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
+  /// Errors as of check_straight and HologramRenderer::make. `cols` x `rows`: the camera's image.
   static Result<SensorField> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
 

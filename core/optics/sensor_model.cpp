@@ -21,6 +21,7 @@ std::array<std::complex<float>, 256> phasors() {
 
 Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeometry& slm,
                                       const OpticsConfig& optics, int cols, int rows) {
+  if (auto straight = check_straight(optics, slm); !straight) return fail(straight.error());
   HologramConfig hologram;
   hologram.slm = slm;
   hologram.sensor = sensor;

@@ -17,7 +17,7 @@ namespace ovws {
 /// uniform illumination, everything outside the subapertures included.
 class SensorModel {
  public:
-  /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
+  /// Errors as of check_straight and HologramRenderer::make. `cols` x `rows`: the camera's image.
   static Result<SensorModel> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
 

@@ -23,18 +23,20 @@ double along(int k, double spacing_px) {
 }  // namespace
 
 SpotOptics::SpotOptics(const Lattice& lattice, const SensorConfig& sensor, std::vector<int> modes_j,
-                       double cells_per_cycle, int half_cells)
+                       const PxPerCycle& cells_per_cycle, int half_cells)
     : modes_j_(std::move(modes_j)),
-      cells_per_cycle_(cells_per_cycle),
+      cells_per_cycle_(cells_per_cycle.scale()),
       // A local tilt of 1 wave RMS is 2 waves from the middle to the rim.
-      cells_per_tilt_(cells_per_cycle * 4.0 / lattice.diameter_px),
+      cells_per_tilt_(cells_per_cycle_ * 4.0 / lattice.diameter_px),
       half_(half_cells),
       spacing_px_(lattice.diameter_px / kPlacesAcross) {
   const double radius = 0.5 * lattice.diameter_px;
   for (int row = 0; row < kPlacesAcross; ++row) {
     for (int column = 0; column < kPlacesAcross; ++column) {
       const Vec2 at{along(column, spacing_px_), along(row, spacing_px_)};
-      const double turns = sensor.charge * std::atan2(at.y, at.x) / (2.0 * std::numbers::pi);
+      const Vec2 on_slm = cells_per_cycle.back(at);
+      const double turns =
+          sensor.charge * std::atan2(on_slm.y, on_slm.x) / (2.0 * std::numbers::pi);
       if (norm(at) <= radius) places_.push_back({row, column, at, turns});
     }
   }
@@ -51,7 +53,8 @@ SpotOptics::SpotOptics(const Lattice& lattice, const SensorConfig& sensor, std::
   for (const Subaperture& s : lattice.subapertures) {
     Eigen::MatrixXd phase(count, modes_j_.size());
     for (Eigen::Index p = 0; p < count; ++p) {
-      const Vec2 at = (2.0 / sensor.pupil_diameter_px) * (s.centre_px + places_[p].from_centre_px);
+      const Vec2 on_slm = cells_per_cycle.back(places_[p].from_centre_px);
+      const Vec2 at = (2.0 / sensor.pupil_diameter_px) * (s.centre_px + on_slm);
       for (std::size_t k = 0; k < modes_j_.size(); ++k) phase(p, k) = zernike(modes_j_[k], at);
     }
     local_.push_back(to_local * (phase.rowwise() - phase.colwise().mean()));

@@ -14,18 +14,19 @@ namespace ovws {
 
 /// By Fourier sums over some 450 places of the subaperture, for spots within some five waves of
 /// local aberration. Pictures are squares of cells, rows along y, columns along x, of which each
-/// stands for some camera pixels. Immutable: all methods are thread-safe, some tenths of a
-/// millisecond each.
+/// stands for some camera pixels, along the camera's axes however it stands. Immutable: all methods
+/// are thread-safe, some tenths of a millisecond each.
 class SpotOptics {
  public:
-  /// Local modes: Zernike j = 1 .. kLocal over the subaperture's own circle, RMS-normalised.
+  /// Local modes: Zernike j = 1 .. kLocal over the subaperture's own circle as the camera sees it,
+  /// RMS-normalised.
   static constexpr int kLocal = 9;
   using Picture = Eigen::MatrixXf;
 
   /// A spot moves by `cells_per_cycle` for each cycle per SLM pixel of slope. Pictures are
   /// 2 `half_cells` + 1 cells a side.
   SpotOptics(const Lattice& lattice, const SensorConfig& sensor, std::vector<int> modes_j,
-             double cells_per_cycle, int half_cells);
+             const PxPerCycle& cells_per_cycle, int half_cells);
 
   int subapertures() const { return int(phase_.size()); }
   int half_cells() const { return half_; }
@@ -50,7 +51,7 @@ class SpotOptics {
   using Field = Eigen::MatrixXcf;
   struct Place {
     int row = 0, column = 0;  ///< of the square of places
-    Vec2 from_centre_px;
+    Vec2 from_centre_px;      ///< along the camera's axes
     double vortex_turns = 0.0;
   };
   std::vector<std::complex<float>> phasors(int subaperture, const Eigen::VectorXd& waves) const;

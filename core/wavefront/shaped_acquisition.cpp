@@ -30,7 +30,7 @@ int max_seen(std::size_t subapertures) {
 }
 
 ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
-                    double px_per_cycle, const std::vector<int>& modes_j,
+                    const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px) {
   const int bin = std::max(1, int(spots.lambda_d_px / kCellsPerLambdaD));
   const int half = int(std::ceil(kPictureHalf * spots.lambda_d_px / bin));
@@ -41,7 +41,7 @@ ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const Sp
 }  // namespace
 
 ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig& sensor,
-                                     const SpotModel& spots, double px_per_cycle,
+                                     const SpotModel& spots, const PxPerCycle& px_per_cycle,
                                      const std::vector<int>& modes_j, const Eigen::MatrixXd& slopes,
                                      const std::vector<Vec2>& reference_px, int image_width,
                                      int image_height)

@@ -16,9 +16,9 @@ namespace ovws {
 class ShapedAcquisition {
  public:
   /// `slopes` (of the tracker in use) and `reference_px` as a Reconstructor has them, NaN nowhere;
-  /// `px_per_cycle`: see camera_px_per_cycle.
+  /// `px_per_cycle`: the camera may be turned and mirrored.
   ShapedAcquisition(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
-                    double px_per_cycle, const std::vector<int>& modes_j,
+                    const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px,
                     int image_width, int image_height);
 

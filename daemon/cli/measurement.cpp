@@ -59,13 +59,12 @@ Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
 /// Requires what plan_for has accepted.
 ShapedAcquisition acquisition_for(const Config& config, const MeasurementPlan& plan) {
   const Lattice lattice = *make_lattice(config.sensor, config.slm.geometry);
-  const double scale = camera_px_per_cycle(config.optics, config.slm.geometry);
+  const PxPerCycle map = px_per_cycle(config.optics, config.slm.geometry);
   const std::vector<int>& modes_j = plan.reconstructor->modes_j();
-  const Eigen::MatrixXd slopes = slope_matrix(lattice, config.sensor, modes_j,
-                                              slope_model(config.sensor.charge, config.tracking),
-                                              px_per_cycle(config.optics, config.slm.geometry));
-  return {lattice, config.sensor,     plan.spots,     scale,          modes_j,
-          slopes,  plan.predicted_px, plan.roi.width, plan.roi.height};
+  const Eigen::MatrixXd slopes = slope_matrix(
+      lattice, config.sensor, modes_j, slope_model(config.sensor.charge, config.tracking), map);
+  return {lattice,           config.sensor,  plan.spots,     map, modes_j, slopes,
+          plan.predicted_px, plan.roi.width, plan.roi.height};
 }
 
 std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {

@@ -13,11 +13,6 @@ constexpr double kAtRest = 0.02;  // waves, of the last step
 
 Result<Relineariser> Relineariser::make(const Config& config, const MeasurementPlan& plan,
                                         bool measured) {
-  if (!is_straight(px_per_cycle(config.optics, config.slm.geometry))) {
-    return fail(Errc::refused, "operator",
-                "the camera is turned or mirrored: the diffraction model knows cameras along the "
-                "SLM's axes only");
-  }
   auto model = SensorModel::make(config.sensor, config.slm.geometry, config.optics, plan.roi.width,
                                  plan.roi.height);
   if (!model) return fail(model.error());

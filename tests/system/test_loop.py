@@ -42,10 +42,18 @@ class Loop(BenchCase):
     def steps(self):
         return self.call("loop.get")["steps"]
 
+    def turn_the_camera(self):
+        self.hide([])
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "mirror": "x"}})
+        self.run_job("registration.run", {}, 60.0)
+        self.take_reference(20)
+
     def test_a_static_aberration_is_gone_within_twenty_steps_and_stays_so(self):
+        """The second time in a camera that is turned and mirrored; some spots are torn at first, both times."""
         for seed in (1, 2):
+            if seed == 2:
+                self.turn_the_camera()
             self.hide(random_modes(seed, 0.5))
-            self.call("correction.clear")
             self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
             wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
             left = self.true_residual()
@@ -54,6 +62,7 @@ class Loop(BenchCase):
             self.assertLess(left, 0.01)
             worst = self.worst_residual()
             report = self.call("loop.open")
+            self.call("correction.clear")
             print(f"    at most {worst:.4f} in {report['steps']} steps")
             self.assertLess(worst, 0.01)
             self.assertFalse(report["closed"])

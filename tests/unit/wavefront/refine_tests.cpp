@@ -215,6 +215,9 @@ TEST_F(Refine, WhatCannotBeFittedIsAnErrorThatSaysSo) {
   EXPECT_EQ(field(dark, {0.0, 5.0}, flat), "camera");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {0, 1}).error().field, "modes");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {1}, {0.5}).error().field, "refine.box_half");
+  OpticsConfig turned;
+  turned.registered = PxPerCycle(0.0, -1900.0, 1900.0, 0.0);
+  EXPECT_EQ(Refiner::make({}, {}, turned, 512, 512, {3}).error().field, "optics.px_per_cycle");
 }
 
 TEST_F(Refine, EndsSoonWhenToldTo) {

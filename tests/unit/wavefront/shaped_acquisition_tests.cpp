@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -110,6 +113,52 @@ Counts count(const std::vector<SpotFix>& fixes, const std::vector<Vec2>& at, dou
 }
 
 class Shaped : public testing::TestWithParam<int> {};
+
+/// The middle subaperture's light under modes that have no slope there, summed pixel by pixel.
+Eigen::MatrixXd direct_light(const SensorConfig& sensor, double radius_px,
+                             const std::vector<Mode>& modes, const PxPerCycle& map, int half) {
+  const Eigen::Matrix2d of_slope{{map.xx, map.xy}, {map.yx, map.yy}};
+  const Eigen::Matrix2d to_slope = of_slope.inverse();
+  Eigen::MatrixXd light(2 * half + 1, 2 * half + 1);
+  for (int row = -half; row <= half; ++row) {
+    for (int column = -half; column <= half; ++column) {
+      const Eigen::Vector2d slope = to_slope * Eigen::Vector2d(column, row);
+      std::complex<double> sum;
+      for (double y = 0.5 - std::ceil(radius_px); y < radius_px; y += 1.0) {
+        for (double x = 0.5 - std::ceil(radius_px); x < radius_px; x += 1.0) {
+          if (std::hypot(x, y) > radius_px) continue;
+          double cycles = sensor.charge * std::atan2(y, x) / (2.0 * std::numbers::pi);
+          for (const Mode& mode : modes) {
+            cycles += mode.waves * zernike(mode.j, (2.0 / sensor.pupil_diameter_px) * Vec2{x, y});
+          }
+          sum += std::polar(1.0, 2.0 * std::numbers::pi * (cycles - slope.x() * x - slope.y() * y));
+        }
+      }
+      light(row + half, column + half) = std::norm(sum);
+    }
+  }
+  return light;
+}
+
+TEST_P(Shaped, ATurnedOrMirroredCameraSeesTheSpotTurnedOrMirrored) {
+  SensorConfig sensor = sensor_of(GetParam());
+  sensor.pupil_diameter_px = 200.0;  // a direct sum of 40 x 40 pixels
+  const Lattice lattice = make_lattice(sensor, {}).value();
+  const double radius_px = 0.5 * lattice.diameter_px;
+  const std::vector<Mode> modes{{3, 2.5}, {4, -1.0}};
+  constexpr int kHalf = 16;
+  constexpr double kCos = 0.8387, kSin = 0.5446;  // 33 degrees
+  for (const PxPerCycle turned :
+       {PxPerCycle(1.0), PxPerCycle(0.0, -1.0, 1.0, 0.0), PxPerCycle(-1.0, 0.0, 0.0, 1.0),
+        PxPerCycle(-kCos, -kSin, -kSin, kCos)}) {
+    const PxPerCycle map = turned / (1.0 / (8.0 * radius_px));  // lambda/d is 4 cells
+    const SpotOptics optics(lattice, sensor, modes_18(), map, kHalf);
+    const Eigen::MatrixXd own = optics.light(9, waves_of(modes), {}).cast<double>();
+    Eigen::MatrixXd direct = direct_light(sensor, radius_px, modes, map, kHalf);
+    direct *= own.sum() / direct.sum();
+    EXPECT_LT((own - direct).cwiseAbs().maxCoeff(), 0.05 * own.maxCoeff()) << turned.xy;
+  }
+}
 
 TEST_P(Shaped, SpotIsThatOfTheWholeSensorsModelWithTheOthersDark) {
   const SensorConfig sensor = sensor_of(GetParam());
