@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/optics/detector.hpp"
+#include "core/tracking/cell_centroid.hpp"
 #include "core/wavefront/slope_model.hpp"
 
 namespace ovws::study {
@@ -27,14 +28,6 @@ std::vector<int> modes_of(const Geometry& geometry) {
 /// What to multiply the model's light by for kPeakE in the spots' brightest pixel.
 double to_peak(const SensorModel& model, const Image<float>& light, std::span<const Mode> modes) {
   return kPeakE / model.peak_of_spots(light, modes);
-}
-
-double least_distance(const std::vector<Vec2>& points) {
-  double least = 1e9;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) least = std::min(least, norm(points[i] - points[k]));
-  }
-  return least;
 }
 
 }  // namespace
@@ -140,7 +133,7 @@ Measurer::Measurer(const Geometry& geometry, const Method& method,
   Image<float> flat = value_of(model_->light({}));
   scale(flat, to_peak(*model_, flat, {}));
   reference_px_ = model_->spots_px();
-  cell_half_px_ = int(0.5 * least_distance(reference_px_));
+  cell_half_px_ = cell_half_px(reference_px_);
   reference_px_ = noise_free_px(flat, model_->spots_px());
   reconstructor_ = std::make_unique<Reconstructor>(slopes_, modes_j, reference_px_);
 }
@@ -159,25 +152,12 @@ std::vector<SpotFix> Measurer::track(const Exposure& exposure,
 }
 
 std::vector<SpotFix> Measurer::cell_centroids(const Exposure& exposure) const {
-  std::vector<SpotFix> fixes;
-  for (const Vec2 centre : reference_px_) {
-    const int x0 = int(std::lround(centre.x)), y0 = int(std::lround(centre.y));
-    double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
-    for (int y = std::max(0, y0 - cell_half_px_); y <= y0 + cell_half_px_; ++y) {
-      for (int x = std::max(0, x0 - cell_half_px_); x <= x0 + cell_half_px_; ++x) {
-        if (x >= exposure.dn.width || y >= exposure.dn.height) continue;
-        const double light = exposure.dn.at(x, y);
-        sum += light;
-        sum_x += light * x;
-        sum_y += light * y;
-      }
-    }
-    SpotFix fix;
-    if (sum > 0.0) {
-      fix.x = float(sum_x / sum);
-      fix.y = float(sum_y / sum);
-    }
-    fixes.push_back(fix);
+  std::vector<SpotFix> fixes(reference_px_.size());
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const auto centroid = cell_centroid(exposure.view(), reference_px_[i], cell_half_px_);
+    if (!centroid) continue;
+    fixes[i].x = float(centroid->x);
+    fixes[i].y = float(centroid->y);
   }
   return fixes;
 }

@@ -1,10 +1,10 @@
 /// Whole wavefronts, as in the paper's figure of residual phase variance against SNR.
 #include <spdlog/fmt/fmt.h>
 
-#include <numbers>
 #include <optional>
 #include <random>
 
+#include "core/wavefront/residual_variance.hpp"
 #include "daemon/study/figure.hpp"
 #include "daemon/study/parallel.hpp"
 #include "daemon/study/refining.hpp"
@@ -50,13 +50,7 @@ struct Outcome {
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
                          const std::vector<Mode>& truth) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    double waves = found[k];
-    for (const Mode& mode : truth) waves -= mode.j == measurer.modes_j()[k] ? mode.waves : 0.0;
-    sum += waves * waves;
-  }
-  return 4.0 * std::numbers::pi * std::numbers::pi * sum;
+  return residual_variance_rad2(std::span(measurer.modes_j()), std::span(found), truth);
 }
 
 std::vector<SpotFix> fixes_at(const std::vector<Vec2>& positions) {
