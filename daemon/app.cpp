@@ -47,6 +47,7 @@ struct App::Parts {
   Pipeline pipeline;
   ReferenceCollector collector;
   ReferencePictureTaker pictures;
+  FrameSeriesTaker series;
   OperatorMaker operators;
   Jobs jobs{events};
   SlmLoop slm;
@@ -101,7 +102,7 @@ Result<void> App::Parts::make_instrument() {
   if (!made) return fail(made.error());
   instrument = std::move(*made);
   procedures = std::make_unique<Procedures>(ProceduresDeps{
-      {*instrument, camera, collector, pictures, jobs},
+      {*instrument, camera, collector, pictures, series, jobs},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   loop = std::make_unique<ClosedLoop>(
       ClosedLoopDeps{*instrument, events, [this](bool closed) {
@@ -121,7 +122,8 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, collector, *finder, *loop, counters, queue, published_latency});
+      StreamPublisherDeps{pipeline, collector, series, *finder, *loop, counters, queue,
+                          published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;

@@ -51,11 +51,28 @@ void CameraActor::on_close() {
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
+  mailbox_.post([this, change, done = std::move(done)] {
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+    carry_out(change, done);
+  });
+}
+
+void CameraActor::change_for_job(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
 }
 
+void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
+  mailbox_.post([this, gain_db, then = std::move(then)] {
+    CameraSet change;
+    change.gain_db = gain_db;
+    carry_out(change, [this, gain_db](const Result<CameraSnapshot>& applied) {
+      if (!applied) settings_.gain_db = gain_db;  // what the next connection asks for
+    });
+    then();
+  });
+}
+
 void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
-  if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
   if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
   if (!camera_ || lost_) {
     return done(

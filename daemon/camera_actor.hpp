@@ -54,6 +54,11 @@ class CameraActor : public Agent {
   /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
   /// uses now. A camera at fault is tried anew with the change.
   void change(CameraSet change, Applied done);
+  /// The same for the job that runs, which does not ask whether it may.
+  void change_for_job(CameraSet change, Applied done);
+  /// Thread-safe: `gain_db` again after a job, now or, if no camera is connected, when one is.
+  /// `then` is called in the camera thread, or destroyed if that has ended.
+  void put_back_gain(double gain_db, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:

@@ -38,7 +38,8 @@ using Painter = std::function<void(const HologramRenderer&, Image<std::uint8_t>&
 /// What a job shows: the sensor with these modes for an aberration, or what `paint` draws.
 struct Exhibit {
   std::vector<Mode> aberration;
-  Painter paint;  ///< none: the sensor
+  Painter paint;       ///< none: the sensor
+  SensorSet sensor{};  ///< what of it, and of its tracking, is otherwise from now on
 };
 
 /// What others may know of the sensor at any time.
@@ -114,7 +115,7 @@ class Instrument : public Agent {
   /// Prepare thread: the sensor, which is free, belongs to this job; every other change is refused.
   void lend(int job);
   /// Any thread, for the job that has the sensor: its aberration and pattern change as by
-  /// set_aberration and show.
+  /// change_sensor, set_aberration and show.
   void exhibit(int job, Exhibit exhibit, Changed done);
   /// Any thread, for the job that has the sensor: where spots are expected, and how far they move,
   /// is as measured.
@@ -162,8 +163,11 @@ class Instrument : public Agent {
   /// The job that has the sensor, and what to go back to.
   struct Lease {
     int job = 0;
+    SensorConfig sensor;
+    TrackingSettings tracking;
     HologramKind pattern = HologramKind::sensor;
     std::vector<Mode> aberration;
+    std::shared_ptr<const HologramRenderer> renderer;  ///< of `sensor`
   };
 
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,

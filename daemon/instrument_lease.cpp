@@ -1,4 +1,5 @@
 #include "core/optics/lattice.hpp"
+#include "daemon/config_check.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {
@@ -71,13 +72,17 @@ void Instrument::use_registration(int job, const Registration& registration, Cha
 }
 
 void Instrument::lend(int job) {
-  lease_ = Lease{job, state_.pattern, state_.aberration};
+  lease_ = Lease{
+      job, state_.sensor, state_.tracking, state_.pattern, state_.aberration, state_.renderer};
 }
 
 void Instrument::exhibit(int job, Exhibit exhibit, Changed done) {
   mailbox_.post([this, job, exhibit = std::move(exhibit), done = std::move(done)] {
     auto next = lent_state(job);
     if (!next) return done(fail(next.error()));
+    next->sensor = exhibit.sensor.applied_to(state_.sensor);
+    next->tracking = exhibit.sensor.applied_to(state_.tracking);
+    if (auto fast = check_daemon_tracker(next->tracking); !fast) return done(fail(fast.error()));
     next->aberration = exhibit.aberration;
     next->painted.reset();
     next->pattern = HologramKind::sensor;
@@ -95,6 +100,9 @@ void Instrument::give_back(int job, std::function<void()> then) {
   mailbox_.post([this, job, then = std::move(then)] {
     if (lease_ && lease_->job == job) {
       State before = state_;
+      before.sensor = lease_->sensor;
+      before.tracking = lease_->tracking;
+      before.renderer = lease_->renderer;
       before.pattern = lease_->pattern;
       before.aberration = lease_->aberration;
       before.painted.reset();
@@ -107,6 +115,7 @@ void Instrument::give_back(int job, std::function<void()> then) {
 
 /// Without a display: it is to show this when it comes back.
 void Instrument::fall_back_to(State before) {
+  if (!(before.sensor == state_.sensor)) ++before.sensor_epoch;
   HologramRequest request = render(before);
   auto plan = plan_for(before, request.hologram_id);
   if (!plan) return;  // the state's own plan was made before: it is no error of the plan

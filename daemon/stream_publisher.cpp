@@ -45,6 +45,7 @@ bool StreamPublisher::do_work() {
   if (record != nullptr) {
     send_record(*record);
     deps_.collector.add(*record);
+    deps_.series.add(*record);
     deps_.finder.saw(*record);
     deps_.loop.saw(*record);
     deps_.pipeline.release(record);

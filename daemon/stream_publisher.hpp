@@ -10,6 +10,7 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
+#include "daemon/frame_series.hpp"
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/spot_finder.hpp"
@@ -22,6 +23,7 @@ namespace ovws {
 struct StreamPublisherDeps {
   Pipeline& pipeline;
   ReferenceCollector& collector;
+  FrameSeriesTaker& series;
   SpotFinder& finder;
   ClosedLoop& loop;
   Counters& counters;

@@ -67,6 +67,12 @@ Result<void> Bench::show(const std::vector<Mode>& aberration) {
   });
 }
 
+Result<void> Bench::show(const SensorSet& sensor, const std::vector<Mode>& aberration) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.exhibit(job_, {aberration, nullptr, sensor}, std::move(done));
+  });
+}
+
 Result<void> Bench::show(const Painter& paint) {
   return ask([&](Instrument::Changed done) {
     deps_.instrument.exhibit(job_, {{}, paint}, std::move(done));
@@ -83,6 +89,40 @@ Result<void> Bench::use_calibration(std::uint64_t sensor_epoch, MeasuredCalibrat
   return ask([&](Instrument::Changed done) {
     deps_.instrument.use_calibration(job_, sensor_epoch, std::move(measured), std::move(done));
   });
+}
+
+Result<double> Bench::try_gain(double gain_db) {
+  if (stopped()) return fail(stopped_error());
+  auto promise = std::make_shared<std::promise<Result<double>>>();
+  auto future = promise->get_future();
+  CameraSet change;
+  change.gain_db = gain_db;
+  deps_.camera.change_for_job(
+      change, [promise = std::move(promise)](const Result<CameraSnapshot>& set) {
+        promise->set_value(set ? Result<double>(set->settings.gain_db) : fail(set.error()));
+      });
+  return wait_for(std::move(future));
+}
+
+Result<double> Bench::set_gain(double gain_db) {
+  const CameraSettings before = camera().settings;
+  if (!gain_before_db_) gain_before_db_ = before.gain_db;
+  const std::int64_t begin_ns = monotonic_ns();
+  while (true) {
+    auto set = try_gain(gain_db);
+    if (set || needs_a_person(set.error())) return set;
+    if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before)) return set;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+void Bench::put_back_gain() {
+  if (!gain_before_db_) return;
+  auto put_back = std::make_shared<std::promise<void>>();
+  auto done = put_back->get_future();
+  deps_.camera.put_back_gain(*gain_before_db_, [put_back] { put_back->set_value(); });
+  put_back.reset();
+  done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
 void Bench::tell(double progress) {
@@ -111,6 +151,26 @@ Result<ReferenceCollector::Average> Bench::spots(int frames) {
   } catch (const std::future_error&) {  // another one has begun to collect
     return fail(Errc::internal, "", "the frames were taken from it");
   }
+}
+
+Result<std::vector<SeriesFrame>> Bench::series(int frames) {
+  if (stopped()) return fail(stopped_error());
+  const SensorSnapshot now = sensor();
+  const CameraSettings settings = camera().settings;
+  deps_.series.begin(
+      {frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker, settings.gain_db});
+  std::int64_t last_ns = monotonic_ns();
+  int seen = 0;
+  for (int taken = 0; taken < frames; taken = deps_.series.taken()) {
+    if (std::exchange(seen, taken) != taken) last_ns = monotonic_ns();
+    const bool silent = 1e-9 * double(monotonic_ns() - last_ns) > patience_s(settings);
+    if (stopped() || silent) {
+      (void)deps_.series.end();
+      return fail(stopped() ? stopped_error() : no_frame(patience_s(settings)));
+    }
+    std::this_thread::sleep_for(kLook / 4);
+  }
+  return deps_.series.end();
 }
 
 Result<Image<float>> Bench::picture(int frames) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <future>
+#include <optional>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -11,6 +12,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/frame_series.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/reference_picture.hpp"
@@ -22,6 +24,7 @@ struct BenchDeps {
   CameraActor& camera;
   ReferenceCollector& collector;
   ReferencePictureTaker& pictures;
+  FrameSeriesTaker& series;
   Jobs& jobs;
 };
 
@@ -40,6 +43,8 @@ class Bench {
 
   /// The sensor with these modes, RMS-normalised waves, in place of the aberration of before.
   Result<void> show(const std::vector<Mode>& aberration);
+  /// The same, and what of the sensor is otherwise until the procedure ends.
+  Result<void> show(const SensorSet& sensor, const std::vector<Mode>& aberration);
   /// What `paint` draws; it is called once, in the prepare thread.
   Result<void> show(const Painter& paint);
   /// In force from now on.
@@ -47,6 +52,12 @@ class Bench {
   /// Modes are read with it from now on; the sensor is shown without a push.
   Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
 
+  /// The gain as read back. What it was is put back when the procedure ends. A camera that is away
+  /// is waited for as long as a frame is.
+  Result<double> set_gain(double gain_db);
+
+  /// The next `frames` settled frames of the sensor shown last, at the gain set last.
+  Result<std::vector<SeriesFrame>> series(int frames);
   /// Of the next `frames` settled frames of the sensor shown last.
   Result<ReferenceCollector::Average> spots(int frames);
   /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
@@ -54,17 +65,22 @@ class Bench {
 
   /// 0 .. 1, of the whole procedure.
   void tell(double progress);
+  /// Procedure thread, when the procedure has ended: returns when the gain is what it was, or the
+  /// camera thread has ended.
+  void put_back_gain();
   bool stopped() const { return stop_.load(); }
 
  private:
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
+  Result<double> try_gain(double gain_db);
   Result<void> ask(const std::function<void(Instrument::Changed)>& what);
 
   int job_;
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
   std::atomic<double>& progress_;
+  std::optional<double> gain_before_db_;  ///< none: it was not changed
 };
 
 }  // namespace ovws

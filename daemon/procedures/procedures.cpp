@@ -106,8 +106,10 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
   }
 }
 
-/// The sensor is free again before anybody hears of the end: who hears may ask for the next job.
+/// All is as it was, and the sensor free again, before anybody hears of the end: who hears may ask
+/// for the next job.
 void Procedures::finish(Run& run, const Result<nlohmann::json>& result) {
+  run.bench->put_back_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();
   deps_.bench.instrument.give_back(run.job, [given_back] { given_back->set_value(); });

@@ -1,0 +1,44 @@
+/// Frame by frame what was measured of a number of settled frames.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "core/pipeline/frame_record.hpp"
+#include "core/tracking/tracker.hpp"
+
+namespace ovws {
+
+struct SeriesFrame {
+  std::uint64_t frame_id = 0;
+  std::int64_t t_arrival_ns = 0;    ///< UNIX epoch UTC
+  float saturated_fraction = 0.0F;  ///< of the spots
+  std::vector<SpotFix> spots;       ///< one a subaperture
+};
+
+/// `begin`, `taken` and `end` from any thread, `add` from the publish thread.
+class FrameSeriesTaker {
+ public:
+  /// Which frames: settled, of this hologram, epoch, tracker and gain.
+  struct Wanted {
+    int frames = 0;
+    std::uint64_t sensor_epoch = 0;
+    std::uint64_t hologram_id = 0;
+    TrackerKind tracker = TrackerKind::lg;
+    double gain_db = 0.0;  ///< as read back
+  };
+
+  void begin(const Wanted& wanted);
+  void add(const FrameRecord& record);
+  int taken() const;
+  /// What was taken so far, and no more frames.
+  std::vector<SeriesFrame> end();
+
+ private:
+  mutable std::mutex mutex_;
+  Wanted wanted_;  ///< frames 0: nothing is being taken
+  std::vector<SeriesFrame> taken_;
+};
+
+}  // namespace ovws
