@@ -6,6 +6,7 @@
 
 #include "daemon/camera_actor.hpp"
 #include "daemon/daemon_store.hpp"
+#include "daemon/experiment_archive.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
@@ -40,6 +41,7 @@ struct App::Parts {
   StreamQueue queue;
   Events events{queue};
   DaemonStore store{config.state, events};
+  ExperimentArchive experiments{store};
   StateKeeper state{events};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
@@ -127,7 +129,7 @@ Result<void> App::Parts::bind_streams() {
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  const std::vector<FrameTaker*> takers{&pictures, &finder->taker(), &refiner->taker()};
+  const std::vector<FrameTaker*> takers{&pictures, &series, &finder->taker(), &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
@@ -137,9 +139,9 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services =
-      std::make_unique<Services>(Services{config, config_path, state, camera, *instrument, jobs,
-                                          *procedures, *loop, *refiner, *status, counters});
+  services = std::make_unique<Services>(Services{config, config_path, state, camera, *instrument,
+                                                 jobs, *procedures, experiments, *loop, *refiner,
+                                                 *status, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));
@@ -190,6 +192,7 @@ Result<std::unique_ptr<App>> App::make(const Config& config, const std::string& 
   if (!config_path.empty()) remove_leftovers_of(config_path);
   auto parts = std::make_unique<Parts>(config, config_path);
   if (auto made = parts->make_instrument(); !made) return fail(made.error());
+  parts->experiments.load();
   if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
   if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
   return std::unique_ptr<App>(new App(std::move(parts)));

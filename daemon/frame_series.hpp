@@ -7,6 +7,7 @@
 
 #include "core/pipeline/frame_record.hpp"
 #include "core/tracking/tracker.hpp"
+#include "daemon/frame_taker.hpp"
 
 namespace ovws {
 
@@ -18,7 +19,7 @@ struct SeriesFrame {
 };
 
 /// `begin`, `taken` and `end` from any thread, `add` from the publish thread.
-class FrameSeriesTaker {
+class FrameSeriesTaker : public FrameTaker {
  public:
   /// Which frames: settled, of this hologram, epoch, tracker and gain.
   struct Wanted {
@@ -27,15 +28,21 @@ class FrameSeriesTaker {
     std::uint64_t hologram_id = 0;
     TrackerKind tracker = TrackerKind::lg;
     double gain_db = 0.0;  ///< as read back
+    /// Not empty: where the tracker found a spot is replaced by the centroid of the cell around its
+    /// centre here; see cell_centroid.
+    std::vector<Vec2> cells{};
   };
 
   void begin(const Wanted& wanted);
   void add(const FrameRecord& record);
+  bool wants() override;
+  void take(const FrameRecord& record) override;
   int taken() const;
   /// What was taken so far, and no more frames.
   std::vector<SeriesFrame> end();
 
  private:
+  bool is_wanted(const FrameRecord& record) const;  // call with mutex_ locked
   mutable std::mutex mutex_;
   Wanted wanted_;  ///< frames 0: nothing is being taken
   std::vector<SeriesFrame> taken_;

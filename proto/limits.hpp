@@ -50,6 +50,9 @@ constexpr Integers kPictureFrames{1, 100};
 constexpr Numbers kPushWaves{0.005, 0.2};  ///< amplitude of a calibration
 constexpr Integers kPushFrames{2, 10000};  ///< of each of its pictures
 constexpr Integers kJob{1, 2147483647};
+constexpr Integers kSweepFrames{2, 1000};  ///< of a cell, and of a reference
+constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< the most
+constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};
 constexpr Numbers kElectronsPerDn{1e-6, 1e6};

@@ -31,6 +31,7 @@ std::span<const Method> calibration_methods();
 std::span<const Method> reference_methods();
 std::span<const Method> refine_methods();
 std::span<const Method> config_methods();
+std::span<const Method> experiment_methods();
 
 /// Finds the method, asks the state whether it may, and calls it. An unknown method is answered
 /// with the nearest known one.

@@ -6,6 +6,7 @@
 #include "config/config.hpp"
 #include "core/rt/counters.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/experiment_archive.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
@@ -24,6 +25,7 @@ struct Services {
   Instrument& instrument;
   Jobs& jobs;
   Procedures& procedures;
+  ExperimentArchive& experiments;
   ClosedLoop& loop;
   LiveRefiner& refiner;
   StatusReporter& status;

@@ -153,12 +153,12 @@ Result<ReferenceCollector::Average> Bench::spots(int frames) {
   }
 }
 
-Result<std::vector<SeriesFrame>> Bench::series(int frames) {
+Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cells) {
   if (stopped()) return fail(stopped_error());
   const SensorSnapshot now = sensor();
   const CameraSettings settings = camera().settings;
-  deps_.series.begin(
-      {frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker, settings.gain_db});
+  deps_.series.begin({frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker,
+                      settings.gain_db, std::move(cells)});
   std::int64_t last_ns = monotonic_ns();
   int seen = 0;
   for (int taken = 0; taken < frames; taken = deps_.series.taken()) {

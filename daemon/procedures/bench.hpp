@@ -56,8 +56,9 @@ class Bench {
   /// is waited for as long as a frame is.
   Result<double> set_gain(double gain_db);
 
-  /// The next `frames` settled frames of the sensor shown last, at the gain set last.
-  Result<std::vector<SeriesFrame>> series(int frames);
+  /// The next `frames` settled frames of the sensor shown last, at the gain set last; `cells` as of
+  /// FrameSeriesTaker.
+  Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> cells = {});
   /// Of the next `frames` settled frames of the sensor shown last.
   Result<ReferenceCollector::Average> spots(int frames);
   /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.

@@ -1,6 +1,7 @@
 /// Bytes as text: checksums, and arrays of numbers for JSON.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,11 @@ template <class T>
 std::string sha256_of(std::span<const T> values) {
   return sha256_hex({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
+
+/// RFC 4648, with padding.
+std::string base64_of(std::span<const std::uint8_t> bytes);
+/// None unless it is base64 of exactly `count` bytes.
+std::optional<std::vector<std::uint8_t>> bytes_of(std::string_view base64, std::size_t count);
 
 /// Little-endian float32 as base64 (RFC 4648, with padding); NaN and all keep their bits.
 std::string base64_of(std::span<const float> values);

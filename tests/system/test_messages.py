@@ -81,6 +81,14 @@ class Messages(BenchCase):
         call("calibration.get")
         call("system.status")
         call("calibration.clear")
+        call("experiment.get")
+        call("camera.set", {"exposure_us": 1000.0})
+        job = call("experiment.gain_sweep", {"gains_db": [0], "reference_gain_db": 0, "frames": 2, "reference_frames": 5,
+                                             "arms": [{"charge": 1, "tracker": "lg"}], "picture_gains_db": [0]})["job"]
+        ended = wait_for(lambda: (report := self.checked_call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "done", ended)
+        call("experiment.get")
+        call("experiment.cell", {"cell": 0})
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})
         call("refine.get")

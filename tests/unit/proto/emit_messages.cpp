@@ -8,6 +8,7 @@
 #include "config/config.hpp"
 #include "proto/calibration_result.hpp"
 #include "proto/encode.hpp"
+#include "proto/experiment.hpp"
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
 #include "proto/schemas.hpp"
@@ -138,6 +139,45 @@ void print_calibrations() {
   print_result("calibration.run", job_started_result(4));
 }
 
+/// What a sweep is measured with is of the schema's example.
+void print_experiments() {
+  const json example = json::parse(schema_text("experiment.get")).at("result").at("examples")[0];
+  const GainSweep sweep = *decode_gain_sweep({{"gains_db", {10, 12}}, {"frames", 2}});
+  std::vector<json> references(sweep.arms.size()), cells(sweep.cells());
+  for (int arm = 0; arm < int(sweep.arms.size()); ++arm) {
+    const bool fixed = sweep.arms[std::size_t(arm)].fixed_cell;
+    references[std::size_t(arm)] =
+        to_json(sweep, ReferenceMeasured{arm,
+                                         16.0,
+                                         1,
+                                         2,
+                                         0,
+                                         {1.0, std::nan(""), 3.0},
+                                         {{1, 2}, {std::nan(""), std::nan("")}},
+                                         fixed ? std::vector<Vec2>{{1, 2}} : std::vector<Vec2>{}});
+  }
+  for (int cell = 0; cell < 10; ++cell) {
+    CellMeasured measured;
+    measured.cell = cell;
+    measured.subapertures = 19;
+    measured.modes_j = {1, 2};
+    if (cell > 0) measured.frames.push_back({{}, std::nan(""), 0.5, 3});
+    if (cell > 1) measured.frames.push_back({{0.1, 0.2}, 0.3, 0.0, 19});
+    if (cell > 2) measured.picture = CellMeasured::Picture{1, 1, "/w=="};
+    cells[std::size_t(cell)] = to_json(sweep, measured);
+    print_result("experiment.cell", cells[std::size_t(cell)]);
+  }
+  print_result("experiment.get", experiment_result(nullptr));
+  ExperimentReport report{"0123456789abcdef", sweep, example.at("bench"), 1,    std::nullopt,
+                          std::nullopt,       {},    references,          cells};
+  print_result("experiment.get", experiment_result(&report));
+  report.job = 3;
+  report.time_left_s = 1.5;
+  report.not_kept_reason = "no folder is named";
+  print_result("experiment.get", experiment_result(&report));
+  print_result("experiment.gain_sweep", job_started_result(5));
+}
+
 void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", camera_get_result(std::nullopt, {}, std::nullopt));
@@ -191,6 +231,7 @@ void print_results() {
   print_result("registration.clear", registration_result(std::nullopt));
   print_result("registration.run", job_started_result(2));
   print_calibrations();
+  print_experiments();
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
     print_result("slm.show", slm_show_result(HologramKind(k), 1));
   }
@@ -218,7 +259,9 @@ json any_value(std::mt19937& random) {
       "identify", "rms", "unit", "Mono12", "nonsense", [], [20, 30], [1, "x"], [1, 2, 3], [4, 4], 0.1, {},
       {"x": 0, "y": 0, "width": 64, "height": 64}, {"x": 0}, [{"j": 3, "waves": 0.5}],
       [{"n": 2, "m": 0, "waves": 0.5}], [{"n": 2, "waves": 1}],
-      [{"j": 3, "n": 2, "m": -2, "waves": 1}], [{"j": 3, "gain": 0.2}], [3, 4]])");
+      [{"j": 3, "n": 2, "m": -2, "waves": 1}], [{"j": 3, "gain": 0.2}], [3, 4],
+      [{"modes": [{"j": 3, "waves": 0.5}], "norm": "unit"}, {"modes": []}], [{"charge": 0, "tracker": "cell_centroid"}],
+      [{"charge": 9, "tracker": "lg"}]])");
   return values[random() % values.size()];
 }
 
@@ -260,6 +303,11 @@ void print_all_params() {
   print_params("reference.set", {"source"}, decode_reference_set, 3000);
   print_params("calibration.run", {"amplitude_waves", "frames", "modes", "mode"},
                decode_calibration_run);
+  print_params("experiment.gain_sweep",
+               {"gains_db", "frames", "reference_gain_db", "reference_frames", "aberrations",
+                "arms", "picture_gains_db", "clamp", "anew", "gain_db"},
+               decode_gain_sweep, 3000);
+  print_params("experiment.cell", {"cell", "cel"}, decode_experiment_cell, 2000);
   print_params("slm.show", {"pattern"}, decode_slm_show);
   print_params("job.get", {"job", "id"}, decode_job);
   print_params("config.get", {"path"}, decode_nothing);

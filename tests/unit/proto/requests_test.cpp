@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "proto/experiment.hpp"
 #include "proto/results.hpp"
 
 namespace ovws {
@@ -219,6 +220,64 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
   EXPECT_EQ(result.at("applied").at("gain_db"), 24);
   EXPECT_TRUE(result.at("limits").is_null());
   EXPECT_EQ(job_started_result(3), json::parse(R"({"job":3})"));
+}
+
+TEST(GainSweep, IsThePapersUnlessToldOtherwise) {
+  const auto sweep = decode_gain_sweep(json::object());
+  ASSERT_TRUE(sweep);
+  EXPECT_EQ(sweep->gains_db.size(), 16U);
+  EXPECT_EQ(sweep->frames, 100);
+  ASSERT_EQ(sweep->aberrations.size(), 3U);
+  EXPECT_NEAR(sweep->aberrations[2][0].waves, 2.0 / std::sqrt(6.0), 1e-12);
+  EXPECT_EQ(sweep->arms[2], (SweepArm{0, TrackerKind::centroid, true}));
+  EXPECT_EQ(sweep->cells(), 192U);
+  const GainSweep::Cell at = sweep->cell(64 + 4 + 3);
+  EXPECT_EQ(at.aberration, 1U);
+  EXPECT_EQ(at.gain, 1U);
+  EXPECT_EQ(at.arm, 3U);
+}
+
+TEST(GainSweep, ComesBackFromItsJson) {
+  const auto sweep = decode_gain_sweep(
+      {{"gains_db", {3, 1.5}},
+       {"aberrations", {{{"modes", {{{"n", 2}, {"m", 0}, {"waves", 1}}}}, {"norm", "unit"}}}},
+       {"arms", {{{"charge", 0}, {"tracker", "cell_centroid"}}}},
+       {"clamp", true}});
+  ASSERT_TRUE(sweep);
+  const auto again = decode_gain_sweep(to_json(*sweep));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(to_json(*again), to_json(*sweep));
+  EXPECT_EQ(again->arms, sweep->arms);
+  EXPECT_EQ(again->gains_db, (std::vector<double>{3, 1.5}));
+  EXPECT_NEAR(again->aberrations[0][0].waves, 1.0 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(GainSweep, NamesWhatIsWrong) {
+  const auto field = [](const json& params) { return error_of(decode_gain_sweep(params)).field; };
+  EXPECT_EQ(field({{"gains_db", {1, 2, 1}}}), "gains_db");
+  EXPECT_EQ(field({{"gains_db", json::array()}}), "gains_db");
+  EXPECT_EQ(field({{"frames", 1}}), "frames");
+  EXPECT_EQ(field({{"arms", json::array()}}), "arms");
+  EXPECT_EQ(field({{"arms", {{{"charge", 1}, {"tracker", "lgg"}}}}}), "arms[0].tracker");
+  EXPECT_EQ(field({{"aberrations", {{{"modes", {{{"j", 3}}}}}}}}), "aberrations[0].modes[0].waves");
+  EXPECT_EQ(error_of(decode_experiment_cell({{"cell", -1}})).field, "cell");
+}
+
+TEST(GainSweep, TellsSaturatedAndUndeterminedFramesApart) {
+  const GainSweep sweep = *decode_gain_sweep(json::object());
+  CellMeasured cell;
+  cell.subapertures = 19;
+  cell.modes_j = {1};
+  cell.frames = {{{0.1}, 1.0, 0.0, 19}, {{0.2}, 3.0, 0.1, 19}, {{}, NAN, 0.0, 4}};
+  const json told = to_json(sweep, cell);
+  EXPECT_EQ(told["variance_rad2"], 2.0);
+  EXPECT_NEAR(told["standard_deviation_rad2"].get<double>(), std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(told["standard_error_rad2"].get<double>(), 1.0, 1e-12);
+  EXPECT_EQ(told["unsaturated_variance_rad2"], 1.0);
+  EXPECT_EQ(told["saturated_frames"], 1);
+  EXPECT_EQ(told["undetermined_frames"], 1);
+  EXPECT_EQ(told["lost_spots"], 15);
+  EXPECT_TRUE(told["variances_rad2"][2].is_null());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "proto/experiment.hpp"
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
 
@@ -60,6 +61,8 @@ void decode_all(const Json& params) {
   (void)decode_loop_close(params);
   (void)decode_loop_open(params);
   (void)decode_calibration_run(params);
+  (void)decode_gain_sweep(params);
+  (void)decode_experiment_cell(params);
   (void)decode_slm_show(params);
   (void)decode_job(params);
   (void)decode_nothing(params);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/optics/zernike.hpp"
+#include "proto/experiment.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
@@ -24,18 +25,21 @@ void expect_range(const json& schema, Range range) {
 TEST(Schemas, AreThereForEveryStreamAndMethod) {
   std::vector<std::string> names;
   for (const SchemaFile& file : schemas()) names.emplace_back(file.name);
-  EXPECT_EQ(names,
-            (std::vector<std::string>{
-                "aberration.clear",   "aberration.get",   "aberration.set",   "calibration.clear",
-                "calibration.get",    "calibration.run",  "camera.get",       "camera.set",
-                "config.get",         "config.save",      "correction.clear", "correction.get",
-                "correction.set",     "job.cancel",       "job.get",          "loop.close",
-                "loop.get",           "loop.open",        "reference.clear",  "reference.get",
-                "reference.set",      "reference.take",   "refine.get",       "refine.set",
-                "registration.clear", "registration.get", "registration.run", "sensor.get",
-                "sensor.set",         "slm.show",         "stream.event",     "stream.image",
-                "stream.phase",       "stream.refined",   "stream.spots",     "stream.status",
-                "stream.wavefront",   "system.describe",  "system.status"}));
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "aberration.clear",   "aberration.get",   "aberration.set",
+                       "calibration.clear",  "calibration.get",  "calibration.run",
+                       "camera.get",         "camera.set",       "config.get",
+                       "config.save",        "correction.clear", "correction.get",
+                       "correction.set",     "experiment.cell",  "experiment.gain_sweep",
+                       "experiment.get",     "job.cancel",       "job.get",
+                       "loop.close",         "loop.get",         "loop.open",
+                       "reference.clear",    "reference.get",    "reference.set",
+                       "reference.take",     "refine.get",       "refine.set",
+                       "registration.clear", "registration.get", "registration.run",
+                       "sensor.get",         "sensor.set",       "slm.show",
+                       "stream.event",       "stream.image",     "stream.phase",
+                       "stream.refined",     "stream.spots",     "stream.status",
+                       "stream.wavefront",   "system.describe",  "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -74,6 +78,18 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   expect_range(calibration.at("amplitude_waves"), limits::kPushWaves);
   expect_range(calibration.at("frames"), limits::kPushFrames);
   EXPECT_EQ(calibration.at("modes").at("items").at("maximum"), kMaxZernikeIndex);
+  const json sweep = properties("experiment.gain_sweep");
+  expect_range(sweep.at("gains_db").at("items"), limits::kGainDb);
+  expect_range(sweep.at("picture_gains_db").at("items"), limits::kGainDb);
+  expect_range(sweep.at("reference_gain_db"), limits::kGainDb);
+  expect_range(sweep.at("frames"), limits::kSweepFrames);
+  expect_range(sweep.at("reference_frames"), limits::kSweepFrames);
+  EXPECT_EQ(sweep.at("gains_db").at("maxItems"), limits::kSweepGains);
+  EXPECT_EQ(sweep.at("aberrations").at("maxItems"), limits::kSweepAberrations);
+  EXPECT_EQ(sweep.at("arms").at("maxItems"), limits::kSweepArms);
+  expect_range(properties("experiment.cell").at("cell"), limits::kSweepCell);
+  const std::size_t cells = limits::kSweepGains * limits::kSweepAberrations * limits::kSweepArms;
+  EXPECT_EQ(cells, std::size_t(limits::kSweepCell.max) + 1);
   expect_range(properties("job.get").at("job"), limits::kJob);
   const json by_j = properties("aberration.set").at("modes").at("items").at("oneOf")[0];
   expect_range(by_j.at("properties").at("waves"), limits::kModeWaves);
@@ -107,6 +123,9 @@ TEST(Schemas, StateTheNamesThatAreUsed) {
   EXPECT_EQ(properties("sensor.set").at("tracker").at("enum"), json(tracker_names()));
   EXPECT_EQ(properties("sensor.set").at("template").at("enum"), json(template_names()));
   EXPECT_EQ(properties("sensor.set").at("operator").at("enum"), json(operator_names()));
+  const json arm = properties("experiment.gain_sweep").at("arms").at("items").at("properties");
+  EXPECT_EQ(arm.at("tracker").at("enum"), json(sweep_tracker_names()));
+  expect_range(arm.at("charge"), limits::kCharge);
   EXPECT_EQ(properties("slm.show").at("pattern").at("enum"), json(showable_pattern_names()));
   EXPECT_EQ(properties("aberration.set").at("norm").at("enum"), json(norm_names()));
 }
@@ -125,6 +144,8 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("loop.close")) EXPECT_TRUE(decode_loop_close(e)) << e;
   for (const json& e : examples("loop.open")) EXPECT_TRUE(decode_loop_open(e)) << e;
   for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode_calibration_run(e)) << e;
+  for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(decode_gain_sweep(e)) << e;
+  for (const json& e : examples("experiment.cell")) EXPECT_TRUE(decode_experiment_cell(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }

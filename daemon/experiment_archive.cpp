@@ -1,0 +1,223 @@
+#include "daemon/experiment_archive.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/port/clock.hpp"
+#include "daemon/store/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kKind = "experiment";
+constexpr std::size_t kNameDigits = 16;
+
+std::string kind_of(const std::string& run) {
+  return std::string(kKind) + "-" + run;
+}
+
+std::string reference_name(std::size_t arm) {
+  return fmt::format("reference-{:02}", arm);
+}
+
+std::string cell_name(std::size_t cell) {
+  return fmt::format("cell-{:05}", cell);
+}
+
+/// None: it is not of this program.
+struct Header {
+  ExperimentRun run;
+  std::int64_t t_opened_ns = 0;
+};
+std::optional<Header> header_of(const StateItem& item) {
+  const json& content = item.content;
+  if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
+    return std::nullopt;
+  }
+  const auto request = decode_gain_sweep(content["request"]);
+  const json begun = content.value("t_begun_ns", json()),
+             opened = content.value("t_opened_ns", json());
+  if (!request || !begun.is_number_integer() || !opened.is_number_integer()) return std::nullopt;
+  return Header{{item.name, *request, content["bench"], begun.get<std::int64_t>()},
+                opened.get<std::int64_t>()};
+}
+
+json header_json(const ExperimentRun& run) {
+  return {{"request", to_json(run.request)},
+          {"bench", run.bench},
+          {"t_begun_ns", run.t_begun_ns},
+          {"t_opened_ns", utc_ns()}};
+}
+
+/// Oldest first, by when they were asked for last.
+std::vector<Header> headers(const DaemonStore& store) {
+  std::vector<Header> all;
+  store.load(kKind, [&all](const StateItem& item) {
+    if (auto header = header_of(item)) all.push_back(std::move(*header));
+  });
+  std::sort(all.begin(), all.end(),
+            [](const Header& a, const Header& b) { return a.t_opened_ns < b.t_opened_ns; });
+  return all;
+}
+
+}  // namespace
+
+ExperimentRun experiment_run(const GainSweep& request, json bench) {
+  const std::string all = json{{"request", to_json(request)}, {"bench", bench}}.dump();
+  return {sha256_hex(all).substr(0, kNameDigits), request, std::move(bench), utc_ns()};
+}
+
+void ExperimentArchive::load() {
+  const auto known = headers(store_);
+  if (!known.empty()) read(known.back().run);
+}
+
+/// What is there of the run.
+void ExperimentArchive::read(const ExperimentRun& run) {
+  std::vector<json> references(run.request.arms.size()), cells(run.request.cells());
+  store_.load(kind_of(run.name), [&](StateItem item) {
+    const json number = item.content.value("cell", item.content.value("arm", json()));
+    if (!number.is_number_unsigned()) return;
+    const auto k = number.get<std::size_t>();
+    if (k < cells.size() && item.name == cell_name(k)) cells[k] = std::move(item.content);
+    if (k < references.size() && item.name == reference_name(k)) {
+      references[k] = std::move(item.content);
+    }
+  });
+  const std::lock_guard lock(mutex_);
+  run_ = run;
+  references_ = std::move(references);
+  cells_ = std::move(cells);
+  not_kept_reason_.reset();
+}
+
+void ExperimentArchive::open(const ExperimentRun& run, bool anew) {
+  ExperimentRun opened = run;
+  if (anew) drop(run.name, run.request.arms.size(), run.request.cells());
+  bool in_memory = false;
+  {
+    const std::lock_guard lock(mutex_);
+    in_memory = !anew && run_ && run_->name == run.name;
+    if (in_memory) opened.t_begun_ns = run_->t_begun_ns;
+  }
+  if (!in_memory) {
+    for (const Header& known : headers(store_)) {
+      if (known.run.name == run.name) opened.t_begun_ns = known.run.t_begun_ns;
+    }
+    read(opened);
+  }
+  put(kKind, opened.name, header_json(opened));
+  drop_oldest();
+}
+
+/// A header first: without it nothing finds the rest.
+void ExperimentArchive::drop(const std::string& name, std::size_t arms, std::size_t cells) {
+  (void)store_.drop(kKind, name);
+  for (std::size_t k = 0; k < arms; ++k) (void)store_.drop(kind_of(name), reference_name(k));
+  for (std::size_t k = 0; k < cells; ++k) (void)store_.drop(kind_of(name), cell_name(k));
+}
+
+void ExperimentArchive::drop_oldest() {
+  const auto known = headers(store_);
+  for (std::size_t k = 0; k + kMostKept < known.size(); ++k) {
+    const ExperimentRun& run = known[k].run;
+    drop(run.name, run.request.arms.size(), run.request.cells());
+  }
+}
+
+void ExperimentArchive::put(const std::string& kind, const std::string& name, const json& content) {
+  const auto kept = store_.put(kind, name, content);
+  const std::lock_guard lock(mutex_);
+  if (!kept) not_kept_reason_ = kept.error().reason;
+}
+
+void ExperimentArchive::put_reference(int arm, json reference) {
+  std::string kind;
+  {
+    const std::lock_guard lock(mutex_);
+    kind = kind_of(run_->name);
+    references_[std::size_t(arm)] = reference;
+  }
+  put(kind, reference_name(std::size_t(arm)), reference);
+}
+
+/// Kept before it is told: who was told of a cell finds it again.
+void ExperimentArchive::put_cell(int cell, json measured) {
+  std::string kind;
+  {
+    const std::lock_guard lock(mutex_);
+    kind = kind_of(run_->name);
+  }
+  put(kind, cell_name(std::size_t(cell)), measured);
+  const std::lock_guard lock(mutex_);
+  cells_[std::size_t(cell)] = std::move(measured);
+  if (job_) ++job_->done;
+}
+
+json ExperimentArchive::reference(int arm) const {
+  const std::lock_guard lock(mutex_);
+  return references_[std::size_t(arm)];
+}
+
+bool ExperimentArchive::has_cell(int cell) const {
+  const std::lock_guard lock(mutex_);
+  return !cells_[std::size_t(cell)].is_null();
+}
+
+void ExperimentArchive::begin_job(const std::string& run, int job) {
+  const std::lock_guard lock(mutex_);
+  job_ = Job{run, job, monotonic_ns(), 0};
+}
+
+void ExperimentArchive::end_job() {
+  const std::lock_guard lock(mutex_);
+  job_.reset();
+}
+
+std::optional<int> ExperimentArchive::job_of(const std::string& run) const {
+  const std::lock_guard lock(mutex_);
+  if (!job_ || job_->run != run) return std::nullopt;
+  return job_->number;
+}
+
+std::optional<double> ExperimentArchive::time_left_s() const {
+  if (!job_ || job_->done == 0) return std::nullopt;
+  const auto missing =
+      std::count_if(cells_.begin(), cells_.end(), [](const json& cell) { return cell.is_null(); });
+  const double passed_s = 1e-9 * double(monotonic_ns() - job_->t_begun_mono_ns);
+  return passed_s / job_->done * double(missing);
+}
+
+json ExperimentArchive::result() const {
+  const std::lock_guard lock(mutex_);
+  if (!run_) return experiment_result(nullptr);
+  const bool runs = job_ && job_->run == run_->name;
+  const ExperimentReport report{run_->name,
+                                run_->request,
+                                run_->bench,
+                                run_->t_begun_ns,
+                                runs ? std::optional(job_->number) : std::nullopt,
+                                time_left_s(),
+                                not_kept_reason_,
+                                references_,
+                                cells_};
+  return experiment_result(&report);
+}
+
+Result<json> ExperimentArchive::cell(int number) const {
+  const std::lock_guard lock(mutex_);
+  if (std::size_t(number) >= cells_.size()) {
+    return fail(Errc::invalid, "cell",
+                cells_.empty() ? "there is no gain sweep: call experiment.gain_sweep"
+                               : fmt::format("there is no cell {}: the last is {}", number,
+                                             cells_.size() - 1));
+  }
+  const json& cell = cells_[std::size_t(number)];
+  if (cell.is_null()) return fail(Errc::refused, "cell", "it was not measured yet");
+  return cell;
+}
+
+}  // namespace ovws

@@ -1,0 +1,77 @@
+/// The gain sweeps of this bench: what was measured of them stays, cell by cell, until all of it is
+/// there.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/daemon_store.hpp"
+#include "proto/experiment.hpp"
+
+namespace ovws {
+
+/// A sweep on a bench.
+struct ExperimentRun {
+  std::string name;  ///< 16 hexadecimal digits: the same for the same sweep on the same bench
+  GainSweep request;
+  nlohmann::json bench;  ///< what its numbers are of, and the same while it lasts
+  std::int64_t t_begun_ns = 0;
+};
+ExperimentRun experiment_run(const GainSweep& request, nlohmann::json bench);
+
+/// Holds one run, that was asked for last; those of before stay on the disk. Thread-safe.
+class ExperimentArchive {
+ public:
+  static constexpr std::size_t kMostKept = 4;  ///< runs on the disk; that of longest ago goes first
+
+  explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
+
+  /// At the start: the run that was asked for last. Waits for the disk.
+  void load();
+
+  // The job's thread; they wait for the disk. What cannot be kept is measured all the same, and
+  // `report` says why it is not kept.
+  /// This run from now on, with all that is known of it; of nothing if `anew`.
+  void open(const ExperimentRun& run, bool anew);
+  void put_reference(int arm, nlohmann::json reference);
+  void put_cell(int cell, nlohmann::json measured);
+  nlohmann::json reference(int arm) const;  ///< null: not measured yet
+  bool has_cell(int cell) const;
+
+  /// Job `job` measures that run now, or has ended.
+  void begin_job(const std::string& run, int job);
+  void end_job();
+  /// The job that measures it now.
+  std::optional<int> job_of(const std::string& run) const;
+
+  nlohmann::json result() const;  ///< of experiment.get
+  /// Of experiment.cell. Errc::invalid if there is no such cell, Errc::refused if it was not
+  /// measured yet.
+  Result<nlohmann::json> cell(int number) const;
+
+ private:
+  struct Job {
+    std::string run;
+    int number = 0;
+    std::int64_t t_begun_mono_ns = 0;
+    int done = 0;
+  };
+  void read(const ExperimentRun& run);
+  void drop(const std::string& name, std::size_t arms, std::size_t cells);
+  void drop_oldest();
+  void put(const std::string& kind, const std::string& name, const nlohmann::json& content);
+  std::optional<double> time_left_s() const;  // call with mutex_ locked
+
+  DaemonStore& store_;
+  mutable std::mutex mutex_;  ///< never held while the disk works
+  std::optional<ExperimentRun> run_;
+  std::vector<nlohmann::json> references_, cells_;
+  std::optional<Job> job_;
+  std::optional<std::string> not_kept_reason_;
+};
+
+}  // namespace ovws

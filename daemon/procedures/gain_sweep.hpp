@@ -1,0 +1,17 @@
+/// The procedure of `experiment.gain_sweep`.
+#pragma once
+
+#include "core/optics/geometry.hpp"
+#include "daemon/experiment_archive.hpp"
+#include "daemon/procedures/bench.hpp"
+
+namespace ovws {
+
+/// Measures what of `run` the archive does not have, and puts it there: first the reference of each
+/// arm, without an aberration, then cell by cell. Modes by the tracker's slopes. Errors: those of
+/// Bench, of Instrument::exhibit and of the camera; Errc::refused if a reference is saturated, or
+/// its spots are lost.
+Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run,
+                                ExperimentArchive& archive);
+
+}  // namespace ovws

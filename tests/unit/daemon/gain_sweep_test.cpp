@@ -1,0 +1,215 @@
+#include "daemon/procedures/sweep_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "core/optics/lattice.hpp"
+#include "core/wavefront/residual_variance.hpp"
+#include "daemon/experiment_archive.hpp"
+#include "daemon/mode_operators.hpp"
+#include "daemon/store/encoding.hpp"
+#include "daemon/stream_queue.hpp"
+#include "tests/support/own_folder.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+SeriesFrame frame_at(const std::vector<Vec2>& places) {
+  SeriesFrame frame;
+  for (const Vec2 p : places) {
+    SpotFix spot;
+    spot.x = float(p.x);
+    spot.y = float(p.y);
+    spot.level = 10.0F;
+    spot.noise = 2.0F;
+    spot.peak = 20.0F;
+    frame.spots.push_back(spot);
+  }
+  return frame;
+}
+
+TEST(MeanPositions, LeaveOutWhatIsRarelyFound) {
+  std::vector<SeriesFrame> frames(3, frame_at({{1, 2}, {5, 5}}));
+  frames[1].spots[0].x = 4.0F;
+  frames[0].spots[1] = frames[1].spots[1] = SpotFix{};
+  const auto mean = mean_positions(frames);
+  ASSERT_EQ(mean.size(), 2U);
+  EXPECT_DOUBLE_EQ(mean[0].x, 2.0);
+  EXPECT_DOUBLE_EQ(mean[0].y, 2.0);
+  EXPECT_TRUE(std::isnan(mean[1].x));
+  EXPECT_TRUE(mean_positions({}).empty());
+}
+
+TEST(Levels, AreMediansOfFoundSpots) {
+  std::vector<SeriesFrame> frames(1, frame_at({{1, 1}, {2, 2}, {3, 3}}));
+  frames[0].spots[0].level = 1000.0F;
+  frames[0].spots[1] = SpotFix{};
+  frames[0].spots[1].peak = 255.0F;  // lost, and saturated
+  const SpotLevels levels = levels_of(frames);
+  EXPECT_EQ(levels.noise_dn, 2.0);
+  EXPECT_EQ(levels.peak_dn, 255.0);
+  EXPECT_TRUE(std::isnan(levels_of({}).level_dn));
+}
+
+/// Spots moved exactly as the model says leave what was not introduced, and nothing else.
+TEST(JudgeFrames, TellsWhatIsLeft) {
+  const SlmGeometry slm;
+  const SensorConfig sensor;
+  const auto lattice = make_lattice(sensor, slm);
+  ASSERT_TRUE(lattice);
+  const ModeOperator model =
+      slope_operator(*lattice, sensor, TrackingConfig{}, px_per_cycle(OpticsConfig{}, slm));
+  const std::size_t spots = lattice->subapertures.size();
+  const std::vector<Vec2> reference(spots, Vec2{100.0, 100.0});
+  const Reconstructor reconstructor(model.slopes, model.modes_j, reference);
+  Eigen::VectorXd waves = Eigen::VectorXd::Zero(model.slopes.cols());
+  waves[2] = 0.5;   // j = 3, introduced
+  waves[3] = 0.01;  // j = 4, an error
+  const Eigen::VectorXd moved = model.slopes * waves;
+  std::vector<Vec2> places = reference;
+  for (std::size_t i = 0; i < spots; ++i) {
+    places[i] = places[i] + Vec2{moved[Eigen::Index(2 * i)], moved[Eigen::Index(2 * i + 1)]};
+  }
+  std::vector<SeriesFrame> frames(2, frame_at(places));
+  frames[0].saturated_fraction = 0.5F;
+  for (SpotFix& spot : frames[1].spots) spot = SpotFix{};
+  const auto judged = judge_frames(frames, reconstructor, {{3, 0.5}});
+  ASSERT_EQ(judged.size(), 2U);
+  const double expected = 4.0 * std::numbers::pi * std::numbers::pi * 0.01 * 0.01;
+  EXPECT_NEAR(judged[0].variance_rad2, expected, 0.01 * expected);
+  EXPECT_NEAR(judged[0].coefficients[2], 0.5, 1e-4);
+  EXPECT_EQ(judged[0].saturated_fraction, 0.5);
+  EXPECT_EQ(judged[0].tracked, int(spots));
+  EXPECT_TRUE(std::isnan(judged[1].variance_rad2));
+  EXPECT_TRUE(judged[1].coefficients.empty());
+  EXPECT_EQ(judged[1].tracked, 0);
+}
+
+TEST(ResidualVariance, IsOfModesThatAreNotMeasuredTooIfTheyAreFound) {
+  const std::vector<int> modes_j{1, 3};
+  const std::vector<double> found{0.1, 0.3};
+  const std::vector<Mode> introduced{{3, 0.3}, {9, 1.0}};
+  const double by = 4.0 * std::numbers::pi * std::numbers::pi;
+  EXPECT_NEAR(residual_variance_rad2<double>(modes_j, found, introduced), by * 0.01, 1e-12);
+}
+
+class Experiments : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(folder_); }
+  struct Started {
+    explicit Started(const std::optional<std::string>& folder) : store({folder}, events) {
+      archive.load();
+    }
+    StreamQueue queue;
+    Events events{queue};
+    DaemonStore store;
+    ExperimentArchive archive{store};
+  };
+  static ExperimentRun run_of(int frames, double exposure_us = 2000.0) {
+    const auto sweep = decode_gain_sweep({{"gains_db", {10}}, {"frames", frames}});
+    return experiment_run(*sweep, {{"exposure_us", exposure_us}});
+  }
+  static json cell_of(const ExperimentRun& run, int number) {
+    CellMeasured cell;
+    cell.cell = number;
+    return to_json(run.request, cell);
+  }
+  std::string folder_ = own_folder("experiments");
+};
+
+TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
+  const ExperimentRun run = run_of(10);
+  json told;
+  {
+    Started daemon(folder_);
+    EXPECT_FALSE(daemon.archive.result()["known"].get<bool>());
+    daemon.archive.open(run, false);
+    ReferenceMeasured reference;
+    reference.arm = 2;
+    reference.positions_px = {{1.5, 2.0}, {NAN, NAN}};
+    daemon.archive.put_reference(2, to_json(run.request, reference));
+    daemon.archive.put_cell(3, cell_of(run, 3));
+    told = daemon.archive.result();
+    EXPECT_TRUE(told["not_kept_reason"].is_null());
+  }
+  Started again(folder_);
+  EXPECT_EQ(again.archive.result(), told);
+  again.archive.open(run_of(10), false);  // asked for anew, at another time
+  EXPECT_EQ(again.archive.result(), told);
+  EXPECT_TRUE(again.archive.has_cell(3));
+  EXPECT_FALSE(again.archive.has_cell(2));
+  const auto places = reference_places(again.archive.reference(2), 2);
+  ASSERT_TRUE(places);
+  EXPECT_EQ((*places)[0].x, 1.5);
+  EXPECT_TRUE(std::isnan((*places)[1].x));
+  EXPECT_FALSE(reference_places(again.archive.reference(1), 1));
+  again.archive.open(run, true);
+  EXPECT_EQ(again.archive.result()["cells_done"], 0);
+}
+
+TEST_F(Experiments, ARunIsItsParamsOnItsBench) {
+  EXPECT_EQ(run_of(10).name, run_of(10).name);
+  EXPECT_NE(run_of(10).name, run_of(11).name);
+  EXPECT_NE(run_of(10).name, run_of(10, 500.0).name);
+  Started daemon(folder_);
+  daemon.archive.open(run_of(10), false);
+  daemon.archive.put_cell(0, cell_of(run_of(10), 0));
+  daemon.archive.open(run_of(11), false);
+  EXPECT_FALSE(daemon.archive.has_cell(0));
+  daemon.archive.open(run_of(10), false);
+  EXPECT_TRUE(daemon.archive.has_cell(0));
+}
+
+TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
+  Started daemon(folder_);
+  for (int frames = 10; frames <= 10 + int(ExperimentArchive::kMostKept); ++frames) {
+    daemon.archive.open(run_of(frames), false);
+    daemon.archive.put_cell(0, cell_of(run_of(frames), 0));
+  }
+  std::size_t files = 0;
+  for (const auto& file : fs::directory_iterator(folder_)) {
+    EXPECT_EQ(file.path().string().find(run_of(10).name), std::string::npos);
+    ++files;
+  }
+  EXPECT_EQ(files, 2 * ExperimentArchive::kMostKept);
+}
+
+TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
+  Started daemon(std::nullopt);
+  daemon.archive.open(run_of(10), false);
+  daemon.archive.put_cell(1, cell_of(run_of(10), 1));
+  EXPECT_TRUE(daemon.archive.cell(1));
+  EXPECT_FALSE(daemon.archive.cell(0));
+  EXPECT_EQ(daemon.archive.cell(99).error().code, Errc::invalid);
+  EXPECT_TRUE(daemon.archive.result()["not_kept_reason"].is_string());
+}
+
+TEST_F(Experiments, TellTheJobAndItsTimeLeft) {
+  Started daemon(folder_);
+  daemon.archive.begin_job(run_of(10).name, 7);
+  daemon.archive.open(run_of(10), false);
+  EXPECT_EQ(daemon.archive.job_of(run_of(10).name), 7);
+  EXPECT_FALSE(daemon.archive.job_of(run_of(11).name));
+  EXPECT_TRUE(daemon.archive.result()["time_left_s"].is_null());
+  daemon.archive.put_cell(0, cell_of(run_of(10), 0));
+  EXPECT_TRUE(daemon.archive.result()["time_left_s"].is_number());
+  daemon.archive.end_job();
+  EXPECT_TRUE(daemon.archive.result()["job"].is_null());
+}
+
+TEST(Base64, OfBytesComesBack) {
+  const std::vector<std::uint8_t> bytes{0, 255, 7, 128};
+  const std::string text = base64_of(std::span(bytes));
+  EXPECT_EQ(bytes_of(text, 4), bytes);
+  EXPECT_FALSE(bytes_of(text, 3));
+  EXPECT_FALSE(bytes_of(text, 5));
+}
+
+}  // namespace
+}  // namespace ovws
