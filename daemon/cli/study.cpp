@@ -1,4 +1,4 @@
-/// ovws study: the accuracy studies, with figures.
+/// ovws study: the accuracy studies, and the experiment on a daemon's bench, with figures.
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/cli/commands.hpp"
+#include "daemon/cli/experiment.hpp"
 #include "daemon/study/parallel.hpp"
 #include "daemon/study/studies.hpp"
 
@@ -21,7 +22,10 @@ struct StudyOptions {
   bool quick = false;
   int threads = 0;  ///< 0: as many as the machine has cores
   std::uint64_t seed = 1;
+  std::string params;  ///< of the experiment
 };
+
+constexpr const char* kExperiment = "experiment";
 
 /// Made, and can be written to: better known before minutes of work than after.
 Result<void> check_folder(const std::filesystem::path& folder) {
@@ -74,10 +78,25 @@ Result<void> write_findings(const study::Findings& found, const std::filesystem:
   return {};
 }
 
+int experiment_command(const Common& common, const StudyOptions& options) {
+  nlohmann::json params = nlohmann::json::object();
+  if (options.quick) params = {{"frames", 20}, {"gains_db", {10, 16, 28, 40}}};
+  if (!options.params.empty()) {
+    const auto given = nlohmann::json::parse(options.params, nullptr, false);
+    if (!given.is_object()) {
+      fmt::print(stderr, "ovws: the parameters are not a JSON object: {}\n", options.params);
+      return kUsage;
+    }
+    params.update(given);
+  }
+  return run_experiment(common, params, options.folder);
+}
+
 int study_command(const Common& common, const StudyOptions& options) {
   if (const auto usable = check_folder(options.folder); !usable) {
     return report(common, usable.error());
   }
+  if (options.name == kExperiment) return experiment_command(common, options);
   const study::Findings found = run_study(options);
   const auto written = write_findings(found, options.folder);
   if (common.json) {
@@ -100,6 +119,9 @@ void add_study(CLI::App& app, const Common& common, int& status) {
     names.emplace_back(one.name);
     help += std::string("\n") + one.name + ": " + one.what;
   }
+  names.emplace_back(kExperiment);
+  help += std::string("\n") + kExperiment +
+          ": the paper's comparison on a daemon's bench: variance against the camera's gain";
   command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
   command->add_option("--output,-o", options->folder, "folder for the files")->required();
   command->add_flag("--quick", options->quick, "fewer levels and realisations");
@@ -107,6 +129,9 @@ void add_study(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
+  command->add_option(
+      "--params", options->params,
+      "of the experiment: a JSON object, see experiment.gain_sweep in ovws describe");
   command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 

@@ -1,0 +1,209 @@
+#include "daemon/cli/experiment.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "daemon/cli/client.hpp"
+#include "daemon/cli/experiment_pictures.hpp"
+#include "daemon/study/gain_sweep.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+constexpr auto kLook = 300ms;
+constexpr int kStartTries = 10;  // a job that was just cancelled may need a moment to end
+constexpr int kRefusedCode = -32000;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void note_interrupt(int) {
+  interrupted = 1;
+}
+
+using Answer = tl::expected<json, CallFailure>;
+
+Answer start(const Common& common, const json& params) {
+  for (int tries = 1;; ++tries) {
+    Answer answer = call(common, "experiment.gain_sweep", params);
+    const bool busy =
+        !answer && answer.error().answered && answer.error().error.value("code", 0) == kRefusedCode;
+    if (!busy || tries == kStartTries || interrupted != 0) return answer;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+/// Both files hold every cell that was fetched, as soon as it was.
+class Fetched {
+ public:
+  explicit Fetched(std::filesystem::path folder) : folder_(std::move(folder)) { begin_files(); }
+  bool has(int number) const { return cells_.contains(number); }
+  /// False if a file cannot be written.
+  bool add(json cell) {
+    const bool written = write(cell);
+    const int number = cell["cell"].get<int>();
+    cells_[number] = std::move(cell);
+    return written;
+  }
+  /// Both files anew, in the order of the cells' numbers. False if one cannot be written.
+  bool write_in_order() {
+    begin_files();
+    return std::all_of(cells_.begin(), cells_.end(),
+                       [this](const auto& one) { return write(one.second); });
+  }
+  const SweepCells& cells() const { return cells_; }
+
+ private:
+  void begin_files() {
+    cells_file_ = std::ofstream(folder_ / "cells.csv");
+    frames_file_ = std::ofstream(folder_ / "frames.csv");
+    cells_file_ << study::cells_csv_header() << std::flush;
+  }
+  bool write(const json& cell) {
+    if (frames_file_.tellp() == 0) frames_file_ << study::frames_csv_header(cell);
+    cells_file_ << study::cells_csv_row(cell) << std::flush;
+    frames_file_ << study::frames_csv_rows(cell) << std::flush;
+    return cells_file_.good() && frames_file_.good();
+  }
+
+  std::filesystem::path folder_;
+  std::ofstream cells_file_, frames_file_;
+  SweepCells cells_;
+};
+
+void tell_progress(const Common& common, const json& experiment) {
+  if (common.json) return;
+  std::string left = "";
+  if (experiment["time_left_s"].is_number()) {
+    const int seconds = int(experiment["time_left_s"].get<double>());
+    left = fmt::format(", {}:{:02} min left", seconds / 60, seconds % 60);
+  }
+  fmt::print(stderr, "\r{} of {} cells{}      ", experiment["cells_done"].get<int>(),
+             experiment["cells_total"].get<int>(), left);
+  std::fflush(stderr);
+}
+
+/// Every cell that the daemon has and we have not.
+Answer fetch(const Common& common, Fetched& fetched) {
+  Answer experiment = call(common, "experiment.get", json::object());
+  if (!experiment || !(*experiment)["cells"].is_array()) return experiment;
+  for (const json& summary : (*experiment)["cells"]) {
+    const int number = summary["cell"].get<int>();
+    if (fetched.has(number) || interrupted != 0) continue;
+    Answer cell = call(common, "experiment.cell", {{"cell", number}});
+    if (!cell) return cell;
+    if (!fetched.add(std::move(*cell))) {
+      return tl::make_unexpected(CallFailure{true, {{"message", "a CSV file cannot be written"}}});
+    }
+  }
+  tell_progress(common, *experiment);
+  return experiment;
+}
+
+/// The job's last report. What was measured before it ended is fetched.
+Answer follow(const Common& common, int job, Fetched& fetched) {
+  while (true) {
+    Answer report = call(common, "job.get", {{"job", job}});
+    if (interrupted != 0) {
+      report = call(common, "job.cancel", {{"job", job}});
+      if (!report) return report;
+      interrupted = 0;  // a second Ctrl-C ends the fetching
+    } else if (!report) {
+      return report;
+    }
+    if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
+      return experiment;
+    }
+    if ((*report)["state"] != "running") return report;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+Result<void> write_text(const std::string& text, const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (file) return {};
+  return fail(Errc::unavailable, "output", path.string() + " cannot be written");
+}
+
+/// The pictures come last: what is missing for them must not cost the numbers.
+Result<void> write_findings(const json& experiment, const SweepCells& cells,
+                            const std::filesystem::path& folder) {
+  json summary = study::sweep_summary(experiment);
+  summary["version"] = OVWS_VERSION;
+  if (auto done = write_text(summary.dump(2) + "\n", folder / "summary.json"); !done) return done;
+  if (auto done = write_text(study::sweep_table(experiment), folder / "table.txt"); !done) {
+    return done;
+  }
+  const auto figures = study::sweep_figures(experiment);
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::write_numbers(figure, folder); !done) return done;
+  }
+  if (auto done = draw_camera_frames(cells, folder); !done) return done;
+  if (auto done = draw_residuals(experiment["request"], cells, folder); !done) return done;
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::draw(figure, folder); !done) return done;
+  }
+  return {};
+}
+
+void tell_bench(const json& experiment) {
+  const json& bench = experiment["bench"];
+  print("run {} of {}: {} us at every gain, {}, {} x {} px\n", experiment["run"].get<std::string>(),
+        experiment["t_begun"].get<std::string>(), bench["exposure_us"].get<double>(),
+        bench["pixel_format"].get<std::string>(), bench["roi"]["width"].get<int>(),
+        bench["roi"]["height"].get<int>());
+  if (experiment["not_kept_reason"].is_string()) {
+    print("not kept over a restart of the daemon: {}\n",
+          experiment["not_kept_reason"].get<std::string>());
+  }
+}
+
+int tell_findings(const Common& common, Fetched& fetched, const std::filesystem::path& folder) {
+  const Answer experiment = call(common, "experiment.get", json::object());
+  if (!experiment) return report_failure(common, experiment.error());
+  auto written = write_findings(*experiment, fetched.cells(), folder);
+  if (!fetched.write_in_order()) {
+    written = fail(Errc::unavailable, "output", "a CSV file cannot be written");
+  }
+  const json summary = study::sweep_summary(*experiment);
+  if (common.json) {
+    print("{}\n", summary.dump());
+  } else {
+    tell_bench(*experiment);
+    print("{}\n", study::sweep_table(*experiment));
+    for (const json& one : summary["comparisons"]) {
+      print("{} is below {} in {} of {} cells\n", one["arm"].get<std::string>(),
+            one["other"].get<std::string>(), one["lower"].get<int>(), one["cells"].get<int>());
+    }
+    print("see {}\n", folder.string());
+  }
+  return written ? kOk : report(common, written.error());
+}
+
+}  // namespace
+
+int run_experiment(const Common& common, const json& params, const std::filesystem::path& folder) {
+  std::signal(SIGINT, note_interrupt);
+  const Answer started = start(common, params);
+  if (!started) return report_failure(common, started.error());
+  Fetched fetched(folder);
+  const Answer ended = follow(common, (*started)["job"].get<int>(), fetched);
+  if (!common.json) fmt::print(stderr, "\n");
+  if (!ended) return report_failure(common, ended.error());
+  const std::string state = (*ended)["state"].get<std::string>();
+  if (state == "done") return tell_findings(common, fetched, folder);
+  const json& error = (*ended)["error"];
+  const std::string why = error.is_object() ? error.value("message", state) : state;
+  return report(common, {Errc::refused, "",
+                         fmt::format("{}; {} cells are measured and kept: the same command goes on",
+                                     why, fetched.cells().size())});
+}
+
+}  // namespace ovws::cli

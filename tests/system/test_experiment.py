@@ -1,0 +1,149 @@
+"""The paper's experiment on the twin: the order of the sensors, and that nothing of it is lost.
+
+The twin's light: 250 electrons in the brightest pixel of a charge-1 spot (975 of charge 0, the same laser), read noise 30
+electrons. So the peak SNR is 7 and 22, at 16 dB the brightest spot fills three quarters of the 8 bits, at 10 dB a vortex has 40 DN
+with 2 DN of noise, and above 20 dB the bright spots saturate first, as on the paper's bench.
+"""
+import csv
+import hashlib
+import json
+import re
+import signal
+import subprocess
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+LIGHT = {"light": {"peak_electrons": 250}, "detector": {"read_noise_e": 30}}
+SWEEP = {"gains_db": [10, 20, 40], "frames": 10, "reference_frames": 30,
+         "aberrations": [{"modes": [{"n": 2, "m": -2, "waves": waves}], "norm": "unit"} for waves in (0.5, 2.0)], "picture_gains_db": [10]}
+QUICK = {**SWEEP, "arms": [{"charge": 1, "tracker": "lg"}, {"charge": 0, "tracker": "cell_centroid"}]}
+
+
+class Experiment(BenchCase):
+    twin_config = LIGHT
+    daemon_config = {"state": {"directory": "state"}, "stream": {"image_rate_hz": 0}, "camera": {"gain_db": 3.0}}
+
+    def setUp(self):
+        super().setUp()
+        self.folder = self.bench.directory / "out"
+
+    def study(self, params, *more):
+        return subprocess.Popen([self.bench.programs / "ovws", "study", "experiment", "-o", self.folder, "--params", json.dumps(params), *more],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+    def everything(self):
+        sensor = {key: value for key, value in self.call("sensor.get").items() if key != "hologram_id"}
+        return (self.call("camera.get")["settings"], sensor, self.call("aberration.get")["modes"], self.call("reference.get"),
+                self.call("correction.get")["modes"])
+
+    def cells_done(self):
+        return self.call("experiment.get")["cells_done"]
+
+    def job_ended(self, job, timeout_s=60.0):
+        return wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, "the job's end")
+
+    def kept_cells(self):
+        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in (self.bench.directory / "state").glob("experiment-*.cell-*")}
+
+    def test_the_order_of_the_sensors_and_everything_put_back(self):
+        twin = json.loads(json.dumps(LIGHT))
+        print(f"\n  twin: {twin}")
+        self.take_reference(20)
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.05}]})
+        before = self.everything()
+        study = self.study(SWEEP)
+        output, _ = study.communicate(timeout=60)
+        self.assertEqual(study.returncode, 0, output)
+        print(re.sub(r".*\r", "", output))
+        self.assertEqual(self.everything(), before)
+        with open(self.folder / "cells.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 2 * 3 * 4)
+        variance = {(row["aberration"], row["gain_db"], row["charge"], row["tracker"]): row for row in rows}
+        for aberration in "01":
+            for gain in ("10.0", "20.0", "40.0"):
+                with self.subTest(aberration=aberration, gain=gain):
+                    lg, matched, cell = (variance[aberration, gain, *arm] for arm in (("1", "lg"), ("1", "matched"), ("0", "cell_centroid")))
+                    self.assertEqual((lg["undetermined_frames"], cell["undetermined_frames"]), ("0", "0"))
+                    self.assertLess(float(lg["variance_rad2"]), 0.1 * float(cell["variance_rad2"]))
+                    self.assertLess(float(matched["variance_rad2"]), float(lg["variance_rad2"]))
+                    # Whatever the wavefront: 1/20 wave RMS.
+                    self.assertLess(float(lg["variance_rad2"]), 0.1)
+        self.assertEqual(variance["0", "10.0", "1", "lg"]["saturated_frames"], "0")
+        self.assertEqual(variance["0", "40.0", "0", "cell_centroid"]["saturated_frames"], "10")
+        with open(self.folder / "frames.csv", encoding="utf-8") as file:
+            self.assertEqual(len(list(csv.DictReader(file))), len(rows) * SWEEP["frames"])
+        for name in ("experiment-variance-1.png", "experiment-variance-2.png", "experiment-residual.png", "experiment-images-charge-0.png",
+                     "experiment-images-charge-1.png", "table.txt"):
+            self.assertGreater((self.folder / name).stat().st_size, 500, name)
+        summary = json.loads((self.folder / "summary.json").read_text())
+        self.assertEqual((summary["cells_done"], summary["comparisons"][1]["lower"], summary["comparisons"][1]["cells"]), (24, 6, 6))
+        self.check_what_is_refused()
+
+    def check_what_is_refused(self):
+        refused = self.refused("experiment.gain_sweep", {"gains_db": [10, 60]})
+        self.assertEqual((refused.data["field"], refused.data["min"], refused.data["max"]), ("gains_db", 0.0, 48.0))
+        job = self.call("experiment.gain_sweep", {**QUICK, "gains_db": [10, 60], "clamp": True})["job"]
+        wait_for(lambda: (got := self.call("experiment.get"))["known"] and got["request"]["gains_db"] == [10])
+        self.call("job.cancel", {"job": job})
+        self.call("camera.set", {"exposure_us": 8000.0})  # saturates the reference
+        job = self.call("experiment.gain_sweep", QUICK)["job"]
+        ended = self.job_ended(job)
+        self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "camera.exposure_us"))
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 3.0)
+
+    def test_nothing_is_lost(self):
+        before = self.everything()
+        study = self.study(QUICK)
+        self.addCleanup(study.stdout.close)
+        wait_for(lambda: self.cells_done() >= 2, 30.0, "two cells")
+        study.send_signal(signal.SIGINT)
+        output, _ = study.communicate(timeout=20)
+        self.assertEqual(study.returncode, 1, output)
+        self.assertIn("the same command goes on", output)
+        self.assertEqual(self.everything(), before)
+        after_cancel = self.kept_cells()
+        self.assertGreaterEqual(len(after_cancel), 2)
+        job = self.call("experiment.gain_sweep", QUICK)["job"]
+        self.assertEqual(self.call("experiment.gain_sweep", QUICK)["job"], job)  # joined
+        wait_for(lambda: self.cells_done() >= len(after_cancel) + 2, 30.0, "two more cells")
+        self.bench.process("ovwsd").popen.send_signal(signal.SIGKILL)
+        self.bench.stop("ovwsd")
+        killed = self.kept_cells()
+        self.assertLess(len(killed), 12)
+        self.client.close()
+        self.start_daemon()
+        self.wait_until("running")
+        found = self.call("experiment.get")
+        self.assertEqual((found["cells_done"], found["complete"]), (len(killed), False))
+        replies = {cell["cell"]: self.call("experiment.cell", {"cell": cell["cell"]}) for cell in found["cells"]}
+        study = self.study(QUICK)
+        self.addCleanup(study.stdout.close)
+        wait_for(lambda: self.cells_done() > len(killed), 30.0, "one more cell")
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.fault", {"kind": "unplug", "seconds": 1.5})  # and it goes on when the camera is there again
+        output, _ = study.communicate(timeout=60)
+        self.assertEqual(study.returncode, 0, output)
+        self.wait_until("running")
+        kept = self.kept_cells()
+        print(f"\n  {len(after_cancel)} cells at the cancel, {len(killed)} at the kill, {len(kept)} at the end")
+        self.assertEqual(len(kept), 12)
+        for name, digest in {**after_cancel, **killed}.items():
+            self.assertEqual(kept[name], digest, name)
+        for number, reply in replies.items():
+            self.assertEqual(self.call("experiment.cell", {"cell": number}), reply)
+        self.assertEqual(self.everything(), before)
+        written = {name: (self.folder / name).read_bytes() for name in ("cells.csv", "frames.csv")}
+        begun = time.monotonic()  # nothing is missing: it ends at once
+        study = self.study(QUICK)
+        output, _ = study.communicate(timeout=20)
+        self.assertEqual(study.returncode, 0, output)
+        self.assertEqual(self.kept_cells(), kept)
+        self.assertEqual({name: (self.folder / name).read_bytes() for name in written}, written)
+        print(f"  all of it again in {time.monotonic() - begun:.1f} s")
+
+
+if __name__ == "__main__":
+    main()
