@@ -1,0 +1,82 @@
+#include "core/optics/grey_fringe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/optics/circle_columns.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kPupilShare = 0.5;  // distance of the patches
+constexpr double kLeastFringePx = 4.0;
+constexpr double kReach = 1.8;  // lambda over the patches' diameter: 1.22 is the first dark ring
+
+void draw_patch(const FringePatches& patches, Vec2 frequency_cpp, Vec2 pupil, double side,
+                int level, Image<std::uint8_t>& grey) {
+  const Vec2 centre = pupil + Vec2{0.5 * side * patches.distance_px, 0.0};
+  for (int y = 0; y < grey.height; ++y) {
+    const Columns columns = columns_in_circle(centre, patches.diameter_px, y, grey.width);
+    for (int x = columns.begin; x < columns.end; ++x) {
+      const double turns = frequency_cpp.x * (x - centre.x) + frequency_cpp.y * (y - centre.y);
+      grey.at(x, y) = turns - std::floor(turns) < 0.5 ? std::uint8_t(level) : 0;
+    }
+  }
+}
+
+}  // namespace
+
+FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share) {
+  FringePatches patches;
+  patches.distance_px =
+      std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / kLeastFringePx);
+  patches.diameter_px = std::min(share * sensor.pupil_diameter_px / sensor.subapertures_across,
+                                 0.5 * patches.distance_px);
+  return patches;
+}
+
+void draw_fringe_patches(const FringePatches& patches, const SensorConfig& sensor,
+                         const SlmGeometry& slm, int grey_left, int grey_right,
+                         Image<std::uint8_t>& grey) {
+  grey.width = slm.width_px;
+  grey.height = slm.height_px;
+  grey.pixels.assign(std::size_t(grey.width) * std::size_t(grey.height), 0);
+  const Vec2 frequency{sensor.grooves[0] / slm.width_px, sensor.grooves[1] / slm.height_px};
+  const Vec2 pupil{0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
+  draw_patch(patches, frequency, pupil, -1.0, grey_left, grey);
+  draw_patch(patches, frequency, pupil, 1.0, grey_right, grey);
+}
+
+FringeReading read_fringe(const Image<float>& light, const FringePatches& patches, Vec2 base_px,
+                          const PxPerCycle& map) {
+  FringeReading reading;
+  const double reach_px = kReach * map.scale() / patches.diameter_px;
+  const double det = map.determinant();
+  const auto first = [reach_px](double at) { return std::max(0, int(std::ceil(at - reach_px))); };
+  const auto end = [reach_px](double at, int size) {
+    return std::min(size, int(std::floor(at + reach_px)) + 1);
+  };
+  for (int y = first(base_px.y); y < end(base_px.y, light.height); ++y) {
+    for (int x = first(base_px.x); x < end(base_px.x, light.width); ++x) {
+      const Vec2 from{x - base_px.x, y - base_px.y};
+      const double r = norm(from) / reach_px;
+      if (r >= 1.0) continue;
+      const double value = light.at(x, y);
+      if (std::isnan(value)) {
+        reading.saturated = true;
+        continue;
+      }
+      reading.brightest_dn = std::max(reading.brightest_dn, value);
+      // Without an edge, so that the light of neighbouring distances stays out.
+      const double weight = std::pow(std::cos(0.5 * std::numbers::pi * r), 2);
+      const double cycles_x = (map.yy * from.x - map.xy * from.y) / det;  // per SLM pixel
+      const double turns = cycles_x * patches.distance_px;
+      // The left patch's phase minus the right one's: the left lies at minus half the distance.
+      reading.beat += std::polar(weight * value, -2.0 * std::numbers::pi * turns);
+    }
+  }
+  return reading;
+}
+
+}  // namespace ovws

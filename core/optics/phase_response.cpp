@@ -1,0 +1,201 @@
+#include "core/optics/phase_response.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace ovws {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kMostMisfit = 0.05;   // of the circle's radius
+constexpr double kMostNoiseRad = 0.1;  // of one level
+constexpr double kLeastNoiseRad = 1e-3;
+constexpr double kLeastDepthRad = 1.0;  // less is no arc to fit a circle to
+constexpr double kFallNoises = 5.0;     // a fall that is no noise
+constexpr double kStiffest = 1e9, kSoftest = 1.0;
+
+std::string rounded(double value) {
+  std::string text = std::to_string(std::round(100.0 * value) / 100.0);
+  return text.substr(0, text.find('.') + 3);
+}
+
+struct Circle {
+  std::complex<double> middle;
+  double radius = 0.0;
+  double misfit = 0.0;  ///< RMS distance of the points, in radii
+};
+
+std::complex<double> mean_of(const GreyBeat& beat) {
+  return 0.5 * (beat.first + beat.second);
+}
+
+/// Kasa's linear fit, then Gauss-Newton for the distances themselves.
+Circle fit_circle(std::span<const GreyBeat> beats) {
+  const auto n = Eigen::Index(beats.size());
+  Eigen::MatrixXd rows(n, 3);
+  Eigen::VectorXd rhs(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto z = mean_of(beats[std::size_t(k)]);
+    rows.row(k) << 2.0 * z.real(), 2.0 * z.imag(), 1.0;
+    rhs[k] = std::norm(z);
+  }
+  Eigen::Vector3d at = rows.colPivHouseholderQr().solve(rhs);
+  at[2] = std::sqrt(std::max(0.0, at[2] + at[0] * at[0] + at[1] * at[1]));
+  for (int step = 0; step < 20; ++step) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto z = mean_of(beats[std::size_t(k)]) - std::complex<double>(at[0], at[1]);
+      const double r = std::max(std::abs(z), 1e-300);
+      rows.row(k) << -z.real() / r, -z.imag() / r, -1.0;
+      rhs[k] = r - at[2];
+    }
+    const Eigen::Vector3d move = rows.colPivHouseholderQr().solve(rhs);
+    at -= move;
+    if (move.norm() < 1e-12 * at.norm()) break;
+  }
+  return {{at[0], at[1]}, at[2], std::sqrt(rhs.squaredNorm() / double(n)) / at[2]};
+}
+
+/// From one level to the next less than half a turn.
+std::vector<double> unwrapped(std::span<const GreyBeat> beats, const Circle& circle) {
+  std::vector<double> phases{0.0};
+  for (std::size_t k = 1; k < beats.size(); ++k) {
+    const auto turn =
+        (mean_of(beats[k]) - circle.middle) * std::conj(mean_of(beats[k - 1]) - circle.middle);
+    phases.push_back(phases.back() + std::arg(turn));
+  }
+  const double sign = phases.back() < 0.0 ? -1.0 : 1.0;
+  for (double& phase : phases) phase *= sign;
+  return phases;
+}
+
+/// Half of what the two readings differ, per component: the noise of their mean.
+double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
+  double sum = 0.0;
+  for (const GreyBeat& beat : beats) sum += std::norm(beat.first - beat.second);
+  const double readings = std::sqrt(sum / (8.0 * double(beats.size()))) / circle.radius;
+  return std::max({readings, circle.misfit, kLeastNoiseRad});
+}
+
+Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<double>& phases,
+                          double noise_rad) {
+  std::size_t top = 0;
+  for (std::size_t k = 1; k < phases.size(); ++k) {
+    if (phases[k] > phases[top]) top = k;
+    if (phases[top] - phases[k] < kFallNoises * std::sqrt(2.0) * noise_rad) continue;
+    return fail(Errc::refused, "",
+                "the phase falls by " + rounded(phases[top] - phases[k]) + " rad from grey level " +
+                    std::to_string(beats[top].grey) + " to " + std::to_string(beats[k].grey) +
+                    ": no look-up table can mend that; see that nothing moves on the bench, and "
+                    "that the SLM is driven within its range");
+  }
+  return {};
+}
+
+/// Sum of the squared third differences of 256 values.
+Eigen::MatrixXd bending() {
+  Eigen::MatrixXd differences = Eigen::MatrixXd::Zero(253, 256);
+  for (Eigen::Index k = 0; k < 253; ++k) differences.row(k).segment(k, 4) << -1.0, 3.0, -3.0, 1.0;
+  return differences.transpose() * differences;
+}
+
+struct Curve {
+  Eigen::VectorXd phases, standard_error;
+  double residual = 0.0;
+};
+
+/// Whittaker's smoothing: the stiffest curve that leaves no more than the noise.
+Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phases,
+                double noise_rad) {
+  const Eigen::MatrixXd bend = bending();
+  Curve curve;
+  for (double stiffness = kStiffest; stiffness >= kSoftest; stiffness /= 3.0) {
+    Eigen::MatrixXd normal = stiffness / (noise_rad * noise_rad) * bend;
+    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(256);
+    for (std::size_t k = 0; k < beats.size(); ++k) {
+      normal(beats[k].grey, beats[k].grey) += 1.0 / (noise_rad * noise_rad);
+      rhs[beats[k].grey] += phases[k] / (noise_rad * noise_rad);
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> solved(normal);
+    curve.phases = solved.solve(rhs);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < beats.size(); ++k) {
+      sum += std::pow(curve.phases[beats[k].grey] - phases[k], 2);
+    }
+    curve.residual = std::sqrt(sum / double(beats.size()));
+    const bool last = stiffness / 3.0 < kSoftest;
+    if (curve.residual > noise_rad && !last) continue;
+    const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
+    curve.standard_error = inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
+    break;
+  }
+  return curve;
+}
+
+}  // namespace
+
+Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
+  const Circle circle = fit_circle(beats);
+  if (!(circle.misfit < kMostMisfit)) {
+    return fail(Errc::refused, "",
+                "the fringes do not follow the grey level along a circle: see that the light is "
+                "constant, that nothing moves, and that slm.settle_ms is long enough");
+  }
+  const double noise = noise_of(beats, circle);
+  if (noise > kMostNoiseRad) {
+    return fail(Errc::refused, "camera.exposure_us",
+                "the fringes are too weak, one level is known to " + rounded(noise) +
+                    " rad: raise the exposure, or average more frames");
+  }
+  const std::vector<double> phases = unwrapped(beats, circle);
+  if (auto rising = check_rising(beats, phases, noise); !rising) return fail(rising.error());
+  if (phases.back() < kLeastDepthRad) {
+    return fail(Errc::refused, "",
+                "the SLM's phase reaches " + rounded(phases.back()) +
+                    " rad only: see that its output is the one configured");
+  }
+  const Curve curve = smoothest(beats, phases, noise);
+  PhaseResponse response;
+  response.levels = int(beats.size());
+  response.noise_rad = noise;
+  response.residual_rad = curve.residual;
+  double highest = 0.0;
+  for (std::size_t g = 0; g < 256; ++g) {
+    const auto at = Eigen::Index(g);
+    highest = std::max(highest, curve.phases[at] - curve.phases[0]);
+    response.phase_rad[g] = highest;
+    response.standard_error_rad[g] = curve.standard_error[at];
+  }
+  return response;
+}
+
+PhaseTable linearising_lut(const std::array<double, 256>& phase_rad) {
+  constexpr double kStep = kTwoPi / 256.0;
+  PhaseTable table;
+  const double depth = phase_rad.back();
+  for (std::size_t k = 0; k < table.lut.size(); ++k) {
+    const double wanted = kStep * double(k);
+    if (wanted > depth) {
+      const double to_last = wanted - depth, to_first = kTwoPi - wanted;
+      table.lut[k] = to_last <= to_first ? 255 : 0;
+      if (std::min(to_last, to_first) > 0.5 * kStep) ++table.steps_out_of_reach;
+      continue;
+    }
+    const auto above = std::lower_bound(phase_rad.begin(), phase_rad.end(), wanted);
+    auto grey = above - phase_rad.begin();
+    if (grey > 0 && wanted - phase_rad[std::size_t(grey - 1)] < *above - wanted) --grey;
+    table.lut[k] = std::uint8_t(grey);
+  }
+  if (table.steps_out_of_reach > 0) {
+    table.reason = "the SLM reaches " + rounded(depth / std::numbers::pi) +
+                   " pi of 2 pi: phases beyond are shown by grey level 255 or 0, whichever is "
+                   "nearer";
+  }
+  return table;
+}
+
+}  // namespace ovws
