@@ -47,6 +47,34 @@ TEST_F(SlmFiles, AWrongLutNamesWhatIsWrong) {
   EXPECT_EQ(load_lut(folder_ + "/none").error().field, "slm.lut");
 }
 
+TEST_F(SlmFiles, ALutGoesThroughTheGreyLevelsOnce) {
+  const auto table = [this](auto grey) {
+    std::string text;
+    for (int k = 0; k < 256; ++k) text += std::to_string(grey(k)) + "\n";
+    return load_lut(write(text));
+  };
+  EXPECT_TRUE(table([](int k) { return 255 - k; }));
+  EXPECT_TRUE(table([](int k) { return k < 245 ? k : 0; }));  // clipped at the nearer end
+  EXPECT_TRUE(table([](int k) { return (k + 100) % 256; }));  // begins anywhere in the turn
+  const auto damaged = table([](int k) { return k == 40 || k == 90 ? 0 : k; });
+  ASSERT_FALSE(damaged);
+  EXPECT_EQ(damaged.error().field, "slm.lut");
+  EXPECT_NE(damaged.error().reason.find("entry 39 is 39, entry 40 is 0"), std::string::npos)
+      << damaged.error().reason;
+}
+
+TEST_F(SlmFiles, AWrongFlatnessNamesWhatIsWrong) {
+  const auto reason = [this](const std::string& text) {
+    const auto map = load_flatness(write(text), 3, 2);
+    return map ? "" : map.error().reason;
+  };
+  EXPECT_NE(reason("0 0\n0 0\n0 0\n").find("is 2 x 3 pixels, the SLM 3 x 2"), std::string::npos);
+  EXPECT_NE(reason("0 0 0\n0 0\n").find("row 2 holds 2 numbers, the first 3"), std::string::npos);
+  EXPECT_NE(reason("0 0 0\n0 nan 0\n").find("\"nan\" is not a finite"), std::string::npos);
+  EXPECT_NE(reason("0 0 0\n0 inf 0\n").find("\"inf\" is not a finite"), std::string::npos);
+  EXPECT_NE(reason("").find("is 0 x 0 pixels"), std::string::npos);
+}
+
 TEST_F(SlmFiles, FlatnessInNumbersKeepsRowsAndColumns) {
   const auto map = load_flatness(write("0 0.25 0.5\n0.75, 1.0, -1.25\n"), 3, 2);
   ASSERT_TRUE(map);
@@ -62,7 +90,8 @@ TEST_F(SlmFiles, FlatnessAsAPictureCounts65536AsOneWave) {
   const auto map = load_flatness(path, 3, 2);
   ASSERT_TRUE(map);
   EXPECT_FLOAT_EQ((*map)->at(2, 1), 0.25F);
-  EXPECT_FALSE(load_flatness(path, 2, 3));
+  EXPECT_NE(load_flatness(path, 2, 3).error().reason.find("is 3 x 2 pixels, the SLM 2 x 3"),
+            std::string::npos);
 }
 
 TEST_F(SlmFiles, APictureThatIsNoneIsAnError) {
