@@ -89,6 +89,11 @@ class NamedWindow final : public OutputWindow {
     return {};
   }
 
+  Result<Image<std::uint32_t>> read_back() override {
+    return fail(Errc::unavailable, "slm.display",
+                std::string(info_.driver) + " lets no program read what an output shows");
+  }
+
   Result<void> verify() override {
     const int index = index_of(info_.output);
     if (index < 0) return fail(changed("output " + info_.output + " is gone"));

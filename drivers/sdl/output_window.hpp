@@ -28,6 +28,8 @@ class OutputWindow {
   /// Whether the display system still answers, and refused nothing that was drawn since the last
   /// call.
   virtual Result<void> connection() = 0;
+  /// As Display::read_back.
+  virtual Result<Image<std::uint32_t>> read_back() = 0;
   /// Whether output, mode and window are as they were when it was opened.
   virtual Result<void> verify() = 0;
 };

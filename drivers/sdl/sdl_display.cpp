@@ -50,6 +50,8 @@ class SdlDisplay final : public Display {
     return monotonic_ns();
   }
 
+  Result<Image<std::uint32_t>> read_back() override { return window_->read_back(); }
+
   Result<void> check() override {
     const auto events = window_->take_events();
     if (auto alive = window_->connection(); !alive) return alive;

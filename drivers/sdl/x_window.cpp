@@ -2,6 +2,7 @@
 #include <SDL.h>
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
+#include <X11/Xutil.h>
 #include <X11/extensions/dpms.h>
 
 #include <algorithm>
@@ -139,6 +140,25 @@ class XWindow final : public OutputWindow {
     const std::string refusal = take_x_error();
     if (refusal.empty()) return {};
     return fail(changed("the X server refused a request: " + refusal));
+  }
+
+  Result<Image<std::uint32_t>> read_back() override {
+    const Window root = DefaultRootWindow(display_.get());
+    XImage* const seen =
+        XGetImage(display_.get(), root, output_.x, output_.y, unsigned(output_.width),
+                  unsigned(output_.height), AllPlanes, ZPixmap);
+    if (seen == nullptr || x_server_lost()) {
+      take_x_error();
+      return fail(Errc::unavailable, "slm.display", "the X server gives no picture of the output");
+    }
+    Image<std::uint32_t> picture(output_.width, output_.height);
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        picture.at(x, y) = std::uint32_t(XGetPixel(seen, x, y) & 0xffffffU);
+      }
+    }
+    XDestroyImage(seen);
+    return picture;
   }
 
   Result<void> verify() override {
