@@ -1,0 +1,69 @@
+#include "core/optics/settle_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kLeastFrames = 8;
+constexpr double kNoises = 4.0;
+constexpr double kShare = 0.01;        // of the change
+constexpr double kLeastChange = 10.0;  // times the noise
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
+  std::vector<StepFrame> after;
+  for (const StepFrame& frame : frames) {
+    if (frame.begin_ms >= 0.0) after.push_back(frame);
+  }
+  if (after.size() < kLeastFrames) {
+    return fail(Errc::refused, "watch_ms",
+                "only " + std::to_string(after.size()) +
+                    " frames came: raise the frame rate, or watch for longer");
+  }
+  const std::span<const StepFrame> last(after.end() - std::ptrdiff_t(after.size() / 4),
+                                        after.end());
+  double mean = 0.0, square = 0.0;
+  for (const StepFrame& frame : last) mean += frame.light / double(last.size());
+  for (const StepFrame& frame : last) square += std::pow(frame.light - mean, 2);
+  const double noise = std::sqrt(square / double(last.size()));
+  const double change = std::abs(mean - before);
+  if (!(change > kLeastChange * noise)) {
+    return fail(Errc::refused, "",
+                "the light does not follow the picture: run registration.run, raise the exposure, "
+                "and see that nothing moves");
+  }
+  const double tolerance = kNoises * noise + kShare * change;
+  std::size_t first = after.size();
+  while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
+  if (2 * first > after.size()) {
+    return fail(Errc::refused, "watch_ms",
+                "the picture does not stand within the time watched: watch for longer");
+  }
+  return StepTime{first > 0 ? after[first - 1].begin_ms : 0.0, after[first].begin_ms};
+}
+
+SettleTime settle_time(std::span<const StepTime> steps) {
+  std::vector<double> until, width;
+  SettleTime time;
+  for (const StepTime& step : steps) {
+    until.push_back(step.until_ms);
+    width.push_back(step.until_ms - step.after_ms);
+    time.least_ms = std::max(time.least_ms, step.after_ms);
+  }
+  time.p50_ms = median(until);
+  time.max_ms = *std::max_element(until.begin(), until.end());
+  time.resolution_ms = median(width);
+  time.margin_ms = std::max(2.0, 0.2 * time.max_ms);
+  time.proposed_ms = std::ceil(time.max_ms + time.margin_ms);
+  return time;
+}
+
+}  // namespace ovws

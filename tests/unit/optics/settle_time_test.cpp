@@ -1,0 +1,74 @@
+/// Settling times recovered from light with noise, whatever the phase of the camera.
+#include "core/optics/settle_time.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/base/crc32.hpp"
+
+namespace ovws {
+namespace {
+
+/// The light goes from `before` to `after` and is there at settle_ms: at once, or by an exponential
+/// that is within a hundredth by then.
+std::vector<StepFrame> frames(double settle_ms, double period_ms, double phase_ms, bool slow,
+                              double before, double after) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.002 * std::abs(after - before));
+  std::vector<StepFrame> seen;
+  for (double t = phase_ms - 5.0 * period_ms; t < 300.0; t += period_ms) {
+    const double left = t < 0.0          ? 1.0
+                        : slow           ? std::exp(-t * std::log(100.0) / settle_ms)
+                        : t >= settle_ms ? 0.0
+                                         : 1.0;
+    seen.push_back({t, after + left * (before - after) + noise(random)});
+  }
+  return seen;
+}
+
+TEST(StepTime, IsWithinAFramePeriodOfTheTruth) {
+  for (const double truth : {0.0, 7.0, 35.0, 100.0}) {
+    for (const double phase : {0.5, 3.0, 9.5}) {
+      const auto found = step_time(frames(truth, 10.0, phase, false, 20.0, -20.0), 20.0);
+      ASSERT_TRUE(found) << found.error().reason;
+      EXPECT_LE(found->after_ms, truth);
+      EXPECT_GE(found->until_ms, truth);
+      EXPECT_LE(found->until_ms - found->after_ms, 10.0 + 1e-9);
+    }
+  }
+}
+
+TEST(StepTime, OfASlowCrystalIsWhereItsLastPercentEnds) {
+  const auto found = step_time(frames(60.0, 4.0, 1.0, true, 0.0, 50.0), 0.0);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_NEAR(found->until_ms, 60.0, 9.0);
+}
+
+TEST(StepTime, RefusesWhatTellsNothing) {
+  EXPECT_EQ(step_time(frames(10.0, 60.0, 1.0, false, 0.0, 50.0), 0.0).error().field, "watch_ms");
+  EXPECT_EQ(step_time(frames(250.0, 10.0, 1.0, true, 0.0, 50.0), 0.0).error().field, "watch_ms");
+  EXPECT_FALSE(step_time(frames(10.0, 5.0, 1.0, false, 50.0, 51.0), 51.0));  // as before
+}
+
+TEST(SettleTime, ProposesTheLongestAndAMargin) {
+  const std::vector<StepTime> steps{{0.0, 8.0}, {5.0, 15.0}, {9.0, 19.0}};
+  const SettleTime time = settle_time(steps);
+  EXPECT_EQ(time.p50_ms, 15.0);
+  EXPECT_EQ(time.max_ms, 19.0);
+  EXPECT_EQ(time.least_ms, 9.0);
+  EXPECT_EQ(time.resolution_ms, 10.0);
+  EXPECT_DOUBLE_EQ(time.margin_ms, 3.8);
+  EXPECT_EQ(time.proposed_ms, 23.0);
+  EXPECT_EQ(settle_time(std::vector<StepTime>{{0.0, 1.0}}).proposed_ms, 3.0);
+}
+
+TEST(Crc32, IsThatOfZlib) {
+  constexpr std::array<std::uint8_t, 9> kCheck{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+  EXPECT_EQ(crc32(kCheck), 0xcbf43926U);
+  EXPECT_EQ(crc32({}), 0U);
+}
+
+}  // namespace
+}  // namespace ovws
