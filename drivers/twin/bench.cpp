@@ -21,6 +21,8 @@ Bench::Bench(const Config& config) : model_(config) {
   const SlmGeometry& slm = config.slm.geometry;
   state_.grey = std::make_shared<Image<std::uint8_t>>(slm.width_px, slm.height_px);
   state_.truth = config.truth;
+  settle_ = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double, std::milli>(config.slm.settle_ms));
   state_.number = ordered_ = 1;
   last_.truth = config.truth;
 }
@@ -32,10 +34,20 @@ void Bench::note_change() {
 
 void Bench::show(const Image<std::uint8_t>& grey, Deadline since) {
   const std::lock_guard lock(mutex_);
-  if (state_.grey->pixels == grey.pixels) return;
-  state_.grey = std::make_shared<Image<std::uint8_t>>(grey);
-  shown_since_ = since;
-  note_change();
+  const auto& newest = turning_.empty() ? state_.grey : turning_.back().grey;
+  if (newest->pixels == grey.pixels) return;
+  turning_.push_back({std::make_shared<Image<std::uint8_t>>(grey), since + settle_});
+  if (settle_.count() == 0) turn_crystal();
+}
+
+void Bench::turn_crystal() {
+  const auto now = std::chrono::steady_clock::now();
+  while (!turning_.empty() && (settle_.count() == 0 || turning_.front().due <= now)) {
+    state_.grey = turning_.front().grey;
+    shown_since_ = turning_.front().due;
+    turning_.pop_front();
+    note_change();
+  }
 }
 
 void Bench::go_dark() {
@@ -54,7 +66,7 @@ Truth Bench::truth() const {
 
 std::shared_ptr<const Image<std::uint8_t>> Bench::shown() const {
   const std::lock_guard lock(mutex_);
-  return state_.grey;
+  return turning_.empty() ? state_.grey : turning_.back().grey;
 }
 
 void Bench::set_truth(const Truth& truth) {
@@ -66,6 +78,7 @@ void Bench::set_truth(const Truth& truth) {
 
 std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
   const std::lock_guard lock(mutex_);
+  turn_crystal();
   const bool moved = state_.truth.turbulence && state_.t_ns != t_ns;
   state_.t_ns = t_ns;
   if (state_.window != window || moved) {

@@ -84,6 +84,7 @@ class Bench {
   std::shared_ptr<const Scene> compute(const State& now);
   bool move_air(const State& now);
   void note_change();        // call with mutex_ locked
+  void turn_crystal();       // call with mutex_ locked: what is due
   bool may_be_sent() const;  // call with mutex_ locked
 
   mutable std::mutex mutex_;
@@ -92,7 +93,13 @@ class Bench {
   std::shared_ptr<const Scene> scene_;
   std::uint64_t computed_ = 0;  ///< the State::number that scene_ shows
   std::uint64_t ordered_ = 0;   ///< the newest change of truth or window
-  Deadline shown_since_;        ///< when the display began to show what it shows
+  struct Turning {
+    std::shared_ptr<const Image<std::uint8_t>> grey;
+    Deadline due;
+  };
+  std::deque<Turning> turning_;  ///< what the display shows and the liquid crystal not yet
+  std::chrono::steady_clock::duration settle_{};
+  Deadline shown_since_;  ///< when the display began to show what it shows
   BenchStatus status_;
   std::deque<FrameTruth> frame_truths_;
 

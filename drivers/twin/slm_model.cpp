@@ -36,7 +36,7 @@ std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
 /// A few long waves in random directions: smooth, as the glass of an SLM bends.
 Image<float> make_surface(const SlmConfig& slm) {
   constexpr int kWaves = 8;
-  constexpr double kMaxCyclesAcross = 2.5;
+  constexpr double kLeastCycles = 0.5;
   Image<float> surface(slm.geometry.width_px, slm.geometry.height_px);
   std::mt19937_64 random{std::uint64_t(slm.flatness_seed)};
   const auto uniform = [&random] { return double(random() >> 11) * 0x1.0p-53; };
@@ -44,7 +44,8 @@ Image<float> make_surface(const SlmConfig& slm) {
   const double amplitude = slm.flatness_rms_waves * std::sqrt(2.0 / kWaves);
   for (int k = 0; k < kWaves; ++k) {
     const double direction = kTwoPi * uniform(), start = uniform();
-    const double cycles = (0.5 + (kMaxCyclesAcross - 0.5) * uniform()) / surface.height;
+    const double cycles =
+        (kLeastCycles + (slm.flatness_cycles - kLeastCycles) * uniform()) / surface.height;
     const double fx = cycles * std::cos(direction), fy = cycles * std::sin(direction);
     for (int y = 0; y < surface.height; ++y) {
       float* row = surface.row(y);

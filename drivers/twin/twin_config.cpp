@@ -53,7 +53,9 @@ void read(ObjectReader& r, SlmConfig& slm) {
   r.number("gamma", slm.gamma, 0.1, 10.0);
   r.number("depth_waves", slm.depth_waves, 0.0, 4.0);
   r.number("flatness_rms_waves", slm.flatness_rms_waves, 0.0, 10.0);
+  r.number("flatness_cycles", slm.flatness_cycles, 0.5, 20.0);
   r.integer("flatness_seed", slm.flatness_seed, 0, 1'000'000);
+  r.number("settle_ms", slm.settle_ms, 0.0, 10'000.0);
 }
 
 void read(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {

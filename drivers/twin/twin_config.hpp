@@ -31,6 +31,8 @@ struct SlmConfig {
   double depth_waves = 1.0;
   double flatness_rms_waves = 0.0;  ///< of a smooth random surface, RMS over the SLM
   int flatness_seed = 1;
+  double flatness_cycles = 2.5;  ///< of its shortest wave, over the SLM's height
+  double settle_ms = 0.0;  ///< from the display's change until the liquid crystal follows, at once
 };
 
 enum class Mirror { none, x, y };
