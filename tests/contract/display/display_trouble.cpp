@@ -262,6 +262,29 @@ TEST_F(DisplayTrouble, AWindowOverTheSlmIsNoticedByItsNameAndOpeningAgainIsOnTop
   EXPECT_EQ(watch(*display, 1.5), "");
 }
 
+TEST_F(DisplayTrouble, WhatIsReadBackIsWhatStandsThereWhoeverDrewIt) {
+  const auto display = open_or_fail();
+  ASSERT_NE(display, nullptr);
+  const auto picture = random_picture(6);
+  ASSERT_TRUE(display->present(picture));
+  const auto differing = [&] {
+    const auto seen = display->read_back();
+    if (!seen) return -1;
+    int count = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      count += seen->pixels[i] != picture.pixels[i] * 0x010101U ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(differing(), 0);
+  {
+    const Intruder intruder;
+    EXPECT_GT(differing(), 100);
+  }
+  EXPECT_EQ(watch(*display, 0.2), "");
+  EXPECT_EQ(differing(), 0);
+}
+
 TEST_F(DisplayTrouble, APictureUncoveredIsDrawnAgain) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
