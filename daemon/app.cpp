@@ -50,6 +50,7 @@ struct App::Parts {
   ReferenceCollector collector;
   ReferencePictureTaker pictures;
   FrameSeriesTaker series;
+  LightWatcher light;
   OperatorMaker operators;
   Jobs jobs{events};
   SlmLoop slm;
@@ -104,7 +105,7 @@ Result<void> App::Parts::make_instrument() {
   if (!made) return fail(made.error());
   instrument = std::move(*made);
   procedures = std::make_unique<Procedures>(ProceduresDeps{
-      {*instrument, camera, collector, pictures, series, jobs},
+      {*instrument, camera, collector, pictures, series, light, slm, jobs},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   loop = std::make_unique<ClosedLoop>(
       ClosedLoopDeps{*instrument, events, [this](bool closed) {
@@ -129,7 +130,8 @@ Result<void> App::Parts::bind_streams() {
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  const std::vector<FrameTaker*> takers{&pictures, &series, &finder->taker(), &refiner->taker()};
+  const std::vector<FrameTaker*> takers{&pictures, &series, &light, &finder->taker(),
+                                        &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
@@ -141,7 +143,7 @@ Result<void> App::Parts::bind_streams() {
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(Services{config, config_path, state, camera, *instrument,
                                                  jobs, *procedures, experiments, *loop, *refiner,
-                                                 *status, counters});
+                                                 *status, slm, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));

@@ -33,14 +33,19 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
     optics.registered = registration->px_per_cycle;
     base_px = registration->base_px;
   }
-  return {sensor, px_per_cycle(optics, slm), base_px, lambda_d_px(optics, slm, sensor.sensor),
-          std::move(camera)};
+  return {sensor,
+          px_per_cycle(optics, slm),
+          base_px,
+          lambda_d_px(optics, slm, sensor.sensor),
+          std::move(camera),
+          nullptr};
 }
 
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b) {
   const SensorConfig &s = a.sensor.sensor, &t = b.sensor.sensor;
   const TrackingSettings &u = a.sensor.tracking, &v = b.sensor.tracking;
   const bool other_camera = !a.camera.is_null() && !b.camera.is_null() && a.camera != b.camera;
+  const bool other_slm = !a.slm.is_null() && !b.slm.is_null() && a.slm != b.slm;
   const std::initializer_list<std::pair<const char*, bool>> fields{
       {"charge", s.charge != t.charge},
       {"grid", s.grid != t.grid},
@@ -53,7 +58,8 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
       {"template", u.templates != v.templates},
       {"roi", !(a.sensor.roi == b.sensor.roi)},
       {"registration", !same_registration(a, b)},
-      {"camera", other_camera}};
+      {"camera", other_camera},
+      {"slm.lut or slm.flatness", other_slm}};
   std::vector<std::string> names;
   for (const auto& [name, differs] : fields) {
     if (differs) names.emplace_back(name);

@@ -24,6 +24,7 @@ struct CalibrationKey {
   Vec2 base_px;              ///< pixels of the camera's sensor
   double lambda_d_px = 0.0;  ///< of a spot
   nlohmann::json camera;     ///< {vendor, model, serial}; null: not known
+  nlohmann::json slm;        ///< see slm_identity; null: not known
 };
 CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& configured,
                                const SlmGeometry& slm,

@@ -145,6 +145,7 @@ Result<Calibration> calibration_from(const json& content, const Config& config) 
   if (!known) return fail(known.error());
   calibration.key = calibration_key(known->key, config.optics, config.slm.geometry,
                                     known->registration, (*calibration.origin)["camera"]);
+  calibration.key.slm = calibration.origin->value("slm", json());
   calibration.mode_operator = mode_operator_of(matrix);
   return calibration;
 }

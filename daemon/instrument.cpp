@@ -26,15 +26,18 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
                                                      const InstrumentDeps& deps) {
   auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());
-  auto renderer = make_renderer(*hologram);
-  if (!renderer) return fail(renderer.error());
   State state;
   state.sensor = config.sensor;
   state.tracking = config.tracking;
   state.roi = config.camera.settings.roi;
   state.format = config.camera.settings.pixel_format;
-  state.renderer = *renderer;
   std::unique_ptr<Instrument> instrument(new Instrument(config, deps, *hologram, state));
+  SlmArchive& slm = instrument->slm_archive_;
+  state.slm = slm_in_force(config, *hologram, slm.load_lut(), slm.load_flatness());
+  instrument->archive_.use_slm(*state.slm);
+  auto renderer = make_renderer(state.slm->hologram);
+  if (!renderer) return fail(renderer.error());
+  state.renderer = *renderer;
   instrument->references_ = instrument->archive_.load();
   state.registration = instrument->registrations_.load();
   if (state.registration && !instrument->plan_for(state, 0)) state.registration.reset();
@@ -59,6 +62,7 @@ Instrument::Instrument(const Config& config, const InstrumentDeps& deps, Hologra
       hologram_(std::move(hologram)),
       archive_(ReferenceBench(config, hologram_), deps.store, deps.events),
       registrations_(config.slm.geometry, deps.store, deps.events),
+      slm_archive_(config, deps.store, deps.events),
       state_(std::move(state)),
       calibrations_(archive_.bench(), deps.store, deps.events) {}
 
@@ -172,11 +176,12 @@ Result<void> Instrument::check_no_job() const {
 
 Result<SensorSnapshot> Instrument::carry_out(State next) {
   const bool new_sensor = !(next.sensor == state_.sensor);
-  const bool new_picture = new_sensor || next.pattern != state_.pattern ||
+  const bool new_slm = next.slm != state_.slm;
+  const bool new_picture = new_sensor || new_slm || next.pattern != state_.pattern ||
                            !(shown_modes(next) == shown_modes(state_)) ||
                            next.painted != state_.painted;
-  if (new_sensor) {
-    HologramConfig hologram = hologram_;
+  if (new_sensor || new_slm) {
+    HologramConfig hologram = next.slm->hologram;
     hologram.sensor = next.sensor;
     auto renderer = make_renderer(hologram);
     if (!renderer) return fail(renderer.error());
@@ -272,6 +277,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.modes_j = plan->reconstructor->modes_j();
   now.reference = reference_for(state_);
   now.calibration = calibrations_.find(calibration_key(state_));
+  now.slm = state_.slm;
   now.templates = templates_for(state_, now.reference).report;
   now.mode_operator = report_operator(*plan);
   if (torn_) now.torn = torn_->numbers();

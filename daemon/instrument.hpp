@@ -25,6 +25,7 @@
 #include "daemon/reference_archive.hpp"
 #include "daemon/reference_templates.hpp"
 #include "daemon/registration_archive.hpp"
+#include "daemon/slm_archive.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/torn_spots.hpp"
 #include "proto/requests.hpp"
@@ -61,6 +62,7 @@ struct SensorSnapshot {
   std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   std::optional<Reference> reference;              ///< the one in force
   std::shared_ptr<const Calibration> calibration;  ///< that belongs to all this; null: none
+  std::shared_ptr<const SlmInForce> slm;           ///< LUT and flatness; never null
 };
 
 struct InstrumentDeps {
@@ -109,6 +111,11 @@ class Instrument : public Agent {
   /// removed there, and then nothing has changed.
   void clear_calibration(Changed done);
 
+  /// From now on the look-up table, or the flatness, is the configured one, on the disk, too. An
+  /// error if it cannot be removed there, and then nothing has changed.
+  void clear_lut(Changed done);
+  void clear_flatness(Changed done);
+
   /// For jobs that show pictures. Prepare thread: whether neither a job nor the loop has the
   /// sensor.
   Result<void> check_free() const;
@@ -125,6 +132,11 @@ class Instrument : public Agent {
   /// that of `sensor_epoch`, when the job began.
   void use_calibration(int job, std::uint64_t sensor_epoch, MeasuredCalibration measured,
                        Changed done);
+  /// Any thread, for the job that has the sensor: what it measured of the SLM is in force from now
+  /// on, and kept. A flatness not if the sensor or its image is no longer that of `sensor_epoch`:
+  /// Errc::refused.
+  void use_lut(int job, MeasuredLut lut, Changed done);
+  void use_flatness(int job, std::uint64_t sensor_epoch, MeasuredFlatness flatness, Changed done);
   /// Any thread: what was shown before the sensor was lent is shown again, as soon as there is a
   /// display; the sensor is free. `then` is called in the prepare thread, or destroyed if that has
   /// ended.
@@ -159,6 +171,7 @@ class Instrument : public Agent {
     std::shared_ptr<const HologramRenderer> renderer;
     std::shared_ptr<const Image<std::uint8_t>> painted;  ///< of pattern `test`
     std::optional<Registration> registration;            ///< in pixels of the camera's sensor
+    std::shared_ptr<const SlmInForce> slm;               ///< never null
   };
   /// The job that has the sensor, and what to go back to.
   struct Lease {
@@ -193,6 +206,9 @@ class Instrument : public Agent {
   Result<void> check_operator(const SensorSet& change, const State& next) const;
   Result<SensorSnapshot> adopt_calibration(int job, std::uint64_t sensor_epoch,
                                            MeasuredCalibration measured);
+  Result<SensorSnapshot> change_slm(std::shared_ptr<const SlmInForce> slm);
+  SensorSnapshot know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now);
+  nlohmann::json origin_of_slm() const;
   void keep(const OperatorKey& key, Result<ModeOperator> made);
   void tell_operator(OperatorKind before, OperatorKind now);
   void retire_plans();
@@ -217,9 +233,10 @@ class Instrument : public Agent {
   SlmGeometry slm_geometry_;
   int workers_;
   InstrumentDeps deps_;
-  HologramConfig hologram_;  ///< its sensor is that of the state
+  HologramConfig hologram_;  ///< with LUT and flatness as configured
   ReferenceArchive archive_;
   RegistrationArchive registrations_;
+  SlmArchive slm_archive_;
   State state_;
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;

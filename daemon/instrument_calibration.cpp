@@ -4,8 +4,11 @@
 namespace ovws {
 
 CalibrationKey Instrument::calibration_key(const State& state) const {
-  return ovws::calibration_key(reference_key(state.sensor, state.tracking, state.roi), optics_,
-                               slm_geometry_, registration_of(state), camera_json(camera_info_));
+  CalibrationKey key =
+      ovws::calibration_key(reference_key(state.sensor, state.tracking, state.roi), optics_,
+                            slm_geometry_, registration_of(state), camera_json(camera_info_));
+  key.slm = state.slm->identity;
+  return key;
 }
 
 /// What is asked for must be there, but what was in force may go with what it belonged to.

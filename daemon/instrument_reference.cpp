@@ -84,10 +84,12 @@ std::vector<Vec2> Instrument::model_positions(const State& state) const {
                         state.roi.width, state.roi.height);
 }
 
-/// While the camera is not known, those of any are.
+/// While the camera is not known, those of any are. Where the model has its spots, no LUT matters.
 bool Instrument::is_for(const Reference& reference, const State& state) const {
   return reference.key == reference_key(state.sensor, state.tracking, state.roi) &&
-         !of_other_camera(reference, camera_info_);
+         !of_other_camera(reference, camera_info_) &&
+         (reference.source == ReferenceSource::model ||
+          (*reference.origin)["slm"] == state.slm->identity);
 }
 
 /// Positions that a camera measured which stood otherwise would send every tracker astray: whether

@@ -34,6 +34,8 @@ class ReferenceArchive {
   Result<void> drop(const Reference& reference);
 
   const ReferenceBench& bench() const { return bench_; }
+  /// From now on the bench's LUT and flatness are these.
+  void use_slm(const SlmInForce& slm) { bench_.use_slm(slm); }
 
  private:
   struct Kept {

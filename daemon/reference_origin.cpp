@@ -89,19 +89,12 @@ json camera_json(const std::optional<CameraInfo>& camera) {
 ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
     : config_(config), hologram_(std::move(hologram)) {
   bench_ = {{"optics", config_json(config)["optics"]},
-            {"slm",
-             {{"width", hologram_.slm.width_px},
-              {"height", hologram_.slm.height_px},
-              {"pitch_um", hologram_.slm.pitch_um},
-              {"lut_sha256", nullptr},
-              {"flatness_sha256", nullptr}}}};
-  json& slm = bench_["slm"];
-  if (config.slm.lut) {
-    slm["lut_sha256"] = sha256_of(std::span<const std::uint8_t>(hologram_.lut));
-  }
-  if (hologram_.flatness_waves) {
-    slm["flatness_sha256"] = sha256_of(std::span<const float>(hologram_.flatness_waves->pixels));
-  }
+            {"slm", slm_identity(hologram_, config.slm.lut.has_value())}};
+}
+
+void ReferenceBench::use_slm(const SlmInForce& slm) {
+  hologram_ = slm.hologram;
+  bench_["slm"] = slm.identity;
 }
 
 json ReferenceBench::origin(const OriginInputs& inputs) const {
@@ -143,6 +136,14 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
 }
 
 std::string ReferenceBench::obstacle(const Reference& reference) const {
+  if (reference.source == ReferenceSource::model) {
+    // Where the model has its spots, no LUT matters.
+    json origin = *reference.origin;
+    for (const char* part : {"lut_sha256", "flatness_sha256"}) {
+      if (origin["slm"].is_object()) origin["slm"][part] = bench_["slm"][part];
+    }
+    return obstacle(origin, reference.key, reference.positions_px.size());
+  }
   return obstacle(*reference.origin, reference.key, reference.positions_px.size());
 }
 

@@ -11,6 +11,7 @@
 #include "core/port/camera.hpp"
 #include "core/wavefront/registration.hpp"
 #include "daemon/reference.hpp"
+#include "daemon/slm_measured.hpp"
 #include "proto/results.hpp"
 
 namespace ovws {
@@ -33,6 +34,9 @@ class ReferenceBench {
  public:
   /// `hologram`: of that configuration, whose LUT and flatness are known by their checksums.
   ReferenceBench(const Config& config, HologramConfig hologram);
+
+  /// From now on LUT and flatness are these, in place of the configuration's.
+  void use_slm(const SlmInForce& slm);
 
   /// "origin" of reference.get.
   nlohmann::json origin(const OriginInputs& inputs) const;

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "core/base/crc32.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/driver_table.hpp"
 
@@ -36,6 +37,7 @@ bool SlmLoop::do_work() {
     (void)present(*wanted_);
   }
   if (asked.job) carry_out(*asked.job);
+  for (const auto& done : asked.verify) done(look());
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
@@ -60,6 +62,7 @@ void SlmLoop::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
   if (asked_.job) asked_.job->done.set_value(fail(stopping()));
+  for (const auto& done : asked_.verify) done(fail(stopping()));
   asked_ = {};
 }
 
@@ -89,9 +92,51 @@ void SlmLoop::show_when_possible(HologramRequest request) {
   ready_.notify_one();
 }
 
+void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) {
+      asked_.verify.push_back(std::move(done));
+      ready_.notify_one();
+      return;
+    }
+  }
+  done(fail(stopping()));
+}
+
+Result<SlmVerdict> SlmLoop::look() {
+  if (!display_) {
+    return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
+  }
+  if (!wanted_) return fail(Errc::unavailable, "slm", "no hologram was shown yet");
+  const auto shown = display_->read_back();
+  if (!shown) return fail(shown.error());
+  const Image<std::uint8_t>& given = *wanted_->grey;
+  SlmVerdict verdict{wanted_->hologram_id, crc32(given.pixels), 0, 0};
+  std::vector<std::uint8_t> grey(given.pixels.size());
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    grey[i] = std::uint8_t(shown->pixels[i]);
+    verdict.differing_pixels += shown->pixels[i] != given.pixels[i] * 0x010101U ? 1 : 0;
+  }
+  verdict.crc32_shown = crc32(grey);
+  if (verdict.differing_pixels > 0) {
+    deps_.counters.add(Counter::display_faults);
+    deps_.events.emit("slm", Severity::error,
+                      fmt::format("slm: {} pixels of the output are not those of hologram {}: "
+                                  "something draws over it",
+                                  verdict.differing_pixels, verdict.hologram_id),
+                      {{"hologram_id", verdict.hologram_id},
+                       {"crc32", verdict.crc32},
+                       {"crc32_shown", verdict.crc32_shown},
+                       {"differing_pixels", verdict.differing_pixels}});
+  }
+  return verdict;
+}
+
 SlmLoop::Asked SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
-  ready_.wait_for(lock, kTurn, [this] { return asked_.when_possible || asked_.job; });
+  ready_.wait_for(lock, kTurn,
+                  [this] { return asked_.when_possible || asked_.job || !asked_.verify.empty(); });
   return std::exchange(asked_, {});
 }
 
@@ -128,6 +173,7 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   wanted_ = request;
   present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
   t_presented_ns_ = utc_ns();
+  t_presented_mono_ns_ = *presented_ns;
   publish_snapshot(std::nullopt);
   return {};
 }
@@ -148,6 +194,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.hologram_id = shown_.current.hologram_id;
   now.kind = wanted_ ? wanted_->kind : HologramKind::sensor;
   now.t_presented_ns = t_presented_ns_;
+  now.t_presented_mono_ns = t_presented_mono_ns_;
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
   now.present_ms = present_ms_;
   if (why) now.fault = why->reason;

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/config.hpp"
 #include "core/optics/hologram.hpp"
@@ -36,10 +37,19 @@ struct SlmSnapshot {
   std::uint64_t hologram_id = 0;  ///< shown now; 0: none
   HologramKind kind = HologramKind::sensor;
   std::int64_t t_presented_ns = 0;  ///< UNIX epoch UTC
+  std::int64_t t_presented_mono_ns = 0;
   std::int64_t t_settled_mono_ns = 0;
   double present_ms = 0.0;  ///< how long the last call to show a picture took
   std::string fault;        ///< why it is not healthy; empty if it is
   bool at_fault = false;    ///< it is there, and cannot be used until somebody mends that
+};
+
+/// What the display's buffer held, against what it was given.
+struct SlmVerdict {
+  std::uint64_t hologram_id = 0;
+  std::uint32_t crc32 = 0;        ///< of the grey levels given, row by row
+  std::uint32_t crc32_shown = 0;  ///< of those found there
+  int differing_pixels = 0;
 };
 
 struct SlmLoopDeps {
@@ -67,6 +77,11 @@ class SlmLoop : public Agent {
   /// Thread-safe: to be shown as soon as there is a display, before what `show` asks for later.
   void show_when_possible(HologramRequest request);
 
+  /// Thread-safe: reads back what the display shows of the hologram presented last; `done` is
+  /// called in the main thread. A difference is an event. Errors: there is no display or no
+  /// hologram, or the display system lets nobody read it.
+  void verify(std::function<void(Result<SlmVerdict>)> done);
+
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
@@ -79,10 +94,12 @@ class SlmLoop : public Agent {
   struct Asked {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
+    std::vector<std::function<void(Result<SlmVerdict>)>> verify;
   };
 
   Asked wait_for_work();
   void carry_out(Job& job);
+  Result<SlmVerdict> look();
   void try_open();
   Result<void> present(const HologramRequest& request);
   void fault(const Error& why);
@@ -95,6 +112,7 @@ class SlmLoop : public Agent {
   ShownHologram shown_;
   double present_ms_ = 0.0;
   std::int64_t t_presented_ns_ = 0;
+  std::int64_t t_presented_mono_ns_ = 0;
   std::int64_t next_try_ns_ = 0;
   std::int64_t next_check_ns_ = 0;
   Guarded<SlmSnapshot> snapshot_;

@@ -47,8 +47,11 @@ constexpr Numbers kLoopLeak{0.0, 0.99};
 constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
 constexpr Integers kPictureFrames{1, 100};
-constexpr Numbers kPushWaves{0.005, 0.2};  ///< amplitude of a calibration
-constexpr Integers kPushFrames{2, 10000};  ///< of each of its pictures
+constexpr Integers kGreyLevels{9, 256};  ///< measured by lut.run
+constexpr Integers kSettleRepetitions{3, 200};
+constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< after each change, by slm.settle
+constexpr Numbers kPushWaves{0.005, 0.2};    ///< amplitude of a calibration
+constexpr Integers kPushFrames{2, 10000};    ///< of each of its pictures
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< of a cell, and of a reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< the most

@@ -224,6 +224,33 @@ Result<int> decode_registration_run(const json& params) {
   return frames;
 }
 
+Result<LutRun> decode_lut_run(const json& params) {
+  LutRun run;
+  ObjectReader reader(params, "");
+  reader.integer("levels", run.levels, limits::kGreyLevels.min, limits::kGreyLevels.max);
+  reader.integer("frames", run.frames, limits::kPictureFrames.min, limits::kPictureFrames.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return run;
+}
+
+Result<int> decode_flatness_run(const json& params) {
+  int frames = 30;
+  ObjectReader reader(params, "");
+  reader.integer("frames", frames, limits::kPushFrames.min, limits::kPushFrames.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return frames;
+}
+
+Result<SettleRun> decode_slm_settle(const json& params) {
+  SettleRun run;
+  ObjectReader reader(params, "");
+  reader.integer("repetitions", run.repetitions, limits::kSettleRepetitions.min,
+                 limits::kSettleRepetitions.max);
+  reader.number("watch_ms", run.watch_ms, limits::kWatchMs.min, limits::kWatchMs.max);
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return run;
+}
+
 Result<void> decode_reference_set(const json& params) {
   int source = 0;
   ObjectReader reader(params, "");

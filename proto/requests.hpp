@@ -78,6 +78,20 @@ Result<RefineSet> decode_refine_set(const nlohmann::json& params);
 Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);
 /// `reference.take`: how many frames to average.
 Result<int> decode_reference_take(const nlohmann::json& params);
+/// `lut.run`.
+struct LutRun {
+  int levels = 33;  ///< grey levels that are measured, from 0 to 255
+  int frames = 3;   ///< of each picture
+};
+Result<LutRun> decode_lut_run(const nlohmann::json& params);
+/// `flatness.run`: how many settled frames to average for each look.
+Result<int> decode_flatness_run(const nlohmann::json& params);
+/// `slm.settle`.
+struct SettleRun {
+  int repetitions = 20;     ///< changes of the picture
+  double watch_ms = 200.0;  ///< after each of them
+};
+Result<SettleRun> decode_slm_settle(const nlohmann::json& params);
 /// `registration.run`: how many frames to average for each picture.
 Result<int> decode_registration_run(const nlohmann::json& params);
 /// `reference.set`: what positions count from, of which only "model" can be set.

@@ -29,6 +29,7 @@ struct Services {
   ClosedLoop& loop;
   LiveRefiner& refiner;
   StatusReporter& status;
+  SlmLoop& slm;
   Counters& counters;
 };
 

@@ -125,6 +125,31 @@ void Bench::put_back_gain() {
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
+Result<void> Bench::use_lut(MeasuredLut lut) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.use_lut(job_, std::move(lut), std::move(done));
+  });
+}
+
+Result<void> Bench::use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness) {
+  return ask([&](Instrument::Changed done) {
+    deps_.instrument.use_flatness(job_, sensor_epoch, std::move(flatness), std::move(done));
+  });
+}
+
+Result<void> Bench::watch_on(double least_ms, std::size_t frames) {
+  const std::int64_t begin_ns = monotonic_ns();
+  const double patient_s = 1e-3 * least_ms + patience_s(camera().settings);
+  const std::size_t enough = deps_.light.count() + frames;
+  for (;;) {
+    const double waited_s = 1e-9 * double(monotonic_ns() - begin_ns);
+    if (stopped()) return fail(stopped_error());
+    if (waited_s >= 1e-3 * least_ms && deps_.light.count() >= enough) return {};
+    if (waited_s > patient_s) return fail(no_frame(patient_s));
+    std::this_thread::sleep_for(kLook / 10);
+  }
+}
+
 void Bench::tell(double progress) {
   progress_.store(progress);
   deps_.jobs.tell_progress(job_);

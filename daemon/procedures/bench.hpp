@@ -14,6 +14,7 @@
 #include "daemon/camera_actor.hpp"
 #include "daemon/frame_series.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/light_watcher.hpp"
 #include "daemon/reference.hpp"
 #include "daemon/reference_picture.hpp"
 
@@ -25,6 +26,8 @@ struct BenchDeps {
   ReferenceCollector& collector;
   ReferencePictureTaker& pictures;
   FrameSeriesTaker& series;
+  LightWatcher& light;
+  SlmLoop& slm;
   Jobs& jobs;
 };
 
@@ -51,6 +54,9 @@ class Bench {
   Result<void> use_registration(const Registration& registration);
   /// Modes are read with it from now on; the sensor is shown without a push.
   Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
+  /// In force from now on; shown at the end.
+  Result<void> use_lut(MeasuredLut lut);
+  Result<void> use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
 
   /// The gain as read back. What it was is put back when the procedure ends. A camera that is away
   /// is waited for as long as a frame is.
@@ -63,6 +69,16 @@ class Bench {
   Result<ReferenceCollector::Average> spots(int frames);
   /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
   Result<Image<float>> picture(int frames);
+
+  /// From now on the light at two places, of every frame that comes; `watched` ends it.
+  void watch(std::array<Vec2, 2> places_px, double radius_px) {
+    deps_.light.begin(places_px, radius_px);
+  }
+  std::vector<LightWatcher::Seen> watched() { return deps_.light.end(); }
+  /// For so long, and until `frames` more were watched.
+  Result<void> watch_on(double least_ms, std::size_t frames);
+  /// When the display took what was shown last, CLOCK_MONOTONIC ns.
+  std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
 
   /// 0 .. 1, of the whole procedure.
   void tell(double progress);

@@ -1,4 +1,4 @@
-"""Reads the pixels of an X display, so that a test sees what the SLM is given."""
+"""Reads the pixels of an X display, so that a test sees what the SLM is given, and spoils them."""
 import ctypes
 
 import numpy
@@ -33,3 +33,30 @@ def grab(display, x, y, width, height):
         return rows.reshape(height, image.contents.bytes_per_line)[:, :4 * width].reshape(height, width, 4)[:, :, :3].copy()
     finally:
         xlib.XCloseDisplay(connection)
+
+
+def draw_over(display, x, y, width, height):
+    """A white rectangle on the screen, through all windows."""
+    xlib = ctypes.CDLL("libX11.so.6")
+    pointer, number = ctypes.c_void_p, ctypes.c_ulong
+    xlib.XOpenDisplay.restype = pointer
+    xlib.XDefaultRootWindow.restype = number
+    xlib.XDefaultRootWindow.argtypes = [pointer]
+    xlib.XCreateGC.restype = pointer
+    xlib.XCreateGC.argtypes = [pointer, number, number, pointer]
+    xlib.XSetSubwindowMode.argtypes = [pointer, pointer, ctypes.c_int]
+    xlib.XSetForeground.argtypes = [pointer, pointer, number]
+    xlib.XFillRectangle.argtypes = [pointer, number, pointer, ctypes.c_int, ctypes.c_int, ctypes.c_uint, ctypes.c_uint]
+    xlib.XSync.argtypes = [pointer, ctypes.c_int]
+    xlib.XCloseDisplay.argtypes = [pointer]
+    connection = xlib.XOpenDisplay(display.encode())
+    if not connection:
+        raise OSError(f"no X display {display}")
+    root = xlib.XDefaultRootWindow(connection)
+    context = xlib.XCreateGC(connection, root, 0, None)
+    include_inferiors = 1
+    xlib.XSetSubwindowMode(connection, context, include_inferiors)
+    xlib.XSetForeground(connection, context, 0xffffff)
+    xlib.XFillRectangle(connection, root, context, x, y, width, height)
+    xlib.XSync(connection, 0)
+    xlib.XCloseDisplay(connection)

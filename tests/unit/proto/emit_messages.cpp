@@ -12,6 +12,7 @@
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
 #include "proto/schemas.hpp"
+#include "proto/slm_result.hpp"
 
 namespace ovws {
 namespace {
@@ -114,6 +115,46 @@ void print_status() {
   const EventMessage event{3, 4, "camera", Severity::warning, "something"};
   print_stream(kTopicEvent, encode(event, {{"field", 1}}));
   print_stream(kTopicEvent, encode(event, nullptr));
+}
+
+void print_luts() {
+  LutReport lut;
+  print_result("lut.get", lut_result(lut));
+  lut.path = "lut.txt";
+  print_result("lut.clear", lut_result(lut));
+  lut.measured.emplace();
+  lut.measured->frames = 3;
+  lut.measured->response.levels = 33;
+  lut.measured->origin =
+      json::parse(schema_text("lut.get")).at("result").at("examples")[0].at("origin");
+  for (const double depth : {0.02, 0.03}) {
+    for (std::size_t g = 0; g < 256; ++g) {
+      lut.measured->response.phase_rad[g] = depth * double(g);
+    }
+    lut.measured->table = linearising_lut(lut.measured->response.phase_rad);
+    print_result("lut.get", lut_result(lut));
+    lut.measured->sha256 = "ba7816bf";
+  }
+  print_result("lut.run", job_started_result(5));
+}
+
+void print_flatnesses() {
+  FlatnessReport flatness;
+  print_result("flatness.get", flatness_result(flatness));
+  flatness.path = "flat.png";
+  print_result("flatness.clear", flatness_result(flatness));
+  flatness.measured.emplace();
+  flatness.measured->frames = 30;
+  flatness.measured->iterations = 4;
+  flatness.measured->pupil_diameter_px = 768.0;
+  flatness.measured->modes = {{3, 0.1}, {4, -0.2}};
+  flatness.measured->standard_error_waves = {0.001, 0.0};
+  flatness.measured->origin =
+      json::parse(schema_text("flatness.get")).at("result").at("examples")[0].at("origin");
+  print_result("flatness.get", flatness_result(flatness));
+  print_result("flatness.run", job_started_result(6));
+  print_result("slm.settle", job_started_result(7));
+  print_result("slm.verify", verify_result({7, 0xffffffffU, 1U, 12}));
 }
 
 /// What a calibration was measured with is as of a reference: `origin` is of the schema's example.
@@ -232,6 +273,8 @@ void print_results() {
   print_result("registration.run", job_started_result(2));
   print_calibrations();
   print_experiments();
+  print_luts();
+  print_flatnesses();
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
     print_result("slm.show", slm_show_result(HologramKind(k), 1));
   }
@@ -300,6 +343,9 @@ void print_all_params() {
   print_params("loop.open", {"keep", "clear"}, decode_loop_open);
   print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
   print_params("registration.run", {"frames", "frame"}, decode_registration_run);
+  print_params("flatness.run", {"frames", "frame"}, decode_flatness_run);
+  print_params("slm.settle", {"repetitions", "watch_ms", "frames"}, decode_slm_settle);
+  print_params("lut.run", {"levels", "frames", "level"}, decode_lut_run);
   print_params("reference.set", {"source"}, decode_reference_set, 3000);
   print_params("calibration.run", {"amplitude_waves", "frames", "modes", "mode"},
                decode_calibration_run);

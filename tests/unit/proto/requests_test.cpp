@@ -192,6 +192,14 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(decode_loop_open({{"keep", false}}), false);
   EXPECT_EQ(error_of(decode_registration_run({{"frames", 101}})).field, "frames");
   EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
+  EXPECT_EQ(decode_flatness_run(json::object()), 30);
+  EXPECT_EQ(error_of(decode_flatness_run({{"frames", 1}})).field, "frames");
+  EXPECT_EQ(decode_slm_settle(json::object())->repetitions, 20);
+  EXPECT_EQ(error_of(decode_slm_settle({{"repetitions", 2}})).field, "repetitions");
+  EXPECT_EQ(error_of(decode_slm_settle({{"watch_ms", 1}})).field, "watch_ms");
+  EXPECT_EQ(decode_lut_run(json::object())->levels, 33);
+  EXPECT_EQ(error_of(decode_lut_run({{"levels", 8}})).field, "levels");
+  EXPECT_EQ(error_of(decode_lut_run({{"frames", 0}})).field, "frames");
   const auto run = decode_calibration_run(json::object());
   ASSERT_TRUE(run);
   EXPECT_EQ(run->amplitude_waves, 0.15);

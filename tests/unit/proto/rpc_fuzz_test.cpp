@@ -58,6 +58,9 @@ void decode_all(const Json& params) {
   (void)decode_reference_take(params);
   (void)decode_reference_set(params);
   (void)decode_registration_run(params);
+  (void)decode_lut_run(params);
+  (void)decode_flatness_run(params);
+  (void)decode_slm_settle(params);
   (void)decode_loop_close(params);
   (void)decode_loop_open(params);
   (void)decode_calibration_run(params);

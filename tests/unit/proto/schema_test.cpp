@@ -31,15 +31,18 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
                        "camera.get",         "camera.set",       "config.get",
                        "config.save",        "correction.clear", "correction.get",
                        "correction.set",     "experiment.cell",  "experiment.gain_sweep",
-                       "experiment.get",     "job.cancel",       "job.get",
+                       "experiment.get",     "flatness.clear",   "flatness.get",
+                       "flatness.run",       "job.cancel",       "job.get",
                        "loop.close",         "loop.get",         "loop.open",
+                       "lut.clear",          "lut.get",          "lut.run",
                        "reference.clear",    "reference.get",    "reference.set",
                        "reference.take",     "refine.get",       "refine.set",
                        "registration.clear", "registration.get", "registration.run",
-                       "sensor.get",         "sensor.set",       "slm.show",
-                       "stream.event",       "stream.image",     "stream.phase",
-                       "stream.refined",     "stream.spots",     "stream.status",
-                       "stream.wavefront",   "system.describe",  "system.status"}));
+                       "sensor.get",         "sensor.set",       "slm.settle",
+                       "slm.show",           "slm.verify",       "stream.event",
+                       "stream.image",       "stream.phase",     "stream.refined",
+                       "stream.spots",       "stream.status",    "stream.wavefront",
+                       "system.describe",    "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
 }
 
@@ -69,6 +72,11 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   }
   expect_range(properties("reference.take").at("frames"), limits::kReferenceFrames);
   expect_range(properties("registration.run").at("frames"), limits::kPictureFrames);
+  expect_range(properties("lut.run").at("levels"), limits::kGreyLevels);
+  expect_range(properties("lut.run").at("frames"), limits::kPictureFrames);
+  expect_range(properties("flatness.run").at("frames"), limits::kPushFrames);
+  expect_range(properties("slm.settle").at("repetitions"), limits::kSettleRepetitions);
+  expect_range(properties("slm.settle").at("watch_ms"), limits::kWatchMs);
   const json loop = properties("loop.close");
   expect_range(loop.at("gain"), limits::kLoopGain);
   expect_range(loop.at("leak"), limits::kLoopLeak);
@@ -146,6 +154,9 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode_calibration_run(e)) << e;
   for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(decode_gain_sweep(e)) << e;
   for (const json& e : examples("experiment.cell")) EXPECT_TRUE(decode_experiment_cell(e)) << e;
+  for (const json& e : examples("lut.run")) EXPECT_TRUE(decode_lut_run(e)) << e;
+  for (const json& e : examples("flatness.run")) EXPECT_TRUE(decode_flatness_run(e)) << e;
+  for (const json& e : examples("slm.settle")) EXPECT_TRUE(decode_slm_settle(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }

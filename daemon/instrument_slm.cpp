@@ -1,0 +1,94 @@
+/// What was measured of the SLM itself: the look-up table, the flatness.
+#include "daemon/instrument.hpp"
+
+namespace ovws {
+
+/// Every picture is another one from now on, and what was measured of those before belongs to them.
+Result<SensorSnapshot> Instrument::change_slm(std::shared_ptr<const SlmInForce> slm) {
+  State next = state_;
+  next.slm = std::move(slm);
+  ++next.sensor_epoch;
+  const std::optional<Reference> before = reference_for(state_);
+  archive_.use_slm(*next.slm);
+  auto changed = carry_out(std::move(next));
+  if (!changed) archive_.use_slm(*state_.slm);
+  if (changed && before && !changed->reference) {
+    deps_.events.emit("reference", Severity::warning,
+                      title_of(*before) +
+                          " is not used: the SLM is driven otherwise than when it was taken; take "
+                          "another one",
+                      {{"t_taken_ns", before->t_taken_ns}, {"used", false}});
+  }
+  return changed;
+}
+
+/// The same as is in force, with the checksum of its file.
+SensorSnapshot Instrument::know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now) {
+  state_.slm = std::move(slm);
+  now.slm = state_.slm;
+  snapshot_.set(now);
+  return now;
+}
+
+nlohmann::json Instrument::origin_of_slm() const {
+  const ReferenceKey key = reference_key(state_.sensor, state_.tracking, state_.roi);
+  return archive_.bench().origin(
+      {key, shown_modes(state_), camera_, camera_info_, registration_of(state_), nullptr});
+}
+
+void Instrument::use_lut(int job, MeasuredLut lut, Changed done) {
+  mailbox_.post([this, job, lut = std::move(lut), done = std::move(done)]() mutable {
+    if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
+    if (!deps_.jobs.runs(job)) return done(fail(Errc::refused, "", "it was cancelled"));
+    lut.origin = origin_of_slm();
+    auto changed =
+        change_slm(slm_in_force(archive_.bench().config(), hologram_,
+                                std::make_shared<const MeasuredLut>(lut), state_.slm->flatness));
+    if (!changed) return done(std::move(changed));
+    slm_archive_.keep(lut);
+    auto kept = std::make_shared<SlmInForce>(*state_.slm);
+    kept->lut = std::make_shared<const MeasuredLut>(std::move(lut));
+    done(know_slm(std::move(kept), std::move(*changed)));
+  });
+}
+
+void Instrument::use_flatness(int job, std::uint64_t sensor_epoch, MeasuredFlatness flatness,
+                              Changed done) {
+  mailbox_.post([this, job, sensor_epoch, flatness = std::move(flatness),
+                 done = std::move(done)]() mutable {
+    if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
+    if (!deps_.jobs.runs(job)) return done(fail(Errc::refused, "", "it was cancelled"));
+    if (state_.sensor_epoch != sensor_epoch) {
+      return done(fail(Errc::refused, "camera", "the camera or its region changed meanwhile"));
+    }
+    flatness.origin = origin_of_slm();
+    auto changed = change_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut,
+                                           std::make_shared<const MeasuredFlatness>(flatness)));
+    if (!changed) return done(std::move(changed));
+    slm_archive_.keep(flatness);
+    auto kept = std::make_shared<SlmInForce>(*state_.slm);
+    kept->flatness = std::make_shared<const MeasuredFlatness>(std::move(flatness));
+    done(know_slm(std::move(kept), std::move(*changed)));
+  });
+}
+
+void Instrument::clear_lut(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    if (auto free = check_free(); !free) return done(fail(free.error()));
+    if (auto dropped = slm_archive_.drop_lut(); !dropped) return done(fail(dropped.error()));
+    if (!state_.slm->lut) return done(snapshot_.get());
+    done(change_slm(
+        slm_in_force(archive_.bench().config(), hologram_, nullptr, state_.slm->flatness)));
+  });
+}
+
+void Instrument::clear_flatness(Changed done) {
+  mailbox_.post([this, done = std::move(done)] {
+    if (auto free = check_free(); !free) return done(fail(free.error()));
+    if (auto dropped = slm_archive_.drop_flatness(); !dropped) return done(fail(dropped.error()));
+    if (!state_.slm->flatness) return done(snapshot_.get());
+    done(change_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr)));
+  });
+}
+
+}  // namespace ovws

@@ -1,0 +1,142 @@
+#include "daemon/slm_archive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/optics/zernike.hpp"
+#include "daemon/reference_origin.hpp"
+#include "daemon/stream_queue.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Slm : public testing::Test {
+ protected:
+  Slm() { config_.slm.geometry = {160, 96, 19.0}; }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// As of a daemon that was just started with this configuration.
+  struct Started {
+    Started(const Config& config, const std::string& folder)
+        : store({folder}, events), archive(config, store, events) {}
+    StreamQueue queue;
+    Events events{queue};
+    DaemonStore store;
+    SlmArchive archive;
+  };
+  std::unique_ptr<Started> started() const { return std::make_unique<Started>(config_, folder_); }
+
+  HologramConfig configured() const {
+    HologramConfig hologram;
+    hologram.slm = config_.slm.geometry;
+    return hologram;
+  }
+  nlohmann::json origin() const {
+    const ReferenceKey key = reference_key(config_.sensor, config_.tracking, Roi{});
+    return ReferenceBench(config_, configured())
+        .origin({key, {}, std::nullopt, std::nullopt, std::nullopt, nullptr});
+  }
+
+  MeasuredLut lut() const {
+    MeasuredLut lut;
+    lut.t_taken_ns = 5;
+    lut.frames = 3;
+    lut.response.levels = 33;
+    for (std::size_t g = 0; g < 256; ++g) {
+      lut.response.phase_rad[g] = 5.6 * std::pow(double(g) / 255.0, 1.4);
+      lut.response.standard_error_rad[g] = 1e-3 / 3.0;
+    }
+    lut.table = linearising_lut(lut.response.phase_rad);
+    lut.origin = origin();
+    return lut;
+  }
+  MeasuredFlatness flatness() const {
+    MeasuredFlatness flatness{7, 30, 4, 96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3}, 4e-4, {}, ""};
+    flatness.origin = origin();
+    return flatness;
+  }
+
+  Config config_;
+  std::string folder_ = testing::TempDir() + "slm_archive_" +
+                        testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
+  MeasuredLut table = lut();
+  MeasuredFlatness surface = flatness();
+  {
+    const auto daemon = started();
+    daemon->archive.keep(table);
+    daemon->archive.keep(surface);
+  }
+  const auto daemon = started();
+  const auto found = daemon->archive.load_lut();
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->response.phase_rad, table.response.phase_rad);
+  EXPECT_EQ(found->response.standard_error_rad, table.response.standard_error_rad);
+  EXPECT_EQ(found->table.lut, table.table.lut);
+  EXPECT_EQ(found->table.reason, table.table.reason);
+  EXPECT_EQ(found->origin, table.origin);
+  EXPECT_FALSE(table.sha256.empty());
+  EXPECT_EQ(found->sha256, table.sha256);
+  const auto flat = daemon->archive.load_flatness();
+  ASSERT_TRUE(flat);
+  EXPECT_EQ(flat->modes, surface.modes);
+  EXPECT_EQ(flat->standard_error_waves, surface.standard_error_waves);
+  EXPECT_EQ(flat->pupil_diameter_px, 96.0);
+  ASSERT_TRUE(daemon->archive.drop_lut());
+  EXPECT_FALSE(daemon->archive.load_lut());
+  EXPECT_TRUE(daemon->archive.load_flatness());
+}
+
+TEST_F(Slm, WhatIsOfAnotherSlmOrWavelengthIsNotUsed) {
+  MeasuredLut table = lut();
+  MeasuredFlatness surface = flatness();
+  started()->archive.keep(table);
+  started()->archive.keep(surface);
+  config_.optics.wavelength_nm = 1064.0;
+  EXPECT_FALSE(started()->archive.load_lut());
+  config_.optics.wavelength_nm = 632.0;
+  config_.slm.geometry.pitch_um = 8.0;
+  EXPECT_FALSE(started()->archive.load_flatness());
+  config_.slm.geometry.pitch_um = 19.0;
+  EXPECT_TRUE(started()->archive.load_flatness());
+}
+
+TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
+  MeasuredLut table = lut();
+  table.response.phase_rad[100] = 0.0;  // falls
+  started()->archive.keep(table);
+  EXPECT_FALSE(started()->archive.load_lut());
+  MeasuredFlatness surface = flatness();
+  surface.standard_error_waves.pop_back();
+  started()->archive.keep(surface);
+  EXPECT_FALSE(started()->archive.load_flatness());
+}
+
+TEST_F(Slm, TheHologramShowsTheOppositeOfTheError) {
+  HologramConfig file = configured();
+  file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.125F);
+  const auto slm = slm_in_force(config_, file, std::make_shared<const MeasuredLut>(lut()),
+                                std::make_shared<const MeasuredFlatness>(flatness()));
+  EXPECT_EQ(slm->hologram.lut, lut().table.lut);
+  const Image<float>& map = *slm->hologram.flatness_waves;
+  EXPECT_FLOAT_EQ(map.at(0, 0), 0.125F);  // outside the pupil
+  for (const int x : {60, 79, 101}) {
+    const double u = (x - 79.5) / 48.0, v = (40 - 47.5) / 48.0;
+    const double error = 0.25 * zernike(4, {u, v}) - 0.1 * zernike(7, {u, v});
+    EXPECT_NEAR(map.at(x, 40), 0.125 - error, 1e-5) << x;
+  }
+  EXPECT_NE(slm->identity, slm_identity(file, false));
+  const auto cleared = slm_in_force(config_, file, nullptr, nullptr);
+  EXPECT_EQ(cleared->identity, slm_identity(file, false));
+  EXPECT_EQ(cleared->hologram.lut, linear_lut());
+}
+
+}  // namespace
+}  // namespace ovws
