@@ -12,7 +12,7 @@ namespace {
 constexpr double kStep = 3.0;                    // lambda/d to each side of the base spot
 constexpr double kRadius = 1.5;                  // lambda/d: of the light that counts
 constexpr int kMostCharge = 2;                   // of a probe
-constexpr std::size_t kBefore = 3, kAfter = 12;  // frames of each picture, at least
+constexpr std::size_t kBefore = 3, kAfter = 24;  // frames of each picture, at least
 
 struct ToAndFro {
   std::array<Vec2, 2> frequencies_cpp, places_px;
