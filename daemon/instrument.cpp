@@ -174,6 +174,17 @@ Result<void> Instrument::check_no_job() const {
   return {};
 }
 
+/// Of the state's own sensor and SLM.
+Result<void> Instrument::renew_renderer(State& state) {
+  HologramConfig hologram = state.slm->hologram;
+  hologram.sensor = state.sensor;
+  auto renderer = make_renderer(hologram);
+  if (!renderer) return fail(renderer.error());
+  state.renderer = *renderer;
+  ++state.sensor_epoch;
+  return {};
+}
+
 Result<SensorSnapshot> Instrument::carry_out(State next) {
   const bool new_sensor = !(next.sensor == state_.sensor);
   const bool new_slm = next.slm != state_.slm;
@@ -181,12 +192,7 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
                            !(shown_modes(next) == shown_modes(state_)) ||
                            next.painted != state_.painted;
   if (new_sensor || new_slm) {
-    HologramConfig hologram = next.slm->hologram;
-    hologram.sensor = next.sensor;
-    auto renderer = make_renderer(hologram);
-    if (!renderer) return fail(renderer.error());
-    next.renderer = *renderer;
-    ++next.sensor_epoch;
+    if (auto made = renew_renderer(next); !made) return fail(made.error());
   }
   const bool has_modes =
       next.pattern == HologramKind::sensor || next.pattern == HologramKind::grating;

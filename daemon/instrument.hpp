@@ -180,13 +180,13 @@ class Instrument : public Agent {
     TrackingSettings tracking;
     HologramKind pattern = HologramKind::sensor;
     std::vector<Mode> aberration;
-    std::shared_ptr<const HologramRenderer> renderer;  ///< of `sensor`
   };
 
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
   Result<void> check_no_job() const;
+  static Result<void> renew_renderer(State& state);
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
   Result<State> lent_state(int job) const;

@@ -41,6 +41,7 @@ Result<SensorSnapshot> Instrument::adopt_calibration(int job, std::uint64_t sens
                                registration_of(state_), grey_.get()}));
   calibrations_.put(std::move(calibration));
   next->tracking.mode_operator = OperatorKind::measured;
+  lease_->tracking.mode_operator = OperatorKind::measured;  // stays so when the job has ended
   return carry_out(std::move(*next));
 }
 

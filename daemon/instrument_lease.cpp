@@ -72,8 +72,7 @@ void Instrument::use_registration(int job, const Registration& registration, Cha
 }
 
 void Instrument::lend(int job) {
-  lease_ = Lease{
-      job, state_.sensor, state_.tracking, state_.pattern, state_.aberration, state_.renderer};
+  lease_ = Lease{job, state_.sensor, state_.tracking, state_.pattern, state_.aberration};
 }
 
 void Instrument::exhibit(int job, Exhibit exhibit, Changed done) {
@@ -102,7 +101,6 @@ void Instrument::give_back(int job, std::function<void()> then) {
       State before = state_;
       before.sensor = lease_->sensor;
       before.tracking = lease_->tracking;
-      before.renderer = lease_->renderer;
       before.pattern = lease_->pattern;
       before.aberration = lease_->aberration;
       before.painted.reset();
@@ -115,7 +113,7 @@ void Instrument::give_back(int job, std::function<void()> then) {
 
 /// Without a display: it is to show this when it comes back.
 void Instrument::fall_back_to(State before) {
-  if (!(before.sensor == state_.sensor)) ++before.sensor_epoch;
+  if (!(before.sensor == state_.sensor) && !renew_renderer(before)) return;
   HologramRequest request = render(before);
   auto plan = plan_for(before, request.hologram_id);
   if (!plan) return;  // the state's own plan was made before: it is no error of the plan

@@ -57,7 +57,7 @@ json bench_of(const Services& services) {
           {"sensor", std::move(lattice)},
           {"kernel_radius", sensor.tracking.kernel_radius},
           {"optics", config["optics"]},
-          {"slm", config["slm"]},
+          {"slm", sensor.slm->identity},
           {"registration_t_taken_ns",
            sensor.registration ? json(sensor.registration->t_taken_ns) : json(nullptr)},
           {"correction", std::move(correction)}};

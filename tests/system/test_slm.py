@@ -114,6 +114,7 @@ class Flatness(SlmCase):
               f"{found['iterations']} looks, {found['residual_rms_waves']:.4f} left; the light {before['wavefront'].get('rms_waves')} -> "
               f"{after['wavefront'].get('rms_waves')}")
         print("   ", {j: round(error, 4) for j, error in errors.items()})
+        self.assertLess(after["wavefront"]["rms_waves"], 0.03)
         self.assertGreater(truth, 0.1)
         self.assertLess(max(map(abs, errors.values())), 0.02)
         self.restart()
