@@ -1,6 +1,5 @@
 """A camera that is turned, mirrored, magnified and moved: registration finds out, and what is measured is right."""
 import math
-import time
 
 from case import BenchCase, Client, main, wait_for
 
@@ -50,8 +49,9 @@ class Registration(BenchCase):
             self.assertLess(others, 0.02)
         self.call("aberration.clear")
 
-    def refused_while(self, spoil, why):
+    def refused_while(self, spoil, why, progress=0.0):
         job = self.call("registration.run")["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] >= progress, 30.0, f"progress of {progress}")
         spoil()
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
         self.assertEqual(ended["state"], "failed", ended)
@@ -70,7 +70,7 @@ class Registration(BenchCase):
         before = self.call("registration.get")
         self.refused_while(lambda: self.twin.call("twin.set", {"peak_electrons": 300000}), "saturated")
         self.twin.call("twin.set", {"peak_electrons": 6000})
-        self.refused_while(lambda: (time.sleep(1.0), self.place_camera(magnification=1.05)), "does not move")
+        self.refused_while(lambda: self.place_camera(magnification=1.05), "does not move", 0.4)
         self.assertEqual(self.call("registration.get"), before)
         self.call("registration.clear")
         self.assertFalse(self.call("registration.get")["registered"])
