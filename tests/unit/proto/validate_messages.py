@@ -56,7 +56,29 @@ def objects_within(schema):
             yield from objects_within(value)
 
 
+UNIT_IN_NAME = re.compile(r"(^|[._])(px|nm|um|mm|us|ms|s|ns|hz|db|dn|e|deg|waves?|rad|rad2|cpp|per_(px|cycle|wave|dn|pixel)|bytes)($|[._])")
+UNIT_IN_WORDS = re.compile(r"\b(pixels?|waves?|seconds?|microseconds|milliseconds|Hz|DN|electrons?|dB|degrees?|radians?|lambda/d|cycles?|grooves"
+                           r"|part|fraction|ratio|times|factor|units of|to 1|-1 to|over the|number|quality|when it was taken|in use|magnif\w+|camera to|to the camera)\b")
+
+
+def numbers_within(schema, key=""):
+    """(keys down to it, description) of every place that holds fractions, be it in a list; whole numbers are counts, indices or named."""
+    types = schema.get("type", [])
+    if "number" in types:
+        yield key, schema.get("description", "")
+    for name, value in schema.get("properties", {}).items():
+        yield from numbers_within(value, f"{key}.{name}")
+    if "items" in schema:
+        yield from numbers_within({"description": schema.get("description", "")} | schema["items"], key)
+
+
 class Schemas(unittest.TestCase):
+    def test_give_every_number_a_unit(self):
+        for name, schema in all_schemas():
+            for key, words in numbers_within(schema):
+                with self.subTest(name, key=key):
+                    self.assertTrue(UNIT_IN_NAME.search(key) or UNIT_IN_WORDS.search(words), f"{key}: {words}")
+
     def test_are_schemas_and_their_examples_hold(self):
         for name, schema in all_schemas():
             with self.subTest(name):
