@@ -1,4 +1,4 @@
-/// ovws study: the accuracy studies, and the experiment on a daemon's bench, with figures.
+/// ovws study: the accuracy studies, and what runs on a daemon's bench, with figures.
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/experiment.hpp"
+#include "daemon/cli/rejection.hpp"
 #include "daemon/study/parallel.hpp"
 #include "daemon/study/studies.hpp"
 
@@ -22,10 +23,13 @@ struct StudyOptions {
   bool quick = false;
   int threads = 0;  ///< 0: as many as the machine has cores
   std::uint64_t seed = 1;
-  std::string params;  ///< of the experiment
+  std::string params;  ///< of what runs on a bench
+  double seconds = 60.0;
 };
 
+// These run on a daemon's bench.
 constexpr const char* kExperiment = "experiment";
+constexpr const char* kRejection = "rejection";
 
 /// Made, and can be written to: better known before minutes of work than after.
 Result<void> check_folder(const std::filesystem::path& folder) {
@@ -78,9 +82,10 @@ Result<void> write_findings(const study::Findings& found, const std::filesystem:
   return {};
 }
 
-int experiment_command(const Common& common, const StudyOptions& options) {
+int bench_command(const Common& common, const StudyOptions& options) {
   nlohmann::json params = nlohmann::json::object();
-  if (options.quick) params = {{"frames", 20}, {"gains_db", {10, 16, 28, 40}}};
+  const bool is_experiment = options.name == kExperiment;
+  if (is_experiment && options.quick) params = {{"frames", 20}, {"gains_db", {10, 16, 28, 40}}};
   if (!options.params.empty()) {
     const auto given = nlohmann::json::parse(options.params, nullptr, false);
     if (!given.is_object()) {
@@ -89,14 +94,17 @@ int experiment_command(const Common& common, const StudyOptions& options) {
     }
     params.update(given);
   }
-  return run_experiment(common, params, options.folder);
+  if (is_experiment) return run_experiment(common, params, options.folder);
+  return run_rejection(common, params, options.seconds, options.folder);
 }
 
 int study_command(const Common& common, const StudyOptions& options) {
   if (const auto usable = check_folder(options.folder); !usable) {
     return report(common, usable.error());
   }
-  if (options.name == kExperiment) return experiment_command(common, options);
+  if (options.name == kExperiment || options.name == kRejection) {
+    return bench_command(common, options);
+  }
   const study::Findings found = run_study(options);
   const auto written = write_findings(found, options.folder);
   if (common.json) {
@@ -122,6 +130,9 @@ void add_study(CLI::App& app, const Common& common, int& status) {
   names.emplace_back(kExperiment);
   help += std::string("\n") + kExperiment +
           ": the paper's comparison on a daemon's bench: variance against the camera's gain";
+  names.emplace_back(kRejection);
+  help += std::string("\n") + kRejection +
+          ": on a daemon's bench, what the closed loop leaves of what moves, by frequency";
   command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
   command->add_option("--output,-o", options->folder, "folder for the files")->required();
   command->add_flag("--quick", options->quick, "fewer levels and realisations");
@@ -129,9 +140,12 @@ void add_study(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
-  command->add_option(
-      "--params", options->params,
-      "of the experiment: a JSON object, see experiment.gain_sweep in ovws describe");
+  command->add_option("--seconds", options->seconds, "of rejection: open, and as long closed")
+      ->check(number_from(5.0, 86400.0))
+      ->capture_default_str();
+  command->add_option("--params", options->params,
+                      "a JSON object: of experiment.gain_sweep for the experiment, of loop.close "
+                      "for rejection; see ovws describe");
   command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 

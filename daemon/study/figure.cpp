@@ -53,6 +53,7 @@ std::string style_of(const Series& series, std::size_t k) {
   if (series.style == Series::Style::line) {
     return fmt::format("lines linecolor {} dashtype {}", colour, series.colour > 0 ? 2 : k % 4 + 2);
   }
+  if (series.style == Series::Style::solid) return fmt::format("lines linecolor {}", colour);
   const char* kind = series.style == Series::Style::points ? "points" : "linespoints";
   return fmt::format("{} linecolor {} pointtype {}", kind, colour, k + 4);
 }

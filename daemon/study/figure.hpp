@@ -14,7 +14,8 @@ struct Series {
   std::string name;
   std::vector<double> x, y;
   std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
-  enum class Style { line_points, line, points } style = Style::line_points;
+  /// `line` is dashed; `solid` is a line without points.
+  enum class Style { line_points, line, points, solid } style = Style::line_points;
   /// That of the series with this place in the figure, from 1; 0: its own.
   int colour = 0;
   static constexpr int kBlack = -1;
