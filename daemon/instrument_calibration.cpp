@@ -31,6 +31,7 @@ Result<SensorSnapshot> Instrument::adopt_calibration(int job, std::uint64_t sens
                                                      MeasuredCalibration measured) {
   auto next = lent_state(job);
   if (!next) return fail(next.error());
+  if (!deps_.jobs.runs(job)) return fail(Errc::refused, "", "it was cancelled");
   if (state_.sensor_epoch != sensor_epoch) {
     return fail(Errc::refused, "camera", "the camera or its region changed meanwhile");
   }
@@ -41,8 +42,10 @@ Result<SensorSnapshot> Instrument::adopt_calibration(int job, std::uint64_t sens
                                registration_of(state_), grey_.get()}));
   calibrations_.put(std::move(calibration));
   next->tracking.mode_operator = OperatorKind::measured;
-  lease_->tracking.mode_operator = OperatorKind::measured;  // stays so when the job has ended
-  return carry_out(std::move(*next));
+  auto changed = carry_out(std::move(*next));
+  if (changed)
+    lease_->tracking.mode_operator = OperatorKind::measured;  // when the job has ended too
+  return changed;
 }
 
 void Instrument::clear_calibration(Changed done) {

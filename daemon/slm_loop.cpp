@@ -59,11 +59,13 @@ void SlmLoop::carry_out(Job& job) {
 }
 
 void SlmLoop::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  if (asked_.job) asked_.job->done.set_value(fail(stopping()));
-  for (const auto& done : asked_.verify) done(fail(stopping()));
-  asked_ = {};
+  auto asked = [this] {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    return std::exchange(asked_, {});
+  }();
+  if (asked.job) asked.job->done.set_value(fail(stopping()));
+  for (const auto& done : asked.verify) done(fail(stopping()));
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {

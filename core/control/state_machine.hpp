@@ -144,11 +144,11 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, true, true, true, true}},        // start_job
     {{true, true, false, false, true, true}},      // clear_reference
     {{true, true, false, false, false, false}},    // cancel_job
-    {{true, true, false, false, false, false}},    // save_config
-    {{true, true, false, false, false, false}},    // set_refine
-    {{true, true, true, true, true, true}},        // close_loop
-    {{true, true, false, false, false, false}},    // open_loop
-    {{true, true, false, true, true, true}},       // set_correction
+    {{true, true, false, false, true, false}},   // save_config: a job may have settings of its own
+    {{true, true, false, false, false, false}},  // set_refine
+    {{true, true, true, true, true, true}},      // close_loop
+    {{true, true, false, false, false, false}},  // open_loop
+    {{true, true, false, true, true, true}},     // set_correction
 }};
 
 }  // namespace control

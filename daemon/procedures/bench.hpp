@@ -48,7 +48,8 @@ class Bench {
   Result<void> show(const std::vector<Mode>& aberration);
   /// The same, and what of the sensor is otherwise until the procedure ends.
   Result<void> show(const SensorSet& sensor, const std::vector<Mode>& aberration);
-  /// What `paint` draws; it is called once, in the prepare thread.
+  /// What `paint` draws; it is called once, in the prepare thread, and after this has returned if
+  /// the job is cancelled meanwhile: it holds copies.
   Result<void> show(const Painter& paint);
   /// In force from now on.
   Result<void> use_registration(const Registration& registration);

@@ -42,9 +42,10 @@ class LutBench {
 };
 
 Result<FringeReading> LutBench::read(const FringePatches& patches, int grey, int fixed) {
-  const auto paint = [&patches, this, grey, fixed](const HologramRenderer&,
-                                                   Image<std::uint8_t>& picture) {
-    draw_fringe_patches(patches, now_.sensor, slm_, grey, fixed, picture);
+  // By value: once the job was cancelled the painter may be called after this has returned.
+  const auto paint = [patches, sensor = now_.sensor, slm = slm_, grey, fixed](
+                         const HologramRenderer&, Image<std::uint8_t>& picture) {
+    draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
   };
   if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
   const auto light = bench_.picture(frames_);

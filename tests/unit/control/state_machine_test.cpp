@@ -146,7 +146,7 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
        true},  // waiting_for_camera
       {true, true, false, false, false, false, true, true, true, true, false, true,
        false},  // waiting_for_display
-      {true, false, false, false, false, false, false, true, true, true, false, true,
+      {true, false, false, false, false, false, false, true, false, true, false, true,
        false},  // job_running
       {true, true, true, true, true, true, true, true, true, true, true, true, true},  // running
   };
