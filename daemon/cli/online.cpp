@@ -2,6 +2,7 @@
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "daemon/cli/client.hpp"
 #include "daemon/cli/commands.hpp"
@@ -10,6 +11,8 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::chrono::milliseconds kLook{200};
 
 std::string text_or(const json& object, const char* key, const std::string& otherwise) {
   return object.contains(key) && object[key].is_string() ? object[key].get<std::string>()
@@ -85,14 +88,41 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
-int call_anything(const Common& common, const std::string& method, const std::string& text) {
+/// Of the job that `started` names: its result once it is done, or its error.
+tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
+  while (true) {
+    auto report = call(common, "job.get", {{"job", started["job"]}});
+    if (!report) return report;
+    const std::string state = text_or(*report, "state", "");
+    if (state == "done") return (*report)["result"];
+    if (state != "running") {
+      json error = (*report)["error"];
+      if (!error.is_object()) error = {{"message", "the job was " + state}};
+      return tl::make_unexpected(CallFailure{true, std::move(error)});
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+struct CallOptions {
+  std::string method, params;
+  bool wait = false;
+};
+
+int call_anything(const Common& common, const CallOptions& options) {
+  const std::string& text = options.params;
   const json params = text.empty() ? json::object() : json::parse(text, nullptr, false);
   if (params.is_discarded()) {
     fmt::print(stderr, "ovws: the parameters are not JSON: {}\n", text);
     return kUsage;
   }
-  return call_and_print(common, method, params,
-                        [](const json& result) { print("{}\n", result.dump(2)); });
+  auto answer = call(common, options.method, params);
+  if (answer && options.wait && answer->is_object() && answer->contains("job")) {
+    answer = end_of_job(common, *answer);
+  }
+  if (!answer) return report_failure(common, answer.error());
+  print("{}\n", answer->dump(common.json ? -1 : 2));
+  return kOk;
 }
 
 }  // namespace
@@ -115,12 +145,12 @@ void add_call(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand("call",
                                      "call any method, e.g. call aberration.set "
                                      "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
-  auto method = std::make_shared<std::string>();
-  auto params = std::make_shared<std::string>();
-  command->add_option("method", *method, "name")->required();
-  command->add_option("params", *params, "JSON object");
-  command->callback(
-      [&common, &status, method, params] { status = call_anything(common, *method, *params); });
+  auto options = std::make_shared<CallOptions>();
+  command->add_option("method", options->method, "name")->required();
+  command->add_option("params", options->params, "JSON object");
+  command->add_flag("--wait,-w", options->wait,
+                    "if that starts a job, wait for its end: print its result, or why it failed");
+  command->callback([&common, &status, options] { status = call_anything(common, *options); });
 }
 
 }  // namespace ovws::cli

@@ -35,6 +35,11 @@ class CommandLine(BenchCase):
         error = json.loads(self.ovws("--json", "call", "camera.set", '{"gian_db": 1}', code=1))["error"]
         self.assertEqual(error["data"]["nearest"], "gain_db")
 
+    def test_a_job_is_waited_for(self):
+        self.assertEqual(json.loads(self.ovws("call", "--wait", "reference.take", '{"frames": 5}'))["frames"], 5)
+        self.call("camera.set", {"exposure_us": 9000, "gain_db": 24})
+        self.assertIn("fewer than half", self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1))
+
     def test_exit_codes(self):
         self.ovws("call", "sensor.get", "{not json", code=2)
         self.ovws(code=2)
