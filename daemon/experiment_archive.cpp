@@ -91,21 +91,21 @@ void ExperimentArchive::read(const ExperimentRun& run) {
   run_ = run;
   references_ = std::move(references);
   cells_ = std::move(cells);
-  not_kept_reason_.reset();
+  to_read_ = false;
 }
 
-void ExperimentArchive::open(const ExperimentRun& run, bool anew) {
-  ExperimentRun opened = run;
-  if (anew) drop(run.name, run.request.arms.size(), run.request.cells());
-  bool in_memory = false;
+void ExperimentArchive::open(bool anew) {
+  ExperimentRun opened;
+  bool to_read = false;
   {
     const std::lock_guard lock(mutex_);
-    in_memory = !anew && run_ && run_->name == run.name;
-    if (in_memory) opened.t_begun_ns = run_->t_begun_ns;
+    opened = *run_;
+    to_read = to_read_;
   }
-  if (!in_memory) {
+  if (anew) drop(opened.name, opened.request.arms.size(), opened.request.cells());
+  if (to_read) {
     for (const Header& known : headers(store_)) {
-      if (known.run.name == run.name) opened.t_begun_ns = known.run.t_begun_ns;
+      if (known.run.name == opened.name) opened.t_begun_ns = known.run.t_begun_ns;
     }
     read(opened);
   }
@@ -167,9 +167,15 @@ bool ExperimentArchive::has_cell(int cell) const {
   return !cells_[std::size_t(cell)].is_null();
 }
 
-void ExperimentArchive::begin_job(const std::string& run, int job) {
+void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   const std::lock_guard lock(mutex_);
-  job_ = Job{run, job, monotonic_ns(), 0};
+  job_ = Job{run.name, job, monotonic_ns(), 0};
+  if (run_ && run_->name == run.name && !run.request.anew) return;
+  run_ = run;
+  references_.assign(run.request.arms.size(), nullptr);
+  cells_.assign(run.request.cells(), nullptr);
+  not_kept_reason_.reset();
+  to_read_ = true;
 }
 
 void ExperimentArchive::end_job() {

@@ -35,15 +35,16 @@ class ExperimentArchive {
 
   // The job's thread; they wait for the disk. What cannot be kept is measured all the same, and
   // `report` says why it is not kept.
-  /// This run from now on, with all that is known of it; of nothing if `anew`.
-  void open(const ExperimentRun& run, bool anew);
+  /// All that is known of the run of `begin_job`; nothing if `anew`.
+  void open(bool anew);
   void put_reference(int arm, nlohmann::json reference);
   void put_cell(int cell, nlohmann::json measured);
   nlohmann::json reference(int arm) const;  ///< null: not measured yet
   bool has_cell(int cell) const;
 
-  /// Job `job` measures that run now, or has ended.
-  void begin_job(const std::string& run, int job);
+  /// Before anybody is told of it: job `job` measures that run now. It is the run that is held from
+  /// now on; one that was not, or is measured anew, has no cells before `open`. Never waits.
+  void begin_job(const ExperimentRun& run, int job);
   void end_job();
   /// The job that measures it now.
   std::optional<int> job_of(const std::string& run) const;
@@ -69,6 +70,7 @@ class ExperimentArchive {
   DaemonStore& store_;
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::optional<ExperimentRun> run_;
+  bool to_read_ = false;  ///< what the store has of it is not in memory yet
   std::vector<nlohmann::json> references_, cells_;
   std::optional<Job> job_;
   std::optional<std::string> not_kept_reason_;

@@ -38,11 +38,27 @@ Answer start(const Common& common, const json& params) {
   }
 }
 
-/// Both files hold every cell that was fetched, as soon as it was.
+/// The cells of one job's run. Both files hold every cell that was fetched, as soon as it was.
 class Fetched {
  public:
-  explicit Fetched(std::filesystem::path folder) : folder_(std::move(folder)) { begin_files(); }
-  bool has(int number) const { return cells_.contains(number); }
+  Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {
+    begin_files();
+  }
+  int job() const { return job_; }
+  /// Whether that result of experiment.get is of the job's run: the daemon may hold another one's.
+  bool is_own(const json& experiment) {
+    if (experiment["job"] == job_) run_ = experiment["run"];
+    return !run_.is_null() && experiment["run"] == run_;
+  }
+  void know_run(const json& name) { run_ = name; }
+  /// Whether that cell, as it was measured then.
+  bool has(const json& summary) const {
+    const auto found = cells_.find(summary["cell"].get<int>());
+    return found != cells_.end() && is_same(found->second, summary);
+  }
+  static bool is_same(const json& cell, const json& summary) {
+    return cell["cell"] == summary["cell"] && cell["t_begun_ns"] == summary["t_begun_ns"];
+  }
   /// False if a file cannot be written.
   bool add(json cell) {
     const bool written = write(cell);
@@ -71,6 +87,8 @@ class Fetched {
     return cells_file_.good() && frames_file_.good();
   }
 
+  int job_;
+  json run_;  ///< its name; null: not known yet
   std::filesystem::path folder_;
   std::ofstream cells_file_, frames_file_;
   SweepCells cells_;
@@ -88,15 +106,15 @@ void tell_progress(const Common& common, const json& experiment) {
   std::fflush(stderr);
 }
 
-/// Every cell that the daemon has and we have not.
+/// Every cell of our run that the daemon has and we have not.
 Answer fetch(const Common& common, Fetched& fetched) {
   Answer experiment = call(common, "experiment.get", json::object());
-  if (!experiment || !(*experiment)["cells"].is_array()) return experiment;
+  if (!experiment || !fetched.is_own(*experiment)) return experiment;
   for (const json& summary : (*experiment)["cells"]) {
-    const int number = summary["cell"].get<int>();
-    if (fetched.has(number) || interrupted != 0) continue;
-    Answer cell = call(common, "experiment.cell", {{"cell", number}});
+    if (fetched.has(summary) || interrupted != 0) continue;
+    Answer cell = call(common, "experiment.cell", {{"cell", summary["cell"]}});
     if (!cell) return cell;
+    if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
     if (!fetched.add(std::move(*cell))) {
       return tl::make_unexpected(CallFailure{true, {{"message", "a CSV file cannot be written"}}});
     }
@@ -106,16 +124,18 @@ Answer fetch(const Common& common, Fetched& fetched) {
 }
 
 /// The job's last report. What was measured before it ended is fetched.
-Answer follow(const Common& common, int job, Fetched& fetched) {
+Answer follow(const Common& common, Fetched& fetched) {
+  const json job{{"job", fetched.job()}};
   while (true) {
-    Answer report = call(common, "job.get", {{"job", job}});
+    Answer report = call(common, "job.get", job);
     if (interrupted != 0) {
-      report = call(common, "job.cancel", {{"job", job}});
+      report = call(common, "job.cancel", job);
       if (!report) return report;
       interrupted = 0;  // a second Ctrl-C ends the fetching
     } else if (!report) {
       return report;
     }
+    if ((*report)["result"].is_object()) fetched.know_run((*report)["result"]["run"]);
     if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
       return experiment;
     }
@@ -166,8 +186,13 @@ void tell_bench(const json& experiment) {
 }
 
 int tell_findings(const Common& common, Fetched& fetched, const std::filesystem::path& folder) {
-  const Answer experiment = call(common, "experiment.get", json::object());
+  const Answer experiment = fetch(common, fetched);
   if (!experiment) return report_failure(common, experiment.error());
+  if (!fetched.is_own(*experiment) || (*experiment)["complete"] != true) {
+    return report(common, {Errc::refused, "",
+                           "another gain sweep has begun since: the same command fetches this one "
+                           "when that has ended"});
+  }
   auto written = write_findings(*experiment, fetched.cells(), folder);
   if (!fetched.write_in_order()) {
     written = fail(Errc::unavailable, "output", "a CSV file cannot be written");
@@ -193,8 +218,8 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   std::signal(SIGINT, note_interrupt);
   const Answer started = start(common, params);
   if (!started) return report_failure(common, started.error());
-  Fetched fetched(folder);
-  const Answer ended = follow(common, (*started)["job"].get<int>(), fetched);
+  Fetched fetched((*started)["job"].get<int>(), folder);
+  const Answer ended = follow(common, fetched);
   if (!common.json) fmt::print(stderr, "\n");
   if (!ended) return report_failure(common, ended.error());
   const std::string state = (*ended)["state"].get<std::string>();

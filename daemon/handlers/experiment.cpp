@@ -73,9 +73,9 @@ void start(Services& services, const ExperimentRun& run, const RpcReply& reply) 
     return json{{"run", run.name}};
   };
   services.procedures.start("experiment.gain_sweep", measure,
-                            [reply, &archive, name = run.name](Result<int> job) {
+                            [reply, &archive, run](Result<int> job) {
                               if (!job) return reply(failed(job.error()));
-                              archive.begin_job(name, *job);
+                              archive.begin_job(run, *job);
                               reply(job_started_result(*job));
                             });
 }

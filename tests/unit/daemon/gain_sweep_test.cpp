@@ -106,6 +106,12 @@ class Experiments : public testing::Test {
     explicit Started(const std::optional<std::string>& folder) : store({folder}, events) {
       archive.load();
     }
+    void begin(ExperimentRun run, bool anew) {
+      run.request.anew = anew;
+      archive.begin_job(run, 7);
+      archive.open(anew);
+      archive.end_job();
+    }
     StreamQueue queue;
     Events events{queue};
     DaemonStore store;
@@ -129,7 +135,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   {
     Started daemon(folder_);
     EXPECT_FALSE(daemon.archive.result()["known"].get<bool>());
-    daemon.archive.open(run, false);
+    daemon.begin(run, false);
     ReferenceMeasured reference;
     reference.arm = 2;
     reference.positions_px = {{1.5, 2.0}, {NAN, NAN}};
@@ -140,7 +146,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   }
   Started again(folder_);
   EXPECT_EQ(again.archive.result(), told);
-  again.archive.open(run_of(10), false);  // asked for anew, at another time
+  again.begin(run_of(10), false);  // asked for anew, at another time
   EXPECT_EQ(again.archive.result(), told);
   EXPECT_TRUE(again.archive.has_cell(3));
   EXPECT_FALSE(again.archive.has_cell(2));
@@ -149,7 +155,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   EXPECT_EQ((*places)[0].x, 1.5);
   EXPECT_TRUE(std::isnan((*places)[1].x));
   EXPECT_FALSE(reference_places(again.archive.reference(1), 1));
-  again.archive.open(run, true);
+  again.begin(run, true);
   EXPECT_EQ(again.archive.result()["cells_done"], 0);
 }
 
@@ -158,18 +164,18 @@ TEST_F(Experiments, ARunIsItsParamsOnItsBench) {
   EXPECT_NE(run_of(10).name, run_of(11).name);
   EXPECT_NE(run_of(10).name, run_of(10, 500.0).name);
   Started daemon(folder_);
-  daemon.archive.open(run_of(10), false);
+  daemon.begin(run_of(10), false);
   daemon.archive.put_cell(0, cell_of(run_of(10), 0));
-  daemon.archive.open(run_of(11), false);
+  daemon.begin(run_of(11), false);
   EXPECT_FALSE(daemon.archive.has_cell(0));
-  daemon.archive.open(run_of(10), false);
+  daemon.begin(run_of(10), false);
   EXPECT_TRUE(daemon.archive.has_cell(0));
 }
 
 TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
   Started daemon(folder_);
   for (int frames = 10; frames <= 10 + int(ExperimentArchive::kMostKept); ++frames) {
-    daemon.archive.open(run_of(frames), false);
+    daemon.begin(run_of(frames), false);
     daemon.archive.put_cell(0, cell_of(run_of(frames), 0));
   }
   std::size_t files = 0;
@@ -182,7 +188,7 @@ TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
 
 TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
   Started daemon(std::nullopt);
-  daemon.archive.open(run_of(10), false);
+  daemon.begin(run_of(10), false);
   daemon.archive.put_cell(1, cell_of(run_of(10), 1));
   EXPECT_TRUE(daemon.archive.cell(1));
   EXPECT_FALSE(daemon.archive.cell(0));
@@ -190,10 +196,29 @@ TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
   EXPECT_TRUE(daemon.archive.result()["not_kept_reason"].is_string());
 }
 
+/// Who was told of a job never sees cells of another run, or of before.
+TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
+  Started daemon(folder_);
+  daemon.begin(run_of(10), false);
+  daemon.archive.put_cell(1, cell_of(run_of(10), 1));
+  daemon.archive.begin_job(run_of(10), 7);
+  EXPECT_EQ(daemon.archive.result()["cells_done"], 1);
+  ExperimentRun run = run_of(10);
+  run.request.anew = true;
+  daemon.archive.begin_job(run, 8);
+  EXPECT_EQ(daemon.archive.result()["cells_done"], 0);
+  EXPECT_EQ(daemon.archive.result()["t_begun_ns"], run.t_begun_ns);
+  EXPECT_FALSE(daemon.archive.cell(1));
+  daemon.archive.begin_job(run_of(11), 9);
+  EXPECT_EQ(daemon.archive.result()["run"], run_of(11).name);
+  EXPECT_EQ(daemon.archive.result()["job"], 9);
+  EXPECT_FALSE(daemon.archive.cell(1));
+}
+
 TEST_F(Experiments, TellTheJobAndItsTimeLeft) {
   Started daemon(folder_);
-  daemon.archive.begin_job(run_of(10).name, 7);
-  daemon.archive.open(run_of(10), false);
+  daemon.archive.begin_job(run_of(10), 7);
+  daemon.archive.open(false);
   EXPECT_EQ(daemon.archive.job_of(run_of(10).name), 7);
   EXPECT_FALSE(daemon.archive.job_of(run_of(11).name));
   EXPECT_TRUE(daemon.archive.result()["time_left_s"].is_null());
