@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/port/clock.hpp"
 #include "daemon/store/encoding.hpp"
@@ -18,6 +19,10 @@ constexpr std::size_t kNameDigits = 16;
 std::string kind_of(const std::string& run) {
   return std::string(kKind) + "-" + run;
 }
+
+/// Of which measuring of a run a file is: `anew` leaves none of before behind, even if a file of it
+/// stays.
+constexpr const char* kStamp = "run_t_begun_ns";
 
 std::string reference_name(std::size_t arm) {
   return fmt::format("reference-{:02}", arm);
@@ -79,6 +84,8 @@ void ExperimentArchive::load() {
 void ExperimentArchive::read(const ExperimentRun& run) {
   std::vector<json> references(run.request.arms.size()), cells(run.request.cells());
   store_.load(kind_of(run.name), [&](StateItem item) {
+    if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
+    item.content.erase(kStamp);
     const json number = item.content.value("cell", item.content.value("arm", json()));
     if (!number.is_number_unsigned()) return;
     const auto k = number.get<std::size_t>();
@@ -91,40 +98,57 @@ void ExperimentArchive::read(const ExperimentRun& run) {
   run_ = run;
   references_ = std::move(references);
   cells_ = std::move(cells);
-  to_read_ = false;
 }
 
-void ExperimentArchive::open(bool anew) {
+Result<void> ExperimentArchive::open(bool anew) {
   ExperimentRun opened;
-  bool to_read = false;
   {
     const std::lock_guard lock(mutex_);
     opened = *run_;
-    to_read = to_read_;
+    if (anew) to_read_ = false;
   }
-  if (anew) drop(opened.name, opened.request.arms.size(), opened.request.cells());
-  if (to_read) {
-    for (const Header& known : headers(store_)) {
-      if (known.run.name == opened.name) opened.t_begun_ns = known.run.t_begun_ns;
-    }
-    read(opened);
+  read_if_known(opened);
+  {
+    const std::lock_guard lock(mutex_);
+    opened = *run_;
   }
   put(kKind, opened.name, header_json(opened));
+  if (anew) {
+    if (auto dropped = drop_measured(opened); !dropped) return dropped;
+  }
   drop_oldest();
+  return {};
 }
 
-/// A header first: without it nothing finds the rest.
-void ExperimentArchive::drop(const std::string& name, std::size_t arms, std::size_t cells) {
-  (void)store_.drop(kKind, name);
-  for (std::size_t k = 0; k < arms; ++k) (void)store_.drop(kind_of(name), reference_name(k));
-  for (std::size_t k = 0; k < cells; ++k) (void)store_.drop(kind_of(name), cell_name(k));
+/// Files without a header are what a kill left of a run that was being removed.
+void ExperimentArchive::read_if_known(ExperimentRun run) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(to_read_, false)) return;
+  }
+  for (const Header& known : headers(store_)) {
+    if (known.run.name != run.name) continue;
+    run.t_begun_ns = known.run.t_begun_ns;
+    return read(run);
+  }
+}
+
+Result<void> ExperimentArchive::drop_measured(const ExperimentRun& run) {
+  const std::string kind = kind_of(run.name);
+  for (std::size_t k = 0; k < run.request.arms.size(); ++k) {
+    if (auto dropped = store_.drop(kind, reference_name(k)); !dropped) return dropped;
+  }
+  for (std::size_t k = 0; k < run.request.cells(); ++k) {
+    if (auto dropped = store_.drop(kind, cell_name(k)); !dropped) return dropped;
+  }
+  return {};
 }
 
 void ExperimentArchive::drop_oldest() {
   const auto known = headers(store_);
   for (std::size_t k = 0; k + kMostKept < known.size(); ++k) {
-    const ExperimentRun& run = known[k].run;
-    drop(run.name, run.request.arms.size(), run.request.cells());
+    // The header last: with it the rest is found again after a kill, or when a file stays.
+    if (drop_measured(known[k].run)) (void)store_.drop(kKind, known[k].run.name);
   }
 }
 
@@ -136,22 +160,26 @@ void ExperimentArchive::put(const std::string& kind, const std::string& name, co
 
 void ExperimentArchive::put_reference(int arm, json reference) {
   std::string kind;
+  json kept = reference;
   {
     const std::lock_guard lock(mutex_);
     kind = kind_of(run_->name);
-    references_[std::size_t(arm)] = reference;
+    kept[kStamp] = run_->t_begun_ns;
+    references_[std::size_t(arm)] = std::move(reference);
   }
-  put(kind, reference_name(std::size_t(arm)), reference);
+  put(kind, reference_name(std::size_t(arm)), kept);
 }
 
 /// Kept before it is told: who was told of a cell finds it again.
 void ExperimentArchive::put_cell(int cell, json measured) {
   std::string kind;
+  json kept = measured;
   {
     const std::lock_guard lock(mutex_);
     kind = kind_of(run_->name);
+    kept[kStamp] = run_->t_begun_ns;
   }
-  put(kind, cell_name(std::size_t(cell)), measured);
+  put(kind, cell_name(std::size_t(cell)), kept);
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;

@@ -35,8 +35,9 @@ class ExperimentArchive {
 
   // The job's thread; they wait for the disk. What cannot be kept is measured all the same, and
   // `report` says why it is not kept.
-  /// All that is known of the run of `begin_job`; nothing if `anew`.
-  void open(bool anew);
+  /// All that is known of the run of `begin_job`; nothing if `anew`. Errors (Errc::unavailable):
+  /// what was measured before cannot be removed.
+  Result<void> open(bool anew);
   void put_reference(int arm, nlohmann::json reference);
   void put_cell(int cell, nlohmann::json measured);
   nlohmann::json reference(int arm) const;  ///< null: not measured yet
@@ -62,7 +63,8 @@ class ExperimentArchive {
     int done = 0;
   };
   void read(const ExperimentRun& run);
-  void drop(const std::string& name, std::size_t arms, std::size_t cells);
+  void read_if_known(ExperimentRun run);
+  Result<void> drop_measured(const ExperimentRun& run);
   void drop_oldest();
   void put(const std::string& kind, const std::string& name, const nlohmann::json& content);
   std::optional<double> time_left_s() const;  // call with mutex_ locked

@@ -205,7 +205,7 @@ std::vector<int> order_of(const GainSweep& sweep) {
 
 Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run,
                                 ExperimentArchive& archive) {
-  archive.open(run.request.anew);
+  if (auto opened = archive.open(run.request.anew); !opened) return opened;
   Sweep sweep(bench, slm, run.request, archive);
   const std::vector<int> order = order_of(run.request);
   const bool complete =

@@ -106,11 +106,12 @@ class Experiments : public testing::Test {
     explicit Started(const std::optional<std::string>& folder) : store({folder}, events) {
       archive.load();
     }
-    void begin(ExperimentRun run, bool anew) {
+    Result<void> begin(ExperimentRun run, bool anew) {
       run.request.anew = anew;
       archive.begin_job(run, 7);
-      archive.open(anew);
+      auto opened = archive.open(anew);
       archive.end_job();
+      return opened;
     }
     StreamQueue queue;
     Events events{queue};
@@ -135,7 +136,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   {
     Started daemon(folder_);
     EXPECT_FALSE(daemon.archive.result()["known"].get<bool>());
-    daemon.begin(run, false);
+    ASSERT_TRUE(daemon.begin(run, false));
     ReferenceMeasured reference;
     reference.arm = 2;
     reference.positions_px = {{1.5, 2.0}, {NAN, NAN}};
@@ -146,7 +147,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   }
   Started again(folder_);
   EXPECT_EQ(again.archive.result(), told);
-  again.begin(run_of(10), false);  // asked for anew, at another time
+  ASSERT_TRUE(again.begin(run_of(10), false));  // asked for anew, at another time
   EXPECT_EQ(again.archive.result(), told);
   EXPECT_TRUE(again.archive.has_cell(3));
   EXPECT_FALSE(again.archive.has_cell(2));
@@ -155,7 +156,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   EXPECT_EQ((*places)[0].x, 1.5);
   EXPECT_TRUE(std::isnan((*places)[1].x));
   EXPECT_FALSE(reference_places(again.archive.reference(1), 1));
-  again.begin(run, true);
+  ASSERT_TRUE(again.begin(run, true));
   EXPECT_EQ(again.archive.result()["cells_done"], 0);
 }
 
@@ -164,18 +165,18 @@ TEST_F(Experiments, ARunIsItsParamsOnItsBench) {
   EXPECT_NE(run_of(10).name, run_of(11).name);
   EXPECT_NE(run_of(10).name, run_of(10, 500.0).name);
   Started daemon(folder_);
-  daemon.begin(run_of(10), false);
+  ASSERT_TRUE(daemon.begin(run_of(10), false));
   daemon.archive.put_cell(0, cell_of(run_of(10), 0));
-  daemon.begin(run_of(11), false);
+  ASSERT_TRUE(daemon.begin(run_of(11), false));
   EXPECT_FALSE(daemon.archive.has_cell(0));
-  daemon.begin(run_of(10), false);
+  ASSERT_TRUE(daemon.begin(run_of(10), false));
   EXPECT_TRUE(daemon.archive.has_cell(0));
 }
 
 TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
   Started daemon(folder_);
   for (int frames = 10; frames <= 10 + int(ExperimentArchive::kMostKept); ++frames) {
-    daemon.begin(run_of(frames), false);
+    ASSERT_TRUE(daemon.begin(run_of(frames), false));
     daemon.archive.put_cell(0, cell_of(run_of(frames), 0));
   }
   std::size_t files = 0;
@@ -188,7 +189,7 @@ TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
 
 TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
   Started daemon(std::nullopt);
-  daemon.begin(run_of(10), false);
+  ASSERT_TRUE(daemon.begin(run_of(10), false));
   daemon.archive.put_cell(1, cell_of(run_of(10), 1));
   EXPECT_TRUE(daemon.archive.cell(1));
   EXPECT_FALSE(daemon.archive.cell(0));
@@ -199,7 +200,7 @@ TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
 /// Who was told of a job never sees cells of another run, or of before.
 TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
   Started daemon(folder_);
-  daemon.begin(run_of(10), false);
+  ASSERT_TRUE(daemon.begin(run_of(10), false));
   daemon.archive.put_cell(1, cell_of(run_of(10), 1));
   daemon.archive.begin_job(run_of(10), 7);
   EXPECT_EQ(daemon.archive.result()["cells_done"], 1);
@@ -215,10 +216,55 @@ TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
   EXPECT_FALSE(daemon.archive.cell(1));
 }
 
+/// A kill when nothing but the header of `anew` was written: what was measured before is there, and
+/// of another run.
+TEST_F(Experiments, MeasuredAnewAreNeverMixedWithThoseOfBefore) {
+  const auto kept = [&](const char* what) {
+    return fs::path(folder_) / ("experiment-" + run_of(10).name + "." + what + ".json");
+  };
+  {
+    Started daemon(folder_);
+    ASSERT_TRUE(daemon.begin(run_of(10), false));
+    daemon.archive.put_cell(0, cell_of(run_of(10), 0));
+    fs::copy(kept("cell-00000"), folder_ + "/saved");
+    ASSERT_TRUE(daemon.begin(run_of(10), true));
+    EXPECT_FALSE(fs::exists(kept("cell-00000")));
+    daemon.archive.put_cell(1, cell_of(run_of(10), 1));
+  }
+  fs::rename(folder_ + "/saved", kept("cell-00000"));
+  {
+    Started again(folder_);
+    ASSERT_TRUE(again.begin(run_of(10), false));
+    EXPECT_FALSE(again.archive.has_cell(0));
+    EXPECT_TRUE(again.archive.has_cell(1));
+  }
+  fs::remove(fs::path(folder_) / ("experiment." + run_of(10).name + ".json"));
+  Started without_header(folder_);
+  ASSERT_TRUE(without_header.begin(run_of(10), false));
+  EXPECT_FALSE(without_header.archive.has_cell(1));
+}
+
+TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
+  Started daemon(folder_);
+  ASSERT_TRUE(daemon.begin(run_of(10), false));
+  for (int cell = 0; cell < 2; ++cell) daemon.archive.put_cell(cell, cell_of(run_of(10), cell));
+  const fs::path file = folder_ + "/experiment-" + run_of(10).name + ".cell-00000.json";
+  fs::remove(file);
+  fs::create_directory(file);  // which no unlink removes
+  const auto opened = daemon.begin(run_of(10), true);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, Errc::unavailable);
+  EXPECT_EQ(daemon.archive.result()["cells_done"], 0);
+  EXPECT_FALSE(daemon.archive.has_cell(1));
+  Started again(folder_);
+  ASSERT_TRUE(again.begin(run_of(10), false));
+  EXPECT_FALSE(again.archive.has_cell(1));  // which is still there
+}
+
 TEST_F(Experiments, TellTheJobAndItsTimeLeft) {
   Started daemon(folder_);
   daemon.archive.begin_job(run_of(10), 7);
-  daemon.archive.open(false);
+  ASSERT_TRUE(daemon.archive.open(false));
   EXPECT_EQ(daemon.archive.job_of(run_of(10).name), 7);
   EXPECT_FALSE(daemon.archive.job_of(run_of(11).name));
   EXPECT_TRUE(daemon.archive.result()["time_left_s"].is_null());
