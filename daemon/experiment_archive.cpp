@@ -116,7 +116,7 @@ Result<void> ExperimentArchive::open(bool anew) {
   if (anew) {
     if (auto dropped = drop_measured(opened); !dropped) return dropped;
   }
-  drop_oldest();
+  drop_oldest(opened.name);
   return {};
 }
 
@@ -144,9 +144,11 @@ Result<void> ExperimentArchive::drop_measured(const ExperimentRun& run) {
   return {};
 }
 
-void ExperimentArchive::drop_oldest() {
-  const auto known = headers(store_);
-  for (std::size_t k = 0; k + kMostKept < known.size(); ++k) {
+/// The time of day may have been set back: the run that is open need not seem the latest.
+void ExperimentArchive::drop_oldest(const std::string& current) {
+  auto known = headers(store_);
+  std::erase_if(known, [&current](const Header& one) { return one.run.name == current; });
+  for (std::size_t k = 0; k + kMostKept <= known.size(); ++k) {
     // The header last: with it the rest is found again after a kill, or when a file stays.
     if (drop_measured(known[k].run)) (void)store_.drop(kKind, known[k].run.name);
   }

@@ -26,7 +26,8 @@ ExperimentRun experiment_run(const GainSweep& request, nlohmann::json bench);
 /// Holds one run, that was asked for last; those of before stay on the disk. Thread-safe.
 class ExperimentArchive {
  public:
-  static constexpr std::size_t kMostKept = 4;  ///< runs on the disk; that of longest ago goes first
+  static constexpr std::size_t kMostKept = 4;  ///< runs on the disk; that of longest ago goes
+                                               ///< first, never that which is open
 
   explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
 
@@ -65,7 +66,7 @@ class ExperimentArchive {
   void read(const ExperimentRun& run);
   void read_if_known(ExperimentRun run);
   Result<void> drop_measured(const ExperimentRun& run);
-  void drop_oldest();
+  void drop_oldest(const std::string& current);
   void put(const std::string& kind, const std::string& name, const nlohmann::json& content);
   std::optional<double> time_left_s() const;  // call with mutex_ locked
 

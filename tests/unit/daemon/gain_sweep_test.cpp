@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 
 #include "core/optics/lattice.hpp"
@@ -185,6 +186,28 @@ TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
     ++files;
   }
   EXPECT_EQ(files, 2 * ExperimentArchive::kMostKept);
+}
+
+TEST_F(Experiments, AreKeptWhileMeasuredThoughTheClockWasSetBack) {
+  Started daemon(folder_);
+  for (int frames = 10; frames < 10 + int(ExperimentArchive::kMostKept); ++frames) {
+    ASSERT_TRUE(daemon.begin(run_of(frames), false));
+    const std::string name = run_of(frames).name;
+    ASSERT_TRUE(daemon.store.put("experiment", name,
+                                 {{"request", to_json(run_of(frames).request)},
+                                  {"bench", {{"exposure_us", 2000.0}}},
+                                  {"t_begun_ns", 1},
+                                  {"t_opened_ns", std::numeric_limits<std::int64_t>::max()}}));
+  }
+  ASSERT_TRUE(daemon.begin(run_of(20), false));
+  daemon.archive.put_cell(0, cell_of(run_of(20), 0));
+  std::size_t headers = 0, own = 0;
+  for (const auto& file : fs::directory_iterator(folder_)) {
+    headers += file.path().filename().string().starts_with("experiment.") ? 1 : 0;
+    own += file.path().string().find(run_of(20).name) != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(headers, ExperimentArchive::kMostKept);
+  EXPECT_EQ(own, 2U);
 }
 
 TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
