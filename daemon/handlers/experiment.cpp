@@ -6,7 +6,7 @@
 
 #include "daemon/handlers/methods.hpp"
 #include "daemon/procedures/gain_sweep.hpp"
-#include "daemon/reference_origin.hpp"
+#include "daemon/procedures/sweep_bench.hpp"
 #include "proto/results.hpp"
 
 namespace ovws {
@@ -39,28 +39,10 @@ Result<GainSweep> within(GainSweep sweep, const CameraLimits& limits) {
   return sweep;
 }
 
-/// All that the numbers of a sweep are of, and that a sweep does not change itself.
-json bench_of(const Services& services) {
-  const SensorSnapshot sensor = services.instrument.snapshot();
-  const CameraSnapshot camera = services.camera.snapshot();
+ExperimentRun asked_now(const Services& services, const GainSweep& sweep) {
   const json config = json::parse(dump_config(services.config));
-  json correction = json::array();
-  for (const Mode& mode : sensor.correction) {
-    correction.push_back({{"j", mode.j}, {"waves", mode.waves}});
-  }
-  json lattice = to_json(sensor.sensor);
-  lattice.erase("charge");
-  return {{"camera", camera_json(camera.info)},
-          {"exposure_us", camera.settings.exposure_us},
-          {"pixel_format", pixel_format_name(camera.settings.pixel_format)},
-          {"roi", to_json(camera.settings.roi)},
-          {"sensor", std::move(lattice)},
-          {"kernel_radius", sensor.tracking.kernel_radius},
-          {"optics", config["optics"]},
-          {"slm", sensor.slm->identity},
-          {"registration_t_taken_ns",
-           sensor.registration ? json(sensor.registration->t_taken_ns) : json(nullptr)},
-          {"correction", std::move(correction)}};
+  return experiment_run(sweep, sweep_bench(services.instrument.snapshot(),
+                                           services.camera.snapshot(), config["optics"]));
 }
 
 void start(Services& services, const ExperimentRun& run, const RpcReply& reply) {
@@ -87,7 +69,7 @@ void gain_sweep(Services& services, const json& params, RpcReply reply) {
   const CameraSnapshot camera = services.camera.snapshot();
   if (camera.limits) asked = within(std::move(*asked), *camera.limits);
   if (!asked) return reply(failed(asked.error()));
-  const ExperimentRun run = experiment_run(*asked, bench_of(services));
+  const ExperimentRun run = asked_now(services, *asked);
   const auto job = services.experiments.job_of(run.name);
   if (job && services.jobs.runs(*job) && !asked->anew) return reply(job_started_result(*job));
   if (auto allowed = services.state.check(Action::start_job); !allowed) {

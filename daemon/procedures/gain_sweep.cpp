@@ -8,6 +8,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/mode_operators.hpp"
+#include "daemon/procedures/sweep_bench.hpp"
 #include "daemon/procedures/sweep_frames.hpp"
 #include "daemon/store/encoding.hpp"
 
@@ -98,9 +99,11 @@ bool wants_picture(const GainSweep& sweep, const GainSweep::Cell& at) {
 
 class Sweep {
  public:
-  Sweep(Bench& bench, const SlmGeometry& slm, const GainSweep& sweep, ExperimentArchive& archive)
-      : bench_(bench), slm_(slm), sweep_(sweep), archive_(archive) {}
+  Sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run, ExperimentArchive& archive)
+      : bench_(bench), slm_(slm), run_(run), sweep_(run.request), archive_(archive) {}
 
+  /// Still the bench of the run?
+  Result<void> check_bench() const;
   Result<void> measure_reference(int arm);
   Result<void> measure_cell(int number);
 
@@ -108,9 +111,15 @@ class Sweep {
   Result<void> find_spots();
   Bench& bench_;
   const SlmGeometry& slm_;
+  const ExperimentRun& run_;
   const GainSweep& sweep_;
   ExperimentArchive& archive_;
 };
+
+Result<void> Sweep::check_bench() const {
+  return check_same_bench(run_.bench,
+                          sweep_bench(bench_.sensor(), bench_.camera(), run_.bench["optics"]));
+}
 
 /// A sensor that has lost its spots at the gain before looks for them every some frames only: until
 /// they are found, frames would tell of that gain. Where there is nothing to find, that is
@@ -149,6 +158,7 @@ Result<void> Sweep::measure_reference(int arm) {
   measured.levels = levels_of(*frames);
   measured.positions_px = mean_positions(*frames);
   if (auto usable = check_reference(with, measured); !usable) return usable;
+  if (auto same = check_bench(); !same) return same;
   archive_.put_reference(arm, to_json(sweep_, measured));
   return {};
 }
@@ -186,6 +196,7 @@ Result<void> Sweep::measure_cell(int number) {
   cell.modes_j = reconstructor->modes_j();
   cell.frames = judge_frames(*frames, *reconstructor, introduced);
   cell.levels = levels_of(*frames);
+  if (auto same = check_bench(); !same) return same;
   archive_.put_cell(number, to_json(sweep_, cell));
   return {};
 }
@@ -205,8 +216,9 @@ std::vector<int> order_of(const GainSweep& sweep) {
 
 Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run,
                                 ExperimentArchive& archive) {
+  Sweep sweep(bench, slm, run, archive);
+  if (auto same = sweep.check_bench(); !same) return same;
   if (auto opened = archive.open(run.request.anew); !opened) return opened;
-  Sweep sweep(bench, slm, run.request, archive);
   const std::vector<int> order = order_of(run.request);
   const bool complete =
       std::all_of(order.begin(), order.end(), [&](int cell) { return archive.has_cell(cell); });

@@ -11,6 +11,7 @@
 #include "core/wavefront/residual_variance.hpp"
 #include "daemon/experiment_archive.hpp"
 #include "daemon/mode_operators.hpp"
+#include "daemon/procedures/sweep_bench.hpp"
 #include "daemon/store/encoding.hpp"
 #include "daemon/stream_queue.hpp"
 #include "tests/support/own_folder.hpp"
@@ -98,6 +99,21 @@ TEST(ResidualVariance, IsOfModesThatAreNotMeasuredTooIfTheyAreFound) {
   const std::vector<Mode> introduced{{3, 0.3}, {9, 1.0}};
   const double by = 4.0 * std::numbers::pi * std::numbers::pi;
   EXPECT_NEAR(residual_variance_rad2<double>(modes_j, found, introduced), by * 0.01, 1e-12);
+}
+
+TEST(SweepBench, IsTheSameUntilAPartOfItDiffers) {
+  const json before{{"camera", {{"serial", "1"}}}, {"exposure_us", 2000.0}, {"kernel_radius", 0.3}};
+  json now = before;
+  EXPECT_TRUE(check_same_bench(before, now));
+  now["camera"] = nullptr;  // away
+  now["exposure_us"] = 2001.0;
+  EXPECT_TRUE(check_same_bench(before, now));
+  now["camera"] = {{"serial", "2"}};
+  now["exposure_us"] = 2010.0;
+  const auto changed = check_same_bench(before, now);
+  ASSERT_FALSE(changed);
+  EXPECT_EQ(changed.error().code, Errc::refused);
+  EXPECT_NE(changed.error().reason.find("other camera, exposure_us;"), std::string::npos);
 }
 
 class Experiments : public testing::Test {
