@@ -1,6 +1,7 @@
 /// Frame by frame what was measured of a number of settled frames.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -18,7 +19,8 @@ struct SeriesFrame {
   std::vector<SpotFix> spots;       ///< one a subaperture
 };
 
-/// `begin`, `taken` and `end` from any thread, `add` from the publish thread.
+/// `begin`, `taken` and `end` from any thread, `add` from the publish thread, which looks at one
+/// flag while nothing is wanted and never allocates.
 class FrameSeriesTaker : public FrameTaker {
  public:
   /// Which frames: settled, of this hologram, epoch, tracker and gain.
@@ -28,6 +30,7 @@ class FrameSeriesTaker : public FrameTaker {
     std::uint64_t hologram_id = 0;
     TrackerKind tracker = TrackerKind::lg;
     double gain_db = 0.0;  ///< as read back
+    int spots = 0;         ///< the most a frame has
     /// Not empty: where the tracker found a spot is replaced by the centroid of the cell around its
     /// centre here; see cell_centroid.
     std::vector<Vec2> cells{};
@@ -42,10 +45,18 @@ class FrameSeriesTaker : public FrameTaker {
   std::vector<SeriesFrame> end();
 
  private:
-  bool is_wanted(const FrameRecord& record) const;  // call with mutex_ locked
-  mutable std::mutex mutex_;
-  Wanted wanted_;  ///< frames 0: nothing is being taken
-  std::vector<SeriesFrame> taken_;
+  enum class From { nothing, spots, pixels };
+
+  // Call with mutex_ locked.
+  bool is_wanted(const FrameRecord& record) const;
+  void keep(const FrameRecord& record);
+
+  std::atomic<From> from_{From::nothing};
+  mutable std::mutex mutex_;  ///< held for copies only: the publish thread may wait for it
+  Wanted wanted_;
+  std::uint64_t series_ = 0;         ///< counts `begin`
+  std::vector<SeriesFrame> frames_;  ///< all that are wanted, with room for their spots
+  int taken_ = 0;
 };
 
 }  // namespace ovws

@@ -183,14 +183,14 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cel
   const SensorSnapshot now = sensor();
   const CameraSettings settings = camera().settings;
   deps_.series.begin({frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker,
-                      settings.gain_db, std::move(cells)});
+                      settings.gain_db, now.subapertures, std::move(cells)});
+  const std::shared_ptr<void> ended(nullptr, [this](void*) { (void)deps_.series.end(); });
   std::int64_t last_ns = monotonic_ns();
   int seen = 0;
   for (int taken = 0; taken < frames; taken = deps_.series.taken()) {
     if (std::exchange(seen, taken) != taken) last_ns = monotonic_ns();
     const bool silent = 1e-9 * double(monotonic_ns() - last_ns) > patience_s(settings);
     if (stopped() || silent) {
-      (void)deps_.series.end();
       return fail(stopped() ? stopped_error() : no_frame(patience_s(settings)));
     }
     std::this_thread::sleep_for(kLook / 4);
