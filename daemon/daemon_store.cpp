@@ -75,6 +75,12 @@ Result<void> DaemonStore::drop(std::string_view kind, std::string_view name) {
   return dropped;
 }
 
+std::optional<StateItem> DaemonStore::find(std::string_view kind, std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  if (!store_) return std::nullopt;
+  return store_->find(kind, name);
+}
+
 void DaemonStore::load(std::string_view kind, const std::function<void(StateItem)>& take) const {
   const std::lock_guard lock(mutex_);
   if (!store_) return;

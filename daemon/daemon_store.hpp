@@ -30,6 +30,7 @@ class DaemonStore {
                           const nlohmann::json& content);
   /// Without a store there is nothing to drop. Errors as of remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
+  std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
   /// As of StateStore::load; of every file that is not whole an event says why it is not used.
   void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
 

@@ -24,12 +24,21 @@ std::string kind_of(const std::string& run) {
 /// stays.
 constexpr const char* kStamp = "run_t_begun_ns";
 
+/// Of their own kind: many megabytes each, and read only when one is asked for.
+std::string picture_kind_of(const std::string& run) {
+  return std::string(kKind) + "-picture-" + run;
+}
+
 std::string reference_name(std::size_t arm) {
   return fmt::format("reference-{:02}", arm);
 }
 
 std::string cell_name(std::size_t cell) {
   return fmt::format("cell-{:05}", cell);
+}
+
+std::string picture_name(std::size_t cell) {
+  return fmt::format("picture-{:05}", cell);
 }
 
 /// None: it is not of this program.
@@ -134,12 +143,13 @@ void ExperimentArchive::read_if_known(ExperimentRun run) {
 }
 
 Result<void> ExperimentArchive::drop_measured(const ExperimentRun& run) {
-  const std::string kind = kind_of(run.name);
+  const std::string kind = kind_of(run.name), pictures = picture_kind_of(run.name);
   for (std::size_t k = 0; k < run.request.arms.size(); ++k) {
     if (auto dropped = store_.drop(kind, reference_name(k)); !dropped) return dropped;
   }
   for (std::size_t k = 0; k < run.request.cells(); ++k) {
     if (auto dropped = store_.drop(kind, cell_name(k)); !dropped) return dropped;
+    if (auto dropped = store_.drop(pictures, picture_name(k)); !dropped) return dropped;
   }
   return {};
 }
@@ -154,10 +164,33 @@ void ExperimentArchive::drop_oldest(const std::string& current) {
   }
 }
 
-void ExperimentArchive::put(const std::string& kind, const std::string& name, const json& content) {
+bool ExperimentArchive::put(const std::string& kind, const std::string& name, const json& content) {
   const auto kept = store_.put(kind, name, content);
   const std::lock_guard lock(mutex_);
   if (!kept) not_kept_reason_ = kept.error().reason;
+  return bool(kept);
+}
+
+void ExperimentArchive::put_picture(const ExperimentRun& run, int cell, std::string base64) {
+  const bool kept = put(picture_kind_of(run.name), picture_name(std::size_t(cell)),
+                        {{kStamp, run.t_begun_ns}, {"base64", base64}});
+  const std::lock_guard lock(mutex_);
+  if (!kept) pictures_not_kept_[cell] = std::move(base64);
+}
+
+std::optional<std::string> ExperimentArchive::picture_of(const ExperimentRun& run, int cell) const {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = pictures_not_kept_.find(cell);
+    if (run_->name == run.name && found != pictures_not_kept_.end()) return found->second;
+  }
+  auto kept = store_.find(picture_kind_of(run.name), picture_name(std::size_t(cell)));
+  if (!kept || !kept->content.is_object()) return std::nullopt;
+  const json base64 = kept->content.value("base64", json());
+  if (kept->content.value(kStamp, json()) != run.t_begun_ns || !base64.is_string()) {
+    return std::nullopt;
+  }
+  return base64.get<std::string>();
 }
 
 void ExperimentArchive::put_reference(int arm, json reference) {
@@ -174,14 +207,19 @@ void ExperimentArchive::put_reference(int arm, json reference) {
 
 /// Kept before it is told: who was told of a cell finds it again.
 void ExperimentArchive::put_cell(int cell, json measured) {
-  std::string kind;
-  json kept = measured;
+  ExperimentRun run;
   {
     const std::lock_guard lock(mutex_);
-    kind = kind_of(run_->name);
-    kept[kStamp] = run_->t_begun_ns;
+    run = *run_;
   }
-  put(kind, cell_name(std::size_t(cell)), kept);
+  json& picture = measured["picture"];
+  if (picture.is_object()) {
+    put_picture(run, cell, std::move(picture["base64"].get_ref<std::string&>()));
+    picture.erase("base64");
+  }
+  json kept = measured;
+  kept[kStamp] = run.t_begun_ns;
+  put(kind_of(run.name), cell_name(std::size_t(cell)), kept);
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;
@@ -204,6 +242,7 @@ void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   run_ = run;
   references_.assign(run.request.arms.size(), nullptr);
   cells_.assign(run.request.cells(), nullptr);
+  pictures_not_kept_.clear();
   not_kept_reason_.reset();
   to_read_ = true;
 }
@@ -244,15 +283,23 @@ json ExperimentArchive::result() const {
 }
 
 Result<json> ExperimentArchive::cell(int number) const {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   if (std::size_t(number) >= cells_.size()) {
     return fail(Errc::invalid, "cell",
                 cells_.empty() ? "there is no gain sweep: call experiment.gain_sweep"
                                : fmt::format("there is no cell {}: the last is {}", number,
                                              cells_.size() - 1));
   }
-  const json& cell = cells_[std::size_t(number)];
+  json cell = cells_[std::size_t(number)];
   if (cell.is_null()) return fail(Errc::refused, "cell", "it was not measured yet");
+  if (!cell["picture"].is_object()) return cell;
+  const ExperimentRun run = *run_;
+  lock.unlock();
+  if (auto base64 = picture_of(run, number)) {
+    cell["picture"]["base64"] = std::move(*base64);
+  } else {
+    cell["picture"] = nullptr;
+  }
   return cell;
 }
 

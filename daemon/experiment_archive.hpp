@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -52,8 +53,8 @@ class ExperimentArchive {
   std::optional<int> job_of(const std::string& run) const;
 
   nlohmann::json result() const;  ///< of experiment.get
-  /// Of experiment.cell. Errc::invalid if there is no such cell, Errc::refused if it was not
-  /// measured yet.
+  /// Of experiment.cell; waits for the disk if a picture belongs to it. Errc::invalid if there is
+  /// no such cell, Errc::refused if it was not measured yet.
   Result<nlohmann::json> cell(int number) const;
 
  private:
@@ -67,14 +68,20 @@ class ExperimentArchive {
   void read_if_known(ExperimentRun run);
   Result<void> drop_measured(const ExperimentRun& run);
   void drop_oldest(const std::string& current);
-  void put(const std::string& kind, const std::string& name, const nlohmann::json& content);
+  /// False: it could not be kept.
+  bool put(const std::string& kind, const std::string& name, const nlohmann::json& content);
+  void put_picture(const ExperimentRun& run, int cell, std::string base64);
+  std::optional<std::string> picture_of(const ExperimentRun& run, int cell) const;
   std::optional<double> time_left_s() const;  // call with mutex_ locked
 
   DaemonStore& store_;
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::optional<ExperimentRun> run_;
   bool to_read_ = false;  ///< what the store has of it is not in memory yet
-  std::vector<nlohmann::json> references_, cells_;
+  std::vector<nlohmann::json> references_;
+  std::vector<nlohmann::json> cells_;  ///< as of experiment.cell, but the pictures' pixels
+  /// Pixels that the store could not keep, by the cell's number.
+  std::map<int, std::string> pictures_not_kept_;
   std::optional<Job> job_;
   std::optional<std::string> not_kept_reason_;
 };

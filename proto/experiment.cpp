@@ -18,9 +18,9 @@ constexpr int kObliqueAstigmatism = 3;
 constexpr std::array<double, 3> kPaperWaves{0.5, 1.5, 2.0};  // unit amplitude
 
 void read_distinct(ObjectReader& reader, const char* key, std::vector<double>& out,
-                   std::size_t least) {
+                   std::size_t least, std::size_t most) {
   std::vector<double> given;
-  reader.numbers(key, given, least, limits::kSweepGains, limits::kGainDb.min, limits::kGainDb.max);
+  reader.numbers(key, given, least, most, limits::kGainDb.min, limits::kGainDb.max);
   if (!reader.has(key)) return;
   std::vector<double> sorted = given;
   std::sort(sorted.begin(), sorted.end());
@@ -106,8 +106,8 @@ Result<GainSweep> decode_gain_sweep(const json& params) {
   ObjectReader reader(params, "");
   reader.boolean("clamp", sweep.clamp);
   reader.boolean("anew", sweep.anew);
-  read_distinct(reader, "gains_db", sweep.gains_db, 1);
-  read_distinct(reader, "picture_gains_db", sweep.picture_gains_db, 0);
+  read_distinct(reader, "gains_db", sweep.gains_db, 1, limits::kSweepGains);
+  read_distinct(reader, "picture_gains_db", sweep.picture_gains_db, 0, limits::kSweepPictures);
   reader.integer("frames", sweep.frames, limits::kSweepFrames.min, limits::kSweepFrames.max);
   reader.number("reference_gain_db", sweep.reference_gain_db, limits::kGainDb.min,
                 limits::kGainDb.max);

@@ -1,6 +1,9 @@
 #include "proto/experiment.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "proto/results.hpp"
@@ -78,12 +81,17 @@ void put_frames(json& out, const CellMeasured& cell) {
 }
 
 /// Without what is of single frames.
-json summary_of(json cell) {
-  for (const char* key : {"modes_j", "variances_rad2", "coefficients_waves", "saturated_fractions",
-                          "tracked", "picture"}) {
-    cell.erase(key);
+json summary_of(const json& cell) {
+  constexpr std::array<std::string_view, 6> kOfFrames{
+      "modes_j", "variances_rad2", "coefficients_waves", "saturated_fractions",
+      "tracked", "picture"};
+  json summary = json::object();
+  for (const auto& [key, value] : cell.items()) {
+    if (std::find(kOfFrames.begin(), kOfFrames.end(), key) == kOfFrames.end()) {
+      summary[key] = value;
+    }
   }
-  return cell;
+  return summary;
 }
 
 json known_of(const std::vector<json>& items, bool summarised) {

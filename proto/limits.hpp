@@ -55,6 +55,7 @@ constexpr Integers kPushFrames{2, 10000};    ///< of each of its pictures
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< of a cell, and of a reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< the most
+constexpr std::size_t kSweepPictures = 8;  ///< gains with pictures, of 12 MB each
 constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};

@@ -116,6 +116,16 @@ Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
   return remove_file(path_of(kind, name));
 }
 
+std::optional<StateItem> StateStore::find(std::string_view kind, std::string_view name) const {
+  const std::string path = path_of(kind, name);
+  std::string reason;
+  const std::string text = text_of(path, reason);
+  if (!reason.empty()) return std::nullopt;
+  auto whole = unseal(schema_of(kind), text);
+  if (!whole) return std::nullopt;
+  return StateItem{std::string(name), path, std::move(whole->content), std::move(whole->sha256)};
+}
+
 std::vector<BadState> StateStore::load(std::string_view kind,
                                        const std::function<void(StateItem)>& take) const {
   std::vector<std::string> files;

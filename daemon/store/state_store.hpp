@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ class StateStore {
                           const nlohmann::json& content);
   /// It is no error if there is none. Errors as of remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
+
+  /// The one item of that name; none if there is none, or it is not whole.
+  std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
 
   /// Hands over each whole item, by name and one at a time, for they may be large; returns the
   /// files that are not whole.

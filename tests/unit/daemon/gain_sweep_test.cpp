@@ -300,6 +300,27 @@ TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
   EXPECT_FALSE(again.archive.has_cell(1));  // which is still there
 }
 
+TEST_F(Experiments, GiveAPictureBackThatTheDiskHoldsOrMemoryIfThereIsNone) {
+  const auto with_picture = [](int number) {
+    CellMeasured cell;
+    cell.cell = number;
+    cell.picture = CellMeasured::Picture{1, 1, "/w=="};
+    return to_json(run_of(10).request, cell);
+  };
+  for (const bool stored : {true, false}) {
+    Started daemon(stored ? std::optional(folder_) : std::nullopt);
+    ASSERT_TRUE(daemon.begin(run_of(10), false));
+    daemon.archive.put_cell(0, with_picture(0));
+    EXPECT_EQ(daemon.archive.cell(0), with_picture(0));
+  }
+  Started again(folder_);
+  EXPECT_EQ(again.archive.cell(0), with_picture(0));
+  fs::remove(fs::path(folder_) / ("experiment-picture-" + run_of(10).name + ".picture-00000.json"));
+  const auto lost = again.archive.cell(0);
+  ASSERT_TRUE(lost);
+  EXPECT_TRUE((*lost)["picture"].is_null());
+}
+
 TEST_F(Experiments, TellTheJobAndItsTimeLeft) {
   Started daemon(folder_);
   daemon.archive.begin_job(run_of(10), 7);

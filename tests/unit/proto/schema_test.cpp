@@ -93,6 +93,7 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   expect_range(sweep.at("frames"), limits::kSweepFrames);
   expect_range(sweep.at("reference_frames"), limits::kSweepFrames);
   EXPECT_EQ(sweep.at("gains_db").at("maxItems"), limits::kSweepGains);
+  EXPECT_EQ(sweep.at("picture_gains_db").at("maxItems"), limits::kSweepPictures);
   EXPECT_EQ(sweep.at("aberrations").at("maxItems"), limits::kSweepAberrations);
   EXPECT_EQ(sweep.at("arms").at("maxItems"), limits::kSweepArms);
   expect_range(properties("experiment.cell").at("cell"), limits::kSweepCell);
