@@ -66,7 +66,16 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
     CameraSet change;
     change.gain_db = gain_db;
     carry_out(change, [this, gain_db](const Result<CameraSnapshot>& applied) {
-      if (!applied) settings_.gain_db = gain_db;  // what the next connection asks for
+      if (applied) return;
+      settings_.gain_db = gain_db;  // what the next connection or camera.set asks for
+      if (camera_ && !lost_) {
+        deps_.events.emit("camera", Severity::warning,
+                          fmt::format("camera: after a job its gain of {} dB could not be set "
+                                      "again: {}; set it with camera.set",
+                                      gain_db, applied.error().reason),
+                          {{"gain_db", gain_db}});
+      }
+      publish(snapshot_.get());
     });
     then();
   });
