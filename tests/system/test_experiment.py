@@ -118,12 +118,15 @@ class Experiment(BenchCase):
         found = self.call("experiment.get")
         self.assertEqual((found["cells_done"], found["complete"]), (len(killed), False))
         replies = {cell["cell"]: self.call("experiment.cell", {"cell": cell["cell"]}) for cell in found["cells"]}
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
         study = self.study(QUICK)
         self.addCleanup(study.stdout.close)
         wait_for(lambda: self.cells_done() > len(killed), 30.0, "one more cell")
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
         twin.call("twin.fault", {"kind": "unplug", "seconds": 1.5})  # and it goes on when the camera is there again
+        found = self.call("experiment.get")
+        self.assertFalse(found["complete"])
+        self.assertEqual(self.call("job.get", {"job": found["job"]})["state"], "running")
         output, _ = study.communicate(timeout=60)
         self.assertEqual(study.returncode, 0, output)
         self.wait_until("running")
