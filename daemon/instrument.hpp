@@ -112,7 +112,8 @@ class Instrument : public Agent {
   void clear_calibration(Changed done);
 
   /// From now on the look-up table, or the flatness, is the configured one, on the disk, too. An
-  /// error if it cannot be removed there, and then nothing has changed.
+  /// error if it cannot be removed there, or if one is in force and there is no display; then
+  /// nothing has changed.
   void clear_lut(Changed done);
   void clear_flatness(Changed done);
 
@@ -207,6 +208,9 @@ class Instrument : public Agent {
   Result<SensorSnapshot> adopt_calibration(int job, std::uint64_t sensor_epoch,
                                            MeasuredCalibration measured);
   Result<SensorSnapshot> change_slm(std::shared_ptr<const SlmInForce> slm);
+  Result<SensorSnapshot> clear_slm(std::shared_ptr<const SlmInForce> cleared,
+                                   Result<void> (SlmArchive::*drop)());
+  void force_slm(std::shared_ptr<const SlmInForce> slm);
   SensorSnapshot know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now);
   nlohmann::json origin_of_slm() const;
   void keep(const OperatorKey& key, Result<ModeOperator> made);

@@ -72,22 +72,43 @@ void Instrument::use_flatness(int job, std::uint64_t sensor_epoch, MeasuredFlatn
   });
 }
 
+/// Out of force first, and then off the disk: what fails is undone without a display, too.
+Result<SensorSnapshot> Instrument::clear_slm(std::shared_ptr<const SlmInForce> cleared,
+                                             Result<void> (SlmArchive::*drop)()) {
+  const std::shared_ptr<const SlmInForce> before = state_.slm;
+  const bool measured = cleared->lut != before->lut || cleared->flatness != before->flatness;
+  auto changed = measured ? change_slm(std::move(cleared)) : snapshot_.get();
+  if (!changed) return changed;
+  if (auto dropped = (slm_archive_.*drop)(); !dropped) {
+    if (measured) force_slm(before);
+    return fail(dropped.error());
+  }
+  return changed;
+}
+
+/// Shown as soon as there is a display. It has been in force before: it is no error.
+void Instrument::force_slm(std::shared_ptr<const SlmInForce> slm) {
+  State next = state_;
+  next.slm = std::move(slm);
+  if (!renew_renderer(next)) return;
+  archive_.use_slm(*next.slm);
+  fall_back_to(std::move(next));
+}
+
 void Instrument::clear_lut(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    if (auto dropped = slm_archive_.drop_lut(); !dropped) return done(fail(dropped.error()));
-    if (!state_.slm->lut) return done(snapshot_.get());
-    done(change_slm(
-        slm_in_force(archive_.bench().config(), hologram_, nullptr, state_.slm->flatness)));
+    done(
+        clear_slm(slm_in_force(archive_.bench().config(), hologram_, nullptr, state_.slm->flatness),
+                  &SlmArchive::drop_lut));
   });
 }
 
 void Instrument::clear_flatness(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    if (auto dropped = slm_archive_.drop_flatness(); !dropped) return done(fail(dropped.error()));
-    if (!state_.slm->flatness) return done(snapshot_.get());
-    done(change_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr)));
+    done(clear_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr),
+                   &SlmArchive::drop_flatness));
   });
 }
 

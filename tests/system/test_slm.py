@@ -69,6 +69,27 @@ class LookUpTable(SlmCase):
 class ShallowSlm(LookUpTable):
     twin_config = {"noise": "pool", "slm": {"gamma": 1.4, "depth_waves": 0.9}}
 
+    def check_clear_that_fails(self, found):
+        """Neither in force nor on the disk does anything change."""
+        kept = self.bench.directory / "state" / "lut.slm.json"
+        aside = kept.with_suffix(".aside")
+        kept.rename(aside)
+        (kept / "x").mkdir(parents=True)  # what nobody can remove as a file
+        self.refused("lut.clear")
+        self.assertEqual(self.call("lut.get"), found)
+        self.assertTrue(self.call("reference.get")["taken"])
+        (kept / "x").rmdir()
+        kept.rmdir()
+        aside.rename(kept)
+        display = int(self.bench.display[1:])
+        self.bench.stop("xorg")
+        self.wait_until("waiting_for_display")
+        self.refused("lut.clear")
+        self.assertEqual(self.call("lut.get"), found)
+        self.bench.start_display(display)
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+
     def test_is_measured_kept_and_cleared(self):
         found, before, after = self.measure(0.9)
         self.assertGreater(after, before + 0.05)
@@ -77,6 +98,7 @@ class ShallowSlm(LookUpTable):
         self.assertEqual(self.call("lut.get"), found)
         self.assertTrue(self.call("reference.get")["taken"], "it belongs to the LUT that is in force again")
         self.assertIsNotNone(found["sha256"])
+        self.check_clear_that_fails(found)
         cleared = self.call("lut.clear")
         self.assertEqual((cleared["source"], cleared["grey_levels"]), ("linear", list(range(256))))
         self.assertFalse(self.call("reference.get")["taken"], "it belongs to the LUT that was cleared")
