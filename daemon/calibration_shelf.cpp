@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/optics/lattice.hpp"
 #include "daemon/calibration_file.hpp"
@@ -39,7 +40,21 @@ Result<MatrixComparison> compared(const Calibration& calibration, const SlmGeome
 }  // namespace
 
 void CalibrationShelf::load() {
-  store_.load(kKind, [this](const StateItem& item) { use(item); });
+  load_those([](const std::string&) { return true; });
+}
+
+void CalibrationShelf::load_again() {
+  std::set<std::string> names;
+  for (const auto& [name, slm] : aside_) {
+    if (slm == bench_.slm()) names.insert(name);
+  }
+  if (!names.empty()) load_those([&](const std::string& name) { return names.contains(name); });
+}
+
+void CalibrationShelf::load_those(const std::function<bool(const std::string&)>& wanted) {
+  store_.load(kKind, [&](const StateItem& item) {
+    if (wanted(item.name)) use(item);
+  });
   std::sort(all_.begin(), all_.end(),
             [](const auto& a, const auto& b) { return a->t_taken_ns < b->t_taken_ns; });
 }
@@ -55,6 +70,7 @@ void CalibrationShelf::use(const StateItem& item) {
         std::move(data));
     return;
   }
+  forget(item.name);
   kept_.push_back({calibration->t_taken_ns, item.name});
   calibration->sha256 = item.sha256;
   data["t_taken_ns"] = calibration->t_taken_ns;
@@ -69,6 +85,8 @@ void CalibrationShelf::use(const StateItem& item) {
   }
   data["used"] = obstacle.empty();
   if (!obstacle.empty()) {
+    const json& origin = *calibration->origin;
+    if (bench_.has_other_slm_only(origin)) aside_[item.name] = origin["slm"];
     events_.emit("calibration", Severity::warning, found + " is not used: " + obstacle,
                  std::move(data));
     return;
@@ -135,7 +153,7 @@ void CalibrationShelf::keep(Calibration& calibration) {
   events_.emit("calibration", Severity::info,
                fmt::format("{} is kept (sha256 {})", title_of(calibration), *kept),
                std::move(data));
-  std::erase_if(kept_, [&](const Kept& one) { return one.name == name; });
+  forget(name);
   kept_.push_back({calibration.t_taken_ns, name});
 }
 
@@ -149,8 +167,13 @@ Result<void> CalibrationShelf::drop(const CalibrationKey& key) {
 
 Result<void> CalibrationShelf::drop_file(const std::string& name) {
   if (auto dropped = store_.drop(kKind, name); !dropped) return dropped;
-  std::erase_if(kept_, [&](const Kept& one) { return one.name == name; });
+  forget(name);
   return {};
+}
+
+void CalibrationShelf::forget(const std::string& name) {
+  std::erase_if(kept_, [&](const Kept& one) { return one.name == name; });
+  aside_.erase(name);
 }
 
 void CalibrationShelf::drop_oldest() {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +28,9 @@ class CalibrationShelf {
   /// Those on the disk that this bench can use. An event says of each when it was taken and its
   /// checksum, and why, if it is not used; then it stays on the disk.
   void load();
+  /// Of those that were not used for the LUT or the flatness alone the ones that belong to those of
+  /// now, each once.
+  void load_again();
   /// Null: none belongs to `key`.
   std::shared_ptr<const Calibration> find(const CalibrationKey& key) const;
   /// Why none does, by what the likeliest one lacks, and the way out; for a person.
@@ -42,7 +47,9 @@ class CalibrationShelf {
     std::int64_t t_taken_ns = 0;
     std::string name;
   };
+  void load_those(const std::function<bool(const std::string&)>& wanted);
   void use(const StateItem& item);
+  void forget(const std::string& name);
   void keep(Calibration& calibration);
   Result<void> drop_file(const std::string& name);
   void drop_oldest();
@@ -52,6 +59,7 @@ class CalibrationShelf {
   Events& events_;
   std::vector<std::shared_ptr<const Calibration>> all_;  ///< oldest first
   std::vector<Kept> kept_;                               ///< whole files, used or not
+  std::map<std::string, nlohmann::json> aside_;  ///< by name, the SLM of those to load again
 };
 
 }  // namespace ovws

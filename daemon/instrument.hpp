@@ -210,6 +210,7 @@ class Instrument : public Agent {
   Result<SensorSnapshot> change_slm(std::shared_ptr<const SlmInForce> slm);
   Result<SensorSnapshot> clear_slm(std::shared_ptr<const SlmInForce> cleared,
                                    Result<void> (SlmArchive::*drop)());
+  void load_for_slm();
   void force_slm(std::shared_ptr<const SlmInForce> slm);
   SensorSnapshot know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now);
   nlohmann::json origin_of_slm() const;

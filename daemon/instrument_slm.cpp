@@ -1,4 +1,7 @@
 /// What was measured of the SLM itself: the look-up table, the flatness.
+#include <algorithm>
+#include <iterator>
+
 #include "daemon/instrument.hpp"
 
 namespace ovws {
@@ -10,6 +13,7 @@ Result<SensorSnapshot> Instrument::change_slm(std::shared_ptr<const SlmInForce> 
   ++next.sensor_epoch;
   const std::optional<Reference> before = reference_for(state_);
   archive_.use_slm(*next.slm);
+  load_for_slm();
   auto changed = carry_out(std::move(next));
   if (!changed) archive_.use_slm(*state_.slm);
   if (changed && before && !changed->reference) {
@@ -20,6 +24,17 @@ Result<SensorSnapshot> Instrument::change_slm(std::shared_ptr<const SlmInForce> 
                       {{"t_taken_ns", before->t_taken_ns}, {"used", false}});
   }
   return changed;
+}
+
+/// What belongs to the SLM of now and was not used at the start.
+void Instrument::load_for_slm() {
+  auto more = archive_.load_again();
+  std::move(more.begin(), more.end(), std::back_inserter(references_));
+  std::stable_sort(
+      references_.begin(), references_.end(),
+      [](const Reference& a, const Reference& b) { return a.t_taken_ns < b.t_taken_ns; });
+  limit_pictures();
+  calibrations_.load_again();
 }
 
 /// The same as is in force, with the checksum of its file.

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <set>
 
 #include "daemon/reference_file.hpp"
 
@@ -20,8 +21,23 @@ std::string title_of(const Reference& reference) {
 }
 
 std::vector<Reference> ReferenceArchive::load() {
+  return load_those([](const std::string&) { return true; });
+}
+
+std::vector<Reference> ReferenceArchive::load_again() {
+  std::set<std::string> names;
+  for (const auto& [name, slm] : aside_) {
+    if (slm == bench_.slm()) names.insert(name);
+  }
+  if (names.empty()) return {};
+  return load_those([&](const std::string& name) { return names.contains(name); });
+}
+
+std::vector<Reference> ReferenceArchive::load_those(
+    const std::function<bool(const std::string&)>& wanted) {
   std::vector<Reference> usable;
   store_.load(kKind, [&](const StateItem& item) {
+    if (!wanted(item.name)) return;
     if (auto reference = use(item)) usable.push_back(std::move(*reference));
   });
   std::sort(usable.begin(), usable.end(),
@@ -40,6 +56,7 @@ std::optional<Reference> ReferenceArchive::use(const StateItem& item) {
         std::move(data));
     return std::nullopt;
   }
+  forget(item.name);
   kept_.push_back({reference->t_taken_ns, item.name});
   reference->sha256 = item.sha256;
   const std::string obstacle = item.name == identity_of(*reference->origin)
@@ -50,6 +67,8 @@ std::optional<Reference> ReferenceArchive::use(const StateItem& item) {
   const std::string found =
       fmt::format("{} ({}, sha256 {})", title_of(*reference), item.path, item.sha256);
   if (!obstacle.empty()) {
+    const json& origin = *reference->origin;
+    if (bench_.has_other_slm_only(origin)) aside_[item.name] = origin["slm"];
     events_.emit("reference", Severity::warning, found + " is not used: " + obstacle,
                  std::move(data));
     return std::nullopt;
@@ -89,6 +108,7 @@ Result<void> ReferenceArchive::drop(const Reference& reference) {
 
 void ReferenceArchive::forget(const std::string& name) {
   std::erase_if(kept_, [&](const Kept& one) { return one.name == name; });
+  aside_.erase(name);
 }
 
 void ReferenceArchive::drop_oldest() {

@@ -2,6 +2,8 @@
 /// the start.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +30,9 @@ class ReferenceArchive {
   /// Those that this bench can use, oldest first. An event says of each that was found when it was
   /// taken and its checksum, and why, if it is not used; then it stays on the disk.
   std::vector<Reference> load();
+  /// Of those that were not used for the LUT or the flatness alone the ones that belong to those of
+  /// now, each once.
+  std::vector<Reference> load_again();
   /// Sets `reference.sha256`; empty if it could not be kept, which an event says.
   void keep(Reference& reference);
   /// Errors: it is still on the disk.
@@ -42,6 +47,7 @@ class ReferenceArchive {
     std::int64_t t_taken_ns = 0;
     std::string name;
   };
+  std::vector<Reference> load_those(const std::function<bool(const std::string&)>& wanted);
   std::optional<Reference> use(const StateItem& item);
   void forget(const std::string& name);
   void drop_oldest();
@@ -49,7 +55,8 @@ class ReferenceArchive {
   ReferenceBench bench_;
   DaemonStore& store_;
   Events& events_;
-  std::vector<Kept> kept_;  ///< whole files, used or not
+  std::vector<Kept> kept_;                       ///< whole files, used or not
+  std::map<std::string, nlohmann::json> aside_;  ///< by name, the SLM of those to load again
 };
 
 }  // namespace ovws

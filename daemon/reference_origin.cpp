@@ -135,14 +135,25 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
                std::move(*modes), *registration};
 }
 
+/// As of a bench with this LUT and flatness.
+json ReferenceBench::with_own_slm(json origin) const {
+  json& slm = origin["slm"];
+  for (const char* part : {"lut_sha256", "flatness_sha256"}) {
+    if (slm.is_object()) slm[part] = bench_["slm"][part];
+  }
+  return origin;
+}
+
+bool ReferenceBench::has_other_slm_only(const json& origin) const {
+  const json same = with_own_slm(origin);
+  return origin.value("slm", json()) != bench_["slm"] && same["slm"] == bench_["slm"] &&
+         same.value("optics", json()) == bench_["optics"];
+}
+
 std::string ReferenceBench::obstacle(const Reference& reference) const {
   if (reference.source == ReferenceSource::model) {
     // Where the model has its spots, no LUT matters.
-    json origin = *reference.origin;
-    for (const char* part : {"lut_sha256", "flatness_sha256"}) {
-      if (origin["slm"].is_object()) origin["slm"][part] = bench_["slm"][part];
-    }
-    return obstacle(origin, reference.key, reference.positions_px.size());
+    return obstacle(with_own_slm(*reference.origin), reference.key, reference.positions_px.size());
   }
   return obstacle(*reference.origin, reference.key, reference.positions_px.size());
 }

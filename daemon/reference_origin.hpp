@@ -55,9 +55,17 @@ class ReferenceBench {
   std::string obstacle(const nlohmann::json& origin, const ReferenceKey& key,
                        std::size_t spots) const;
 
+  /// Whether LUT or flatness are all that is otherwise: then it may be used when they are as they
+  /// were.
+  bool has_other_slm_only(const nlohmann::json& origin) const;
+  /// See slm_identity.
+  const nlohmann::json& slm() const { return bench_["slm"]; }
+
   const Config& config() const { return config_; }
 
  private:
+  nlohmann::json with_own_slm(nlohmann::json origin) const;
+
   Config config_;
   HologramConfig hologram_;
   nlohmann::json bench_;  ///< {optics, slm}

@@ -91,8 +91,11 @@ class ShallowSlm(LookUpTable):
         self.assertEqual(self.call("lut.get"), found)
 
     def test_is_measured_kept_and_cleared(self):
+        self.take_reference(10)
+        linear = self.call("reference.get")
         found, before, after = self.measure(0.9)
         self.assertGreater(after, before + 0.05)
+        self.assertFalse(self.call("reference.get")["taken"], "it belongs to the LUT of before")
         self.take_reference(10)
         self.restart()
         self.assertEqual(self.call("lut.get"), found)
@@ -101,7 +104,7 @@ class ShallowSlm(LookUpTable):
         self.check_clear_that_fails(found)
         cleared = self.call("lut.clear")
         self.assertEqual((cleared["source"], cleared["grey_levels"]), ("linear", list(range(256))))
-        self.assertFalse(self.call("reference.get")["taken"], "it belongs to the LUT that was cleared")
+        self.assertEqual(self.call("reference.get"), linear, "it belongs to the LUT that is in force again")
         self.twin.call("twin.set", {"peak_electrons": 600000})
         self.assertIn("saturated", self.failure("lut.run"))
         self.assertFalse(self.call("lut.get")["measured"])

@@ -206,6 +206,31 @@ TEST_F(Calibrations, OfAnotherBenchAreNotUsed) {
   EXPECT_TRUE(started(config_)->shelf->find(key_of(config_)));
 }
 
+TEST_F(Calibrations, OfAnotherLutAreFoundWhenItIsAsItWas) {
+  started(config_)->shelf->put(measured(*started(config_), config_));
+  SlmInForce configured, other;
+  configured.hologram.slm = other.hologram.slm = config_.slm.geometry;
+  configured.identity = slm_identity(configured.hologram, false);
+  other.hologram.lut[200] = 7;
+  other.identity = slm_identity(other.hologram, true);
+  const CalibrationKey key = key_of(config_);
+  StreamQueue queue;
+  Events events{queue};
+  DaemonStore store({folder_}, events);
+  ReferenceBench bench(config_, configured.hologram);
+  CalibrationShelf shelf(bench, store, events);
+  bench.use_slm(other);
+  shelf.load();
+  shelf.load_again();
+  EXPECT_FALSE(shelf.find(key));
+  bench.use_slm(configured);
+  shelf.load_again();
+  const auto found = shelf.find(key);
+  ASSERT_TRUE(found);
+  shelf.load_again();
+  EXPECT_EQ(shelf.find(key), found) << "once";
+}
+
 TEST_F(Calibrations, WhoseFileDoesNotFitTogetherAreRefused) {
   auto daemon = started(config_);
   const json whole = calibration_content(measured(*daemon, config_));

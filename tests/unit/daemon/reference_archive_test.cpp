@@ -165,6 +165,32 @@ TEST_F(Archive, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
   EXPECT_EQ(found(config_).size(), 1U);
 }
 
+TEST_F(Archive, OneOfAnotherLutOrFlatnessIsFoundWhenTheyAreAsTheyWere) {
+  Reference reference = taken(*started(config_), config_);
+  started(config_)->archive.keep(reference);
+  SlmInForce configured, other;
+  configured.hologram = other.hologram = hologram_of(config_);
+  configured.identity = slm_identity(configured.hologram, false);
+  other.hologram.lut[200] = 7;
+  other.identity = slm_identity(other.hologram, true);
+  auto daemon = started(config_);
+  daemon->archive.use_slm(other);
+  EXPECT_TRUE(daemon->archive.load().empty());
+  EXPECT_TRUE(daemon->archive.load_again().empty());
+  daemon->archive.use_slm(configured);
+  const auto again = daemon->archive.load_again();
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].sha256, reference.sha256);
+  EXPECT_TRUE(daemon->archive.load_again().empty()) << "it is in use already";
+  Config bench = config_;
+  bench.optics.wavelength_nm = 633.0;
+  daemon = started(bench);
+  daemon->archive.use_slm(other);
+  EXPECT_TRUE(daemon->archive.load().empty());
+  daemon->archive.use_slm(configured);
+  EXPECT_TRUE(daemon->archive.load_again().empty()) << "the optics are others, too";
+}
+
 TEST_F(Archive, GainExposureAndFormatOnlyMakeItStale) {
   auto daemon = started(config_);
   const Reference reference = taken(*daemon, config_);
