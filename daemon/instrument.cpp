@@ -62,7 +62,7 @@ Instrument::Instrument(const Config& config, const InstrumentDeps& deps, Hologra
       hologram_(std::move(hologram)),
       archive_(ReferenceBench(config, hologram_), deps.store, deps.events),
       registrations_(config.slm.geometry, deps.store, deps.events),
-      slm_archive_(config, deps.store, deps.events),
+      slm_archive_(config, hologram_, deps.store, deps.events),
       state_(std::move(state)),
       calibrations_(archive_.bench(), deps.store, deps.events) {}
 
@@ -128,6 +128,7 @@ void Instrument::camera_changed(const CameraSettings& camera,
     camera_ = camera;
     const bool same_reference = know_camera(info);
     check_registration();
+    check_flatness();
     if (same_reference && camera.roi == state_.roi && camera.pixel_format == state_.format) {
       return tell_stale();
     }

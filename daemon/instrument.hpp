@@ -195,6 +195,7 @@ class Instrument : public Agent {
   OpticsConfig optics_of(const State& state) const;
   std::optional<Registration> registration_of(const State& state) const;
   void check_registration();
+  void check_flatness();
   static std::uint64_t shown_epoch(const State& state);
   static std::vector<Mode> shown_modes(const State& state);
   HologramRequest render(const State& state);

@@ -77,6 +77,7 @@ void Instrument::use_flatness(int job, std::uint64_t sensor_epoch, MeasuredFlatn
       return done(fail(Errc::refused, "camera", "the camera or its region changed meanwhile"));
     }
     flatness.origin = origin_of_slm();
+    flatness.configured_sha256 = flatness_sha256(hologram_);
     auto changed = change_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut,
                                            std::make_shared<const MeasuredFlatness>(flatness)));
     if (!changed) return done(std::move(changed));
@@ -101,13 +102,27 @@ Result<SensorSnapshot> Instrument::clear_slm(std::shared_ptr<const SlmInForce> c
   return changed;
 }
 
-/// Shown as soon as there is a display. It has been in force before: it is no error.
+/// Shown as soon as there is a display.
 void Instrument::force_slm(std::shared_ptr<const SlmInForce> slm) {
   State next = state_;
   next.slm = std::move(slm);
   if (!renew_renderer(next)) return;
   archive_.use_slm(*next.slm);
   fall_back_to(std::move(next));
+}
+
+/// Another camera stands behind other optics.
+void Instrument::check_flatness() {
+  const auto& flatness = state_.slm->flatness;
+  if (!flatness || !camera_info_) return;
+  const nlohmann::json then = flatness->origin.value("camera", nlohmann::json());
+  if (then.is_null() || then == camera_json(camera_info_)) return;
+  deps_.events.emit("slm", Severity::warning,
+                    "the flatness is not used, and left on the disk: it was measured with another "
+                    "camera",
+                    {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
+  auto without = slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr);
+  if (!change_slm(without)) force_slm(std::move(without));
 }
 
 void Instrument::clear_lut(Changed done) {

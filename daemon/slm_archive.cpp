@@ -38,6 +38,7 @@ json content_of(const MeasuredFlatness& flatness) {
           {"modes", std::move(modes)},
           {"standard_error_waves", flatness.standard_error_waves},
           {"residual_rms_waves", flatness.residual_rms_waves},
+          {"configured_sha256", flatness.configured_sha256},
           {"origin", flatness.origin}};
 }
 
@@ -81,7 +82,10 @@ Result<MeasuredFlatness> flatness_from(const json& content) {
   MeasuredFlatness flatness;
   ObjectReader r(content, "flatness");
   read_common(r, flatness);
-  for (const char* key : {"pupil_diameter_px", "modes", "standard_error_waves"}) r.require(key);
+  for (const char* key :
+       {"pupil_diameter_px", "modes", "standard_error_waves", "configured_sha256"}) {
+    r.require(key);
+  }
   r.integer("iterations", flatness.iterations, 1, 1000);
   r.number("pupil_diameter_px", flatness.pupil_diameter_px, limits::kPupilDiameterPx.min,
            limits::kPupilDiameterPx.max);
@@ -95,6 +99,7 @@ Result<MeasuredFlatness> flatness_from(const json& content) {
   });
   r.numbers("standard_error_waves", flatness.standard_error_waves, 0, kMaxZernikeIndex, 0.0, 1e6);
   r.number("residual_rms_waves", flatness.residual_rms_waves, 0.0, 1e6);
+  if (const json* const sum = r.raw("configured_sha256")) flatness.configured_sha256 = *sum;
   if (auto read = r.finish(); !read) return fail(read.error());
   if (flatness.modes.empty() || flatness.modes.size() != flatness.standard_error_waves.size()) {
     return fail(Errc::invalid, "flatness.modes", "has not as many modes as standard errors");
@@ -124,14 +129,33 @@ std::string SlmArchive::obstacle(const json& origin) const {
                      config_.optics.wavelength_nm);
 }
 
+/// It is the SLM's and the optics', and counts from the file's map.
+std::string SlmArchive::obstacle(const MeasuredFlatness& flatness) const {
+  if (auto other = obstacle(flatness.origin); !other.empty()) return other;
+  if (flatness.configured_sha256 != configured_) {
+    return fmt::format("it is added to the map of slm.flatness, whose checksum was {}, and is {}",
+                       flatness.configured_sha256.dump(), configured_.dump());
+  }
+  const json optics = flatness.origin.value("optics", json::object());
+  const OpticsConfig& now = config_.optics;
+  const std::initializer_list<std::pair<const char*, double>> parts{
+      {"focal_length_mm", now.focal_length_mm},
+      {"magnification", now.magnification},
+      {"camera_pitch_um", now.camera_pitch_um}};
+  for (const auto& [key, value] : parts) {
+    const json then = optics.value(key, json());
+    if (then != value) return fmt::format("optics.{} was {}, and is {}", key, then.dump(), value);
+  }
+  return {};
+}
+
 template <class T, class Read>
 std::shared_ptr<const T> SlmArchive::load(const char* kind, const Read& read) {
   std::shared_ptr<const T> found;
   store_.load(kind, [&](const StateItem& item) {
     json data{{"path", item.path}, {"sha256", item.sha256}, {"used", false}};
     Result<T> kept = read(item.content);
-    std::string why =
-        kept ? obstacle(kept->origin) : kept.error().field + " " + kept.error().reason;
+    std::string why = kept ? obstacle(*kept) : kept.error().field + " " + kept.error().reason;
     if (item.name != kName) why = "its file's name is not the daemon's";
     if (!why.empty()) {
       return events_.emit("slm", Severity::warning,

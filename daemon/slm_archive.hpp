@@ -15,11 +15,14 @@ namespace ovws {
 /// One thread at a time, but for what the store allows. Waits for the disk.
 class SlmArchive {
  public:
-  SlmArchive(const Config& config, DaemonStore& store, Events& events)
-      : config_(config), store_(store), events_(events) {}
+  /// `configured`: with the flatness of the configuration's file.
+  SlmArchive(const Config& config, const HologramConfig& configured, DaemonStore& store,
+             Events& events)
+      : config_(config), configured_(flatness_sha256(configured)), store_(store), events_(events) {}
 
-  /// What was kept of an SLM of this size and pitch at this wavelength; null: nothing. An event
-  /// says when it was measured and its checksum, or why it is not used.
+  /// What was kept of an SLM of this size and pitch at this wavelength; a flatness only with the
+  /// same file and the same optics. Null: nothing. An event says when it was measured and its
+  /// checksum, or why it is not used.
   std::shared_ptr<const MeasuredLut> load_lut();
   std::shared_ptr<const MeasuredFlatness> load_flatness();
   /// Set `sha256`. What cannot be kept an event says; then it is empty.
@@ -35,8 +38,11 @@ class SlmArchive {
   template <class T>
   void keep(const char* kind, T& measured, const nlohmann::json& content);
   std::string obstacle(const nlohmann::json& origin) const;
+  std::string obstacle(const MeasuredLut& lut) const { return obstacle(lut.origin); }
+  std::string obstacle(const MeasuredFlatness& flatness) const;
 
   Config config_;
+  nlohmann::json configured_;  ///< checksum of the file's flatness, or null
   DaemonStore& store_;
   Events& events_;
 };

@@ -32,16 +32,18 @@ std::shared_ptr<const Image<float>> flattened(const HologramConfig& configured,
 
 }  // namespace
 
+nlohmann::json flatness_sha256(const HologramConfig& hologram) {
+  if (!hologram.flatness_waves) return nullptr;
+  return sha256_of(std::span<const float>(hologram.flatness_waves->pixels));
+}
+
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut) {
   nlohmann::json slm{{"width", hologram.slm.width_px},
                      {"height", hologram.slm.height_px},
                      {"pitch_um", hologram.slm.pitch_um},
                      {"lut_sha256", nullptr},
-                     {"flatness_sha256", nullptr}};
+                     {"flatness_sha256", flatness_sha256(hologram)}};
   if (has_lut) slm["lut_sha256"] = sha256_of(std::span<const std::uint8_t>(hologram.lut));
-  if (hologram.flatness_waves) {
-    slm["flatness_sha256"] = sha256_of(std::span<const float>(hologram.flatness_waves->pixels));
-  }
   return slm;
 }
 

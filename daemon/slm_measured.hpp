@@ -32,6 +32,7 @@ struct MeasuredFlatness {
   std::vector<Mode> modes;                   ///< j >= 3, RMS-normalised waves
   std::vector<double> standard_error_waves;  ///< of each of them
   double residual_rms_waves = 0.0;           ///< what the last look left
+  nlohmann::json configured_sha256;          ///< of the file's map that it is added to; null: none
   nlohmann::json origin;                     ///< as of MeasuredLut
   std::string sha256;
 };
@@ -43,6 +44,9 @@ struct SlmInForce {
   HologramConfig hologram;  ///< its sensor means nothing
   nlohmann::json identity;  ///< geometry and checksums: pictures of another one are other pictures
 };
+
+/// Of a map as in slm_identity; null: there is none.
+nlohmann::json flatness_sha256(const HologramConfig& hologram);
 
 /// {width, height, pitch_um, lut_sha256, flatness_sha256}; a checksum is null where there is
 /// neither a file nor a measurement.

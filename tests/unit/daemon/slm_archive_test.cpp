@@ -22,14 +22,16 @@ class Slm : public testing::Test {
 
   /// As of a daemon that was just started with this configuration.
   struct Started {
-    Started(const Config& config, const std::string& folder)
-        : store({folder}, events), archive(config, store, events) {}
+    Started(const Config& config, const HologramConfig& configured, const std::string& folder)
+        : store({folder}, events), archive(config, configured, store, events) {}
     StreamQueue queue;
     Events events{queue};
     DaemonStore store;
     SlmArchive archive;
   };
-  std::unique_ptr<Started> started() const { return std::make_unique<Started>(config_, folder_); }
+  std::unique_ptr<Started> started() const {
+    return std::make_unique<Started>(config_, configured(), folder_);
+  }
 
   HologramConfig configured() const {
     HologramConfig hologram;
@@ -56,7 +58,8 @@ class Slm : public testing::Test {
     return lut;
   }
   MeasuredFlatness flatness() const {
-    MeasuredFlatness flatness{7, 30, 4, 96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3}, 4e-4, {}, ""};
+    MeasuredFlatness flatness{7,    30,      4,  96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3},
+                              4e-4, nullptr, {}, ""};
     flatness.origin = origin();
     return flatness;
   }
@@ -106,6 +109,36 @@ TEST_F(Slm, WhatIsOfAnotherSlmOrWavelengthIsNotUsed) {
   EXPECT_FALSE(started()->archive.load_flatness());
   config_.slm.geometry.pitch_um = 19.0;
   EXPECT_TRUE(started()->archive.load_flatness());
+}
+
+TEST_F(Slm, AFlatnessIsAddedToTheMapThatItWasMeasuredWithOnly) {
+  HologramConfig file = configured();
+  file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.125F);
+  const auto found_with = [&](const HologramConfig& hologram) {
+    return bool(Started(config_, hologram, folder_).archive.load_flatness());
+  };
+  MeasuredFlatness surface = flatness();
+  started()->archive.keep(surface);
+  EXPECT_TRUE(found_with(configured()));
+  EXPECT_FALSE(found_with(file));
+  surface.configured_sha256 = flatness_sha256(file);
+  started()->archive.keep(surface);
+  EXPECT_TRUE(found_with(file));
+  EXPECT_FALSE(found_with(configured()));
+  file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.25F);
+  EXPECT_FALSE(found_with(file)) << "another map";
+}
+
+TEST_F(Slm, AFlatnessIsOfItsOpticsATableIsNot) {
+  MeasuredLut table = lut();
+  MeasuredFlatness surface = flatness();
+  started()->archive.keep(table);
+  started()->archive.keep(surface);
+  config_.optics.centre_px = Vec2{10.0, 10.0};
+  EXPECT_TRUE(started()->archive.load_flatness()) << "where the spots are is the registration's";
+  config_.optics.focal_length_mm = 150.0;
+  EXPECT_FALSE(started()->archive.load_flatness());
+  EXPECT_TRUE(started()->archive.load_lut());
 }
 
 TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
