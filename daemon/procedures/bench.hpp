@@ -71,11 +71,14 @@ class Bench {
   /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
   Result<Image<float>> picture(int frames);
 
-  /// From now on the light at two places, of every frame that comes; `watched` ends it.
+  /// From now on the light at two places, of every frame that comes; `watched` ends it, and so does
+  /// the end of the procedure.
   void watch(std::array<Vec2, 2> places_px, double radius_px) {
     deps_.light.begin(places_px, radius_px);
   }
   std::vector<LightWatcher::Seen> watched() { return deps_.light.end(); }
+  /// Any thread: no frame is copied any more.
+  void end_watch() { (void)deps_.light.end(); }
   /// For so long, and until `frames` more were watched.
   Result<void> watch_on(double least_ms, std::size_t frames);
   /// When the display took what was shown last, CLOCK_MONOTONIC ns.

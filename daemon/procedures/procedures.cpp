@@ -109,6 +109,7 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
 /// All is as it was, and the sensor free again, before anybody hears of the end: who hears may ask
 /// for the next job.
 void Procedures::finish(Run& run, const Result<nlohmann::json>& result) {
+  run.bench->end_watch();
   run.bench->put_back_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();

@@ -153,6 +153,35 @@ class Flatness(SlmCase):
         self.assertFalse(self.call("flatness.clear")["measured"])
 
 
+class Cancelled(SlmCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 50}}
+    twin_config = {"noise": "pool"}
+
+    def all_of_it(self):
+        methods = ("lut.get", "flatness.get", "aberration.get", "sensor.get", "registration.get", "reference.get", "camera.get")
+        return [{key: value for key, value in self.call(method).items() if key != "hologram_id"} for method in methods]
+
+    def shown(self):
+        return self.call("system.status")["slm"]["hologram_id"]
+
+    def test_leaves_everything_as_it_was(self):
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]})
+        self.take_reference(10)
+        before = self.all_of_it()
+        frames = self.stream("wavefront")
+        for method, params, pictures in (("slm.settle", {"repetitions": 100}, 3), ("lut.run", {"levels": 256, "frames": 50}, 1),
+                                         ("flatness.run", {"frames": 1000}, 1)):
+            with self.subTest(method):
+                first = self.shown()
+                job = self.call(method, params)["job"]
+                wait_for(lambda: self.shown() >= first + pictures, 30.0, "the middle of it")
+                self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
+                self.wait_until("running")
+                self.assertEqual(self.all_of_it(), before)
+                self.settled_frames(frames, 5, self.call("sensor.get")["hologram_id"])
+
+
 class Settling(SlmCase):
     daemon_config = {"stream": {"image_rate_hz": 0}, "slm": {"settle_ms": 100}}
     twin_config = {"noise": "pool", "slm": {"settle_ms": 10}}
