@@ -75,11 +75,26 @@ class FlatnessBench {
   Result<Look> look(const std::vector<Mode>& error);
 
  private:
+  const Eigen::MatrixXd& inverse_of(const std::vector<bool>& used);
+
   Bench& bench_;
   ModeOperator model_;
   Reconstructor reconstructor_;
   int frames_;
+  std::vector<bool> used_;  ///< spots of `inverse_`
+  Eigen::MatrixXd inverse_;
 };
+
+/// Of the slopes of these spots; it costs seconds on a fine lattice, and they seldom change.
+const Eigen::MatrixXd& FlatnessBench::inverse_of(const std::vector<bool>& used) {
+  if (used == used_) return inverse_;
+  Eigen::MatrixXd slopes = model_.slopes;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) slopes.middleRows(Eigen::Index(2 * i), 2).setZero();
+  }
+  used_ = used;
+  return inverse_ = slopes.completeOrthogonalDecomposition().pseudoInverse();
+}
 
 Result<Look> FlatnessBench::look(const std::vector<Mode>& error) {
   std::vector<Mode> opposite = error;
@@ -88,9 +103,11 @@ Result<Look> FlatnessBench::look(const std::vector<Mode>& error) {
   const auto average = bench_.spots(frames_);
   if (!average) return fail(average.error());
   std::vector<SpotFix> spots(average->mean_px.size());
+  std::vector<bool> used(spots.size());
   Eigen::VectorXd noise = Eigen::VectorXd::Zero(model_.slopes.rows());
   for (std::size_t i = 0; i < spots.size(); ++i) {
     if (average->found[i] < 2 || 2 * average->found[i] < average->frames) continue;
+    used[i] = true;
     spots[i].x = float(average->mean_px[i].x);
     spots[i].y = float(average->mean_px[i].y);
     noise[Eigen::Index(2 * i)] = average->standard_error_px[i].x;
@@ -103,8 +120,7 @@ Result<Look> FlatnessBench::look(const std::vector<Mode>& error) {
                 "too few spots are found to tell the modes: see that all of them are in the region "
                 "of interest, and the exposure");
   }
-  const Eigen::MatrixXd inverse = model_.slopes.completeOrthogonalDecomposition().pseudoInverse();
-  const Eigen::VectorXd errors = (inverse * noise.asDiagonal()).rowwise().norm();
+  const Eigen::VectorXd errors = (inverse_of(used) * noise.asDiagonal()).rowwise().norm();
   return Look{{waves.begin(), waves.end()}, {errors.begin(), errors.end()}};
 }
 
@@ -129,13 +145,19 @@ std::vector<Mode> sum(std::vector<Mode> modes, const std::vector<Mode>& before) 
   return modes;
 }
 
-/// 0 for a mode that this lattice does not tell.
+/// Of the last look, with all of it shown; of a mode that this lattice does not tell as before.
 std::vector<double> errors_of(const std::vector<Mode>& modes, const std::vector<int>& modes_j,
-                              const Look& look) {
+                              const Look& look, const MeasuredFlatness* before) {
   std::vector<double> errors;
   for (const Mode& mode : modes) {
     const auto at = std::find(modes_j.begin(), modes_j.end(), mode.j);
-    errors.push_back(at == modes_j.end() ? 0.0 : look.error[std::size_t(at - modes_j.begin())]);
+    if (at != modes_j.end()) {
+      errors.push_back(look.error[std::size_t(at - modes_j.begin())]);
+      continue;
+    }
+    const auto same = std::find_if(before->modes.begin(), before->modes.end(),
+                                   [&](const Mode& one) { return one.j == mode.j; });
+    errors.push_back(before->standard_error_waves[std::size_t(same - before->modes.begin())]);
   }
   return errors;
 }
@@ -193,7 +215,7 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
                     measured.iterations, measured.residual_rms_waves));
   }
   if (now.slm->flatness) error = sum(std::move(error), now.slm->flatness->modes);
-  measured.standard_error_waves = errors_of(error, looks.modes_j(), last);
+  measured.standard_error_waves = errors_of(error, looks.modes_j(), last, now.slm->flatness.get());
   measured.modes = std::move(error);
   measured.t_taken_ns = utc_ns();
   measured.frames = frames;
