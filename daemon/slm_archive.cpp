@@ -162,6 +162,7 @@ std::shared_ptr<const T> SlmArchive::load(const char* kind, const Read& read) {
                           fmt::format("{} is not used, and left as it is: {}", item.path, why),
                           std::move(data));
     }
+    on_disk_.insert(kind);
     kept->sha256 = item.sha256;
     data["used"] = true;
     data["t_taken_ns"] = kept->t_taken_ns;
@@ -180,6 +181,7 @@ void SlmArchive::keep(const char* kind, T& measured, const json& content) {
   measured.sha256 = kept.value_or("");
   json data{{"t_taken_ns", measured.t_taken_ns}};
   if (kept) {
+    on_disk_.insert(kind);
     data["sha256"] = *kept;
     return events_.emit(
         "slm", Severity::info,
@@ -188,8 +190,10 @@ void SlmArchive::keep(const char* kind, T& measured, const json& content) {
   }
   if (!store_.report().directory) return;
   events_.emit("slm", Severity::error,
-               fmt::format("the {} of {} is in force, and will not survive a restart: {}", kind,
-                           utc_text(measured.t_taken_ns), kept.error().reason),
+               fmt::format("the {} of {} is in force, and will not survive a restart{}: {}", kind,
+                           utc_text(measured.t_taken_ns),
+                           on_disk_.contains(kind) ? ", when the one of before comes back" : "",
+                           kept.error().reason),
                std::move(data));
 }
 
@@ -209,12 +213,18 @@ void SlmArchive::keep(MeasuredFlatness& flatness) {
   keep("flatness", flatness, content_of(flatness));
 }
 
+Result<void> SlmArchive::drop(const char* kind) {
+  auto dropped = store_.drop(kind, kName);
+  if (dropped) on_disk_.erase(kind);
+  return dropped;
+}
+
 Result<void> SlmArchive::drop_lut() {
-  return store_.drop("lut", kName);
+  return drop("lut");
 }
 
 Result<void> SlmArchive::drop_flatness() {
-  return store_.drop("flatness", kName);
+  return drop("flatness");
 }
 
 }  // namespace ovws

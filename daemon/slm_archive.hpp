@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "config/config.hpp"
 #include "daemon/daemon_store.hpp"
@@ -25,7 +27,8 @@ class SlmArchive {
   /// checksum, or why it is not used.
   std::shared_ptr<const MeasuredLut> load_lut();
   std::shared_ptr<const MeasuredFlatness> load_flatness();
-  /// Set `sha256`. What cannot be kept an event says; then it is empty.
+  /// Set `sha256`. What cannot be kept an event says, and whether an older one will come back with
+  /// the next start; then it is empty.
   void keep(MeasuredLut& lut);
   void keep(MeasuredFlatness& flatness);
   /// Errors: it is still on the disk.
@@ -37,6 +40,7 @@ class SlmArchive {
   std::shared_ptr<const T> load(const char* kind, const Read& read);
   template <class T>
   void keep(const char* kind, T& measured, const nlohmann::json& content);
+  Result<void> drop(const char* kind);
   std::string obstacle(const nlohmann::json& origin) const;
   std::string obstacle(const MeasuredLut& lut) const { return obstacle(lut.origin); }
   std::string obstacle(const MeasuredFlatness& flatness) const;
@@ -45,6 +49,7 @@ class SlmArchive {
   nlohmann::json configured_;  ///< checksum of the file's flatness, or null
   DaemonStore& store_;
   Events& events_;
+  std::set<std::string> on_disk_;  ///< kinds that would be found again
 };
 
 }  // namespace ovws
