@@ -190,8 +190,10 @@ class Settling(SlmCase):
         found = self.run_job("slm.settle", {"repetitions": 8}, 60.0)["result"]
         print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, not before {found['least_ms']:.1f}, "
               f"resolution {found['resolution_ms']:.1f} ms, proposed {found['proposed_settle_ms']} ms")
-        self.assertAlmostEqual(found["p50_ms"], truth_ms, delta=20.0)  # two frames
-        self.assertLess(found["least_ms"], truth_ms + 5.0)
+        # The first exposure that stands begins after the truth, and the one before it began before; 5 ms for stamps that all came late.
+        self.assertGreater(found["p50_ms"], truth_ms - 5.0)
+        self.assertLess(found["p50_ms"], truth_ms + found["resolution_ms"] + 5.0)
+        self.assertLess(found["resolution_ms"], 20.0)  # two frames
         self.assertGreaterEqual(found["proposed_settle_ms"], truth_ms)
         self.assertEqual(found["configured_settle_ms"], 100.0)
 
