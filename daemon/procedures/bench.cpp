@@ -25,6 +25,23 @@ double patience_s(const CameraSettings& camera) {
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
 }
 
+/// How long what only grows has stood still.
+class Silence {
+ public:
+  explicit Silence(double patience_s) : patience_s_(patience_s) {}
+
+  bool is_too_long(std::size_t count) {
+    const std::int64_t now_ns = monotonic_ns();
+    if (std::exchange(count_, count) != count) since_ns_ = now_ns;
+    return 1e-9 * double(now_ns - since_ns_) > patience_s_;
+  }
+
+ private:
+  double patience_s_;
+  std::size_t count_ = 0;
+  std::int64_t since_ns_ = monotonic_ns();
+};
+
 Error no_frame(double waited_s) {
   return {Errc::unavailable, "",
           fmt::format("no settled frame came for {:.0f} s: see system.status for what the camera "
@@ -139,13 +156,14 @@ Result<void> Bench::use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness fl
 
 Result<void> Bench::watch_on(double least_ms, std::size_t frames) {
   const std::int64_t begin_ns = monotonic_ns();
-  const double patient_s = 1e-3 * least_ms + patience_s(camera().settings);
+  const double patient_s = patience_s(camera().settings);
+  Silence silence(patient_s);
   const std::size_t enough = deps_.light.count() + frames;
   for (;;) {
-    const double waited_s = 1e-9 * double(monotonic_ns() - begin_ns);
+    const std::size_t seen = deps_.light.count();
     if (stopped()) return fail(stopped_error());
-    if (waited_s >= 1e-3 * least_ms && deps_.light.count() >= enough) return {};
-    if (waited_s > patient_s) return fail(no_frame(patient_s));
+    if (1e-6 * double(monotonic_ns() - begin_ns) >= least_ms && seen >= enough) return {};
+    if (silence.is_too_long(seen)) return fail(no_frame(patient_s));
     std::this_thread::sleep_for(kLook / 10);
   }
 }
@@ -185,11 +203,9 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cel
   deps_.series.begin({frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker,
                       settings.gain_db, now.subapertures, std::move(cells)});
   const std::shared_ptr<void> ended(nullptr, [this](void*) { (void)deps_.series.end(); });
-  std::int64_t last_ns = monotonic_ns();
-  int seen = 0;
+  Silence silence(patience_s(settings));
   for (int taken = 0; taken < frames; taken = deps_.series.taken()) {
-    if (std::exchange(seen, taken) != taken) last_ns = monotonic_ns();
-    const bool silent = 1e-9 * double(monotonic_ns() - last_ns) > patience_s(settings);
+    const bool silent = silence.is_too_long(std::size_t(taken));
     if (stopped() || silent) {
       return fail(stopped() ? stopped_error() : no_frame(patience_s(settings)));
     }
@@ -203,12 +219,9 @@ Result<Image<float>> Bench::picture(int frames) {
   const SensorSnapshot now = sensor();
   deps_.pictures.begin(now.sensor_epoch, now.hologram_id, frames);
   const double patient_s = patience_s(camera().settings);
-  std::int64_t last_ns = monotonic_ns();
-  int seen = 0;
+  Silence silence(patient_s);
   while (deps_.pictures.wants()) {
-    const int taken = deps_.pictures.frames();
-    if (std::exchange(seen, taken) != taken) last_ns = monotonic_ns();
-    const bool silent = 1e-9 * double(monotonic_ns() - last_ns) > patient_s;
+    const bool silent = silence.is_too_long(std::size_t(deps_.pictures.frames()));
     if (stopped() || silent) {
       deps_.pictures.cancel();
       return fail(stopped() ? stopped_error() : no_frame(patient_s));
