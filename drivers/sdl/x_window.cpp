@@ -28,6 +28,17 @@ struct DestroyWindow {
 };
 using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
 
+struct DestroyImage {
+  void operator()(XImage* image) const { XDestroyImage(image); }
+};
+using Picture = std::unique_ptr<XImage, DestroyImage>;
+
+/// Whether a pixel is 0xRRGGBB: a root window of 30 bits has other colours.
+bool has_eight_bits_a_colour(const XImage& image) {
+  return image.depth == 24 && image.red_mask == 0xff0000UL && image.green_mask == 0x00ff00UL &&
+         image.blue_mask == 0x0000ffUL;
+}
+
 Error lost_server() {
   return {Errc::device, "slm.display",
           "the connection to the X server broke (it ended, or closed it); start it and open the "
@@ -144,20 +155,25 @@ class XWindow final : public OutputWindow {
 
   Result<Image<std::uint32_t>> read_back() override {
     const Window root = DefaultRootWindow(display_.get());
-    XImage* const seen =
-        XGetImage(display_.get(), root, output_.x, output_.y, unsigned(output_.width),
-                  unsigned(output_.height), AllPlanes, ZPixmap);
+    const Picture seen(XGetImage(display_.get(), root, output_.x, output_.y,
+                                 unsigned(output_.width), unsigned(output_.height), AllPlanes,
+                                 ZPixmap));
     if (seen == nullptr || x_server_lost()) {
       take_x_error();
       return fail(Errc::unavailable, "slm.display", "the X server gives no picture of the output");
     }
+    if (!has_eight_bits_a_colour(*seen)) {
+      return fail(
+          Errc::unavailable, "slm.display",
+          "the X server's picture of the output is not of 8 bits a colour: set DefaultDepth "
+          "24 in its configuration");
+    }
     Image<std::uint32_t> picture(output_.width, output_.height);
     for (int y = 0; y < picture.height; ++y) {
       for (int x = 0; x < picture.width; ++x) {
-        picture.at(x, y) = std::uint32_t(XGetPixel(seen, x, y) & 0xffffffU);
+        picture.at(x, y) = std::uint32_t(XGetPixel(seen.get(), x, y) & 0xffffffU);
       }
     }
-    XDestroyImage(seen);
     return picture;
   }
 
