@@ -9,6 +9,7 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/reference_origin.hpp"
 #include "daemon/stream_queue.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -65,8 +66,7 @@ class Slm : public testing::Test {
   }
 
   Config config_;
-  std::string folder_ = testing::TempDir() + "slm_archive_" +
-                        testing::UnitTest::GetInstance()->current_test_info()->name();
+  const std::string folder_ = own_folder("slm_archive");
 };
 
 TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
