@@ -21,6 +21,7 @@ constexpr int kMostIterations = 8;
 constexpr double kEnough = 3.0;           // times the noise of what is left
 constexpr double kLeastResidual = 0.001;  // waves RMS: less is not looked for
 constexpr double kMostResidual = 0.01;    // more is no result
+constexpr double kMostUnexplained = 0.1;  // lambda/d RMS that no mode explains: a degree of turn
 constexpr int kFirstMode = 3;             // tilts are no error of the SLM
 
 /// Where the tracker finds the spots of a flat sensor before this camera. The model's camera is
@@ -51,6 +52,7 @@ Result<std::vector<Vec2>> flat_spots(const SensorSnapshot& now, const SlmGeometr
 struct Look {
   std::vector<double> waves;  ///< of every mode that the lattice tells
   std::vector<double> error;  ///< standard errors
+  double fit_residual_px = 0.0;
 };
 
 /// Modes of j >= kFirstMode: root sum square.
@@ -115,13 +117,14 @@ Result<Look> FlatnessBench::look(const std::vector<Mode>& error) {
   }
   auto scratch = reconstructor_.make_scratch();
   std::vector<float> waves(model_.modes_j.size());
-  if (!reconstructor_.solve(spots, scratch, waves).determined) {
+  const Reconstruction found = reconstructor_.solve(spots, scratch, waves);
+  if (!found.determined) {
     return fail(Errc::refused, "",
                 "too few spots are found to tell the modes: see that all of them are in the region "
                 "of interest, and the exposure");
   }
   const Eigen::VectorXd errors = (inverse_of(used) * noise.asDiagonal()).rowwise().norm();
-  return Look{{waves.begin(), waves.end()}, {errors.begin(), errors.end()}};
+  return Look{{waves.begin(), waves.end()}, {errors.begin(), errors.end()}, found.fit_residual_px};
 }
 
 std::vector<Mode> sum(std::vector<Mode> modes, const std::vector<int>& modes_j,
@@ -213,6 +216,14 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
         fmt::format("it does not settle: after {} looks {:.3f} waves RMS are left; see that "
                     "nothing moves, and that every spot is found",
                     measured.iterations, measured.residual_rms_waves));
+  }
+  const double lambda_px = lambda_d_px(now.optics, slm, now.sensor);
+  if (last.fit_residual_px > kMostUnexplained * lambda_px) {
+    return fail(
+        Errc::refused, "",
+        fmt::format("no wavefront explains where the spots are, {:.2f} px RMS are left: the "
+                    "camera does not stand as it was registered; run registration.run",
+                    last.fit_residual_px));
   }
   if (now.slm->flatness) error = sum(std::move(error), now.slm->flatness->modes);
   measured.standard_error_waves = errors_of(error, looks.modes_j(), last, now.slm->flatness.get());

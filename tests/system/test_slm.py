@@ -151,6 +151,9 @@ class Flatness(SlmCase):
         self.assertEqual(self.refused("flatness.run").code, -32000)
         self.call("loop.open")
         self.assertFalse(self.call("flatness.clear")["measured"])
+        self.call("correction.clear")
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 92.0}})
+        self.assertIn("registration.run", self.failure("flatness.run"))
 
 
 class Cancelled(SlmCase):
