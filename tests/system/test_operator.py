@@ -36,6 +36,7 @@ class Operator(BenchCase):
         self.wait_for_operator("diffractive")  # the configuration's
         events = self.stream("event")
         self.take_reference()
+        events.drain()  # that of the configuration's may still have been on its way
         diffractive = self.errors("diffractive")
         applied = self.call("sensor.set", {"operator": "slopes"})["applied"]
         self.assertEqual((applied["operator"], self.in_use()), ("slopes", ("slopes", "slopes", None)))
