@@ -9,6 +9,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "drivers/twin/genicam.hpp"
 #include "drivers/twin/gige_device.hpp"
@@ -75,13 +76,22 @@ Result<void> FakeCamera::plug() {
   return {};
 }
 
+/// The end of Aravis's thread is waited for, up to a frame's time, with nothing locked: whoever
+/// asks for the status meanwhile is answered.
+void FakeCamera::unplug() {
+  std::unique_ptr<GigeDevice> device;
+  {
+    const std::lock_guard lock(mutex_);
+    device = std::move(device_);
+  }
+}
+
 void FakeCamera::work(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     std::this_thread::sleep_for(kWatchPeriod);
     const bool unplugged = deps_.faults.unplugged();
     if (device_ && unplugged) {
-      const std::lock_guard lock(mutex_);
-      device_.reset();
+      unplug();
     } else if (!device_ && !unplugged) {
       if (const auto done = plug(); !done) {
         spdlog::warn("camera: {}", done.error().reason);

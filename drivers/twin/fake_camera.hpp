@@ -39,6 +39,7 @@ class FakeCamera {
  private:
   FakeCamera(const CameraConfig& config, const CameraDeps& deps);
   Result<void> plug();
+  void unplug();
 
   const CameraConfig config_;
   const CameraDeps deps_;

@@ -87,6 +87,12 @@ GigeDevice::GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const 
 }
 
 GigeDevice::~GigeDevice() {
+  // Setting a property holds a reference for a moment. Were that the last one, the camera would be
+  // finalized in its own thread, which cannot join itself, and `fill` would outlive this object.
+  {
+    const std::lock_guard lock(properties_mutex_);
+    ending_ = true;
+  }
   g_object_unref(gige_);
 }
 
@@ -197,7 +203,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
 /// A frame that must not be seen is numbered and sent without its packets.
 void GigeDevice::lose_packets(FrameFate fate) {
   const double ratio = fate == FrameFate::send ? 0.0 : fate == FrameFate::drop ? 1.0 : 0.5;
-  if (ratio == lost_ratio_) return;
+  const std::lock_guard lock(properties_mutex_);
+  if (ending_ || ratio == lost_ratio_) return;
   g_object_set(gige_, "gvsp-lost-ratio", ratio, nullptr);
   lost_ratio_ = ratio;
 }

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <stop_token>
 #include <string>
 
@@ -64,6 +65,8 @@ class GigeDevice {
   ArvFakeCamera* const camera_;
   Descriptor nudger_;
   double lost_ratio_ = 0.0;  ///< Aravis's thread only, as `fill` and what it calls
+  std::mutex properties_mutex_;
+  bool ending_ = false;  ///< guarded by properties_mutex_; from now on no property may be set
   std::atomic<bool> filling_{false};
   std::atomic<std::int64_t> filled_ns_{0}, period_ns_{0};
 };
