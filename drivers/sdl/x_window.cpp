@@ -13,6 +13,7 @@
 #include "drivers/sdl/video.hpp"
 #include "drivers/sdl/x_guard.hpp"
 #include "drivers/sdl/x_outputs.hpp"
+#include "drivers/sdl/x_picture.hpp"
 
 namespace ovws::sdl {
 
@@ -32,12 +33,6 @@ struct DestroyImage {
   void operator()(XImage* image) const { XDestroyImage(image); }
 };
 using Picture = std::unique_ptr<XImage, DestroyImage>;
-
-/// Whether a pixel is 0xRRGGBB: a root window of 30 bits has other colours.
-bool has_eight_bits_a_colour(const XImage& image) {
-  return image.depth == 24 && image.red_mask == 0xff0000UL && image.green_mask == 0x00ff00UL &&
-         image.blue_mask == 0x0000ffUL;
-}
 
 Error lost_server() {
   return {Errc::device, "slm.display",
@@ -162,19 +157,7 @@ class XWindow final : public OutputWindow {
       take_x_error();
       return fail(Errc::unavailable, "slm.display", "the X server gives no picture of the output");
     }
-    if (!has_eight_bits_a_colour(*seen)) {
-      return fail(
-          Errc::unavailable, "slm.display",
-          "the X server's picture of the output is not of 8 bits a colour: set DefaultDepth "
-          "24 in its configuration");
-    }
-    Image<std::uint32_t> picture(output_.width, output_.height);
-    for (int y = 0; y < picture.height; ++y) {
-      for (int x = 0; x < picture.width; ++x) {
-        picture.at(x, y) = std::uint32_t(XGetPixel(seen.get(), x, y) & 0xffffffU);
-      }
-    }
-    return picture;
+    return colours_of(*seen);
   }
 
   Result<void> verify() override {
