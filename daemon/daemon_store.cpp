@@ -35,7 +35,14 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events) : events_(ev
                  {{"path", *directory}});
     return;
   }
-  report_.set({directory, std::nullopt});
+  why_read_only_ = opened->why_read_only();
+  report_.set({directory, why_read_only_});
+  if (why_read_only_) {
+    events_.emit(
+        "store", Severity::error,
+        "nothing new is kept over a restart, what is kept already is used: " + *why_read_only_,
+        {{"path", *directory}});
+  }
   if (opened->leftovers() > 0) {
     events_.emit("store", Severity::info,
                  "files that were being written when the daemon was killed are removed: " +
@@ -53,7 +60,7 @@ void DaemonStore::note(const std::string& item, const std::optional<std::string>
     not_kept_.erase(item);
   }
   StatusMessage::StorePart report = report_.get();
-  report.reason.reset();
+  report.reason = why_read_only_;
   if (!not_kept_.empty()) report.reason = not_kept_.begin()->second;
   report_.set(report);
 }
@@ -63,6 +70,7 @@ Result<std::string> DaemonStore::put(std::string_view kind, std::string_view nam
   const std::lock_guard lock(mutex_);
   if (!store_) return fail(Errc::unavailable, "state.directory", *why_none_);
   auto kept = store_->put(kind, name, content);
+  if (kept) why_read_only_.reset();
   note(item_of(kind, name), kept ? std::nullopt : std::optional(kept.error().reason));
   return kept;
 }

@@ -20,8 +20,8 @@ namespace ovws {
 /// Thread-safe; waits for the disk. Without a store the daemon runs all the same.
 class DaemonStore {
  public:
-  /// `config.directory`, or the first of $STATE_DIRECTORY. A store that cannot be used, or none, is
-  /// told here, once.
+  /// `config.directory`, or the first of $STATE_DIRECTORY. A store that cannot be used or written,
+  /// or none, is told here, once; what is in one that can only be read is read.
   DaemonStore(const StateConfig& config, Events& events);
 
   /// The item's checksum. Errors (Errc::unavailable): there is no store, or as of replace_file;
@@ -43,6 +43,7 @@ class DaemonStore {
   mutable std::mutex mutex_;  ///< held while the disk works
   std::optional<StateStore> store_;
   std::optional<std::string> why_none_;
+  std::optional<std::string> why_read_only_;     ///< at the start, and until something is kept
   std::map<std::string, std::string> not_kept_;  ///< why, by kind and name
   Guarded<StatusMessage::StorePart> report_;     ///< never waits for the disk
 };

@@ -117,8 +117,13 @@ Result<void> replace_file(const std::string& link, std::string_view content,
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {
   if (::unlink(path.c_str()) == 0) return sync_folder_of(path, calls);
-  if (errno == ENOENT) return {};
-  return failure(path, "removed");
+  const int why = errno;
+  if (why == ENOENT) return {};
+  auto unremoved = failure(path, "removed");
+  // A read-only file system refuses before it looks whether the name is there.
+  struct stat found {};
+  if (why == EROFS && ::lstat(path.c_str(), &found) != 0 && errno == ENOENT) return {};
+  return unremoved;
 }
 
 int remove_leftovers(const std::string& folder) {

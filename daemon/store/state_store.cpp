@@ -89,12 +89,20 @@ Result<StateStore> StateStore::open(const std::string& directory) {
     return fail(Errc::unavailable, "state.directory",
                 directory + " cannot be made: " + failed.message());
   }
+  const fs::directory_iterator readable(directory, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "state.directory",
+                directory + " cannot be read: " + failed.message());
+  }
+  StateStore store(directory);
+  // First: they may be what fills the disk.
+  store.leftovers_ = remove_leftovers(directory);
   // Asked of the disk, not of the permissions: what matters is whether a file can be written.
   const std::string probe = directory + "/.write-test";
   auto writable = replace_file(probe, "");
   if (writable) writable = remove_file(probe);
-  if (!writable) return fail(Errc::unavailable, "state.directory", writable.error().reason);
-  return StateStore(directory, remove_leftovers(directory));
+  if (!writable) store.why_read_only_ = writable.error().reason;
+  return store;
 }
 
 std::string StateStore::path_of(std::string_view kind, std::string_view name) const {

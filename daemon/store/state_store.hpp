@@ -40,10 +40,13 @@ struct BadState {
 class StateStore {
  public:
   /// Makes the directory if there is none, and removes what a killed writer left in it. Errors
-  /// (Errc::unavailable, field "state.directory"): it cannot be made, or cannot be written.
+  /// (Errc::unavailable, field "state.directory"): it cannot be made, or cannot be read.
   static Result<StateStore> open(const std::string& directory);
 
   const std::string& directory() const { return directory_; }
+  /// Why nothing can be written there, and what to do; none: it can. What is there is read all the
+  /// same.
+  const std::optional<std::string>& why_read_only() const { return why_read_only_; }
   int leftovers() const { return leftovers_; }  ///< that `open` removed
 
   /// Kinds and names are of [a-z0-9_-]. Replaces the item of that name, whole or not at all;
@@ -62,12 +65,12 @@ class StateStore {
                              const std::function<void(StateItem)>& take) const;
 
  private:
-  StateStore(std::string directory, int leftovers)
-      : directory_(std::move(directory)), leftovers_(leftovers) {}
+  explicit StateStore(std::string directory) : directory_(std::move(directory)) {}
   std::string path_of(std::string_view kind, std::string_view name) const;
 
   std::string directory_;
   int leftovers_ = 0;
+  std::optional<std::string> why_read_only_;
 };
 
 }  // namespace ovws

@@ -1,6 +1,10 @@
 #include "daemon/store/state_store.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -10,6 +14,7 @@
 #include <limits>
 #include <random>
 
+#include "daemon/store/atomic_file.hpp"
 #include "daemon/store/encoding.hpp"
 #include "tests/support/own_folder.hpp"
 
@@ -164,14 +169,73 @@ TEST_F(Store, OpeningMakesTheFolderAndRemovesWhatAKilledWriterLeft) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 0);
 }
 
-TEST_F(Store, AFolderThatCannotBeWrittenIsAnErrorWithTheWayOut) {
-  // /proc cannot be written by anybody, root included.
-  for (const char* folder : {"/proc/self/fdinfo", "/proc/ovws"}) {
-    const auto store = StateStore::open(folder);
-    ASSERT_FALSE(store) << folder;
-    EXPECT_EQ(store.error().field, "state.directory");
-    EXPECT_NE(store.error().reason.find(folder), std::string::npos) << store.error().reason;
+// /proc cannot be written by anybody, root included.
+TEST_F(Store, AFolderThatCannotBeMadeIsAnErrorWithTheWayOut) {
+  const auto store = StateStore::open("/proc/ovws");
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().field, "state.directory");
+  EXPECT_NE(store.error().reason.find("/proc/ovws"), std::string::npos) << store.error().reason;
+}
+
+TEST_F(Store, AFolderThatCannotBeWrittenIsReadAndSaysWhy) {
+  const std::string folder = "/proc/self/fdinfo";
+  auto store = StateStore::open(folder);
+  ASSERT_TRUE(store) << store.error().reason;
+  ASSERT_TRUE(store->why_read_only());
+  EXPECT_NE(store->why_read_only()->find(folder), std::string::npos) << *store->why_read_only();
+  EXPECT_FALSE(store->put("lut", "slm", {}));
+  EXPECT_TRUE(load(*store, "lut").items.empty());
+  EXPECT_FALSE(open().why_read_only());
+}
+
+/// In a child with mounts of its own: 0 as everything is as it must be.
+constexpr int kNoMounts = 77;
+template <typename Check>
+int with_mounts(const Check& check) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool own =
+        unshare(CLONE_NEWNS) == 0 && mount("", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
+    _exit(own ? check() : kNoMounts);
   }
+  int status = 0;
+  EXPECT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+TEST_F(Store, OfAReadOnlyDiskWhatWasNeverKeptIsDroppedAndWhatIsKeptIsNot) {
+  ASSERT_TRUE(open().put("lut", "kept", {}));
+  const char* folder = folder_.c_str();
+  const int wrong = with_mounts([&] {
+    if (mount(folder, folder, nullptr, MS_BIND, nullptr) != 0) return kNoMounts;
+    if (mount("", folder, nullptr, MS_REMOUNT | MS_BIND | MS_RDONLY, nullptr) != 0) {
+      return kNoMounts;
+    }
+    auto store = StateStore::open(folder_);
+    if (!store || !store->why_read_only()) return 1;
+    if (!store->drop("lut", "never_kept")) return 2;
+    const auto dropped = store->drop("lut", "kept");
+    if (dropped) return 3;
+    return dropped.error().reason.find("can only be read") == std::string::npos ? 4 : 0;
+  });
+  if (wrong == kNoMounts) GTEST_SKIP() << "mounts need root";
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(Store, LeftoversThatFillTheDiskMakeRoomFirst) {
+  fs::create_directories(folder_);
+  const int wrong = with_mounts([&] {
+    // Of two inodes the folder has one.
+    if (mount("none", folder_.c_str(), "tmpfs", 0, "nr_inodes=2") != 0) return kNoMounts;
+    write("reference.a.json.a1B2c3.ovws-tmp", "half");
+    if (replace_file(folder_ + "/full", "")) return 1;
+    const auto store = StateStore::open(folder_);
+    if (!store || store->leftovers() != 1) return 2;
+    return store->why_read_only() ? 3 : 0;
+  });
+  if (wrong == kNoMounts) GTEST_SKIP() << "mounts need root";
+  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace
