@@ -10,27 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "daemon/daemon_store.hpp"
-#include "proto/experiment.hpp"
+#include "daemon/experiment_files.hpp"
 
 namespace ovws {
 
-/// A sweep on a bench.
-struct ExperimentRun {
-  std::string name;  ///< 16 hexadecimal digits: the same for the same sweep on the same bench
-  GainSweep request;
-  nlohmann::json bench;  ///< what its numbers are of, and the same while it lasts
-  std::int64_t t_begun_ns = 0;
-};
-ExperimentRun experiment_run(const GainSweep& request, nlohmann::json bench);
-
-/// Holds one run, that was asked for last; those of before stay on the disk. Thread-safe.
+/// Holds one run, that was asked for last; those of before stay on the disk (ExperimentFiles).
+/// Thread-safe.
 class ExperimentArchive {
  public:
-  static constexpr std::size_t kMostKept = 4;  ///< runs on the disk; that of longest ago goes
-                                               ///< first, never that which is open
-
-  explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
+  explicit ExperimentArchive(DaemonStore& store) : files_(store) {}
 
   /// At the start: the run that was asked for last. Waits for the disk.
   void load();
@@ -66,15 +54,13 @@ class ExperimentArchive {
   };
   void read(const ExperimentRun& run);
   void read_if_known(ExperimentRun run);
-  Result<void> drop_measured(const ExperimentRun& run);
-  void drop_oldest(const std::string& current);
-  /// False: it could not be kept.
-  bool put(const std::string& kind, const std::string& name, const nlohmann::json& content);
-  void put_picture(const ExperimentRun& run, int cell, std::string base64);
+  ExperimentRun held() const;
+  /// False: it was not kept, and why is remembered.
+  bool note(const Result<void>& kept);
   std::optional<std::string> picture_of(const ExperimentRun& run, int cell) const;
   std::optional<double> time_left_s() const;  // call with mutex_ locked
 
-  DaemonStore& store_;
+  ExperimentFiles files_;
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::optional<ExperimentRun> run_;
   bool to_read_ = false;  ///< what the store has of it is not in memory yet
