@@ -12,14 +12,6 @@ namespace {
 constexpr double kSamePlace = 0.25;       // lambda/d
 constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
 
-std::string listed(const std::vector<int>& numbers) {
-  constexpr std::size_t kNamed = 8;
-  const std::size_t named = std::min(numbers.size(), kNamed);
-  std::string text = fmt::format("{}", fmt::join(numbers.begin(), numbers.begin() + named, ", "));
-  if (numbers.size() > named) text += fmt::format(" and {} more", numbers.size() - named);
-  return text;
-}
-
 }  // namespace
 
 void Instrument::take_reference(int frames, std::function<void(Result<int>)> done) {
@@ -181,17 +173,7 @@ Reference Instrument::new_reference(ReferenceSource source) const {
 
 void Instrument::finish_reference(int job, const ReferenceCollector::Average& average) {
   if (reference_job_ != job || !deps_.jobs.runs(job)) return;
-  std::vector<int> too_rare;
-  for (std::size_t i = 0; i < average.found.size(); ++i) {
-    if (2 * average.found[i] < average.frames) too_rare.push_back(int(i));
-  }
-  if (!too_rare.empty()) {
-    return fail_reference(Error{
-        Errc::refused, "",
-        fmt::format("spots {} were found in fewer than half of the frames: check the image, the "
-                    "exposure and the region of interest, or use fewer subapertures",
-                    listed(too_rare))});
-  }
+  if (const auto usable = check_average(average); !usable) return fail_reference(usable.error());
   Reference reference = new_reference(ReferenceSource::measured);
   reference.frames = average.frames;
   reference.positions_px = average.mean_px;
@@ -201,7 +183,15 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
   if (auto changed = keep_reference(std::move(reference)); !changed) {
     return deps_.jobs.fail_job(job, changed.error());
   }
-  deps_.jobs.finish(job, {{"frames", average.frames}});
+  const std::vector<int> saturated = saturated_spots(average);
+  if (!saturated.empty()) {
+    deps_.events.emit("reference", Severity::warning,
+                      fmt::format("spots {} are saturated in frames of the reference: a lower "
+                                  "exposure or gain makes a better one",
+                                  listed_spots(saturated)),
+                      {{"saturated_spots", saturated}});
+  }
+  deps_.jobs.finish(job, {{"frames", average.frames}, {"saturated_spots", saturated}});
 }
 
 /// Puts a reference in force, and then on the disk: what cannot be kept is in force all the same.

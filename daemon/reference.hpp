@@ -62,8 +62,9 @@ struct Reference {
 class ReferenceCollector {
  public:
   struct Average {
-    int frames = 0;          ///< that were used
-    std::vector<int> found;  ///< in how many of them, per spot
+    int frames = 0;              ///< that were used
+    std::vector<int> found;      ///< in how many of them, per spot
+    std::vector<int> saturated;  ///< in how many of them it held a pixel at full scale, per spot
     std::vector<Vec2> mean_px, standard_error_px;
   };
   using Done = std::function<void(Average)>;
@@ -81,7 +82,7 @@ class ReferenceCollector {
 
  private:
   struct Sums {
-    int found = 0;
+    int found = 0, saturated = 0;
     Vec2 mean, m2;  ///< Welford's running mean and sum of squared deviations
   };
   Average average() const;
@@ -95,5 +96,13 @@ class ReferenceCollector {
   std::vector<Sums> sums_;
   Done done_;
 };
+
+/// Whether frames make a reference. Errc::refused: more than a tenth of all spots in all frames are
+/// saturated (field "camera.exposure_us"), or a spot was found in fewer than half of the frames.
+Result<void> check_average(const ReferenceCollector::Average& average);
+/// Numbers of the spots that were saturated in at least one frame.
+std::vector<int> saturated_spots(const ReferenceCollector::Average& average);
+/// "1, 4, 7 and 12 more".
+std::string listed_spots(const std::vector<int>& numbers);
 
 }  // namespace ovws

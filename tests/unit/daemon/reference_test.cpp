@@ -33,6 +33,16 @@ class ReferenceTest : public testing::Test {
     collector_.add(record_);
   }
 
+  /// The average of so many frames in which each spot is found at its peak, DN of Mono8.
+  ReferenceCollector::Average averaged(const std::vector<std::vector<float>>& peaks_dn) {
+    begin(int(peaks_dn.size()));
+    for (const auto& frame : peaks_dn) {
+      for (std::size_t i = 0; i < kSpots; ++i) record_.spots[i] = {1.0F, 1.0F, frame[i], 1.0F};
+      collector_.add(record_);
+    }
+    return average_.value();
+  }
+
   ReferenceCollector collector_;
   MeasurementPlan plan_;
   FrameRecord record_;
@@ -81,6 +91,29 @@ TEST_F(ReferenceTest, ProgressGoesFromZeroToTheEnd) {
   EXPECT_EQ(collector_.progress(), 0.0);
   for (int i = 0; i < 4; ++i) add(0, 1, 1);
   EXPECT_FALSE(average_);
+}
+
+TEST_F(ReferenceTest, OneSaturatedSpotInATenthOfTheFramesIsNamedAndBorne) {
+  std::vector<std::vector<float>> peaks(10, {200.0F, 254.0F, 90.0F});
+  peaks[4][1] = 255.0F;
+  const auto average = averaged(peaks);
+  EXPECT_EQ(average.saturated, (std::vector<int>{0, 1, 0}));
+  EXPECT_TRUE(check_average(average));
+  EXPECT_EQ(saturated_spots(average), std::vector<int>{1});
+}
+
+TEST_F(ReferenceTest, SpotsThatAreSaturatedAreRefusedEvenIfTheyAreFound) {
+  const auto average = averaged(std::vector<std::vector<float>>(10, {200.0F, 255.0F, 90.0F}));
+  const auto checked = check_average(average);
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().field, "camera.exposure_us");
+  EXPECT_NE(checked.error().reason.find("33 % of the spots are saturated"), std::string::npos);
+}
+
+TEST_F(ReferenceTest, FullScaleIsThatOfThePixelFormat) {
+  record_.frame.image.format = PixelFormat::mono12;
+  EXPECT_TRUE(saturated_spots(averaged({{300.0F, 4094.0F, 90.0F}})).empty());
+  EXPECT_EQ(saturated_spots(averaged({{300.0F, 4095.0F, 90.0F}})), std::vector<int>{1});
 }
 
 }  // namespace
