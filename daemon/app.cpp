@@ -134,9 +134,9 @@ Result<void> App::Parts::bind_streams() {
                                         &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
-  status = std::make_unique<StatusReporter>(StatusDeps{state, camera, slm, *instrument, *images,
-                                                       *loop, *refiner, pipeline, published_latency,
-                                                       counters, events, store, queue, threads});
+  status = std::make_unique<StatusReporter>(
+      StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, jobs, pipeline,
+                 published_latency, counters, events, store, queue, threads});
   return {};
 }
 

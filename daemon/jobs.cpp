@@ -108,6 +108,11 @@ Result<JobReport> Jobs::get(int id) const {
   return job;
 }
 
+std::optional<JobReport> Jobs::last_failed() const {
+  const std::lock_guard lock(mutex_);
+  return last_failed_;
+}
+
 bool Jobs::runs(int id) const {
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
@@ -126,6 +131,7 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
   job.progress = progress;
   job.result = std::move(result);
   job.error = error;
+  if (state == JobState::failed) last_failed_ = job;
   const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
                                        error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;

@@ -29,6 +29,8 @@ class Jobs {
   /// Errc::invalid if there is no such job; a job that has ended stays as it is.
   Result<JobReport> cancel(int id);
   Result<JobReport> get(int id) const;
+  /// The one that failed last since the start, also if it is not remembered any more.
+  std::optional<JobReport> last_failed() const;
   bool runs(int id) const;  ///< false once it was finished, failed or cancelled
 
  private:
@@ -44,6 +46,7 @@ class Jobs {
   Events& events_;
   mutable std::mutex mutex_;
   std::map<int, Entry> jobs_;
+  std::optional<JobReport> last_failed_;
   int next_id_ = 1;
 };
 

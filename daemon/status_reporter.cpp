@@ -111,6 +111,9 @@ StatusMessage StatusReporter::current() const {
   }
   status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
   status.refine = deps_.refiner.report();
+  if (const auto job = deps_.jobs.last_failed()) {
+    status.failed_job = {job->job, job->kind, job->error->field, job->error->reason};
+  }
   status.store = deps_.store.report();
   const Measured measured = measured_.get();
   status.rates = measured.rates;

@@ -12,6 +12,7 @@
 #include "daemon/daemon_store.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/slm_loop.hpp"
@@ -30,6 +31,7 @@ struct StatusDeps {
   const ImagePublisher& images;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;
+  const Jobs& jobs;
   Pipeline& pipeline;
   LatencyHistogram& published_latency;
   Counters& counters;

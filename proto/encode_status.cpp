@@ -72,6 +72,14 @@ double rms_waves(const RefinedMessage& message) {
   return std::sqrt(squares);
 }
 
+json failed_job_part(const std::optional<StatusMessage::FailedJob>& failed) {
+  if (!failed) return nullptr;
+  return {{"job", failed->job},
+          {"kind", failed->kind},
+          {"field", failed->field},
+          {"reason", failed->reason}};
+}
+
 json latency_part(const LatencySummary& latency) {
   return {{"count", latency.count},
           {"p50_us", latency.p50_us},
@@ -107,6 +115,7 @@ json status_body(const StatusMessage& message) {
             {{"directory", or_null(message.store.directory)},
              {"reason", or_null(message.store.reason)}}},
            {"loop", message.loop_closed ? "closed" : "open"},
+           {"failed_job", failed_job_part(message.failed_job)},
            {"rates",
             {{"grabbed_hz", message.rates.grabbed_hz},
              {"published_hz", message.rates.published_hz},

@@ -144,6 +144,12 @@ struct StatusMessage {
     std::optional<std::string> reason;     ///< why something is not kept
   } store;
 
+  struct FailedJob {
+    int job = 0;
+    std::string kind, field, reason;
+  };
+  std::optional<FailedJob> failed_job;  ///< the one that failed last
+
   struct Rates {
     double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
   } rates;

@@ -63,6 +63,19 @@ TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
   EXPECT_EQ(told(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
 }
 
+TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobs) {
+  EXPECT_FALSE(jobs_.last_failed());
+  for (const char* reason : {"first", "second"}) {
+    jobs_.fail_job(begin(), Error{Errc::refused, "camera.exposure_us", reason});
+  }
+  for (int i = 0; i < 300; ++i) jobs_.finish(begin(), {});  // it is not remembered any more
+  begin();
+  EXPECT_FALSE(jobs_.get(2));
+  ASSERT_TRUE(jobs_.last_failed());
+  EXPECT_EQ(jobs_.last_failed()->job, 2);
+  EXPECT_EQ(jobs_.last_failed()->error->reason, "second");
+}
+
 TEST_F(JobsTest, AFailureKeepsItsReason) {
   const int id = begin();
   jobs_.fail_job(id, {Errc::unavailable, "", "no frames"});

@@ -104,6 +104,7 @@ void print_status() {
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
       status.store = {"/var/lib/ovws", "the disk is full"};
+      status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright"};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
