@@ -20,6 +20,10 @@ const ModeOperator* Instrument::operator_for(const State& state) const {
 
 /// Of the present state, whose plan is adopted. Orders what is asked for and was never made.
 OperatorReport Instrument::report_operator(const MeasurementPlan& plan) {
+  const OperatorKey key =
+      operator_key(state_.sensor, state_.tracking, optics_of(state_), state_.roi);
+  const bool diffractive = state_.tracking.mode_operator == OperatorKind::diffractive;
+  operators_.forget_shortages(diffractive ? &key : nullptr);
   if (plan.mode_operator == state_.tracking.mode_operator) {
     deps_.operators.give_up();
     return {plan.mode_operator, ""};
@@ -28,8 +32,6 @@ OperatorReport Instrument::report_operator(const MeasurementPlan& plan) {
     deps_.operators.give_up();
     return {plan.mode_operator, calibrations_.why_none(calibration_key(state_))};
   }
-  const OperatorKey key =
-      operator_key(state_.sensor, state_.tracking, optics_of(state_), state_.roi);
   if (const auto* const made = operators_.find(key)) {
     return {plan.mode_operator, made->error().reason};
   }

@@ -87,6 +87,13 @@ const Result<ModeOperator>* OperatorShelf::find(const OperatorKey& key) const {
   return at == made_.end() ? nullptr : &at->second;
 }
 
+void OperatorShelf::forget_shortages(const OperatorKey* but) {
+  std::erase_if(made_, [&](const auto& entry) {
+    const auto& [key, made] = entry;
+    return !made && made.error().code == Errc::unavailable && !(but != nullptr && key == *but);
+  });
+}
+
 void OperatorShelf::put(const OperatorKey& key, Result<ModeOperator> made) {
   std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
   if (made_.size() == kMost) made_.pop_front();

@@ -51,6 +51,9 @@ class OperatorShelf {
   /// Null: never made, or long ago.
   const Result<ModeOperator>* find(const OperatorKey& key) const;
   void put(const OperatorKey& key, Result<ModeOperator> made);
+  /// Memory that was short once need not be again: forgets what ended with Errc::unavailable,
+  /// except for the key `but`, if there is one.
+  void forget_shortages(const OperatorKey* but);
 
  private:
   static constexpr std::size_t kMost = 8;                          // up to some MiB each
