@@ -64,13 +64,14 @@ Result<MeasuredLut> lut_from(const json& content) {
   read_common(r, lut);
   for (const char* key : {"levels", "phase_rad", "standard_error_rad"}) r.require(key);
   r.integer("levels", lut.response.levels, 2, 256);
-  r.numbers("phase_rad", phase, 256, 256, 0.0, kMostRad);
+  r.numbers("phase_rad", phase, 256, 256, -kMostRad, kMostRad);
   r.numbers("standard_error_rad", error, 256, 256, 0.0, kMostRad);
   r.number("noise_rad", lut.response.noise_rad, 0.0, kMostRad);
   r.number("residual_rad", lut.response.residual_rad, 0.0, kMostRad);
   if (auto read = r.finish(); !read) return fail(read.error());
-  if (!std::is_sorted(phase.begin(), phase.end())) {
-    return fail(Errc::invalid, "lut.phase_rad", "falls");
+  if (!std::is_sorted(phase.begin(), phase.end()) &&
+      !std::is_sorted(phase.rbegin(), phase.rend())) {
+    return fail(Errc::invalid, "lut.phase_rad", "neither rises nor falls throughout");
   }
   std::copy(phase.begin(), phase.end(), lut.response.phase_rad.begin());
   std::copy(error.begin(), error.end(), lut.response.standard_error_rad.begin());

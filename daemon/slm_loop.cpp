@@ -1,10 +1,10 @@
 #include "daemon/slm_loop.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <zlib.h>
 
 #include <chrono>
 
-#include "core/base/crc32.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/driver_table.hpp"
 
@@ -15,6 +15,10 @@ constexpr auto kTurn = std::chrono::milliseconds(20);
 constexpr auto kShowTimeout = std::chrono::seconds(2);
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr std::int64_t kCheckNs = 100'000'000;
+
+std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
+  return std::uint32_t(::crc32(0, bytes.data(), uInt(bytes.size())));
+}
 
 Error stopping() {
   return {Errc::refused, "", "the daemon is stopping"};
@@ -114,13 +118,13 @@ Result<SlmVerdict> SlmLoop::look() {
   const auto shown = display_->read_back();
   if (!shown) return fail(shown.error());
   const Image<std::uint8_t>& given = *wanted_->grey;
-  SlmVerdict verdict{wanted_->hologram_id, crc32(given.pixels), 0, 0};
+  SlmVerdict verdict{wanted_->hologram_id, crc32_of(given.pixels), 0, 0};
   std::vector<std::uint8_t> grey(given.pixels.size());
   for (std::size_t i = 0; i < grey.size(); ++i) {
     grey[i] = std::uint8_t(shown->pixels[i]);
     verdict.differing_pixels += shown->pixels[i] != given.pixels[i] * 0x010101U ? 1 : 0;
   }
-  verdict.crc32_shown = crc32(grey);
+  verdict.crc32_shown = crc32_of(grey);
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,

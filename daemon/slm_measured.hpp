@@ -26,12 +26,12 @@ struct MeasuredLut {
 /// What flatness.run measured: the error, of which the hologram shows the opposite.
 struct MeasuredFlatness {
   std::int64_t t_taken_ns = 0;
-  int frames = 0;                            ///< of each look
-  int iterations = 0;                        ///< looks until only noise was left
+  int frames = 0;                            ///< of each place
+  int iterations = 0;                        ///< scans until nothing changed
   double pupil_diameter_px = 0.0;            ///< of the circle that the modes are of
   std::vector<Mode> modes;                   ///< j >= 3, RMS-normalised waves
   std::vector<double> standard_error_waves;  ///< of each of them
-  double residual_rms_waves = 0.0;           ///< what the last look left
+  double residual_rms_waves = 0.0;           ///< what the last scan changed
   nlohmann::json configured_sha256;          ///< of the file's map that it is added to; null: none
   nlohmann::json origin;                     ///< as of MeasuredLut
   std::string sha256;

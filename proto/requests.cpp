@@ -234,9 +234,9 @@ Result<LutRun> decode_lut_run(const json& params) {
 }
 
 Result<int> decode_flatness_run(const json& params) {
-  int frames = 30;
+  int frames = 5;
   ObjectReader reader(params, "");
-  reader.integer("frames", frames, limits::kPushFrames.min, limits::kPushFrames.max);
+  reader.integer("frames", frames, limits::kPictureFrames.min, limits::kPictureFrames.max);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return frames;
 }

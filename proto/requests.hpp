@@ -84,7 +84,7 @@ struct LutRun {
   int frames = 3;   ///< of each picture
 };
 Result<LutRun> decode_lut_run(const nlohmann::json& params);
-/// `flatness.run`: how many settled frames to average for each look.
+/// `flatness.run`: how many settled frames to average for each place.
 Result<int> decode_flatness_run(const nlohmann::json& params);
 /// `slm.settle`.
 struct SettleRun {

@@ -30,7 +30,7 @@ json lut_result(const LutReport& lut) {
               {"measured", lut.measured.has_value()}};
   if (!lut.measured) {
     add_nulls(result, {"t_taken_ns", "t_taken", "sha256", "frames", "levels", "phase_rad",
-                       "standard_error_rad", "noise_rad", "residual_rad", "depth_rad",
+                       "standard_error_rad", "noise_rad", "residual_rad", "depth_rad", "falls",
                        "reaches_2pi", "steps_out_of_reach", "reason", "origin"});
     return result;
   }
@@ -45,6 +45,7 @@ json lut_result(const LutReport& lut) {
                  {"noise_rad", m.response.noise_rad},
                  {"residual_rad", m.response.residual_rad},
                  {"depth_rad", m.response.depth_rad()},
+                 {"falls", m.response.falls()},
                  {"reaches_2pi", m.table.reason.empty()},
                  {"steps_out_of_reach", m.table.steps_out_of_reach},
                  {"reason", text_or_null(m.table.reason)},
@@ -82,16 +83,46 @@ json flatness_result(const FlatnessReport& flatness) {
   return result;
 }
 
+namespace {
+
+/// What is wrong with slm.settle_ms; empty: nothing.
+std::string settle_reason(const SettleTime& time, double configured_ms) {
+  const auto text = [](double ms) {
+    const long tenths = std::lround(10.0 * ms);
+    return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+  };
+  if (configured_ms < time.max_ms) {
+    return "slm.settle_ms is " + text(configured_ms) + ", and the picture stands after " +
+           text(time.max_ms) +
+           ": frames are taken for settled that are not; set slm.settle_ms to " +
+           std::to_string(std::lround(time.proposed_ms));
+  }
+  if (configured_ms < time.worst_ms) {
+    return std::to_string(time.outliers) + " changes took up to " + text(time.worst_ms) +
+           ", longer than slm.settle_ms (" + text(configured_ms) +
+           "): if this machine was not busy then, the SLM's controller is slower at times; measure "
+           "again, and set slm.settle_ms above it if it stays";
+  }
+  return {};
+}
+
+}  // namespace
+
 json settle_result(const SettleTime& time, int repetitions, double configured_ms) {
+  const std::string reason = settle_reason(time, configured_ms);
   return {{"repetitions", repetitions},
           {"p50_ms", time.p50_ms},
+          {"mad_ms", time.mad_ms},
           {"max_ms", time.max_ms},
+          {"worst_ms", time.worst_ms},
+          {"outliers", time.outliers},
           {"least_ms", time.least_ms},
           {"resolution_ms", time.resolution_ms},
           {"margin_ms", time.margin_ms},
           {"proposed_settle_ms", time.proposed_ms},
           {"configured_settle_ms", configured_ms},
-          {"long_enough", configured_ms >= time.max_ms}};
+          {"long_enough", configured_ms >= time.max_ms},
+          {"reason", text_or_null(reason)}};
 }
 
 json verify_result(const VerifyReport& report) {

@@ -13,16 +13,30 @@ constexpr double kPupilShare = 0.5;  // distance of the patches
 constexpr double kLeastFringePx = 4.0;
 constexpr double kReach = 1.8;  // lambda over the patches' diameter: 1.22 is the first dark ring
 
-void draw_patch(const FringePatches& patches, Vec2 frequency_cpp, Vec2 pupil, double side,
-                int level, Image<std::uint8_t>& grey) {
+/// `side`: -1 the left one, 1 the right one; `level_of` a part 0 .. 1 of the grating's period.
+template <class LevelOf>
+void draw_patch(const FringePatches& patches, const SensorConfig& sensor, double side,
+                const LevelOf& level_of, Image<std::uint8_t>& grey) {
+  const Vec2 frequency_cpp{sensor.grooves[0] / grey.width, sensor.grooves[1] / grey.height};
+  const Vec2 pupil{0.5 * (grey.width - 1), 0.5 * (grey.height - 1)};
   const Vec2 centre = pupil + Vec2{0.5 * side * patches.distance_px, 0.0};
   for (int y = 0; y < grey.height; ++y) {
     const Columns columns = columns_in_circle(centre, patches.diameter_px, y, grey.width);
     for (int x = columns.begin; x < columns.end; ++x) {
       const double turns = frequency_cpp.x * (x - centre.x) + frequency_cpp.y * (y - centre.y);
-      grey.at(x, y) = turns - std::floor(turns) < 0.5 ? std::uint8_t(level) : 0;
+      grey.at(x, y) = level_of(turns - std::floor(turns));
     }
   }
+}
+
+auto binary(int level) {
+  return [level](double part) { return part < 0.5 ? std::uint8_t(level) : std::uint8_t(0); };
+}
+
+void darken(const SlmGeometry& slm, Image<std::uint8_t>& grey) {
+  grey.width = slm.width_px;
+  grey.height = slm.height_px;
+  grey.pixels.assign(std::size_t(grey.width) * std::size_t(grey.height), 0);
 }
 
 }  // namespace
@@ -39,13 +53,18 @@ FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, 
 void draw_fringe_patches(const FringePatches& patches, const SensorConfig& sensor,
                          const SlmGeometry& slm, int grey_left, int grey_right,
                          Image<std::uint8_t>& grey) {
-  grey.width = slm.width_px;
-  grey.height = slm.height_px;
-  grey.pixels.assign(std::size_t(grey.width) * std::size_t(grey.height), 0);
-  const Vec2 frequency{sensor.grooves[0] / slm.width_px, sensor.grooves[1] / slm.height_px};
-  const Vec2 pupil{0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
-  draw_patch(patches, frequency, pupil, -1.0, grey_left, grey);
-  draw_patch(patches, frequency, pupil, 1.0, grey_right, grey);
+  darken(slm, grey);
+  draw_patch(patches, sensor, -1.0, binary(grey_left), grey);
+  draw_patch(patches, sensor, 1.0, binary(grey_right), grey);
+}
+
+void draw_blazed_patch(const FringePatches& patches, const SensorConfig& sensor,
+                       const SlmGeometry& slm, const PhaseLut& lut, Image<std::uint8_t>& grey) {
+  darken(slm, grey);
+  const auto blazed = [&lut](double part) {
+    return lut[std::min(std::size_t(256.0 * part), std::size_t(255))];
+  };
+  draw_patch(patches, sensor, -1.0, blazed, grey);
 }
 
 FringeReading read_fringe(const Image<float>& light, const FringePatches& patches, Vec2 base_px,

@@ -5,8 +5,10 @@
 /// and g, the other of 0 and a fixed level. The light of the first at any place of the camera is
 /// M0 + M1 exp(i phi(g)), linear in exp(i phi): so is its beat with the second one's, which is the
 /// camera picture's Fourier component at the patches' distance. Over all g the beat runs along a
-/// circle, and the angle about the circle's middle is phi(g): of one sign, whole turns included,
-/// whatever the optics, the beam and the rest of the SLM add.
+/// circle, and the angle about the circle's middle is phi(g), whole turns included, whatever the
+/// optics, the beam and the rest of the SLM add. Its sign counts with the camera's map: a camera
+/// turned by half a turn sees the opposite, and a binary grating is alike to both sides. A blazed
+/// one is not: it tells the sign that brings the light to the camera.
 #pragma once
 
 #include <complex>
@@ -14,6 +16,7 @@
 
 #include "core/base/image.hpp"
 #include "core/optics/geometry.hpp"
+#include "core/optics/hologram.hpp"
 
 namespace ovws {
 
@@ -31,6 +34,10 @@ FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, 
 void draw_fringe_patches(const FringePatches& patches, const SensorConfig& sensor,
                          const SlmGeometry& slm, int grey_left, int grey_right,
                          Image<std::uint8_t>& grey);
+
+/// The left patch alone, with a grating of the base grating's frequency blazed by `lut`.
+void draw_blazed_patch(const FringePatches& patches, const SensorConfig& sensor,
+                       const SlmGeometry& slm, const PhaseLut& lut, Image<std::uint8_t>& grey);
 
 /// What the camera's picture says of the beat.
 struct FringeReading {

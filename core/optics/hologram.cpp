@@ -206,10 +206,19 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   std::vector<double> waves(width);
   std::vector<std::uint16_t> phase(width);
   const std::vector<std::uint16_t> none(width, 0);
+  const Subaperture lone{probe.centre_px, probe.frequency_cpp};
+  const double diameter_px = probe.diameter_px > 0.0 ? probe.diameter_px : lattice_.diameter_px;
+  const WavefrontRows added(probe.modes, pupil_centre(config_.slm),
+                            config_.sensor.pupil_diameter_px);
+  std::vector<double> added_waves(width);
   for (int y = 0; y < grey.height; ++y) {
     std::fill(waves.begin(), waves.end(), 0.0);
-    subaperture_row(config_.slm, {{}, probe.frequency_cpp}, lattice_.diameter_px, probe.charge, y,
-                    waves);
+    subaperture_row(config_.slm, lone, diameter_px, probe.charge, y, waves);
+    const Columns lit =
+        columns_in_circle(pupil_centre(config_.slm) + probe.centre_px, diameter_px, y, width);
+    const auto part = std::span(added_waves).first(std::size_t(std::max(0, lit.end - lit.begin)));
+    added.waves(y, lit.begin, part);
+    for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(lit.begin) + k] += part[k];
     add_flatness_and_wrap(config_, y, waves, phase.data());
     hologram_row_kernels().back().greys(phase.data(), none.data(), config_.lut.data(), width,
                                         grey.row(y));

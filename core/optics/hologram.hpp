@@ -35,11 +35,14 @@ enum class HologramKind {
   test,      ///< what a job paints: a probe, stripes
 };
 
-/// One subaperture on the pupil's centre and nothing else: for finding out where the camera sees
-/// which slope.
+/// One lone subaperture: for finding out where the camera sees which slope, and which slope the
+/// light has where.
 struct Probe {
   Vec2 frequency_cpp;  ///< of its grating, cycles per SLM pixel
   int charge = 0;
+  Vec2 centre_px = {};           ///< SLM pixels from the pupil's centre
+  double diameter_px = 0.0;      ///< 0: that of the lattice's subapertures
+  std::vector<Mode> modes = {};  ///< wavefront to add, over the sensor's pupil
 };
 
 /// What the hologram is made of. All phases in waves.
@@ -67,7 +70,7 @@ class HologramRenderer {
   /// several where only double precision will do.
   /// `test` is not for it: it shows flat.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
-  /// As large as a subaperture of the lattice. Requires a frequency of at most 0.5 in x and y.
+  /// Requires a frequency of at most 0.5 in x and y, and valid mode indices.
   void render_probe(const Probe& probe, Image<std::uint8_t>& grey) const;
 
   /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase

@@ -12,11 +12,15 @@ namespace ovws {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kMostMisfit = 0.05;   // of the circle's radius
+constexpr double kMostMisfit = 0.05;  // of the circle's radius
+constexpr double kMostStepRad = kTwoPi / 24.0;
 constexpr double kMostNoiseRad = 0.1;  // of one level
 constexpr double kLeastNoiseRad = 1e-3;
+constexpr double kLagging = 0.7;        // of the RMS difference: noise has no mean
 constexpr double kLeastDepthRad = 1.0;  // less is no arc to fit a circle to
 constexpr double kFallNoises = 5.0;     // a fall that is no noise
+constexpr double kLeastBlaze = 0.05;    // of the light: 1 rad of depth gives 0.15
+constexpr double kBlazeNoises = 3.0;    // times what the readings differ
 constexpr double kStiffest = 1e9, kSoftest = 1.0;
 
 std::string rounded(double value) {
@@ -60,13 +64,25 @@ Circle fit_circle(std::span<const GreyBeat> beats) {
   return {{at[0], at[1]}, at[2], std::sqrt(rhs.squaredNorm() / double(n)) / at[2]};
 }
 
-/// From one level to the next less than half a turn.
+Result<Circle> checked_circle(std::span<const GreyBeat> beats) {
+  const Circle circle = fit_circle(beats);
+  if (circle.misfit < kMostMisfit) return circle;
+  return fail(Errc::refused, "",
+              "the fringes do not follow the grey level along a circle: see that the light is "
+              "constant and bright enough, that nothing moves, and that slm.settle_ms is long "
+              "enough (slm.settle measures it)");
+}
+
+/// From level k - 1 to k, less than half a turn.
+double turn_rad(std::span<const GreyBeat> beats, const Circle& circle, std::size_t k) {
+  return std::arg((mean_of(beats[k]) - circle.middle) *
+                  std::conj(mean_of(beats[k - 1]) - circle.middle));
+}
+
 std::vector<double> unwrapped(std::span<const GreyBeat> beats, const Circle& circle) {
   std::vector<double> phases{0.0};
   for (std::size_t k = 1; k < beats.size(); ++k) {
-    const auto turn =
-        (mean_of(beats[k]) - circle.middle) * std::conj(mean_of(beats[k - 1]) - circle.middle);
-    phases.push_back(phases.back() + std::arg(turn));
+    phases.push_back(phases.back() + turn_rad(beats, circle, k));
   }
   const double sign = phases.back() < 0.0 ? -1.0 : 1.0;
   for (double& phase : phases) phase *= sign;
@@ -81,6 +97,27 @@ double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::max({readings, circle.misfit, kLeastNoiseRad});
 }
 
+/// Too much noise, or pictures that the camera saw before they stood: those lag behind.
+Error too_noisy(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
+  double lag = 0.0, square = 0.0;
+  for (const GreyBeat& beat : beats) {
+    const double off =
+        std::arg((beat.second - circle.middle) * std::conj(beat.first - circle.middle));
+    lag += off / double(beats.size());
+    square += off * off / double(beats.size());
+  }
+  if (std::abs(lag) > kLagging * std::sqrt(square)) {
+    return {Errc::refused, "slm.settle_ms",
+            "the phases seen on the way up and on the way down differ by " +
+                rounded(std::abs(lag)) +
+                " rad: the SLM takes longer than slm.settle_ms, or something moves; slm.settle "
+                "measures how long it takes"};
+  }
+  return {Errc::refused, "camera.exposure_us",
+          "the fringes are too weak, one level is known to " + rounded(noise_rad) +
+              " rad: raise the exposure, or average more frames"};
+}
+
 Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<double>& phases,
                           double noise_rad) {
   std::size_t top = 0;
@@ -88,18 +125,30 @@ Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<dou
     if (phases[k] > phases[top]) top = k;
     if (phases[top] - phases[k] < kFallNoises * std::sqrt(2.0) * noise_rad) continue;
     return fail(Errc::refused, "",
-                "the phase falls by " + rounded(phases[top] - phases[k]) + " rad from grey level " +
-                    std::to_string(beats[top].grey) + " to " + std::to_string(beats[k].grey) +
+                "the phase turns back by " + rounded(phases[top] - phases[k]) +
+                    " rad from grey level " + std::to_string(beats[top].grey) + " to " +
+                    std::to_string(beats[k].grey) +
                     ": no look-up table can mend that; see that nothing moves on the bench, and "
                     "that the SLM is driven within its range");
   }
   return {};
 }
 
-/// Sum of the squared third differences of 256 values.
-Eigen::MatrixXd bending() {
+/// The squared third derivative of 256 values after the number of the measured level, integrated:
+/// where levels lie close the curve may bend. Its third differences' weight is the fifth power of
+/// the gap; 1 for the widest.
+Eigen::MatrixXd bending(std::span<const GreyBeat> beats) {
+  Eigen::VectorXd gap(253);  // about the middle of levels k .. k + 3
+  std::size_t next = 1;
+  for (int k = 0; k < 253; ++k) {
+    while (beats[next].grey < k + 2) ++next;
+    gap[k] = beats[next].grey - beats[next - 1].grey;
+  }
   Eigen::MatrixXd differences = Eigen::MatrixXd::Zero(253, 256);
-  for (Eigen::Index k = 0; k < 253; ++k) differences.row(k).segment(k, 4) << -1.0, 3.0, -3.0, 1.0;
+  for (Eigen::Index k = 0; k < 253; ++k) {
+    differences.row(k).segment(k, 4) << -1.0, 3.0, -3.0, 1.0;
+    differences.row(k) *= std::pow(gap[k] / gap.maxCoeff(), 2.5);
+  }
   return differences.transpose() * differences;
 }
 
@@ -111,7 +160,7 @@ struct Curve {
 /// Whittaker's smoothing: the stiffest curve that leaves no more than the noise.
 Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phases,
                 double noise_rad) {
-  const Eigen::MatrixXd bend = bending();
+  const Eigen::MatrixXd bend = bending(beats);
   Curve curve;
   for (double stiffness = kStiffest; stiffness >= kSoftest; stiffness /= 3.0) {
     Eigen::MatrixXd normal = stiffness / (noise_rad * noise_rad) * bend;
@@ -130,7 +179,12 @@ Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phas
     const bool last = stiffness / 3.0 < kSoftest;
     if (curve.residual > noise_rad && !last) continue;
     const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
-    curve.standard_error = inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
+    // What bends more than the softest curve is no noise, and known no better.
+    const double excess = std::max(1.0, curve.residual / noise_rad);
+    // Of the differences from grey level 0.
+    const Eigen::ArrayXd variance =
+        inverse.diagonal().array() + inverse(0, 0) - 2.0 * inverse.col(0).array();
+    curve.standard_error = excess * variance.max(0.0).sqrt();
     break;
   }
   return curve;
@@ -138,20 +192,27 @@ Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phas
 
 }  // namespace
 
+Result<std::vector<int>> levels_between(std::span<const GreyBeat> beats) {
+  const auto circle = checked_circle(beats);
+  if (!circle) return fail(circle.error());
+  const double noise = noise_of(beats, *circle);
+  if (noise > kMostNoiseRad) return fail(too_noisy(beats, *circle, noise));
+  std::vector<int> between;
+  for (std::size_t k = 1; k < beats.size(); ++k) {
+    const int low = beats[k - 1].grey, gap = beats[k].grey - low;
+    const double steps = std::ceil(std::abs(turn_rad(beats, *circle, k)) / kMostStepRad);
+    const int parts = std::min(int(steps), gap);
+    for (int i = 1; i < parts; ++i) between.push_back(low + gap * i / parts);
+  }
+  return between;
+}
+
 Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
-  const Circle circle = fit_circle(beats);
-  if (!(circle.misfit < kMostMisfit)) {
-    return fail(Errc::refused, "",
-                "the fringes do not follow the grey level along a circle: see that the light is "
-                "constant, that nothing moves, and that slm.settle_ms is long enough");
-  }
-  const double noise = noise_of(beats, circle);
-  if (noise > kMostNoiseRad) {
-    return fail(Errc::refused, "camera.exposure_us",
-                "the fringes are too weak, one level is known to " + rounded(noise) +
-                    " rad: raise the exposure, or average more frames");
-  }
-  const std::vector<double> phases = unwrapped(beats, circle);
+  const auto circle = checked_circle(beats);
+  if (!circle) return fail(circle.error());
+  const double noise = noise_of(beats, *circle);
+  if (noise > kMostNoiseRad) return fail(too_noisy(beats, *circle, noise));
+  const std::vector<double> phases = unwrapped(beats, *circle);
   if (auto rising = check_rising(beats, phases, noise); !rising) return fail(rising.error());
   if (phases.back() < kLeastDepthRad) {
     return fail(Errc::refused, "",
@@ -173,7 +234,36 @@ Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
   return response;
 }
 
+std::array<double, 256> negative(std::array<double, 256> phase_rad) {
+  for (double& phase : phase_rad) phase = 0.0 - phase;
+  return phase_rad;
+}
+
+Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& rising,
+                                const BlazedLight& falling) {
+  const double up = 0.5 * (rising.first_dn + rising.second_dn);
+  const double down = 0.5 * (falling.first_dn + falling.second_dn);
+  const double spread = std::max(std::abs(rising.first_dn - rising.second_dn),
+                                 std::abs(falling.first_dn - falling.second_dn));
+  if (std::abs(up - down) <= std::max(kLeastBlaze * std::max(up, down), kBlazeNoises * spread)) {
+    return fail(Errc::refused, "camera.exposure_us",
+                "whether the phase rises or falls with the grey level does not show: a blazed "
+                "grating brings " +
+                    rounded(up) + " DN to the base spot if it rises, " + rounded(down) +
+                    " if it falls; run registration.run, raise the exposure, or average more "
+                    "frames");
+  }
+  if (down > up) response.phase_rad = negative(response.phase_rad);
+  return response;
+}
+
 PhaseTable linearising_lut(const std::array<double, 256>& phase_rad) {
+  if (phase_rad.back() < 0.0) {
+    PhaseTable table = linearising_lut(negative(phase_rad));
+    // The phase -2 pi k/256 is 2 pi (256 - k)/256.
+    std::reverse(table.lut.begin() + 1, table.lut.end());
+    return table;
+  }
   constexpr double kStep = kTwoPi / 256.0;
   PhaseTable table;
   const double depth = phase_rad.back();

@@ -10,6 +10,8 @@ constexpr std::size_t kLeastFrames = 8;
 constexpr double kNoises = 4.0;
 constexpr double kShare = 0.01;        // of the change
 constexpr double kLeastChange = 10.0;  // times the noise
+constexpr double kOutlier = 3.0;       // standard deviations
+constexpr double kSigmaPerMad = 1.4826;
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -36,31 +38,45 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   const double noise = std::sqrt(square / double(last.size()));
   const double change = std::abs(mean - before);
   if (!(change > kLeastChange * noise)) {
-    return fail(Errc::refused, "",
-                "the light does not follow the picture: run registration.run, raise the exposure, "
-                "and see that nothing moves");
+    return fail(
+        Errc::refused, "",
+        "the light does not follow the picture: run registration.run, raise the exposure, "
+        "see that nothing moves, and, if the SLM may take longer than was watched, watch for "
+        "longer (watch_ms)");
   }
   const double tolerance = kNoises * noise + kShare * change;
   std::size_t first = after.size();
   while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
   if (2 * first > after.size()) {
     return fail(Errc::refused, "watch_ms",
-                "the picture does not stand within the time watched: watch for longer");
+                "the picture does not stand within the first half of the time watched: watch for "
+                "longer");
   }
   return StepTime{first > 0 ? after[first - 1].begin_ms : 0.0, after[first].begin_ms};
 }
 
 SettleTime settle_time(std::span<const StepTime> steps) {
-  std::vector<double> until, width;
+  std::vector<double> until, width, off;
   SettleTime time;
   for (const StepTime& step : steps) {
     until.push_back(step.until_ms);
     width.push_back(step.until_ms - step.after_ms);
-    time.least_ms = std::max(time.least_ms, step.after_ms);
+    time.worst_ms = std::max(time.worst_ms, step.until_ms);
   }
   time.p50_ms = median(until);
-  time.max_ms = *std::max_element(until.begin(), until.end());
+  for (const double one : until) off.push_back(std::abs(one - time.p50_ms));
+  time.mad_ms = median(off);
   time.resolution_ms = median(width);
+  const double most_ms =
+      time.p50_ms + std::max(time.resolution_ms, kOutlier * kSigmaPerMad * time.mad_ms);
+  for (const StepTime& step : steps) {
+    if (step.until_ms > most_ms) {
+      ++time.outliers;
+      continue;
+    }
+    time.max_ms = std::max(time.max_ms, step.until_ms);
+    time.least_ms = std::max(time.least_ms, step.after_ms);
+  }
   time.margin_ms = std::max(2.0, 0.2 * time.max_ms);
   time.proposed_ms = std::ceil(time.max_ms + time.margin_ms);
   return time;

@@ -26,12 +26,19 @@ struct StepTime {
 /// a light that does not stand by the last half of the time watched.
 Result<StepTime> step_time(std::span<const StepFrame> frames, double before);
 
+/// The SLM is as slow at every change; a busy machine is not. A change whose until_ms is more than
+/// three standard deviations (as the median absolute deviation has them), and more than
+/// resolution_ms, above the median is an outlier, and counts for the medians and worst_ms only.
 struct SettleTime {
-  double p50_ms = 0.0, max_ms = 0.0;  ///< of until_ms
-  double least_ms = 0.0;              ///< the largest after_ms: it is no shorter
-  double resolution_ms = 0.0;         ///< median of until_ms - after_ms
-  double margin_ms = 0.0;             ///< a fifth of max_ms, 2 ms at least
-  double proposed_ms = 0.0;           ///< max_ms + margin_ms, whole milliseconds, rounded up
+  double p50_ms = 0.0;    ///< of until_ms
+  double mad_ms = 0.0;    ///< median absolute deviation from p50_ms
+  double max_ms = 0.0;    ///< largest until_ms that is no outlier
+  double worst_ms = 0.0;  ///< of all
+  int outliers = 0;
+  double least_ms = 0.0;       ///< the largest after_ms of those: it is no shorter
+  double resolution_ms = 0.0;  ///< median of until_ms - after_ms
+  double margin_ms = 0.0;      ///< a fifth of max_ms, 2 ms at least
+  double proposed_ms = 0.0;    ///< max_ms + margin_ms, whole milliseconds, rounded up
 };
 
 /// Requires at least one.

@@ -78,7 +78,8 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
     return fail(Errc::refused, "",
                 "the spot was found for " + std::to_string(n) +
                     " of the slopes only, 4 are needed: see that the region of interest holds the "
-                    "base spot and its surroundings, and that the exposure shows it");
+                    "base spot and its surroundings, and that the exposure shows it; if there is "
+                    "light, the SLM's phase may fall with the grey level: run lut.run first");
   }
   double scale = 0.0;  // so that the columns are of like size
   for (const ProbeSight& s : sights) scale = std::max(scale, norm(s.offset_cpp));

@@ -42,18 +42,36 @@ class Silence {
   std::int64_t since_ns_ = monotonic_ns();
 };
 
-Error no_frame(double waited_s) {
+}  // namespace
+
+Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
+             std::atomic<double>& progress)
+    : job_(job), deps_(deps), stop_(stop), progress_(progress) {}
+
+Error Bench::no_frame(double waited_s) const {
+  if (auto there = check_display(); !there) return there.error();
   return {Errc::unavailable, "",
           fmt::format("no settled frame came for {:.0f} s: see system.status for what the camera "
                       "and the SLM do",
                       waited_s)};
 }
 
-}  // namespace
+Result<void> Bench::check_display() const {
+  const SlmSnapshot slm = deps_.slm.snapshot();
+  if (slm.healthy) return {};
+  return fail(Errc::unavailable, "slm",
+              fmt::format("the SLM's display was lost in the middle of the job: {}; what the job "
+                          "found is dropped, start it again when system.status says that the SLM "
+                          "is connected",
+                          slm.fault));
+}
 
-Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
-             std::atomic<double>& progress)
-    : job_(job), deps_(deps), stop_(stop), progress_(progress) {}
+Result<void> Bench::check_shown(std::int64_t presented_mono_ns) const {
+  if (auto there = check_display(); !there) return there;
+  if (deps_.slm.snapshot().t_presented_mono_ns == presented_mono_ns) return {};
+  return fail(Errc::unavailable, "slm",
+              "the SLM's display was lost and came back in the middle of the job: start it again");
+}
 
 /// Who is asked may be gone by the time it answers: what it answers into is shared.
 template <class T>
@@ -75,7 +93,11 @@ Result<void> Bench::ask(const std::function<void(Instrument::Changed)>& what) {
   what([promise = std::move(promise)](const Result<SensorSnapshot>& shown) {
     promise->set_value(shown ? Result<void>{} : fail(shown.error()));
   });
-  return wait_for(std::move(future));
+  auto answer = wait_for(std::move(future));
+  if (answer || stopped()) return answer;
+  const auto there = check_display();
+  if (!there) answer.error().reason = there.error().reason;
+  return answer;
 }
 
 Result<void> Bench::show(const std::vector<Mode>& aberration) {

@@ -81,6 +81,8 @@ class Bench {
   void end_watch() { (void)deps_.light.end(); }
   /// For so long, and until `frames` more were watched.
   Result<void> watch_on(double least_ms, std::size_t frames);
+  /// Errors: the display was lost since it took, at that time, what was shown last.
+  Result<void> check_shown(std::int64_t presented_mono_ns) const;
   /// When the display took what was shown last, CLOCK_MONOTONIC ns.
   std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
 
@@ -95,6 +97,8 @@ class Bench {
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
   Result<double> try_gain(double gain_db);
+  Result<void> check_display() const;
+  Error no_frame(double waited_s) const;
   Result<void> ask(const std::function<void(Instrument::Changed)>& what);
 
   int job_;

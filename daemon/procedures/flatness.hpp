@@ -7,12 +7,13 @@
 
 namespace ovws {
 
-/// Reads the modes from where the diffraction model has the spots of a flat sensor, shows their
-/// opposite, and again, until only noise is left: near the end spots are where the model has them,
-/// so that neither the slopes nor the interference of neighbours matter. What was in force before
-/// is part of the result. Tilts are the registration's. Without an origin. Errors: those of Bench;
-/// Errc::refused without a registration, with a correction, if too few spots are found, or if it
-/// does not converge.
+/// Moves a lone bright spot's aperture all over the pupil (ScanGrid): without a slope its light
+/// falls on one and the same place, so that its displacements are the slopes. Fits the modes
+/// (ScanFit), shows their opposite, and scans again, until nothing changes. The aperture is smaller
+/// than a subaperture by as much as makes the spot about as bright as the sensor's vortices. What
+/// was in force before is part of the result. Tilts are the registration's. Without an origin.
+/// Errors: those of Bench; Errc::refused without a registration, with a correction, if too few
+/// spots are found, if no wavefront explains where they are, or if it does not converge.
 Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames);
 
 }  // namespace ovws

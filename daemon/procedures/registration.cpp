@@ -8,6 +8,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/procedures/probe_bench.hpp"
 
 namespace ovws {
 namespace {
@@ -17,7 +18,6 @@ constexpr double kMostCpp = 0.5;  // the SLM's limit
 // lambda/d, of what the map leaves: of the matched filter's places, and of the light's middles.
 constexpr double kMostResidual = 0.02, kMostRoughResidual = 0.1;
 constexpr std::size_t kMostLeftOut = 2;  // sights that may be ghosts
-constexpr double kRim = 1.5;             // lambda/d: nearer to the rim a spot is cut off
 constexpr int kMostCharge = 2;           // of a probe
 constexpr double kOtherScale = 0.03;     // relative: the spots are then looked for anew
 
@@ -50,51 +50,17 @@ double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
   return std::min(kReach * most / std::sqrt(2.0), free);
 }
 
-void subtract(Image<float>& from, const Image<float>& what) {
-  for (std::size_t k = 0; k < from.pixels.size(); ++k) from.pixels[k] -= what.pixels[k];
-}
-
 Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int charge, int frames) {
+  ProbeBench probes(bench, frames);
   std::vector<Look> looks;
-  const auto without = [](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
-    renderer.render(HologramKind::flat, {}, grey);
-  };
-  if (auto shown = bench.show(without); !shown) return fail(shown.error());
-  const auto background = bench.picture(frames);
-  if (!background) return fail(background.error());
   for (const Vec2 step : kSteps) {
     const Vec2 offset = reach * step;
-    const Probe probe{base_cpp + offset, charge};
-    const auto paint = [probe](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
-      renderer.render_probe(probe, grey);
-    };
-    if (auto shown = bench.show(paint); !shown) return fail(shown.error());
-    auto picture = bench.picture(frames);
-    if (!picture) return fail(picture.error());
-    if (picture->pixels.size() != background->pixels.size()) {
-      return fail(Errc::refused, "camera", "the camera's region changed meanwhile");
-    }
-    subtract(*picture, *background);
-    looks.push_back({offset, std::move(*picture)});
+    auto light = probes.light({base_cpp + offset, charge});
+    if (!light) return fail(light.error());
+    looks.push_back({offset, std::move(*light)});
     bench.tell(double(looks.size()) / (kSteps.size() + 1));
   }
   return looks;
-}
-
-bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
-  return at.x < rim_px || at.y < rim_px || at.x > light.width - 1.0 - rim_px ||
-         at.y > light.height - 1.0 - rim_px;
-}
-
-/// A picture has NaN there.
-bool is_saturated(const Image<float>& light, Vec2 at, double reach_px) {
-  const int reach = int(std::ceil(reach_px)), cx = int(at.x), cy = int(at.y);
-  for (int y = std::max(0, cy - reach); y < std::min(light.height, cy + reach + 1); ++y) {
-    for (int x = std::max(0, cx - reach); x < std::min(light.width, cx + reach + 1); ++x) {
-      if (std::isnan(light.at(x, y))) return true;
-    }
-  }
-  return false;
 }
 
 /// Where the light's middle is, and where the matched filter finds the spot.
@@ -106,15 +72,11 @@ Result<Sights> sights_of(const Bench& bench, const std::vector<Look>& looks,
   Sights sights;
   for (const Look& one : looks) {
     if (bench.stopped()) return fail(Errc::refused, "", "it was told to end");
-    const auto rough = spot_in(one.light, spots);
-    if (!rough || is_at_rim(one.light, *rough, kRim * spots.lambda_d_px)) continue;
-    if (is_saturated(one.light, *rough, spots.lambda_d_px)) {
-      return fail(Errc::refused, "camera.exposure_us",
-                  "the spot is saturated: lower the exposure or the gain");
-    }
-    sights.rough.push_back({one.offset_cpp, *rough});
-    const auto fine = find_probe(one.light, spots, *rough);
-    if (fine) sights.fine.push_back({one.offset_cpp, *fine});
+    const auto spot = probe_spot(one.light, spots);
+    if (!spot) return fail(spot.error());
+    if (!*spot) continue;
+    sights.rough.push_back({one.offset_cpp, (*spot)->rough});
+    if ((*spot)->fine) sights.fine.push_back({one.offset_cpp, *(*spot)->fine});
   }
   return sights;
 }

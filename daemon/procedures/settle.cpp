@@ -74,8 +74,10 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
     bench.watch(moves.places_px, moves.radius_px);
     if (auto seen = bench.watch_on(0.0, kBefore); !seen) return fail(seen.error());
     if (auto shown = show(std::size_t(k % 2)); !shown) return fail(shown.error());
+    const std::int64_t presented_ns = bench.presented_mono_ns();
     if (auto seen = bench.watch_on(run.watch_ms, kAfter); !seen) return fail(seen.error());
-    const auto frames = after(bench.watched(), bench.presented_mono_ns());
+    if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
+    const auto frames = after(bench.watched(), presented_ns);
     // The first one: a camera that stamps late may place the last one before the change behind it.
     const auto step = step_time(frames, frames.front().light);
     if (!step) return fail(step.error());

@@ -51,7 +51,7 @@ void read(ObjectReader& r, SlmConfig& slm) {
   r.integer("height", slm.geometry.height_px, kSlmSizePx.min, kSlmSizePx.max);
   r.number("pitch_um", slm.geometry.pitch_um, kSlmPitchUm.min, kSlmPitchUm.max);
   r.number("gamma", slm.gamma, 0.1, 10.0);
-  r.number("depth_waves", slm.depth_waves, 0.0, 4.0);
+  r.number("depth_waves", slm.depth_waves, -4.0, 4.0);
   r.number("flatness_rms_waves", slm.flatness_rms_waves, 0.0, 10.0);
   r.number("flatness_cycles", slm.flatness_cycles, 0.5, 20.0);
   r.integer("flatness_seed", slm.flatness_seed, 0, 1'000'000);

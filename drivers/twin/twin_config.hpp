@@ -22,8 +22,9 @@ struct CameraConfig {
   int sensor_height = 1024;
 };
 
-/// What the SLM really does with a grey level g: phase = 2 pi depth_waves (g / 256)^gamma, and the
-/// error of its surface on top. The daemon does not know it.
+/// What the SLM really does with a grey level g: phase = 2 pi depth_waves (g / 256)^gamma, which
+/// falls if depth_waves is negative, and the error of its surface on top. The daemon does not know
+/// it.
 struct SlmConfig {
   std::string display = "DUMMY1";  ///< output name that the X server gives
   SlmGeometry geometry;            ///< keys width, height, pitch_um

@@ -141,6 +141,18 @@ TEST_F(Slm, AFlatnessIsOfItsOpticsATableIsNot) {
   EXPECT_TRUE(started()->archive.load_lut());
 }
 
+TEST_F(Slm, ATableOfAPhaseThatFallsIsFoundAgain) {
+  MeasuredLut table = lut();
+  table.response.phase_rad = negative(table.response.phase_rad);
+  table.table = linearising_lut(table.response.phase_rad);
+  started()->archive.keep(table);
+  const auto found = started()->archive.load_lut();
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->response.falls());
+  EXPECT_EQ(found->response.phase_rad, table.response.phase_rad);
+  EXPECT_EQ(found->table.lut, table.table.lut);
+}
+
 TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
   MeasuredLut table = lut();
   table.response.phase_rad[100] = 0.0;  // falls

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "core/base/crc32.hpp"
-
 namespace ovws {
 namespace {
 
@@ -57,6 +55,9 @@ TEST(SettleTime, ProposesTheLongestAndAMargin) {
   const SettleTime time = settle_time(steps);
   EXPECT_EQ(time.p50_ms, 15.0);
   EXPECT_EQ(time.max_ms, 19.0);
+  EXPECT_EQ(time.worst_ms, 19.0);
+  EXPECT_EQ(time.outliers, 0);
+  EXPECT_EQ(time.mad_ms, 4.0);
   EXPECT_EQ(time.least_ms, 9.0);
   EXPECT_EQ(time.resolution_ms, 10.0);
   EXPECT_DOUBLE_EQ(time.margin_ms, 3.8);
@@ -64,10 +65,23 @@ TEST(SettleTime, ProposesTheLongestAndAMargin) {
   EXPECT_EQ(settle_time(std::vector<StepTime>{{0.0, 1.0}}).proposed_ms, 3.0);
 }
 
-TEST(Crc32, IsThatOfZlib) {
-  constexpr std::array<std::uint8_t, 9> kCheck{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
-  EXPECT_EQ(crc32(kCheck), 0xcbf43926U);
-  EXPECT_EQ(crc32({}), 0U);
+/// Of 20 changes before a camera of 10 ms, the frames of six came late.
+TEST(SettleTime, TakesNoBusyMachineForASlowSlm) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> phase(0.0, 10.0), late(20.0, 150.0);
+  std::vector<StepTime> steps;
+  for (int k = 0; k < 20; ++k) {
+    const double until = 35.0 + phase(random) + (k % 3 == 1 && k < 18 ? late(random) : 0.0);
+    steps.push_back({until - 10.0, until});
+  }
+  const SettleTime time = settle_time(steps);
+  EXPECT_EQ(time.outliers, 6);
+  EXPECT_GT(time.worst_ms, 80.0);
+  EXPECT_GE(time.max_ms, 35.0);
+  EXPECT_LE(time.max_ms, 45.0);
+  EXPECT_LE(time.least_ms, 35.0);
+  EXPECT_GE(time.proposed_ms, 42.0);
+  EXPECT_LE(time.proposed_ms, 54.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "proto/experiment.hpp"
@@ -192,8 +193,8 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(decode_loop_open({{"keep", false}}), false);
   EXPECT_EQ(error_of(decode_registration_run({{"frames", 101}})).field, "frames");
   EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
-  EXPECT_EQ(decode_flatness_run(json::object()), 30);
-  EXPECT_EQ(error_of(decode_flatness_run({{"frames", 1}})).field, "frames");
+  EXPECT_EQ(decode_flatness_run(json::object()), 5);
+  EXPECT_EQ(error_of(decode_flatness_run({{"frames", 0}})).field, "frames");
   EXPECT_EQ(decode_slm_settle(json::object())->repetitions, 20);
   EXPECT_EQ(error_of(decode_slm_settle({{"repetitions", 2}})).field, "repetitions");
   EXPECT_EQ(error_of(decode_slm_settle({{"watch_ms", 1}})).field, "watch_ms");
@@ -269,6 +270,51 @@ TEST(GainSweep, NamesWhatIsWrong) {
   EXPECT_EQ(field({{"arms", {{{"charge", 1}, {"tracker", "lgg"}}}}}), "arms[0].tracker");
   EXPECT_EQ(field({{"aberrations", {{{"modes", {{{"j", 3}}}}}}}}), "aberrations[0].modes[0].waves");
   EXPECT_EQ(error_of(decode_experiment_cell({{"cell", -1}})).field, "cell");
+}
+
+json numbers_to(std::size_t count) {
+  json numbers = json::array();
+  for (std::size_t k = 0; k < count; ++k) numbers.push_back(k);
+  return numbers;
+}
+
+/// Of different charge and tracker.
+json arms_of(std::size_t count) {
+  json arms = json::array();
+  for (std::size_t k = 0; k < count; ++k) {
+    arms.push_back({{"charge", int(k % 9)}, {"tracker", k < 9 ? "lg" : "matched"}});
+  }
+  return arms;
+}
+
+json aberrations_of(std::size_t count) {
+  return json(count, {{"modes", {{{"j", 3}, {"waves", 0.1}}}}});
+}
+
+TEST(GainSweep, HasSixteenThousandCellsAtMost) {
+  const json largest{
+      {"gains_db", numbers_to(64)}, {"arms", arms_of(16)}, {"aberrations", aberrations_of(16)}};
+  const auto sweep = decode_gain_sweep(largest);
+  ASSERT_TRUE(sweep) << sweep.error().reason;
+  EXPECT_EQ(sweep->cells(), 16384U);
+  const GainSweep::Cell last = sweep->cell(16383);
+  EXPECT_EQ((std::array{last.arm, last.aberration, last.gain}),
+            (std::array<std::size_t, 3>{15, 15, 63}));
+  EXPECT_EQ(decode_experiment_cell({{"cell", 16383}}), 16383);
+  const auto refusal = [&largest](const char* key, const json& more) {
+    json params = largest;
+    params[key] = more;
+    const Error error = error_of(decode_gain_sweep(params));
+    EXPECT_EQ(error.field, key);
+    return error.reason;
+  };
+  EXPECT_EQ(refusal("gains_db", numbers_to(65)), "must be an array of 1 to 64 numbers");
+  EXPECT_EQ(refusal("arms", arms_of(17)), "must be an array of at most 16 objects");
+  EXPECT_EQ(refusal("aberrations", aberrations_of(17)),
+            "must be an array of 1 to 16 objects, each as the params of aberration.set");
+  const Error beyond = error_of(decode_experiment_cell({{"cell", 16384}}));
+  EXPECT_EQ(beyond.field, "cell");
+  EXPECT_EQ(beyond.reason, "must be a whole number from 0 to 16383, not 16384");
 }
 
 TEST(GainSweep, TellsSaturatedAndUndeterminedFramesApart) {

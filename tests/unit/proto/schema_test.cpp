@@ -74,7 +74,7 @@ TEST(Schemas, StateTheRangesThatAreUsed) {
   expect_range(properties("registration.run").at("frames"), limits::kPictureFrames);
   expect_range(properties("lut.run").at("levels"), limits::kGreyLevels);
   expect_range(properties("lut.run").at("frames"), limits::kPictureFrames);
-  expect_range(properties("flatness.run").at("frames"), limits::kPushFrames);
+  expect_range(properties("flatness.run").at("frames"), limits::kPictureFrames);
   expect_range(properties("slm.settle").at("repetitions"), limits::kSettleRepetitions);
   expect_range(properties("slm.settle").at("watch_ms"), limits::kWatchMs);
   const json loop = properties("loop.close");

@@ -1,0 +1,110 @@
+#include "core/wavefront/surface_scan.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/optics/zernike.hpp"
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kRings = 4;
+constexpr int kOrder = 10;  // radial
+constexpr int kModes = kOrder * (kOrder + 3) / 2;
+// The prior's weight of a mode of radial order kPriorOrder, relative to that of its slopes. Hardly
+// anything depends on it: a third as much changes a mode by 0.001 waves of 0.3.
+constexpr double kPrior = 1e-3;
+constexpr double kPriorOrder = 4.0;
+constexpr double kLeastFound = 0.9;
+
+Lattice lattice_of(const ScanGrid& grid) {
+  Lattice lattice;
+  lattice.diameter_px = grid.probe_diameter_px;
+  for (const Vec2 centre : grid.centres_px) lattice.subapertures.push_back({centre, {}});
+  return lattice;
+}
+
+/// Each mode's weight against being there.
+Eigen::VectorXd prior(const std::vector<int>& modes_j, const Eigen::MatrixXd& slopes) {
+  const double scale = slopes.colwise().norm().mean();
+  Eigen::VectorXd weights(slopes.cols());
+  for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    const double order = zernike_index(modes_j[std::size_t(k)]).n / kPriorOrder;
+    weights[k] = kPrior * scale * scale * std::pow(order, 4.0);
+  }
+  return weights;
+}
+
+}  // namespace
+
+ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px) {
+  ScanGrid grid{pupil_diameter_px, probe_diameter_px, {}};
+  const double reach = 0.5 * (pupil_diameter_px - probe_diameter_px);
+  grid.centres_px.push_back({});
+  for (int ring = 1; ring <= kRings; ++ring) {
+    const int places = 6 * ring;
+    for (int k = 0; k < places; ++k) {
+      const double turn = 2.0 * std::numbers::pi * (k + 0.5 * (ring & 1)) / places;
+      grid.centres_px.push_back(reach * ring / kRings * Vec2{std::cos(turn), std::sin(turn)});
+    }
+  }
+  return grid;
+}
+
+ScanFit::ScanFit(ScanGrid grid, const PxPerCycle& px_per_cycle)
+    : grid_(std::move(grid)), modes_j_(kModes) {
+  std::iota(modes_j_.begin(), modes_j_.end(), 1);
+  SensorConfig sensor;
+  sensor.charge = 0;
+  sensor.pupil_diameter_px = grid_.pupil_diameter_px;
+  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_,
+                         slope_model(0, {TrackerKind::matched}), px_per_cycle);
+}
+
+Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_px,
+                                    const std::vector<double>& shown) const {
+  const auto spots = Eigen::Index(at_px.size());
+  Vec2 sum;
+  int found = 0;
+  for (const auto& at : at_px) {
+    if (!at) continue;
+    sum = sum + *at;
+    ++found;
+  }
+  if (found < kLeastFound * double(spots)) {
+    return fail(Errc::refused, "",
+                std::to_string(spots - found) + " of " + std::to_string(spots) +
+                    " places of the pupil show no spot: see that the light reaches all of it, the "
+                    "exposure, that the region of interest holds the base spot, and that the "
+                    "camera stands as it was registered (registration.run)");
+  }
+  const Vec2 mean = (1.0 / found) * sum;
+  Eigen::MatrixXd slopes = slopes_;
+  Eigen::VectorXd moved = Eigen::VectorXd::Zero(2 * spots);
+  for (Eigen::Index i = 0; i < spots; ++i) {
+    const auto& at = at_px[std::size_t(i)];
+    if (!at) {
+      slopes.middleRows(2 * i, 2).setZero();
+      continue;
+    }
+    moved[2 * i] = at->x - mean.x;
+    moved[2 * i + 1] = at->y - mean.y;
+  }
+  const auto on_top = Eigen::Map<const Eigen::VectorXd>(shown.data(), Eigen::Index(shown.size()));
+  const Eigen::VectorXd without = moved - slopes * on_top;
+  Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  normal.diagonal() += prior(modes_j_, slopes);
+  const Eigen::MatrixXd inverse = normal.ldlt().solve(slopes.transpose());
+  const Eigen::VectorXd waves = inverse * without;
+  const double left = (without - slopes * waves).norm();
+  // Numbers measured, less those that the modes and the mean place took.
+  const double free = 2.0 * found - 2.0 - (inverse * slopes).trace();
+  const Eigen::VectorXd errors = left / std::sqrt(free) * inverse.rowwise().norm();
+  return Found{
+      {waves.begin(), waves.end()}, {errors.begin(), errors.end()}, left / std::sqrt(2.0 * found)};
+}
+
+}  // namespace ovws

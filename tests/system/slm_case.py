@@ -1,0 +1,31 @@
+"""A bench whose SLM the instrument measures, and the truth of the twin."""
+from case import BenchCase, Client, wait_for
+
+
+class SlmCase(BenchCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}}
+
+    def start_daemon(self):
+        if "state" not in self.daemon_config:
+            self.daemon_config = self.daemon_config | {"state": {"directory": str(self.bench.directory / "state")}}
+        super().start_daemon()
+
+    def start(self):
+        super().start()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def judge(self, pattern="sensor"):
+        return self.twin.call("twin.get", {"judge": pattern})
+
+    def failure(self, method, params=None):
+        """What a job of this method, which must fail, says."""
+        job = self.call(method, params)["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "failed", ended)
+        return ended["error"]["message"]
+
+    def restart(self):
+        self.bench.stop("ovwsd")
+        self.start_daemon()
+        self.wait_until("running")

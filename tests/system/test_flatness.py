@@ -1,0 +1,77 @@
+"""The instrument measures how flat its SLM is, against the truth of the twin."""
+import math
+
+from case import Client, main, wait_for
+from slm_case import SlmCase
+
+
+class Flatness(SlmCase):
+    """A surface finer than the sensor's modes, before a camera that is turned and mirrored."""
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 100}}
+    twin_config = {"noise": "pool", "camera": {"rotation_deg": 90.0, "mirror": "x"},
+                   "slm": {"flatness_rms_waves": 0.3, "flatness_cycles": 2.5}}
+
+    def measure(self):
+        """Runs it on what is shown; the truth, and what was found."""
+        before = self.judge()
+        found = self.run_job("flatness.run", {"frames": 2}, 120.0)["result"]
+        after = self.judge()
+        errors = {mode["j"]: mode["waves"] - before["flatness_modes"][mode["j"]] for mode in found["modes"]
+                  if mode["j"] < 19}
+        rms = math.sqrt(sum(error ** 2 for error in errors.values()))
+        truth = math.sqrt(sum(before["flatness_modes"][j] ** 2 for j in errors))
+        print(f"\n  flatness {truth:.4f} waves RMS in {len(errors)} modes: error {rms:.4f} RMS, largest {max(map(abs, errors.values())):.4f}, "
+              f"{found['iterations']} scans, the last {found['residual_rms_waves']:.4f} from the one before; the light "
+              f"{before['wavefront'].get('rms_waves')} -> {after['wavefront'].get('rms_waves')}")
+        print("   ", {j: round(error, 4) for j, error in errors.items()})
+        self.assertEqual(len(errors), 16)
+        self.assertLess(max(map(abs, errors.values())), 0.005)
+        self.assertLess(after["wavefront"]["rms_waves"], 0.01)
+        self.assertGreater(truth, 0.1)
+        return found
+
+    def test_is_measured_kept_and_cleared(self):
+        self.assertIn("registration.run first", self.failure("flatness.run"))
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        found = self.measure()
+        self.assertEqual(self.call("flatness.get"), found)
+        self.restart()
+        self.assertEqual(self.call("flatness.get"), found)
+        self.check_another_camera(found)
+        self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
+        self.assertIn("correction.clear", self.failure("flatness.run"))
+        self.take_reference(10)
+        self.call("loop.close")
+        self.assertEqual(self.refused("flatness.run").code, -32000)
+        self.call("loop.open")
+        self.assertFalse(self.call("flatness.clear")["measured"])
+        self.call("correction.clear")
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 200.0}})
+        self.assertIn("registration.run", self.failure("flatness.run"))
+
+    def check_another_camera(self, found):
+        """Another one stands behind other optics: what was measured with the one of before is not used, and comes back with it."""
+        events = self.stream("event")
+        self.exchange_camera({"serial": "TWIN0002"})
+        told = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "another camera" in e["text"] and e, 20.0, "an event")
+        self.assertEqual((told["severity"], told["data"]["used"]), ("warning", False))
+        wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
+        self.assertTrue((self.bench.directory / "state" / "flatness.slm.json").exists())
+        self.restart()
+        wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
+        self.exchange_camera({})
+        self.restart()
+        self.assertEqual(self.call("flatness.get"), found)
+        self.assertTrue(self.call("registration.get")["registered"])
+
+    def exchange_camera(self, camera):
+        self.twin.close()
+        self.bench.stop("ovws-twin")
+        self.bench.start_twin(self.twin_config | {"camera": self.twin_config["camera"] | camera})
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        self.wait_until("running")
+
+
+if __name__ == "__main__":
+    main()

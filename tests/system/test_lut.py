@@ -1,0 +1,154 @@
+"""The instrument measures the look-up table of its SLM, against the truth of the twin."""
+import ctypes
+import math
+import os
+import subprocess
+
+from case import main
+from slm_case import SlmCase
+
+TWO_PI = 2.0 * math.pi
+
+
+def own_mounts():
+    """From now on what this process and its children mount nobody else sees, and it is gone with them."""
+    clone_newns = 0x00020000
+    if ctypes.CDLL(None, use_errno=True).unshare(clone_newns) != 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
+
+
+def lut_error_rad(grey_levels, truth_waves):
+    """How far the phases shown are from those wanted, RMS over what is in reach, free of piston."""
+    falls = truth_waves[255] < 0.0
+    wanted = [k / 256 for k in range(256) if (1.0 - k / 256 if falls and k > 0 else k / 256) <= abs(truth_waves[255])]
+    off = [math.remainder(truth_waves[grey_levels[round(256 * phase)]] - phase, 1.0) for phase in wanted]
+    mean = sum(off) / len(off)
+    return TWO_PI * math.sqrt(sum((x - mean) ** 2 for x in off) / len(off))
+
+
+class LookUpTable(SlmCase):
+    def measure(self, depth_waves):
+        truth = self.judge()
+        before, path = self.call("lut.get"), truth["lut_waves"]
+        first_order = truth["wavefront"].get("first_order", math.nan)
+        self.assertEqual((before["source"], before["measured"]), ("linear", False))
+        found = self.run_job("lut.run", {"levels": 17, "frames": 2}, 60.0)["result"]
+        self.assertEqual(self.call("lut.get"), found)
+        after = self.judge()["wavefront"]["first_order"]
+        curve = math.sqrt(sum((p - TWO_PI * w) ** 2 for p, w in zip(found["phase_rad"], path)) / 256)
+        error = lut_error_rad(found["grey_levels"], path)
+        print(f"\n  depth {depth_waves} waves, found {found['depth_rad'] / TWO_PI:.4f}: response {curve:.4f} rad, LUT "
+              f"{lut_error_rad(before['grey_levels'], path):.3f} -> {error:.4f} rad RMS, first order {first_order:.4f} -> {after:.4f}, "
+              f"noise {found['noise_rad']:.4f} rad")
+        self.assertLess(error, 0.05)
+        self.assertLess(curve, 0.05)
+        self.assertAlmostEqual(found["depth_rad"], abs(TWO_PI * path[255]), delta=0.05)
+        self.assertEqual(found["falls"], depth_waves < 0.0)
+        self.assertEqual(found["reaches_2pi"], abs(depth_waves) >= 1.0)
+        self.assertEqual(found["reason"] is None, abs(depth_waves) >= 1.0)
+        return found, first_order, after
+
+
+class ShallowSlm(LookUpTable):
+    twin_config = {"noise": "pool", "slm": {"gamma": 1.4, "depth_waves": 0.9}}
+
+    def check_clear_that_fails(self, found):
+        """Neither in force nor on the disk does anything change."""
+        kept = self.bench.directory / "state" / "lut.slm.json"
+        aside = kept.with_suffix(".aside")
+        kept.rename(aside)
+        (kept / "x").mkdir(parents=True)  # what nobody can remove as a file
+        self.refused("lut.clear")
+        self.assertEqual(self.call("lut.get"), found)
+        self.assertTrue(self.call("reference.get")["taken"])
+        (kept / "x").rmdir()
+        kept.rmdir()
+        aside.rename(kept)
+        display = int(self.bench.display[1:])
+        self.bench.stop("xorg")
+        self.wait_until("waiting_for_display")
+        self.refused("lut.clear")
+        self.assertEqual(self.call("lut.get"), found)
+        self.bench.start_display(display)
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+
+    def test_is_measured_kept_and_cleared(self):
+        self.take_reference(10)
+        linear = self.call("reference.get")
+        found, before, after = self.measure(0.9)
+        self.assertGreater(after, before + 0.05)
+        self.assertFalse(self.call("reference.get")["taken"], "it belongs to the LUT of before")
+        self.take_reference(10)
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+        self.assertTrue(self.call("reference.get")["taken"], "it belongs to the LUT that is in force again")
+        self.assertIsNotNone(found["sha256"])
+        self.check_clear_that_fails(found)
+        cleared = self.call("lut.clear")
+        self.assertEqual((cleared["source"], cleared["grey_levels"]), ("linear", list(range(256))))
+        self.assertEqual(self.call("reference.get"), linear, "it belongs to the LUT that is in force again")
+        self.twin.call("twin.set", {"peak_electrons": 600000})
+        self.assertIn("saturated", self.failure("lut.run"))
+        self.assertFalse(self.call("lut.get")["measured"])
+
+
+class SteepSlm(LookUpTable):
+    """A gamma of 0.4: grey level 1 is at a tenth of a turn, and no table shows what lies before it."""
+    twin_config = {"noise": "pool", "slm": {"gamma": 0.4, "depth_waves": 1.0}}
+
+    def test_is_measured_where_it_is_steep(self):
+        path = self.judge()["lut_waves"]
+        found = self.run_job("lut.run", {"frames": 2}, 90.0)["result"]
+        off = [abs(p - TWO_PI * w) for p, w in zip(found["phase_rad"], path)]
+        curve = math.sqrt(sum(x * x for x in off) / 256)
+        says = math.sqrt(sum(x * x for x in found["standard_error_rad"]) / 256)
+        nearest = [min(range(256), key=lambda g, k=k: abs(math.remainder(path[g] - k / 256, 1.0))) for k in range(256)]
+        error, best = lut_error_rad(found["grey_levels"], path), lut_error_rad(nearest, path)
+        print(f"\n  gamma 0.4, {found['levels']} levels: response {curve:.4f} rad RMS, largest {max(off):.4f}, says {says:.4f}, "
+              f"LUT {error:.4f} rad RMS, best {best:.4f}, noise {found['noise_rad']:.4f}")
+        self.assertGreater(found["levels"], 33)
+        self.assertLess(curve, 0.02)
+        self.assertLess(curve, 3.0 * says)
+        self.assertLess(error, best + 0.01)
+
+
+class FallingSlm(LookUpTable):
+    """Without a table its light goes to the other side of the zeroth order, and the camera sees next to nothing."""
+    twin_config = {"noise": "pool", "slm": {"gamma": 1.4, "depth_waves": -1.2}}
+
+    def test_is_found_falling(self):
+        found, before, after = self.measure(-1.2)
+        self.assertGreater(after, 0.98)
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+        self.check_read_only(found)
+
+    def check_read_only(self, found):
+        """What is kept is used, although nothing new can be kept."""
+        state = self.bench.directory / "state"
+        own_mounts()
+        subprocess.run(["mount", "--bind", state, state], check=True)
+        self.addCleanup(subprocess.run, ["umount", state], check=False)
+        subprocess.run(["mount", "-o", "remount,bind,ro", state], check=True)
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+        store = self.call("system.status")["store"]
+        self.assertEqual(store["directory"], str(state))
+        self.assertIn("mount it for writing", store["reason"])
+        self.refused("lut.clear")
+        self.assertEqual(self.call("lut.get"), found)
+        again = self.run_job("lut.run", {"levels": 17, "frames": 2}, 60.0)["result"]
+        self.assertTrue(again["falls"])
+        self.assertIsNone(again["sha256"])
+        subprocess.run(["mount", "-o", "remount,bind,rw", state], check=True)
+        self.take_reference(10)
+        self.assertIsNotNone(self.call("reference.get")["sha256"])
+        self.restart()
+        self.assertEqual(self.call("lut.get"), found)
+        self.assertIsNone(self.call("system.status")["store"]["reason"])
+
+
+if __name__ == "__main__":
+    main()
