@@ -10,6 +10,7 @@
 #include "daemon/mode_operators.hpp"
 #include "daemon/procedures/sweep_bench.hpp"
 #include "daemon/procedures/sweep_frames.hpp"
+#include "daemon/procedures/sweep_motion.hpp"
 #include "daemon/store/encoding.hpp"
 
 namespace ovws {
@@ -104,11 +105,14 @@ class Sweep {
 
   /// Still the bench of the run?
   Result<void> check_bench() const;
+  /// Nothing on the table moved since the run's first reference? One arm's spots tell it for all.
+  Result<void> check_table();
   Result<void> measure_reference(int arm);
   Result<void> measure_cell(int number);
 
  private:
   Result<void> find_spots();
+  Result<std::vector<SeriesFrame>> reference_series(const SweepArm& arm);
   Bench& bench_;
   const SlmGeometry& slm_;
   const ExperimentRun& run_;
@@ -134,17 +138,39 @@ Result<void> Sweep::find_spots() {
   return {};
 }
 
+/// As the arm's tracker finds the spots, without an aberration, at the reference's gain.
+Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
+  if (auto shown = bench_.show(sensor_of(arm), {}); !shown) return fail(shown.error());
+  if (auto set = set_gain(bench_, sweep_.reference_gain_db); !set) return fail(set.error());
+  if (auto found = find_spots(); !found) return fail(found.error());
+  return bench_.series(sweep_.reference_frames);
+}
+
+/// Fixed cells follow their spots by a part only, and are compared as their tracker found them.
+Result<void> Sweep::check_table() {
+  for (int arm = 0; arm < int(sweep_.arms.size()); ++arm) {
+    const SweepArm& with = sweep_.arms[std::size_t(arm)];
+    const json reference = archive_.reference(arm);
+    const auto before_px =
+        reference_places(reference, arm, with.fixed_cell ? "cells_px" : "positions_px");
+    if (!before_px) continue;
+    const auto frames = reference_series(with);
+    if (!frames) return fail(frames.error());
+    const SensorSnapshot now = bench_.sensor();
+    return check_unmoved(spot_motion(*before_px, reference.value("frames", 1), *frames),
+                         kMostMotion * lambda_d_px(now.optics, slm_, now.sensor),
+                         fmt::format("charge {}, {}", with.charge, sweep_tracker_name(with)));
+  }
+  return {};
+}
+
 Result<void> Sweep::measure_reference(int arm) {
   if (reference_places(archive_.reference(arm), arm)) return {};
   const SweepArm& with = sweep_.arms[std::size_t(arm)];
   ReferenceMeasured measured;
   measured.arm = arm;
   measured.t_begun_ns = utc_ns();
-  if (auto shown = bench_.show(sensor_of(with), {}); !shown) return shown;
-  const auto gain_db = set_gain(bench_, sweep_.reference_gain_db);
-  if (!gain_db) return fail(gain_db.error());
-  if (auto found = find_spots(); !found) return found;
-  auto frames = bench_.series(sweep_.reference_frames);
+  auto frames = reference_series(with);
   if (frames && with.fixed_cell) {
     measured.cells_px = mean_positions(*frames);
     if (lost_of(measured.cells_px) == 0) {
@@ -152,7 +178,7 @@ Result<void> Sweep::measure_reference(int arm) {
     }
   }
   if (!frames) return fail(frames.error());
-  measured.gain_db = *gain_db;
+  measured.gain_db = bench_.camera().settings.gain_db;
   measured.frames = int(frames->size());
   measured.saturated_frames = count_saturated(*frames);
   measured.levels = levels_of(*frames);
@@ -223,6 +249,7 @@ Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const Expe
   const bool complete =
       std::all_of(order.begin(), order.end(), [&](int cell) { return archive.has_cell(cell); });
   if (complete) return {};
+  if (auto unmoved = sweep.check_table(); !unmoved) return unmoved;
   for (int arm = 0; arm < int(run.request.arms.size()); ++arm) {
     if (auto measured = sweep.measure_reference(arm); !measured) return measured;
   }

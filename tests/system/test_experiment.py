@@ -92,9 +92,16 @@ class Experiment(BenchCase):
         ended = self.job_ended(job)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "camera.exposure_us"))
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 3.0)
+        findings = {path.name: path.read_bytes() for path in self.folder.iterdir()}
+        study = self.study(QUICK)
+        output, _ = study.communicate(timeout=60)
+        self.assertEqual(study.returncode, 1, output)
+        self.assertIn("saturated", output)
+        self.assertEqual({path.name: path.read_bytes() for path in self.folder.iterdir()}, findings)
 
     def test_nothing_is_lost(self):
         before = self.everything()
+        others = self.leave_another_run_in_the_folder()
         study = self.study(QUICK)
         self.addCleanup(study.stdout.close)
         wait_for(lambda: self.cells_done() >= 2, 30.0, "two cells")
@@ -102,6 +109,8 @@ class Experiment(BenchCase):
         output, _ = study.communicate(timeout=20)
         self.assertEqual(study.returncode, 1, output)
         self.assertIn("the same command goes on", output)
+        self.assertEqual({path.name for path in self.folder.iterdir()}, {"cells.csv", "frames.csv", *others})
+        self.assertNotIn("of another run", (self.folder / "cells.csv").read_text() + (self.folder / "frames.csv").read_text())
         self.assertEqual(self.everything(), before)
         after_cancel = self.kept_cells()
         self.assertGreaterEqual(len(after_cancel), 2)
@@ -146,6 +155,71 @@ class Experiment(BenchCase):
         self.assertEqual(self.kept_cells(), kept)
         self.assertEqual({name: (self.folder / name).read_bytes() for name in written}, written)
         print(f"  all of it again in {time.monotonic() - begun:.1f} s")
+
+    def leave_another_run_in_the_folder(self):
+        """And what is none of its files; returns the names of these."""
+        others = ("experiment-notes.txt", "experiment-variance-2.csv", "localisation.png", "localisation.gnuplot")
+        self.folder.mkdir()
+        for name in (*others, "cells.csv", "frames.csv", "table.txt", "summary.json", "experiment-residual.png", "experiment-images-charge--1.png",
+                     "experiment-variance-16.csv", "experiment-variance-16.gnuplot", "experiment-variance-16.png"):
+            (self.folder / name).write_text("of another run")
+        return others
+
+    def moved_by(self, twin, change):
+        """Where the twin's truth has the spots after that change, less where it had them: pixels, the mean."""
+        def places():
+            return [(spot["x"], spot["y"]) for spot in twin.call("twin.get")["spots"]]
+        before = places()
+        twin.call("twin.set", change)
+        moved = [(x - x0, y - y0) for (x, y), (x0, y0) in zip(places(), before, strict=True)]
+        return [sum(axis) / len(moved) for axis in zip(*moved, strict=True)]
+
+    def test_what_moved_meanwhile_is_seen(self):
+        before = self.everything()
+        job = self.call("experiment.gain_sweep", QUICK)["job"]
+        wait_for(lambda: self.cells_done() >= 2, 30.0, "two cells")
+        self.call("job.cancel", {"job": job})
+        self.job_ended(job)
+        kept = self.kept_cells()
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        x, y = twin.call("twin.get")["geometry"]["centre_px"]
+        there = {"geometry": {"centre_px": [x, y]}, "aberration": []}
+        moves = ({"geometry": {"centre_px": [x + 1.0, y]}}, {"aberration": [{"n": 1, "m": -1, "waves": 0.2}]},
+                 {"geometry": {"rotation_deg": 0.6}})  # about the base spot: on average not by far
+        for move in moves:
+            with self.subTest(move):
+                truth = self.moved_by(twin, move)
+                ended = self.job_ended(self.call("experiment.gain_sweep", QUICK)["job"])
+                self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "anew"), ended)
+                message = ended["error"]["message"]
+                told = re.search(r"subaperture \d+ by ([\d.]+) px, all spots by \(([-+\d.]+), ([-+\d.]+)\) px on average, and ([\d.]+) px", message)
+                self.assertIsNotNone(told, message)
+                largest, *mean, limit = map(float, told.groups())
+                print(f"\n  {move}: truth ({truth[0]:+.2f}, {truth[1]:+.2f}) px; {message}")
+                for axis in (0, 1):
+                    self.assertAlmostEqual(mean[axis], truth[axis], delta=0.1)
+                self.assertGreater(largest, limit)
+                self.assertEqual(self.kept_cells(), kept)
+                self.assertEqual(self.cells_done(), len(kept))
+                self.assertEqual(self.everything(), before)
+                twin.call("twin.set", {**there, "geometry": {**there["geometry"], "rotation_deg": 0}})
+        study = self.study_of_a_moved_bench(twin, moves[0])
+        self.assertIn('"anew": true', study)
+        self.assertNotIn("the same command goes on", study)
+        twin.call("twin.set", {"geometry": {"centre_px": [x + 0.2, y]}})  # less than counts
+        ended = self.job_ended(self.call("experiment.gain_sweep", QUICK)["job"])
+        self.assertEqual(ended["state"], "done", ended)
+        after = self.kept_cells()
+        self.assertEqual(len(after), 12)
+        self.assertEqual({name: after[name] for name in kept}, kept)
+
+    def study_of_a_moved_bench(self, twin, move):
+        twin.call("twin.set", move)
+        study = self.study(QUICK)
+        output, _ = study.communicate(timeout=30)
+        self.assertEqual(study.returncode, 1, output)
+        return output
 
 
 if __name__ == "__main__":

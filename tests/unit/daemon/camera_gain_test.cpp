@@ -1,0 +1,183 @@
+/// What a job does to the camera's gain, by a camera that refuses one. This program has its own
+/// open_camera in place of the driver table's.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "daemon/camera_actor.hpp"
+#include "daemon/driver_table.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What the test and the camera that the actor owns share.
+struct Device {
+  std::atomic<bool> alive{true};
+  std::atomic<bool> refuses_gains{false};
+  std::optional<CameraSettings> asked;  ///< last
+};
+Device* device = nullptr;
+
+class RefusingCamera final : public Camera {
+ public:
+  const CameraInfo& info() const override { return info_; }
+  Result<CameraLimits> limits() override {
+    CameraLimits limits;
+    limits.gain_db = {0.0, 48.0, 0.0};
+    limits.exposure_us = {10.0, 1e6, 0.0};
+    limits.frame_rate_hz = {1.0, 1000.0, 0.0};
+    limits.roi_width = limits.roi_height = {16, 1024, 1};
+    limits.sensor_width = limits.sensor_height = 1024;
+    limits.pixel_formats = {PixelFormat::mono8};
+    return limits;
+  }
+  Result<CameraSettings> apply(const CameraSettings& wanted) override {
+    device->asked = wanted;
+    if (device->refuses_gains && wanted.gain_db != settings_.gain_db) {
+      return fail(Errc::refused, "camera.gain_db", "the register is locked");
+    }
+    settings_ = wanted;
+    return wanted;
+  }
+  Result<void> start() override { return {}; }
+  void stop() override {}
+  bool alive() const override { return device->alive; }
+  int buffer_count() const override { return 1; }
+  /// A sign of life without a frame.
+  GrabStatus grab(GrabbedFrame& /*out*/, std::chrono::microseconds /*timeout*/) override {
+    std::this_thread::sleep_for(2ms);
+    return GrabStatus::incomplete;
+  }
+  void release(int /*slot*/) override {}
+
+ private:
+  CameraInfo info_;
+  CameraSettings settings_;
+};
+
+class CameraGain : public testing::Test {
+ protected:
+  CameraGain() {
+    device = &device_;
+    config_.settings.gain_db = 3.0;
+    actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
+                                            [] { return Result<void>{}; },
+                                            [](const CameraSnapshot& /*now*/) {}});
+    frame_path_ = std::thread([this] {
+      while (!ended_) pipeline_.acquisition().do_work();
+    });
+    actor_->do_work();
+    EXPECT_TRUE(actor_->snapshot().connected) << actor_->snapshot().fault;
+  }
+  ~CameraGain() override {
+    actor_->on_close();
+    ended_ = true;
+    frame_path_.join();
+  }
+
+  Result<CameraSnapshot> set_for_job(double gain_db) {
+    CameraSet change;
+    change.gain_db = gain_db;
+    std::optional<Result<CameraSnapshot>> answer;
+    actor_->change_for_job(change, [&](Result<CameraSnapshot> set) { answer = std::move(set); });
+    actor_->do_work();
+    return answer.value_or(fail(Errc::internal, "", "no answer"));
+  }
+  bool put_back(double gain_db) {
+    bool told = false;
+    actor_->put_back_gain(gain_db, [&told] { told = true; });
+    actor_->do_work();
+    return told;
+  }
+  /// Events that tell of a gain.
+  std::vector<Event> gain_events() {
+    std::vector<Event> found;
+    while (auto message = queue_.take()) {
+      auto* const event = std::get_if<Event>(&*message);
+      if (event != nullptr && event->data.contains("gain_db")) found.push_back(std::move(*event));
+    }
+    return found;
+  }
+
+  Device device_;
+  CameraConfig config_;
+  StreamQueue queue_;
+  Events events_{queue_};
+  Counters counters_;
+  LatestValue<ShownHologram> shown_;
+  LatestValue<AppliedSettings> settings_;
+  Pipeline pipeline_{PipelineConfig{}, {counters_, shown_, settings_}};
+  std::optional<CameraActor> actor_;
+  std::atomic<bool> ended_{false};
+  std::thread frame_path_;
+};
+
+TEST_F(CameraGain, IsPutBackWithoutAWord) {
+  ASSERT_TRUE(set_for_job(20.0));
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 20.0);
+  EXPECT_TRUE(put_back(3.0));
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
+  EXPECT_TRUE(gain_events().empty());
+}
+
+TEST_F(CameraGain, ThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
+  device_.refuses_gains = true;
+  const auto refused = set_for_job(20.0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "gain_db");
+  EXPECT_EQ(refused.error().reason, "the register is locked");
+  EXPECT_TRUE(needs_a_person(refused.error()));  // a sweep does not try it again and again
+  EXPECT_TRUE(actor_->snapshot().connected);
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
+}
+
+TEST_F(CameraGain, ThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
+  ASSERT_TRUE(set_for_job(20.0));
+  device_.refuses_gains = true;
+  EXPECT_TRUE(put_back(3.0));
+  const auto events = gain_events();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].message.kind, "camera");
+  EXPECT_EQ(events[0].message.severity, Severity::warning);
+  EXPECT_EQ(events[0].data["gain_db"], 3.0);
+  EXPECT_EQ(events[0].message.text,
+            "camera: after a job its gain of 3 dB could not be set again: the register is locked; "
+            "set it with camera.set");
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
+  device_.refuses_gains = false;
+  CameraSet exposure;
+  exposure.exposure_us = 500.0;
+  bool set = false;
+  actor_->change(exposure, [&set](const Result<CameraSnapshot>& now) { set = bool(now); });
+  actor_->do_work();
+  EXPECT_TRUE(set);
+  ASSERT_TRUE(device_.asked);
+  EXPECT_EQ(device_.asked->gain_db, 3.0);
+  EXPECT_EQ(device_.asked->exposure_us, 500.0);
+}
+
+TEST_F(CameraGain, OfALostCameraIsAskedForWhenThereIsOne) {
+  ASSERT_TRUE(set_for_job(20.0));
+  device_.alive = false;
+  actor_->do_work();
+  ASSERT_FALSE(actor_->snapshot().connected);
+  EXPECT_TRUE(put_back(3.0));
+  EXPECT_TRUE(gain_events().empty());
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
+  device_.alive = true;
+  for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
+  ASSERT_TRUE(actor_->snapshot().connected);
+  EXPECT_EQ(device_.asked->gain_db, 3.0);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& /*config*/) {
+  return std::make_unique<RefusingCamera>();
+}
+
+}  // namespace ovws
