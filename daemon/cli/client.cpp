@@ -69,7 +69,11 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
   return as_seen_from_here((*config)["stream"][key].get<std::string>(), common.endpoint);
 }
 
-std::string why_not_valid(const json& message, bool referenced) {
+std::string why_not_valid(const json& message, bool referenced, const std::string& pattern) {
+  if (pattern != "sensor") {
+    const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
+    return what + " stands on the SLM: no wavefront is measured";
+  }
   if (!message["settled"].get<bool>()) return "hologram changing";
   if (!referenced) return "no reference: ovws call reference.take";
   if (message["fit_residual_px"].is_number()) return "no wavefront explains where the spots are";

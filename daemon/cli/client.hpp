@@ -24,7 +24,9 @@ int report_failure(const Common& common, const CallFailure& failure);
 /// A stream's endpoint as the daemon has it configured ("endpoint" or "image_endpoint").
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
 
-/// Why a wavefront or spots message that is not valid is not.
-std::string why_not_valid(const nlohmann::json& message, bool referenced);
+/// Why a wavefront or spots message that is not valid is not, while the SLM shows this `pattern`
+/// (status: slm.pattern).
+std::string why_not_valid(const nlohmann::json& message, bool referenced,
+                          const std::string& pattern);
 
 }  // namespace ovws::cli

@@ -8,6 +8,7 @@
 
 #include "daemon/cli/client.hpp"
 #include "daemon/cli/experiment_pictures.hpp"
+#include "daemon/cli/findings.hpp"
 #include "daemon/study/gain_sweep.hpp"
 
 namespace ovws::cli {
@@ -38,12 +39,14 @@ Answer start(const Common& common, const json& params) {
   }
 }
 
+tl::unexpected<Error> no_csv() {
+  return fail(Errc::unavailable, "output", "a CSV file cannot be written");
+}
+
 /// The cells of one job's run. Both files hold every cell that was fetched, as soon as it was.
 class Fetched {
  public:
-  Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {
-    begin_files();
-  }
+  Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {}
   int job() const { return job_; }
   /// Whether that result of experiment.get is of the job's run: the daemon may hold another one's.
   bool is_own(const json& experiment) {
@@ -59,12 +62,18 @@ class Fetched {
   static bool is_same(const json& cell, const json& summary) {
     return cell["cell"] == summary["cell"] && cell["t_begun_ns"] == summary["t_begun_ns"];
   }
-  /// False if a file cannot be written.
-  bool add(json cell) {
+  /// The first cell takes the place of what was in the folder: a job that is refused costs nothing.
+  Result<void> add(json cell) {
+    if (cells_.empty()) {
+      // Of another run, perhaps, and not for a reader of this one's cells.
+      if (auto removed = remove_findings("experiment", folder_); !removed) return removed;
+      begin_files();
+    }
     const bool written = write(cell);
     const int number = cell["cell"].get<int>();
     cells_[number] = std::move(cell);
-    return written;
+    if (!written) return no_csv();
+    return {};
   }
   /// Both files anew, in the order of the cells' numbers. False if one cannot be written.
   bool write_in_order() {
@@ -115,8 +124,10 @@ Answer fetch(const Common& common, Fetched& fetched) {
     Answer cell = call(common, "experiment.cell", {{"cell", summary["cell"]}});
     if (!cell) return cell;
     if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
-    if (!fetched.add(std::move(*cell))) {
-      return tl::make_unexpected(CallFailure{true, {{"message", "a CSV file cannot be written"}}});
+    if (const auto added = fetched.add(std::move(*cell)); !added) {
+      const Error& why = added.error();
+      return tl::make_unexpected(CallFailure{
+          true, {{"message", why.field + ": " + why.reason}, {"data", {{"field", why.field}}}}});
     }
   }
   tell_progress(common, *experiment);
@@ -195,7 +206,7 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   }
   auto written = write_findings(*experiment, fetched.cells(), folder);
   if (!fetched.write_in_order()) {
-    written = fail(Errc::unavailable, "output", "a CSV file cannot be written");
+    written = no_csv();
   }
   const json summary = study::sweep_summary(*experiment);
   if (common.json) {
@@ -212,6 +223,16 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   return written ? kOk : report(common, written.error());
 }
 
+/// A run that no longer belongs to the table says itself what to do.
+std::string why_it_ended(const json& report, std::size_t cells) {
+  const json& error = report["error"];
+  const std::string state = report["state"].get<std::string>();
+  const std::string why = error.is_object() ? error.value("message", state) : state;
+  const json field = error.is_object() ? error["data"].value("field", json()) : json();
+  if (field == "anew" || field == "reference_frames") return why;
+  return fmt::format("{}; {} cells are measured and kept: the same command goes on", why, cells);
+}
+
 }  // namespace
 
 int run_experiment(const Common& common, const json& params, const std::filesystem::path& folder) {
@@ -224,11 +245,7 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   if (!ended) return report_failure(common, ended.error());
   const std::string state = (*ended)["state"].get<std::string>();
   if (state == "done") return tell_findings(common, fetched, folder);
-  const json& error = (*ended)["error"];
-  const std::string why = error.is_object() ? error.value("message", state) : state;
-  return report(common, {Errc::refused, "",
-                         fmt::format("{}; {} cells are measured and kept: the same command goes on",
-                                     why, fetched.cells().size())});
+  return report(common, {Errc::refused, "", why_it_ended(*ended, fetched.cells().size())});
 }
 
 }  // namespace ovws::cli

@@ -175,17 +175,20 @@ int measure(const Common& common, const MeasureOptions& options) {
 }  // namespace
 
 void add_measure(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("measure", "wavefronts of image files (PNG, TIFF, PGM)");
+  auto* command = app.add_subcommand(
+      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); asks no daemon");
   auto options = std::make_shared<MeasureOptions>();
   command->add_option("--config,-c", options->config_path,
-                      "configuration file; defaults without it");
+                      "the daemon's configuration file (default: every key's default)");
   auto* reference = command->add_option("--reference,-r", options->reference,
                                         "image without aberration: positions count from it");
   command
       ->add_flag("--model-reference", options->model_reference,
                  "positions count from where the configuration says that spots are")
       ->excludes(reference);
-  command->add_option("--tracker", options->tracker, "instead of the configuration's")
+  command
+      ->add_option("--tracker", options->tracker,
+                   "how spots are found, instead of the configuration's")
       ->check(CLI::IsMember(tracker_names()));
   command
       ->add_option("--template", options->templates,
@@ -221,7 +224,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
                  "fit each subaperture's amplitude, too: uneven light; to refine")
       ->needs(refine);
-  command->add_option("images", options->images, "files")->required();
+  command->add_option("images", options->images, "each a frame of the camera")->required();
   command->callback([&common, &status, options] { status = measure(common, *options); });
 }
 

@@ -24,7 +24,29 @@ std::string reference_text(const std::string& state) {
   return state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
 }
 
-void print_status(const json& status) {
+/// Of loop.get: whether it is closed, how it does, and why it is open.
+std::string loop_text(const json& loop) {
+  const bool closed = loop["closed"].get<bool>();
+  const auto steps = loop["steps"].get<std::int64_t>();
+  std::string text = closed ? "closed" : "open";
+  if (closed || steps > 0) {
+    text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
+                        loop["correction_rms_waves"].get<double>());
+  }
+  if (loop["residual_rms_waves"].is_number()) {
+    text += fmt::format(", residual {:.4f} wave RMS", loop["residual_rms_waves"].get<double>());
+  }
+  if (loop["opened_because"].is_string()) text += ": " + text_or(loop, "opened_because", "");
+  return text;
+}
+
+void print_failed_job(const json& failed) {
+  const std::string field = text_or(failed, "field", "");
+  print("failed job {} ({}): {}{}\n", failed["job"].get<int>(), text_or(failed, "kind", ""),
+        field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
+}
+
+void print_status(const json& status, const json& loop) {
   const json& camera = status["camera"];
   const json& slm = status["slm"];
   const json& sensor = status["sensor"];
@@ -44,6 +66,8 @@ void print_status(const json& status) {
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
         sensor["charge"].get<int>(), sensor["subapertures"].get<int>(), sensor["modes"].get<int>(),
         text_or(sensor, "tracker", ""), reference_text(text_or(sensor, "reference", "none")));
+  print("loop       {}\n", loop_text(loop));
+  if (status["failed_job"].is_object()) print_failed_job(status["failed_job"]);
   if (status.contains("store") && status["store"]["reason"].is_string()) {
     print("store      {}\n", text_or(status["store"], "reason", ""));
   }
@@ -88,6 +112,19 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
+int show_status(const Common& common) {
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  if (common.json) {
+    print("{}\n", status->dump());
+    return kOk;
+  }
+  const auto loop = call(common, "loop.get", json::object());
+  if (!loop) return report_failure(common, loop.error());
+  print_status(*status, *loop);
+  return kOk;
+}
+
 /// Of the job that `started` names: its result once it is done, or its error.
 tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
   while (true) {
@@ -129,13 +166,12 @@ int call_anything(const Common& common, const CallOptions& options) {
 
 void add_status(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand("status", "how the daemon, the camera and the SLM are");
-  command->callback([&common, &status] {
-    status = call_and_print(common, "system.status", json::object(), print_status);
-  });
+  command->callback([&common, &status] { status = show_status(common); });
 }
 
 void add_describe(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("describe", "every method and stream (with --json: schemas)");
+  auto* command = app.add_subcommand(
+      "describe", "list every method and stream of the daemon (with --json: their schemas)");
   command->callback([&common, &status] {
     status = call_and_print(common, "system.describe", json::object(), print_description);
   });
@@ -143,11 +179,11 @@ void add_describe(CLI::App& app, const Common& common, int& status) {
 
 void add_call(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand("call",
-                                     "call any method, e.g. call aberration.set "
+                                     "call any method of the daemon, e.g. ovws call aberration.set "
                                      "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
   auto options = std::make_shared<CallOptions>();
-  command->add_option("method", options->method, "name")->required();
-  command->add_option("params", options->params, "JSON object");
+  command->add_option("method", options->method, "its name; ovws describe lists all")->required();
+  command->add_option("params", options->params, "a JSON object (default: none)");
   command->add_flag("--wait,-w", options->wait,
                     "if that starts a job, wait for its end: print its result, or why it failed");
   command->callback([&common, &status, options] { status = call_anything(common, *options); });

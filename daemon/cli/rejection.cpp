@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <thread>
 
+#include "daemon/cli/findings.hpp"
 #include "daemon/cli/rejection_recorder.hpp"
 #include "proto/requests.hpp"
 
@@ -178,22 +178,6 @@ Measured measure(const Common& common, const json& params, double seconds) {
   return measured;
 }
 
-/// The pictures come last: what is missing for them must not cost the numbers.
-Result<void> write_findings(const json& summary, const std::vector<study::Figure>& figures,
-                            const std::filesystem::path& folder) {
-  std::ofstream file(folder / "summary.json");
-  file << summary.dump(2) << "\n";
-  file.close();
-  if (!file) return fail(Errc::unavailable, "output", "summary.json cannot be written");
-  for (const study::Figure& figure : figures) {
-    if (auto done = study::write_numbers(figure, folder); !done) return done;
-  }
-  for (const study::Figure& figure : figures) {
-    if (auto done = study::draw(figure, folder); !done) return done;
-  }
-  return {};
-}
-
 }  // namespace
 
 int run_rejection(const Common& common, const json& params, double seconds,
@@ -214,7 +198,8 @@ int run_rejection(const Common& common, const json& params, double seconds,
   json summary = study::rejection_summary(*measured, found);
   summary["version"] = OVWS_VERSION;
   summary["seconds"] = seconds;
-  const auto written = write_findings(summary, study::rejection_figures(found), folder);
+  const auto written =
+      write_findings("rejection", summary, study::rejection_figures(found), folder);
   if (common.json) {
     print("{}\n", summary.dump());
   } else {

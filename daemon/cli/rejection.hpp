@@ -9,8 +9,8 @@
 namespace ovws::cli {
 
 /// Records the wavefront for so long with the loop open, closes it with these params of loop.close,
-/// records as long again, and writes spectra, rejection and summary. However it ends, by Ctrl-C
-/// too, the loop is then open and the correction as it was. An exit code.
+/// records as long again, and writes rejection-spectra, rejection and summary. However it ends, by
+/// Ctrl-C too, the loop is then open and the correction as it was. An exit code.
 int run_rejection(const Common& common, const nlohmann::json& params, double seconds,
                   const std::filesystem::path& folder);
 

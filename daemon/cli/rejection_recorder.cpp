@@ -35,7 +35,7 @@ class Recorder {
     }
     count(message);
     if (!message["valid"].get<bool>() || !message["settled"].get<bool>()) {
-      recorded_.why_not_valid = why_not_valid(message, true);
+      recorded_.why_not_valid = why_not_valid(message, true, "sensor");
       return {};
     }
     const auto modes_j = message["j"].get<std::vector<int>>();

@@ -104,13 +104,13 @@ std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
 }
 
 /// "NOT VALID: …"; empty for a valid frame.
-std::string warning_of(const StreamMessage& spots) {
+std::string warning_of(const StreamMessage& spots, const std::string& pattern) {
   const json header = json::parse(spots.json);
   if (header["valid"].get<bool>()) return {};
   const auto rows = rows_of(spots);
   const bool referenced =
       std::any_of(rows.begin(), rows.end(), [](const auto& row) { return !std::isnan(row[2]); });
-  return "NOT VALID: " + why_not_valid(header, referenced);
+  return "NOT VALID: " + why_not_valid(header, referenced, pattern);
 }
 
 void draw_spots(cv::Mat& picture, const StreamMessage& spots) {
@@ -141,7 +141,7 @@ void write_line(cv::Mat& picture, int line, const std::string& text,
   write_text(picture, {8, 20 + 20 * line}, text, colour);
 }
 
-cv::Mat camera_picture(const Messages& messages) {
+cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
   const json header = json::parse(messages.at("image").json);
   const json spots = json::parse(messages.at("spots").json);
   cv::Mat grey = grey_picture(messages.at("image"), header);
@@ -155,7 +155,7 @@ cv::Mat camera_picture(const Messages& messages) {
                          spots["frame_id"].get<std::uint64_t>(), spots["charge"].get<int>(),
                          spots["tracked"].get<int>(), spots["subapertures"].get<int>()));
   write_line(picture, 1, "circle: found   cross: reference");
-  write_line(picture, 2, warning_of(messages.at("spots")), kWarningColour);
+  write_line(picture, 2, warning, kWarningColour);
   return picture;
 }
 
@@ -187,7 +187,7 @@ void draw_colour_bar(cv::Mat& picture, double scale) {
   label(1.0, fmt::format("{:+.3f} wave", scale));
 }
 
-cv::Mat phase_picture(const Messages& messages) {
+cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   const StreamMessage& phase = messages.at("phase");
   const json header = json::parse(phase.json);
   const json spots = json::parse(messages.at("spots").json);
@@ -208,7 +208,7 @@ cv::Mat phase_picture(const Messages& messages) {
                fmt::format("RMS {:.4f} wave without tilts", spots["rms_waves"].get<double>()));
     draw_colour_bar(picture, scale);
   }
-  write_line(picture, 2, warning_of(messages.at("spots")), kWarningColour);
+  write_line(picture, 2, warning, kWarningColour);
   return picture;
 }
 
@@ -220,13 +220,13 @@ std::string file_name(const std::string& prefix, const std::string& what) {
                    : prefix + "-" + what;
 }
 
-int write_pictures(const Common& common, const Messages& messages, const std::string& prefix) {
+int write_pictures(const Common& common, const Messages& messages, const std::string& warning,
+                   const std::string& prefix) {
   const std::string camera = file_name(prefix, "camera.png");
   const std::string phase = file_name(prefix, "phase.png");
-  auto written = write_picture(camera, camera_picture(messages));
-  if (written) written = write_picture(phase, phase_picture(messages));
+  auto written = write_picture(camera, camera_picture(messages, warning));
+  if (written) written = write_picture(phase, phase_picture(messages, warning));
   if (!written) return report(common, written.error());
-  const std::string warning = warning_of(messages.at("spots"));
   if (!warning.empty()) fmt::print(stderr, "ovws: {}\n", warning);
   if (common.json) {
     print("{}\n", json{{"files", {camera, phase}}, {"valid", warning.empty()}}.dump());
@@ -249,7 +249,10 @@ int snapshot(const Common& common, const std::string& prefix) {
   if (!messages) {
     return report(common, {Errc::unavailable, "", "no image came in time: see ovws status"});
   }
-  return write_pictures(common, *messages, prefix);
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  const std::string pattern = (*status)["slm"]["pattern"].get<std::string>();
+  return write_pictures(common, *messages, warning_of(messages->at("spots"), pattern), prefix);
 }
 
 }  // namespace

@@ -5,11 +5,11 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "daemon/cli/commands.hpp"
 #include "daemon/cli/experiment.hpp"
+#include "daemon/cli/findings.hpp"
 #include "daemon/cli/rejection.hpp"
 #include "daemon/study/parallel.hpp"
 #include "daemon/study/studies.hpp"
@@ -43,6 +43,13 @@ Result<void> check_folder(const std::filesystem::path& folder) {
               folder.string() + " cannot be written to: " + error.message());
 }
 
+/// What goes on beside the bar of study::Progress, and as that only on a terminal.
+void tell_step(const std::string& what) {
+  if (::isatty(STDERR_FILENO) == 0) return;
+  fmt::print(stderr, "\r\033[K{}", what);
+  std::fflush(stderr);
+}
+
 study::Findings run_study(const StudyOptions& options) {
   study::Settings settings;
   settings.quick = options.quick;
@@ -52,6 +59,7 @@ study::Findings run_study(const StudyOptions& options) {
       std::find_if(study::kStudies.begin(), study::kStudies.end(),
                    [&](const study::Study& one) { return one.name == options.name; });
   const auto started = std::chrono::steady_clock::now();
+  tell_step(options.name + ": preparing");
   study::Findings found = chosen->run(settings);
   found.summary["quick"] = options.quick;
   found.summary["seed"] = options.seed;
@@ -59,27 +67,6 @@ study::Findings run_study(const StudyOptions& options) {
   found.summary["took_s"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return found;
-}
-
-Result<void> write_summary(const nlohmann::json& summary, const std::filesystem::path& folder) {
-  std::ofstream file(folder / "summary.json");
-  file << summary.dump(2) << "\n";
-  file.close();
-  if (file) return {};
-  return fail(Errc::unavailable, "output",
-              (folder / "summary.json").string() + " cannot be written");
-}
-
-/// The pictures come last: what is missing for them must not cost the numbers.
-Result<void> write_findings(const study::Findings& found, const std::filesystem::path& folder) {
-  if (auto done = write_summary(found.summary, folder); !done) return done;
-  for (const study::Figure& figure : found.figures) {
-    if (auto done = study::write_numbers(figure, folder); !done) return done;
-  }
-  for (const study::Figure& figure : found.figures) {
-    if (auto done = study::draw(figure, folder); !done) return done;
-  }
-  return {};
 }
 
 int bench_command(const Common& common, const StudyOptions& options) {
@@ -106,7 +93,9 @@ int study_command(const Common& common, const StudyOptions& options) {
     return bench_command(common, options);
   }
   const study::Findings found = run_study(options);
-  const auto written = write_findings(found, options.folder);
+  tell_step(options.name + ": drawing the figures");
+  const auto written = write_findings(options.name, found.summary, found.figures, options.folder);
+  tell_step("");
   if (common.json) {
     print("{}\n", found.summary.dump());
   } else {
@@ -119,7 +108,10 @@ int study_command(const Common& common, const StudyOptions& options) {
 }  // namespace
 
 void add_study(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("study", "accuracy studies: figures, numbers and a summary");
+  auto* command = app.add_subcommand(
+      "study",
+      "run a study and write its figures, numbers and summary into a folder; experiment and "
+      "rejection run on a daemon's bench, the others compute all and ask no daemon");
   auto options = std::make_shared<StudyOptions>();
   std::vector<std::string> names;
   std::string help = "one of:";
@@ -134,18 +126,28 @@ void add_study(CLI::App& app, const Common& common, int& status) {
   help += std::string("\n") + kRejection +
           ": on a daemon's bench, what the closed loop leaves of what moves, by frequency";
   command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
-  command->add_option("--output,-o", options->folder, "folder for the files")->required();
-  command->add_flag("--quick", options->quick, "fewer levels and realisations");
-  command->add_option("--threads", options->threads, "0: all cores")
+  command
+      ->add_option("--output,-o", options->folder,
+                   "folder for the files; those of the same study there are replaced")
+      ->required();
+  command->add_flag("--quick", options->quick,
+                    "fewer levels and realisations: seconds instead of minutes");
+  command->add_option("--threads", options->threads, "that compute; 0: one a core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
-  command->add_option("--seconds", options->seconds, "of rejection: open, and as long closed")
+  command
+      ->add_option("--seed", options->seed,
+                   "of all that is random: the same seed gives the same numbers")
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", options->seconds,
+                   "rejection only: how long it records with the loop open, and then closed")
       ->check(number_from(5.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--params", options->params,
-                      "a JSON object: of experiment.gain_sweep for the experiment, of loop.close "
-                      "for rejection; see ovws describe");
+  command->add_option(
+      "--params", options->params,
+      "experiment and rejection only: a JSON object, params of experiment.gain_sweep "
+      "or of loop.close; see ovws describe");
   command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 

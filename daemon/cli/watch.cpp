@@ -27,11 +27,12 @@ std::atomic<bool> stop_requested{false};
 /// One topic's messages on their way to standard output.
 class Watch {
  public:
-  Watch(const Common& common, const WatchOptions& options, bool referenced)
+  Watch(const Common& common, const WatchOptions& options, const json& status)
       : options_(options),
         table_(!common.json && has_table(options.topic)),
-        in_place_(table_ && isatty(STDOUT_FILENO) != 0),
-        referenced_(referenced) {}
+        in_place_(table_ && isatty(STDOUT_FILENO) != 0) {
+    note(status);
+  }
 
   /// Returns the exit code.
   int run(Subscriber& stream) {
@@ -39,9 +40,7 @@ class Watch {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
       if (!message) continue;
-      if (table_ && message->topic == "status") {
-        referenced_ = json::parse(message->json)["sensor"]["referenced"].get<bool>();
-      }
+      if (table_ && message->topic == "status") note(json::parse(message->json));
       if (message->topic != options_.topic || is_too_soon()) continue;
       ++shown;
       show(*message);
@@ -51,6 +50,11 @@ class Watch {
   }
 
  private:
+  void note(const json& status) {
+    referenced_ = status["sensor"]["referenced"].get<bool>();
+    pattern_ = status["slm"]["pattern"].get<std::string>();
+  }
+
   /// A table that stays in place is drawn only as often as eyes can follow.
   bool is_too_soon() {
     const auto now = std::chrono::steady_clock::now();
@@ -63,13 +67,15 @@ class Watch {
     if (!table_) return print("{}\n", message.json);
     if (in_place_) print("\033[H\033[J");
     const json body = json::parse(message.json);
-    options_.topic == "refined" ? print_refined(body) : print_wavefront(body, referenced_);
+    options_.topic == "refined" ? print_refined(body)
+                                : print_wavefront(body, referenced_, pattern_);
   }
 
   const WatchOptions& options_;
   bool table_;
   bool in_place_;
-  bool referenced_;
+  bool referenced_ = false;
+  std::string pattern_;
   std::chrono::steady_clock::time_point last_{};
 };
 
@@ -78,14 +84,15 @@ int watch(const Common& common, const WatchOptions& options) {
   const auto endpoint = stream_endpoint(common, is_picture ? "image_endpoint" : "endpoint");
   if (!endpoint) return report_failure(common, endpoint.error());
   std::vector<std::string> topics{options.topic};
-  if (options.topic == "wavefront") topics.emplace_back("status");  // tells of the reference
+  if (options.topic == "wavefront")
+    topics.emplace_back("status");  // tells of reference and pattern
   auto stream = Subscriber::connect(*endpoint, topics, 100);
   if (!stream) return report(common, stream.error());
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
   std::signal(SIGINT, [](int) { stop_requested.store(true); });
   std::signal(SIGTERM, [](int) { stop_requested.store(true); });
-  return Watch(common, options, (*status)["sensor"]["referenced"].get<bool>()).run(*stream);
+  return Watch(common, options, *status).run(*stream);
 }
 
 }  // namespace

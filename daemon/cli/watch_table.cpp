@@ -60,7 +60,7 @@ bool has_table(const std::string& topic) {
   return topic == "wavefront" || topic == "refined";
 }
 
-void print_wavefront(const json& message, bool referenced) {
+void print_wavefront(const json& message, bool referenced, const std::string& pattern) {
   const bool valid = message["valid"].get<bool>();
   print(
       "frame {}  hologram {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  "
@@ -69,7 +69,7 @@ void print_wavefront(const json& message, bool referenced) {
       message["charge"].get<int>(), message["tracker"].get<std::string>(),
       message["tracked"].get<int>(), message["subapertures"].get<int>(),
       100.0 * message["saturated"].get<double>(), message["latency_us"].get<double>(),
-      valid ? "valid" : "NOT VALID: " + why_not_valid(message, referenced));
+      valid ? "valid" : "NOT VALID: " + why_not_valid(message, referenced, pattern));
   if (!valid) return;
   const double full_scale = print_modes(message);
   print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, bar {:.2f} wave\n",

@@ -8,8 +8,9 @@ namespace ovws::cli {
 
 /// Whether the topic's messages have a table.
 bool has_table(const std::string& topic);
-/// `referenced`: whether the sensor has a reference, which says why a message is not valid.
-void print_wavefront(const nlohmann::json& message, bool referenced);
+/// `referenced`: whether the sensor has a reference; `pattern`: what the SLM shows. They say why a
+/// message is not valid.
+void print_wavefront(const nlohmann::json& message, bool referenced, const std::string& pattern);
 void print_refined(const nlohmann::json& message);
 
 }  // namespace ovws::cli

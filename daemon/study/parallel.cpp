@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -16,7 +17,9 @@ Progress::Progress(std::string what, std::size_t total)
     : what_(std::move(what)),
       total_(total),
       visible_(::isatty(STDERR_FILENO) != 0),
-      started_(Clock::now()) {}
+      started_(Clock::now()) {
+  if (visible_) show();  // the first may take long
+}
 
 Progress::~Progress() {
   if (visible_) fmt::print(stderr, "\r\033[K");
@@ -34,10 +37,13 @@ void Progress::tick() {
 void Progress::show() {
   constexpr std::size_t kWidth = 40;
   const std::size_t filled = kWidth * done_ / std::max<std::size_t>(total_, 1);
-  const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  const double left_s = spent_s * double(total_ - done_) / double(done_);
-  fmt::print(stderr, "\r\033[K{:<24} [{}{}] {}/{}  {:.0f} s left", what_, std::string(filled, '#'),
-             std::string(kWidth - filled, ' '), done_, total_, left_s);
+  fmt::print(stderr, "\r\033[K{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
+             std::string(kWidth - filled, ' '), done_, total_);
+  if (done_ > 0) {
+    const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
+    fmt::print(stderr, "  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
+  }
+  std::fflush(stderr);
 }
 
 int all_cores() {

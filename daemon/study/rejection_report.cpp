@@ -64,7 +64,7 @@ RejectionFound find_rejection(const RejectionMeasured& measured) {
 }
 
 std::vector<Figure> rejection_figures(const RejectionFound& found) {
-  Figure spectra{"spectra", "what moves, and what is left of it", "frequency (Hz)",
+  Figure spectra{"rejection-spectra", "what moves, and what is left of it", "frequency (Hz)",
                  "power of all modes (wave^2/Hz)"};
   spectra.log_x = spectra.log_y = true;
   spectra.series = {line_of("loop open", found.open), line_of("loop closed", found.closed)};

@@ -38,7 +38,21 @@ class CommandLine(BenchCase):
     def test_a_job_is_waited_for(self):
         self.assertEqual(json.loads(self.ovws("call", "--wait", "reference.take", '{"frames": 5}'))["frames"], 5)
         self.call("camera.set", {"exposure_us": 9000, "gain_db": 24})
-        self.assertIn("fewer than half", self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1))
+        self.assertIn("lower the exposure or the gain", self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1))
+
+    def test_status_tells_the_loop_and_the_last_failure(self):
+        self.assertRegex(self.ovws("status"), r"(?m)^loop +open$")
+        self.assertNotIn("failed", self.ovws("status"))
+        self.take_reference(10)
+        self.call("loop.close", {"patience_s": 0.5})
+        wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
+        self.assertRegex(self.ovws("status"), r"(?m)^loop +closed, \d+ steps, correction 0\.\d+ wave RMS, residual 0\.\d+ wave RMS$")
+        self.call("loop.open")
+        self.assertRegex(self.ovws("status"), r"(?m)^loop +open, \d+ steps, .*: .+")
+        self.call("camera.set", {"exposure_us": 9000.0})
+        self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1)
+        self.assertRegex(self.ovws("status"), r"(?m)^failed job \d+ \(reference\.take\): camera\.exposure_us: .*lower the exposure or the gain$")
+        self.assertEqual(json.loads(self.ovws("--json", "status"))["failed_job"]["kind"], "reference.take")
 
     def test_exit_codes(self):
         self.ovws("call", "sensor.get", "{not json", code=2)
@@ -94,6 +108,16 @@ class CommandLine(BenchCase):
         self.assertTrue(any("NOT VALID: hologram changing" in line for line in itertools.islice(watch.stdout, 2000)))
         self.client.call("sensor.set", {"charge": 2})
         self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
+
+    def test_a_grating_is_told_from_a_change(self):
+        self.take_reference(10)
+        self.call("slm.show", {"pattern": "grating"})
+        told = "NOT VALID: a grating stands on the SLM: no wavefront is measured"
+        wait_for(lambda: told in self.ovws("watch", "-n", 1), what="the grating in watch")
+        done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory / "shot"],
+                              capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(told, done.stderr)
 
     def test_snapshot(self):
         self.take_reference(10)
