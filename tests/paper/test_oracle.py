@@ -1,5 +1,8 @@
 """The fast LG tracker finds what the paper's contour method finds."""
+import itertools
 import json
+import os
+import pty
 import subprocess
 import tempfile
 import unittest
@@ -25,6 +28,37 @@ class Oracle(case.StudyCase):
             self.assertIn("gnuplot-nox", done.stderr)
             self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), ["oracle.csv", "oracle.gnuplot", "summary.json"])
             self.assertEqual(json.loads((Path(folder) / "summary.json").read_text())["agree"], self.summary["agree"])
+
+    def test_a_terminal_is_told_of_the_progress_and_a_used_folder_is_cleared(self):
+        with tempfile.TemporaryDirectory() as folder:
+            own = [Path(folder) / name for name in ("oracle-old.png", "oracle-old.csv", "oracle-old.gnuplot", "summary.json")]
+            others = [Path(folder) / name for name in ("oracle-notes.csv", "oracles.png", "kernel.gnuplot", "kernel.png", "cells.csv")]
+            for path in (*own, *others):
+                path.write_text("of before")
+            terminal, stderr = pty.openpty()
+            study = subprocess.Popen([case.OVWS, "study", "oracle", "--quick", "-o", folder], stdout=subprocess.DEVNULL, stderr=stderr)
+            self.addCleanup(study.wait)
+            self.addCleanup(study.kill)
+            os.close(stderr)
+            told = ""
+            while part := self.read(terminal):
+                told += part
+            os.close(terminal)
+            self.assertEqual(study.wait(60), 0, told)
+            for earlier, later in itertools.pairwise(("oracle: preparing", "] 0/", "s left", "oracle: drawing")):
+                self.assertLess(told.index(earlier), told.index(later), (earlier, later))
+            for path in others:
+                self.assertEqual(path.read_text(), "of before", path)
+            self.assertEqual({path.name for path in Path(folder).iterdir()} - {path.name for path in others},
+                             {"oracle.csv", "oracle.gnuplot", "oracle.png", "summary.json"})
+            self.assertIn("agree", (Path(folder) / "summary.json").read_text())
+
+    @staticmethod
+    def read(terminal):
+        try:
+            return os.read(terminal, 4096).decode()
+        except OSError:  # Linux's end of a terminal
+            return ""
 
 
 if __name__ == "__main__":

@@ -149,7 +149,8 @@ class Loop(BenchCase):
             self.call("loop.close", {"modes": [40]})
 
     def test_it_opens_by_itself(self):
-        events = self.stream("event")
+        events = self.stream("event", "wavefront")
+        wait_for(lambda: events.next(0.5), what="the subscription to be in force")
         self.hide([{"j": 5, "waves": 0.4}])
         self.call("loop.close", {"limit_waves": 0.1, "patience_s": 2.0})
         wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open at its limit")
@@ -159,7 +160,7 @@ class Loop(BenchCase):
         wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open without spots")
         self.assertIn("usable", self.call("loop.get")["opened_because"])
         told = []
-        wait_for(lambda: (message := events.next(0.5)) and message["kind"] == "loop" and (told.append(message), len(told))[1] >= 4, 10.0, "four events")
+        wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (told.append(message), len(told))[1] >= 4, 10.0, "four events")
         self.assertEqual([m["severity"] for m in told], ["info", "warning", "info", "warning"])
 
 

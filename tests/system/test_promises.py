@@ -40,6 +40,31 @@ class Promises(BenchCase):
         wait_for(lambda: self.call("system.status")["sensor"]["referenced"], what="the reference of before")
         self.settled_frames(self.stream("wavefront"), 10)
 
+    def test_no_reference_of_saturated_spots(self):
+        self.take_reference(20)
+        before = self.call("reference.get")
+        self.call("camera.set", {"exposure_us": 4000.0})
+        wait_for(lambda: self.stream("spots").next(5.0)["saturated"] == 1.0, what="saturated spots")
+        job = self.call("reference.take", {"frames": 20})["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end")
+        self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "camera.exposure_us"))
+        self.assertRegex(ended["error"]["data"]["reason"], r"^\d+ % of the spots are saturated.*lower the exposure or the gain$")
+        self.call("camera.set", {"exposure_us": 2000.0})
+        self.assertEqual(self.call("reference.get"), before)
+
+    def test_one_saturated_spot_is_borne_and_told(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"noise": "none"})
+        self.call("camera.set", {"exposure_us": 2400.0})  # the brightest spot alone comes to full scale
+        wait_for(lambda: 0.0 < self.stream("spots").next(5.0)["saturated"] < 0.1, what="one saturated spot")
+        events = self.stream("event")
+        time.sleep(0.3)  # a subscription takes a moment
+        saturated = self.take_reference(20)["result"]["saturated_spots"]
+        self.assertEqual(len(saturated), 1)
+        told = wait_for(lambda: (message := events.next(1.0))["kind"] == "reference" and message, what="the event")
+        self.assertEqual((told["severity"], told["data"]["saturated_spots"]), ("warning", saturated))
+
     def test_nothing_changes_under_a_job_and_a_cancelled_one_gives_all_free(self):
         self.take_reference(20)
         before = self.call("reference.get")
@@ -55,6 +80,7 @@ class Promises(BenchCase):
         self.assertIsNone(self.call("reference.get")["frames"])
 
     def test_every_lattice_has_as_many_modes_as_it_can_tell(self):
+        self.call("camera.set", {"exposure_us": 700.0})  # the larger subapertures of 4 across are 2.4 times as bright
         for grid, across in (("hexagonal", 4), ("hexagonal", 6), ("square", 4)):
             with self.subTest(grid=grid, across=across):
                 self.call("sensor.set", {"grid": grid, "subapertures_across": across})
@@ -64,22 +90,6 @@ class Promises(BenchCase):
                 self.assertGreaterEqual(modes, 5)
                 frames = self.settled_frames(self.stream("wavefront"), 10)
                 self.assertEqual(len(frames[0]["coefficients"]), modes)
-
-    def test_frames_missing_over_a_reconnection_are_counted(self):
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
-        stream = self.stream("wavefront")
-        first = stream.next(5.0)
-        twin.call("twin.fault", {"kind": "unplug", "seconds": 2.0})
-        frames, last = 1, first
-        while last["t_arrival_ns"] < first["t_arrival_ns"] + 6_000_000_000:
-            last = stream.next(10.0)
-            frames += 1 + last["gap"]
-        due = 1 + 100.0 * 1e-9 * (last["t_arrival_ns"] - first["t_arrival_ns"])
-        reconnects = self.call("system.status")["counters"]["camera_reconnects"]
-        print(f"\n  {frames} frames sent or counted as missing, {due:.0f} due, {reconnects} reconnections")
-        self.assertGreaterEqual(reconnects, 1)
-        self.assertLess(abs(frames - due), 0.1 * due)
 
     def test_a_job_tells_its_quarters(self):
         stream = self.stream("event")

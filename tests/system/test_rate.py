@@ -8,7 +8,7 @@ import time
 from case import BenchCase, main
 
 RATE_HZ = 200
-SECONDS = float(os.environ.get("OVWS_RATE_S", "20"))
+SECONDS = float(os.environ.get("OVWS_RATE_S", "12"))
 
 
 class Rate(BenchCase):

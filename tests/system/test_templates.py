@@ -2,7 +2,7 @@
 import statistics
 import struct
 
-from case import BenchCase, main, wait_for
+from case import BenchCase, Client, main, wait_for
 
 HIDDEN = [{"n": 2, "m": -2, "waves": 0.4}, {"n": 3, "m": 3, "waves": 0.15}]
 SHOWN = [(3, 0.1), (4, 0.08), (7, 0.05), (9, -0.08)]  # Z(2,-2), Z(2,0), Z(3,-1), Z(3,3): j and waves
@@ -84,9 +84,16 @@ class Templates(BenchCase):
         _, own, reason = self.in_use()
         print(f"\n  a reference of one frame: {own} templates, {reason}")
         self.assertTrue((own == 19) == (reason is None) and (own == 19 or "no picture" in reason))
-        # An overexposed reference: its spots are found by the model's template, and that is said.
-        self.call("camera.set", {"exposure_us": 4000.0})
-        wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] == 4000.0)
+        # A saturated spot of a reference is found by the model's template, and that is said.
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"noise": "none"})
+        twin.call("twin.set", {"peak_electrons": 3000})  # no spot is at full scale
+        wait_for(lambda: self.stream("spots").next(5.0)["saturated"] == 0.0, what="spots that are not saturated")
+        peaks = sorted(row[4] for row in struct.iter_unpack("<6f", self.stream("spots").next(5.0)["binary"]))
+        exposure_us = self.call("camera.get")["settings"]["exposure_us"] * 255.0 / (peaks[-1] * peaks[-2]) ** 0.5
+        self.call("camera.set", {"exposure_us": exposure_us})  # the brightest spot alone comes to full scale
+        wait_for(lambda: 0.0 < self.stream("spots").next(5.0)["saturated"] < 0.1, what="one saturated spot")
         self.call("reference.clear")
         self.take_reference(20)
         _, own, reason = self.in_use()

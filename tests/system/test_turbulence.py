@@ -76,7 +76,7 @@ class Turbulence(BenchCase):
         loop = self.call("loop.get")
         self.assertEqual((loop["closed"], loop["opened_because"]), (False, "it was asked to"))
         self.assertEqual(self.call("correction.get")["modes"], [])
-        for name in ("spectra", "rejection"):
+        for name in ("rejection-spectra", "rejection"):
             for ending in ("png", "csv", "gnuplot"):
                 self.assertGreater((self.folder / f"{name}.{ending}").stat().st_size, 500, name)
         self.check_findings(json.loads((self.folder / "summary.json").read_text()), frames)
