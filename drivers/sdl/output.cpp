@@ -1,6 +1,7 @@
 #include "drivers/sdl/output.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace ovws::sdl {
 
@@ -28,16 +29,21 @@ Result<const Output*> find_output(const std::vector<Output>& outputs, const std:
               "no output is called \"" + wanted + "\"; there are: " + list_outputs(outputs));
 }
 
+constexpr std::string_view kOtherOutput =
+    "; extend the desktop to another output, or set slm.allow_primary";
+
 // The SLM must not take the place where somebody works.
-Result<void> check_role(const Output& output, const std::vector<Output>& outputs) {
-  const std::string remedy = "; extend the desktop to another output, or set slm.allow_primary";
-  if (output.primary) {
-    return fail(Errc::refused, "slm.display",
-                "output " + output.name + " is the primary one" + remedy);
-  }
+Result<void> check_not_primary(const Output& output, const std::vector<Output>& outputs) {
+  if (!output.primary) return {};
+  return fail(Errc::refused, "slm.display",
+              "output " + output.name + " is the primary one" + std::string(kOtherOutput) +
+                  "; there are: " + list_outputs(outputs));
+}
+
+Result<void> check_alone(const Output& output, const std::vector<Output>& outputs) {
   if (std::ranges::count_if(outputs, &Output::on) < 2) {
     return fail(Errc::refused, "slm.display",
-                "output " + output.name + " is the only one" + remedy);
+                "output " + output.name + " is the only one" + std::string(kOtherOutput));
   }
   for (const Output& other : outputs) {
     if (other.name != output.name && overlap(output, other)) {
@@ -57,9 +63,13 @@ Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig
   const auto found = find_output(outputs, config.output);
   if (!found) return fail(found.error());
   const Output& output = **found;
+  // Before the mode: who named the wrong output is not to change that one's mode.
+  if (!config.allow_primary) {
+    if (const auto other = check_not_primary(output, outputs); !other) return fail(other.error());
+  }
   if (const auto mode = check_mode(output, config); !mode) return fail(mode.error());
   if (!config.allow_primary) {
-    if (const auto role = check_role(output, outputs); !role) return fail(role.error());
+    if (const auto alone = check_alone(output, outputs); !alone) return fail(alone.error());
   }
   return output;
 }
@@ -77,7 +87,8 @@ Result<void> check_mode(const Output& output, const SdlConfig& config) {
     return fail(Errc::refused, output.mode_width != config.width ? "slm.width" : "slm.height",
                 "output " + output.name + " shows " +
                     size_text(output.mode_width, output.mode_height) + ", the configuration says " +
-                    size_text(config.width, config.height) + remedy);
+                    size_text(config.width, config.height) + remedy +
+                    ", or slm.width and slm.height if the SLM has no such mode");
   }
   if (output.width != output.mode_width || output.height != output.mode_height || !output.upright) {
     return fail(Errc::refused, "slm.display",

@@ -109,10 +109,13 @@ TEST_F(DisplayTrouble, AnotherSizeIsRefusedWithBothSizesAndTheRemedy) {
 }
 
 TEST_F(DisplayTrouble, ThePrimaryOutputIsRefusedUnlessAllowed) {
-  SdlConfig config{.output = "DUMMY0", .width = 1920, .height = 1080, .allow_primary = false};
-  const Error error = refused(config);
+  SdlConfig config{.output = "DUMMY0", .width = 1280, .height = 768, .allow_primary = false};
+  const Error error = refused(config);  // whatever its size
   EXPECT_EQ(error.code, Errc::refused);
-  EXPECT_TRUE(has(error.reason, "primary")) << error.reason;
+  EXPECT_TRUE(has(error.reason, "DUMMY0 is the primary one")) << error.reason;
+  EXPECT_TRUE(has(error.reason, "DUMMY1 1280x768")) << error.reason;
+  config.width = 1920;
+  config.height = 1080;
   config.allow_primary = true;
   const auto display = open_or_fail(config);
   ASSERT_NE(display, nullptr);
