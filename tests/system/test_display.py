@@ -1,0 +1,102 @@
+"""The SLM's display fails in every way that a desktop knows: told as a fault, nothing valid meanwhile, and all as before when it is back."""
+import ctypes
+import signal
+import subprocess
+
+from case import BenchCase, main, wait_for
+
+MODE, WAVES = 3, 0.2
+PATIENCE_S = 15.0
+
+
+class WindowOnTop:
+    """A plain window over the SLM's output, of a client of its own."""
+
+    def __init__(self, display):
+        self._x = ctypes.CDLL("libX11.so.6")
+        self._x.XOpenDisplay.restype = ctypes.c_void_p
+        self._server = ctypes.c_void_p(self._x.XOpenDisplay(display.encode()))
+        x = self._x
+        x.XDefaultRootWindow.restype = x.XCreateSimpleWindow.restype = ctypes.c_ulong
+        self._window = x.XCreateSimpleWindow(self._server, ctypes.c_ulong(x.XDefaultRootWindow(self._server)), 2000, 100, 400, 300, 0,
+                                             ctypes.c_ulong(0), ctypes.c_ulong(0xFFFFFF))
+        x.XStoreName(self._server, ctypes.c_ulong(self._window), b"letter")
+        x.XMapRaised(self._server, ctypes.c_ulong(self._window))
+        x.XSync(self._server, 0)
+
+    def close(self):
+        self._x.XCloseDisplay(self._server)
+
+
+class DisplayFaults(BenchCase):
+    def setUp(self):
+        super().setUp()
+        self.take_reference()
+        self.call("aberration.set", {"modes": [{"j": MODE, "waves": WAVES}]})
+        self.frames = self.stream("wavefront")
+        self.told = self.stream("event")
+        self.check_measures()
+        self.pid = self.bench.process("ovwsd").pid
+
+    def xrandr(self, *arguments):
+        subprocess.run(["xrandr", "-display", self.bench.display, *arguments], check=True, capture_output=True)
+
+    def check_measures(self):
+        """The aberration shown is the one measured, in frames from now on."""
+        self.frames.drain()
+        found = self.settled_frames(self.frames, 10, timeout_s=PATIENCE_S)
+        read = [frame["coefficients"][frame["j"].index(MODE)] for frame in found]
+        self.assertLess(abs(sum(read) / len(read) - WAVES), 0.02)
+
+    def check_fault(self, *words):
+        """The fault is in the status and told by an event; nothing is valid; the daemon lives."""
+        status = wait_for(lambda: (now := self.call("system.status"))["slm"]["fault"] and now, PATIENCE_S, "the fault")
+        print("\n ", status["slm"]["fault"])
+        for word in words:
+            self.assertIn(word, status["slm"]["fault"])
+        wait_for(lambda: (event := self.told.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error", PATIENCE_S, "the event")
+        self.frames.drain()
+        seen = [frame for _ in range(20) if (frame := self.frames.next(0.5))]
+        self.assertFalse(any(frame["valid"] or frame["settled"] for frame in seen))
+
+    def check_over(self):
+        wait_for(lambda: (now := self.call("system.status"))["state"] == "running" and not now["slm"]["fault"], PATIENCE_S, "the end of the fault")
+        self.check_measures()
+        self.assertEqual(self.bench.process("ovwsd").pid, self.pid)
+        self.assertTrue(self.bench.process("ovwsd").alive())
+        self.assertEqual(self.call("slm.verify")["differing_pixels"], 0)
+
+    def test_the_x_server_is_killed_and_started_again(self):
+        number = int(self.bench.display[1:])
+        self.bench.process("xorg").popen.send_signal(signal.SIGKILL)
+        self.bench.stop("xorg")
+        self.check_fault("X server")
+        self.bench.start_display(number)
+        self.check_over()
+
+    def test_the_output_is_switched_off_and_on(self):
+        self.xrandr("--output", "DUMMY1", "--off")
+        self.check_fault("switched off")
+        self.xrandr("--output", "DUMMY1", "--mode", "1280x768", "--pos", "1920x0")
+        self.check_over()
+
+    def test_the_mode_is_changed_and_put_back(self):
+        self.xrandr("--output", "DUMMY1", "--mode", "1024x768")
+        self.check_fault("1024x768", "1280x768")
+        self.xrandr("--output", "DUMMY1", "--mode", "1280x768")
+        self.check_over()
+
+    def test_a_window_on_top_is_told_and_covered(self):
+        before = self.call("system.status")["counters"]["display_faults"]
+        window = WindowOnTop(self.bench.display)
+        event = wait_for(lambda: (told := self.told.next(1.0)) and "letter" in told["text"] and told, PATIENCE_S, "the event")
+        print("\n ", event["text"])
+        self.assertEqual((event["kind"], event["severity"]), ("slm", "error"))
+        self.check_over()  # the SLM's window is above it now
+        window.close()
+        self.check_over()
+        self.assertGreater(self.call("system.status")["counters"]["display_faults"], before)
+
+
+if __name__ == "__main__":
+    main()
