@@ -12,7 +12,7 @@ namespace {
 constexpr long kWaitMs = 50;
 constexpr int kLingerMs = 100;  // what was answered last may leave before the socket closes
 constexpr int kTurn = 64;       // requests taken before replies are looked at
-constexpr std::size_t kMaxPending = 256;  // beyond, requests wait in the sockets
+constexpr std::size_t kMaxPending = 128;  // beyond, requests wait in the sockets
 // ROUTER drops what one client's queue does not hold: all that can be pending must fit.
 constexpr int kReplyQueue = 2 * int(kMaxPending);
 constexpr int kReceiveQueue = 32;                  // requests held for one client

@@ -21,8 +21,8 @@ using ControlHandler =
 class ControlServer : public Agent {
  public:
   /// Requests larger than `max_request_bytes`, or of several frames, are answered by
-  /// `oversize_reply` and not handed on (above 16 MiB libzmq ends the connection). At most 256
-  /// requests are pending; more wait in the sockets. A client that leaves more than 512 replies
+  /// `oversize_reply` and not handed on (above 16 MiB libzmq ends the connection). At most 128
+  /// requests are pending; more wait in the sockets. A client that leaves more than 256 replies
   /// unread loses further ones. Errors as of Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      std::size_t max_request_bytes,

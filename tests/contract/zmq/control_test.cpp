@@ -200,9 +200,9 @@ TEST(ControlServer, LeavesRequestsInTheSocketsWhileTooManyArePending) {
     const std::lock_guard lock(mutex);
     return waiting.size();
   };
-  while (held() < 256) std::this_thread::sleep_for(1ms);
+  while (held() < 128) std::this_thread::sleep_for(1ms);
   std::this_thread::sleep_for(150ms);
-  EXPECT_EQ(held(), 256u);
+  EXPECT_EQ(held(), 128u);
   hold = false;
   for (auto& reply : waiting) reply("ok");
   sender.join();
