@@ -1,0 +1,186 @@
+"""Whoever reaches the control socket cannot end the daemon, fill its memory, or keep others from being answered.
+
+    OVWS_REQUESTS=1000000   how many random and mutated requests
+"""
+import json
+import os
+import random
+import socket
+import struct
+import time
+from pathlib import Path
+
+import zmq
+
+from case import BenchCase, Client, main, wait_for
+
+REQUESTS = int(os.environ.get("OVWS_REQUESTS", "10000"))
+CLIENTS = 64
+ENDPOINT, PORT = "tcp://127.0.0.1:7702", 7702
+MOST_GROWTH_MIB = 64
+ANSWERED_WITHIN_S = 2.0
+GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
+READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
+VALUES = [None, True, False, 0, -1, 1, 3, 1e308, -0.0, 2**63, 0.5, "", "lg", "matched", "sensor", "Mono8", "\u2028\ud83d\ude00", [], {}, [1, 2], [[]],
+          {"x": 0}, {"x": 0, "y": 0, "width": 512, "height": 512}, [{"j": 3, "waves": 0.1}], [{"n": 2, "m": -2, "waves": "x"}], "a" * 300]
+# Those that keep the bench busy for minutes, or write its files, are left to tests of their own.
+LEFT_OUT = ("config.save", "calibration.run", "registration.run", "lut.run", "flatness.run", "slm.settle", "experiment.gain_sweep", "reference.take")
+
+
+class Hostile(BenchCase):
+    def setUp(self):
+        super().setUp()
+        self.take_reference()
+        self.random = random.Random(5)
+        self.pid = self.bench.process("ovwsd").pid
+        self.methods = {name: list(about["params"].get("properties", {})) for name, about in self.call("system.describe")["methods"].items()
+                        if name not in LEFT_OUT}
+        # A tenth of a million times a new hologram takes half an hour.
+        self.slow = [name for name in self.methods if name.endswith(".clear") or name in ("slm.verify", "system.describe")]
+        self.quick = [name for name in self.methods if name not in self.slow]
+        self.context = zmq.Context()
+        self.addCleanup(self.context.destroy, 0)
+
+    def tearDown(self):
+        self.assertEqual(self.bench.process("ovwsd").pid, self.pid)
+        self.assertTrue(self.bench.process("ovwsd").alive())
+        for method, params in (("loop.open", {}), ("camera.set", {"gain_db": 0.0, "exposure_us": 2000.0, "frame_rate_hz": 100.0, "pixel_format": "Mono8",
+                                                                  "roi": {"x": 0, "y": 0, "width": 512, "height": 512}}),
+                               ("slm.show", {"pattern": "sensor"}), ("aberration.clear", {}), ("correction.clear", {}),
+                               ("sensor.set", {"charge": 1, "grid": "hexagonal", "subapertures_across": 5, "pupil_diameter_px": 768.0, "grooves": [200, 20],
+                                               "spacing": 0.25, "tracker": "lg"})):
+            self.call(method, params)
+        self.take_reference()
+        self.settled_frames(self.stream("wavefront"), 10)
+
+    def resident_mib(self):
+        return int(Path(f"/proc/{self.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def dealer(self):
+        dealer = self.context.socket(zmq.DEALER)
+        dealer.linger = 0
+        dealer.sndhwm = dealer.rcvhwm = 0
+        dealer.connect(ENDPOINT)
+        return dealer
+
+    def plain(self, number):
+        """A connection that speaks no ZeroMQ by itself."""
+        made = [socket.create_connection(("127.0.0.1", PORT)) for _ in range(number)]
+        for one in made:
+            self.addCleanup(one.close)
+        return made
+
+    def check_others_are_answered(self):
+        client = Client()
+        self.addCleanup(client.close)
+        asked = time.monotonic()
+        self.assertEqual(client.call("system.status")["camera"]["connected"], True)
+        took_s = time.monotonic() - asked
+        self.assertLess(took_s, ANSWERED_WITHIN_S)
+        return took_s
+
+    def request(self, number):
+        """A well-formed one: of any method, with params that may be wrong."""
+        method = self.random.choice(self.slow if self.random.random() < 0.005 else self.quick)
+        params = {key: self.random.choice(VALUES) for key in self.methods[method] if self.random.random() < 0.4}
+        return json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode()
+
+    def mutated(self, request):
+        data = bytearray(request)
+        for _ in range(self.random.randint(1, 4)):
+            at = self.random.randrange(len(data))
+            data[at:at + self.random.choice((0, 0, 1, 5))] = self.random.choice((b"", b"{", b"]", b'"', b"\xff", b"\0", b"9e9", b"[[", bytes([self.random.randrange(256)])))
+        return bytes(data)
+
+    def storm(self, dealers, replies):
+        """Sends REQUESTS, every third mutated; returns how many were well-formed."""
+        well_formed = 0
+        for number in range(REQUESTS):
+            request = self.request(number)
+            if number % 3 == 2:
+                request = self.mutated(request).replace(b'"id"', b'"ID"')  # it shall not pass for one of ours
+            else:
+                well_formed += 1
+            dealers[number % CLIENTS].send(request)
+            if number % 256 == 255:
+                self.read(dealers, replies, 0.0)
+                if number - len(replies) > 4 * CLIENTS:  # no faster than it is answered
+                    self.read(dealers, replies, 0.05)
+        return well_formed
+
+    def read(self, dealers, replies, wait_s):
+        poller = zmq.Poller()
+        for dealer in dealers:
+            poller.register(dealer, zmq.POLLIN)
+        while ready := poller.poll(int(1e3 * wait_s)):
+            for dealer, _ in ready:
+                reply = json.loads(dealer.recv())
+                if isinstance(reply, dict) and isinstance(reply["id"], int):
+                    replies.append(reply["id"])
+
+    def test_random_and_mutated_requests_of_64_clients(self):
+        dealers, replies, before, begun = [self.dealer() for _ in range(CLIENTS)], [], self.resident_mib(), time.monotonic()
+        well_formed = self.storm(dealers, replies)
+        wait_for(lambda: self.read(dealers, replies, 0.2) or len(replies) >= well_formed, 60.0, "the last reply")
+        self.read(dealers, replies, 1.0)
+        grown = self.resident_mib() - before
+        print(f"\n  {REQUESTS} requests of {CLIENTS} clients in {time.monotonic() - begun:.1f} s, {len(replies)} replies to {well_formed} well-formed ones,"
+              f" memory +{grown:.1f} MiB")
+        self.assertEqual(sorted(replies), [n for n in range(REQUESTS) if n % 3 != 2])
+        self.assertLess(grown, MOST_GROWTH_MIB)
+        self.check_others_are_answered()
+
+    def test_connections_that_stop_half_way(self):
+        before = self.resident_mib()
+        begun = [(connection, greeting[:self.random.randrange(len(greeting) + 1)]) for greeting in (GREETING + READY, b"GET / HTTP/1.1\r\n\r\n", bytes(100))
+                 for connection in self.plain(100)]
+        for connection, greeting in begun:
+            connection.sendall(greeting)
+        for connection, _ in begun[::2]:
+            try:
+                connection.shutdown(socket.SHUT_WR)  # half-closed
+            except OSError:  # what it said made the daemon end it first
+                pass
+        slow = self.plain(30)
+        for k in range(20):  # the others say a byte now and then
+            for connection in slow:
+                connection.sendall(GREETING[k:k + 1])
+            self.assertLess(self.check_others_are_answered(), ANSWERED_WITHIN_S)
+        print(f"\n  330 connections that say nothing whole: memory +{self.resident_mib() - before:.1f} MiB")
+        self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
+
+    def test_giant_frames(self):
+        before = self.resident_mib()
+        for connection in self.plain(20):
+            connection.sendall(GREETING + READY)
+            connection.sendall(b"\2" + struct.pack(">Q", 2**62) + bytes(100_000))  # so long, it says
+        for size in (70_000, 1 << 20, 17 << 20):
+            dealer = self.dealer()
+            for _ in range(8):
+                dealer.send(b"x" * size)
+            if size < 16 << 20:
+                self.assertTrue(dealer.poll(5000))
+                self.assertEqual(json.loads(dealer.recv())["error"]["code"], -32600)
+            self.check_others_are_answered()
+            dealer.close(0)
+        dealer = self.dealer()
+        dealer.send_multipart([b"x"] * 100_000)  # very many parts
+        self.check_others_are_answered()
+        print(f"\n  giant frames: memory +{self.resident_mib() - before:.1f} MiB")
+        self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
+
+    def test_a_client_that_reads_no_replies(self):
+        before, mute = self.resident_mib(), self.context.socket(zmq.DEALER)
+        mute.linger = 0
+        mute.rcvhwm, mute.rcvbuf = 1, 4096
+        mute.connect(ENDPOINT)
+        for number in range(5000):
+            mute.send(b'{"jsonrpc":"2.0","id":1,"method":"system.describe"}')
+            if number % 500 == 0:
+                self.check_others_are_answered()
+        print(f"\n  5000 replies that nobody reads: memory +{self.resident_mib() - before:.1f} MiB")
+        self.assertLess(self.resident_mib() - before, 1.5 * MOST_GROWTH_MIB)  # 256 replies of 0.2 MB
+
+
+if __name__ == "__main__":
+    main()
