@@ -21,6 +21,10 @@ Error in_params(Error error) {
   return error;
 }
 
+tl::unexpected<Error> not_connected(const CameraSnapshot& now) {
+  return fail(Errc::unavailable, "camera", "no camera is connected: " + now.fault);
+}
+
 }  // namespace
 
 CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
@@ -51,6 +55,9 @@ void CameraActor::on_close() {
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
+  // The camera thread may be busy for seconds with one that does not answer.
+  const CameraSnapshot now = snapshot_.get();
+  if (!now.connected && !now.at_fault) return done(not_connected(now));
   mailbox_.post([this, change, done = std::move(done)] {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     carry_out(change, done);
@@ -83,10 +90,7 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
 
 void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
-  if (!camera_ || lost_) {
-    return done(
-        fail(Errc::unavailable, "camera", "no camera is connected: " + snapshot_.get().fault));
-  }
+  if (!camera_ || lost_) return done(not_connected(snapshot_.get()));
   const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
   if (!wanted) return done(fail(wanted.error()));
   const auto applied = apply(*wanted);

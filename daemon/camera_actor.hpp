@@ -52,7 +52,8 @@ class CameraActor : public Agent {
   void on_close() override;
 
   /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
-  /// uses now. A camera at fault is tried anew with the change.
+  /// uses now. A camera at fault is tried anew with the change. Without a camera `done` is called
+  /// at once, in the caller's thread.
   void change(CameraSet change, Applied done);
   /// The same for the job that runs, which does not ask whether it may.
   void change_for_job(CameraSet change, Applied done);
