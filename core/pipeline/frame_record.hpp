@@ -54,7 +54,7 @@ struct FrameRecord {
   /// frame rate would have given meanwhile.
   std::uint64_t gap = 0;
   std::uint64_t hologram_id = 0;
-  bool still = false;           ///< that hologram stood still for the whole exposure
+  bool still = false;           ///< that hologram stood still for the whole exposure; not late
   bool settled = false;         ///< still, and it is the sensor's that the plan is for
   bool settings_known = false;  ///< gain and exposure are of this very frame
   double gain_db = 0.0, exposure_us = 0.0;

@@ -37,6 +37,11 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
   return {false, settings.gain_db, settings.exposure_us, earliest};
 }
 
+bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
+             std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING {
+  return arrival_mono_ns - unhindered_mono_ns > settings.transfer_ns;
+}
+
 HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,
                                std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns) {
   const auto of = [&](const ShownHologram::One& one) {

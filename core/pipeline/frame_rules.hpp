@@ -22,6 +22,12 @@ struct SettingsVerdict {
 /// at or after the end of theirs, and the frame arrived at or before the begin of the new write.
 SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns);
 
+/// Whether the frame came so much later than the quickest of its stream (ArrivalClock) that its
+/// transfer alone took longer than it may: neither its device stamp nor its arrival proves then
+/// what it saw. Never with a camera that gives no stamps. RT-safe.
+bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
+             std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING;
+
 struct HologramVerdict {
   std::uint64_t hologram_id = 0;
   bool still = false;    ///< the hologram stood still for the whole exposure

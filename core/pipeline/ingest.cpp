@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::microseconds kFrameWait = 20ms;
 constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: look again soon
 constexpr std::chrono::microseconds kIdleWait = 2ms;
+constexpr std::uint64_t kLatestNumbers = 100;
 
 bool fits(const MeasurementPlan& plan, const ImageView& image) {
   return image.width == plan.roi.width && image.height == plan.roi.height &&
@@ -61,10 +62,14 @@ Entry* Ingest::turn(bool& waited_in_vain) {
       return nullptr;
     case GrabStatus::incomplete:
       waited_in_vain = false;
-      deps_.counters.add(Counter::frames_incomplete);
-      last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
       ++incomplete_since_;
-      return nullptr;
+      return refuse(Counter::frames_incomplete);
+    case GrabStatus::duplicate:
+      waited_in_vain = false;
+      return refuse(Counter::frames_duplicated);
+    case GrabStatus::out_of_order:
+      waited_in_vain = false;
+      return refuse(Counter::frames_out_of_order);
     case GrabStatus::frame:
       break;
   }
@@ -72,7 +77,24 @@ Entry* Ingest::turn(bool& waited_in_vain) {
   return accept(frame);
 }
 
+/// Nothing to measure, but a sign of life.
+Entry* Ingest::refuse(Counter why) OVWS_NONBLOCKING {
+  deps_.counters.add(why);
+  last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
+  return nullptr;
+}
+
+/// A number far below the last one is no late frame: the camera has begun to count anew.
+bool Ingest::is_next(std::uint64_t frame_id) OVWS_NONBLOCKING {
+  return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kLatestNumbers;
+}
+
 Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
+  if (!is_next(frame.frame_id)) {
+    deps_.cameras.camera()->release(frame.slot);
+    return refuse(frame.frame_id == last_frame_id_ ? Counter::frames_duplicated
+                                                   : Counter::frames_out_of_order);
+  }
   deps_.counters.add(Counter::frames_grabbed);
   last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   last_sign_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
@@ -136,9 +158,11 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
                                                   settings.exposure_begin_mono_ns, arrival);
   entry.hologram_id = hologram.hologram_id;
+  const bool late = is_late(applied, arrival, unhindered);
+  if (late) deps_.counters.add(Counter::frames_late);
+  entry.still = hologram.still && !late;
   // Until the plan for a new region is there, positions would be taken for those of the old one.
-  entry.still = hologram.still;
-  entry.settled = hologram.settled && applied.roi == entry.plan->roi;
+  entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi;
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);
 }

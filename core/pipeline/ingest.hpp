@@ -47,6 +47,8 @@ class Ingest {
 
  private:
   bool serve_camera() OVWS_NONBLOCKING;
+  Entry* refuse(Counter why) OVWS_NONBLOCKING;
+  bool is_next(std::uint64_t frame_id) OVWS_NONBLOCKING;
   Entry* accept(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   Entry* measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;

@@ -45,15 +45,21 @@ struct CameraInfo {
 /// A frame lent by the driver until `release`. All stamps in ns; mono = CLOCK_MONOTONIC.
 struct GrabbedFrame {
   ImageView image;
-  std::uint64_t frame_id =
-      0;  ///< camera's number, unwrapped to 64 bits: consecutive frames differ by 1
+  std::uint64_t frame_id = 0;  ///< camera's number, unwrapped to 64 bits: consecutive frames differ
+                               ///< by 1, one that comes again has its own again
   std::int64_t t_device_ns = 0;   ///< as the camera gives it
   std::int64_t t_arrival_ns = 0;  ///< frame complete in this host, UNIX epoch UTC
   std::int64_t t_arrival_mono_ns = 0;
   int slot = -1;  ///< driver's own buffer number, 0 .. buffer_count()-1
 };
 
-enum class GrabStatus { frame, timeout, incomplete };
+enum class GrabStatus {
+  frame,
+  timeout,
+  incomplete,
+  duplicate,     ///< a frame that had been delivered before, thrown away
+  out_of_order,  ///< a frame whose successor had been delivered before, thrown away
+};
 
 /// One opened camera. Device calls come from one thread (the camera thread), stream calls from one
 /// other (the acquisition thread); `start`, `stop` and `apply` are called only while nobody is in a
@@ -76,7 +82,7 @@ class Camera {
 
   // Acquisition thread.
   virtual int buffer_count() const = 0;
-  /// Waits at most `timeout`. Incomplete frames are released inside and only reported.
+  /// Waits at most `timeout`. Frames that cannot be used are released inside and only reported.
   virtual GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) = 0;
   virtual void release(int slot) OVWS_NONBLOCKING = 0;
 };

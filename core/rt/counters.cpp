@@ -11,6 +11,12 @@ std::string_view counter_name(Counter counter) {
       return "frames_lost";
     case Counter::frames_incomplete:
       return "frames_incomplete";
+    case Counter::frames_duplicated:
+      return "frames_duplicated";
+    case Counter::frames_out_of_order:
+      return "frames_out_of_order";
+    case Counter::frames_late:
+      return "frames_late";
     case Counter::frames_unplanned:
       return "frames_unplanned";
     case Counter::frames_unexpected:

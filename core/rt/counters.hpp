@@ -10,20 +10,23 @@
 namespace ovws {
 
 enum class Counter : std::uint8_t {
-  frames_grabbed,      ///< complete frames taken from the camera
-  frames_lost,         ///< gaps in the camera's frame numbers, incomplete frames not counted again
-  frames_incomplete,   ///< delivered with missing packets, not tracked
-  frames_unplanned,    ///< there was no plan to measure them with
-  frames_unexpected,   ///< size or format is not the plan's, not tracked
-  frames_dropped,      ///< no free record, or the publisher holds too many: somebody was behind
-  frames_unsettled,    ///< exposed while the hologram changed
-  frames_invalid,      ///< published with valid = false
-  frames_unexplained,  ///< of the invalid, those refused because no wavefront explains their spots
-  frames_published,    ///< left the pipeline
-  spots_lost,          ///< sum over frames of subapertures not found
-  acquisitions,        ///< whole-image searches
-  messages_dropped,    ///< a stream's queue was full in this daemon
-  deadline_missed,     ///< frames that took longer than one frame period from grab to publish ring
+  frames_grabbed,       ///< complete frames taken from the camera
+  frames_lost,          ///< gaps in the camera's frame numbers, incomplete frames not counted again
+  frames_incomplete,    ///< delivered with missing packets, not tracked
+  frames_duplicated,    ///< delivered a second time, not tracked
+  frames_out_of_order,  ///< delivered after a later one, not tracked; counted as lost, too
+  frames_late,          ///< arrived later than the transfer may take, published unsettled
+  frames_unplanned,     ///< there was no plan to measure them with
+  frames_unexpected,    ///< size or format is not the plan's, not tracked
+  frames_dropped,       ///< no free record, or the publisher holds too many: somebody was behind
+  frames_unsettled,     ///< exposed while the hologram changed
+  frames_invalid,       ///< published with valid = false
+  frames_unexplained,   ///< of the invalid, those refused because no wavefront explains their spots
+  frames_published,     ///< left the pipeline
+  spots_lost,           ///< sum over frames of subapertures not found
+  acquisitions,         ///< whole-image searches
+  messages_dropped,     ///< a stream's queue was full in this daemon
+  deadline_missed,      ///< frames that took longer than one frame period from grab to publish ring
   camera_reconnects,
   display_faults,
   requests,

@@ -7,16 +7,20 @@
 namespace ovws {
 
 /// Turns the camera's numbers into 64-bit ones: those of consecutive frames differ by exactly 1,
-/// those across k lost frames by k + 1. The first number is the camera's own.
+/// those across k lost frames by k + 1. The first number is the camera's own. A frame that comes
+/// again, or less than 100 frames too late, has the number that is its own.
 class FrameIdUnwrapper {
  public:
   enum class Width { bits16, bits64 };  ///< bits16: GigE Vision, where 0 is never sent
 
   explicit FrameIdUnwrapper(Width width) : width_(width) {}
 
-  /// A number that does not lie ahead of the last one (for 16 bits: less than half a turn ahead)
-  /// is a counter that was set back; what was lost then is unknown and counted as nothing. RT-safe.
+  /// A number further behind the last one, or for 16 bits half a turn ahead, is a counter that was
+  /// set back; what was lost then is unknown and counted as nothing. RT-safe.
   std::uint64_t next(std::uint64_t raw) {
+    if (any_ && same_stream_)
+      if (const std::uint64_t behind = steps_behind(raw); behind < kLatest && behind <= unwrapped_)
+        return unwrapped_ - behind;
     if (!any_)
       unwrapped_ = raw;
     else
@@ -31,6 +35,13 @@ class FrameIdUnwrapper {
 
  private:
   static constexpr std::uint64_t kTurn = 65535;
+  static constexpr std::uint64_t kLatest = 100;
+
+  /// How far behind the last number, which is 0 behind itself; kLatest or more: not behind it.
+  std::uint64_t steps_behind(std::uint64_t raw) const {
+    if (width_ == Width::bits64) return raw <= last_ ? last_ - raw : kLatest;
+    return (last_ + kTurn - raw % kTurn) % kTurn;
+  }
 
   /// How far ahead of the last number; 0: not ahead of it.
   std::uint64_t steps_from_last(std::uint64_t raw) const {

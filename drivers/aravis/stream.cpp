@@ -19,6 +19,15 @@ std::size_t round_up(std::size_t size, std::size_t unit) {
   return (size + unit - 1) / unit * unit;
 }
 
+/// With leader and trailer; the headers of IP, UDP and GVSP take 36 bytes of each.
+std::uint64_t packets_per_frame(GenicamDevice& device, std::size_t payload_bytes) {
+  constexpr std::size_t kHeaders = 36;
+  if (!device.is_gige()) return 1;
+  const std::size_t size = arv_gv_device_get_packet_size(ARV_GV_DEVICE(device.raw()), nullptr);
+  const std::size_t data = size > kHeaders ? size - kHeaders : 1;
+  return (payload_bytes + data - 1) / data + 2;
+}
+
 }  // namespace
 
 Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config) {
@@ -53,7 +62,8 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
     g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", config.socket_buffer_bytes, nullptr);
 
-  std::unique_ptr<AravisStream> self(new AravisStream(std::move(stream), shape, ids));
+  const StrayFrames strays(packets_per_frame(device, std::size_t(*payload)));
+  std::unique_ptr<AravisStream> self(new AravisStream(std::move(stream), shape, ids, strays));
   if (!self->allocate(std::size_t(*payload), config.buffers))
     return fail(Errc::unavailable, "camera.roi",
                 "there is no memory for " + std::to_string(config.buffers) + " frames of " +
@@ -61,8 +71,13 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   return self;
 }
 
-AravisStream::AravisStream(GRef<ArvStream> stream, const FrameShape& shape, FrameIdUnwrapper& ids)
-    : shape_(shape), ids_(&ids), stream_(std::move(stream)) {}
+AravisStream::AravisStream(GRef<ArvStream> stream, const FrameShape& shape, FrameIdUnwrapper& ids,
+                           const StrayFrames& strays)
+    : shape_(shape),
+      ids_(&ids),
+      strays_(strays),
+      counts_packets_(ARV_IS_GV_STREAM(stream.get())),
+      stream_(std::move(stream)) {}
 
 AravisStream::~AravisStream() {
   requeue_released();
@@ -108,20 +123,49 @@ bool AravisStream::view_image(ArvBuffer* buffer, ImageView& image) const {
   return size >= std::size_t(image.stride_bytes) * std::size_t(height) - std::size_t(padding);
 }
 
+void AravisStream::count_strays() {
+  if (!counts_packets_) return;
+  // Those for which there was no buffer are among them, and are frames that will be missing.
+  const std::uint64_t ignored =
+      arv_stream_get_info_uint64_by_name(stream_.get(), "n_ignored_packets");
+  const std::uint64_t starved = arv_stream_get_info_uint64_by_name(stream_.get(), "n_underruns");
+  const auto fresh = strays_.thrown_away(ignored - std::min(ignored, starved));
+  untold_.duplicate += fresh.duplicate;
+  untold_.out_of_order += fresh.out_of_order;
+}
+
+/// The next of them that was not told yet; timeout: there is none.
+GrabStatus AravisStream::stray() {
+  if (untold_.out_of_order > 0) {
+    --untold_.out_of_order;
+    return GrabStatus::out_of_order;
+  }
+  if (untold_.duplicate == 0) return GrabStatus::timeout;
+  --untold_.duplicate;
+  return GrabStatus::duplicate;
+}
+
 GrabStatus AravisStream::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
   requeue_released();
+  if (const GrabStatus told = stray(); told != GrabStatus::timeout) return told;
   ArvBuffer* buffer = timeout.count() > 0 ? arv_stream_timeout_pop_buffer(
                                                 stream_.get(), std::uint64_t(timeout.count()))
                                           : arv_stream_try_pop_buffer(stream_.get());
-  if (!buffer) return GrabStatus::timeout;
+  if (!buffer) {
+    count_strays();
+    return stray();
+  }
   out.t_arrival_mono_ns = monotonic_ns();
   out.t_arrival_ns = utc_ns();
   if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
       !view_image(buffer, out.image)) {
     arv_stream_push_buffer(stream_.get(), buffer);
+    strays_.delivered_incomplete();
     return GrabStatus::incomplete;
   }
   out.frame_id = ids_->next(arv_buffer_get_frame_id(buffer));
+  strays_.delivered(out.frame_id);
+  count_strays();
   out.t_device_ns = std::int64_t(arv_buffer_get_timestamp(buffer));
   out.slot = GPOINTER_TO_INT(arv_buffer_get_user_data(buffer));
   lent_[std::size_t(out.slot)] = buffer;

@@ -11,6 +11,7 @@
 #include "drivers/aravis/aravis_camera.hpp"
 #include "drivers/aravis/frame_id.hpp"
 #include "drivers/aravis/genicam_device.hpp"
+#include "drivers/aravis/stray_frames.hpp"
 
 namespace ovws {
 
@@ -43,9 +44,12 @@ class AravisStream {
   void release(int slot) OVWS_NONBLOCKING;
 
  private:
-  AravisStream(GRef<ArvStream> stream, const FrameShape& shape, FrameIdUnwrapper& ids);
+  AravisStream(GRef<ArvStream> stream, const FrameShape& shape, FrameIdUnwrapper& ids,
+               const StrayFrames& strays);
   bool allocate(std::size_t payload_bytes, int count);
   void requeue_released();
+  GrabStatus stray();
+  void count_strays();
   bool view_image(ArvBuffer* buffer, ImageView& image) const;
 
   struct Free {
@@ -54,6 +58,9 @@ class AravisStream {
 
   FrameShape shape_;
   FrameIdUnwrapper* ids_;
+  StrayFrames strays_;
+  StrayFrames::Counts untold_;
+  bool counts_packets_ = false;  ///< false with a USB camera, whose frames are not packets
   std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, whose thread writes into it
   GRef<ArvStream> stream_;
   std::vector<ArvBuffer*> lent_;      // by slot; null while Aravis has it

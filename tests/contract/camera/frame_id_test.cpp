@@ -60,10 +60,33 @@ TEST(FrameIdUnwrapper, ACounterSetBackIsNotAGapOfAWholeTurn) {
   EXPECT_EQ(wide.next(0), 5001u);
 }
 
-TEST(FrameIdUnwrapper, ARepeatedNumberStillMovesOn) {
+TEST(FrameIdUnwrapper, AFrameThatComesAgainHasItsNumberAgain) {
+  for (const Width width : {Width::bits16, Width::bits64}) {
+    FrameIdUnwrapper ids(width);
+    ids.next(7);
+    EXPECT_EQ(ids.next(7), 7u);
+    EXPECT_EQ(ids.next(8), 8u);
+  }
+}
+
+TEST(FrameIdUnwrapper, AFrameAfterALaterOneHasTheNumberItWouldHaveHad) {
   FrameIdUnwrapper ids(Width::bits16);
-  ids.next(7);
-  EXPECT_EQ(ids.next(7), 8u);
+  ids.next(65534);
+  EXPECT_EQ(ids.next(2), 65537u);
+  EXPECT_EQ(ids.next(65535), 65535u);
+  EXPECT_EQ(ids.next(1), 65536u);
+  EXPECT_EQ(ids.next(3), 65538u);
+  FrameIdUnwrapper wide(Width::bits64);
+  wide.next(100);
+  wide.next(102);
+  EXPECT_EQ(wide.next(101), 101u);
+  EXPECT_EQ(wide.next(103), 103u);
+}
+
+TEST(FrameIdUnwrapper, NoNumberLiesBeforeTheFirst) {
+  FrameIdUnwrapper ids(Width::bits16);
+  ids.next(1);
+  EXPECT_EQ(ids.next(65530), 2u);
 }
 
 TEST(FrameIdUnwrapper, WideNumbersPassWithTheirGaps) {

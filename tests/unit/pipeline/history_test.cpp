@@ -154,20 +154,20 @@ TEST(History, AJumpOfAllSpotsIsSearchedAtOnce) {
 
 TEST(History, ABlackImageIsSearchedEverMoreSeldom) {
   Tracking rig;
-  EXPECT_EQ(rig.tracked(0, rig.still), 19);
+  EXPECT_EQ(rig.tracked(1, rig.still), 19);
   const auto black = SpotBench::black();
   std::vector<std::uint64_t> searched;
   for (std::uint64_t id = 0; id < 50; ++id) {
     const std::uint64_t before = rig.count(Counter::acquisitions);
-    Taken record(rig, rig.measure(id + 1, black));
+    Taken record(rig, rig.measure(id + 2, black));
     EXPECT_EQ(record->tracked, 0);
     EXPECT_FALSE(record->valid);
     if (rig.count(Counter::acquisitions) > before) searched.push_back(id);
   }
   EXPECT_EQ(searched, (std::vector<std::uint64_t>{0, 1, 3, 7, 15, 31, 47}));
-  std::uint64_t id = 51;
-  while (id < 70 && rig.tracked(id, rig.still) != 19) ++id;
-  EXPECT_LE(id, 51U + 16U);
+  std::uint64_t id = 52;
+  while (id < 71 && rig.tracked(id, rig.still) != 19) ++id;
+  EXPECT_LE(id, 52U + 16U);
   EXPECT_EQ(rig.tracked(id + 1, rig.still), 19);
   const std::uint64_t before = rig.count(Counter::acquisitions);
   EXPECT_EQ(rig.tracked(id + 2, SpotBench::draw(rig.bench.moved({}, {25.0, 20.0}))), 19);
@@ -176,9 +176,9 @@ TEST(History, ABlackImageIsSearchedEverMoreSeldom) {
 
 TEST(History, ManySpotsDarkForGoodDoNotCostASearchEachFrame) {
   Tracking rig;
-  EXPECT_EQ(rig.tracked(0, rig.still), 19);
+  EXPECT_EQ(rig.tracked(1, rig.still), 19);
   const auto partly = SpotBench::draw(rig.bench.model_px, {0, 1, 2, 3, 4, 5});
-  for (std::uint64_t id = 1; id <= 48; ++id) EXPECT_EQ(rig.tracked(id, partly), 13);
+  for (std::uint64_t id = 2; id <= 49; ++id) EXPECT_EQ(rig.tracked(id, partly), 13);
   EXPECT_EQ(rig.count(Counter::acquisitions), 1U + 7U);
 }
 

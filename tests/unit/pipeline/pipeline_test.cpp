@@ -82,6 +82,55 @@ TEST(Pipeline, OfAGapOnlyWhatWasNotIncompleteIsLost) {
   EXPECT_EQ(rig.count(Counter::frames_lost), 3U);
 }
 
+TEST(Pipeline, AFrameThatComesAgainOrTooLateIsCountedAndNotTracked) {
+  Running rig;
+  Taken(rig, rig.measure(200, rig.still));
+  EXPECT_EQ(rig.measure(200, rig.still), nullptr);
+  EXPECT_EQ(rig.count(Counter::frames_duplicated), 1U);
+  Taken(rig, rig.measure(202, rig.still));
+  EXPECT_EQ(rig.measure(201, rig.still), nullptr);
+  EXPECT_EQ(rig.count(Counter::frames_out_of_order), 1U);
+  EXPECT_EQ(Taken(rig, rig.measure(203, rig.still))->gap, 0U);
+  EXPECT_EQ(rig.count(Counter::frames_lost), 1U);
+  EXPECT_EQ(rig.count(Counter::frames_grabbed), 3U);
+  EXPECT_EQ(Taken(rig, rig.measure(3, rig.still))->frame.frame_id, 3U);  // counted anew
+}
+
+TEST(Pipeline, FramesThatTheDriverThrewAwayAreCountedByTheirNames) {
+  Running rig;
+  Taken(rig, rig.measure(1, rig.still));
+  for (const GrabStatus status :
+       {GrabStatus::duplicate, GrabStatus::out_of_order, GrabStatus::duplicate}) {
+    rig.camera.send({0, 0, nullptr, false, PixelFormat::mono8, 0, status});
+    rig.turn();
+  }
+  EXPECT_EQ(rig.count(Counter::frames_duplicated), 2U);
+  EXPECT_EQ(rig.count(Counter::frames_out_of_order), 1U);
+  EXPECT_EQ(rig.count(Counter::frames_grabbed), 1U);
+}
+
+TEST(Pipeline, AFrameThatArrivesLaterThanTheTransferMayTakeIsNotSettled) {
+  Running rig;
+  rig.applied.transfer_ns = 10 * kMs;
+  rig.settings.write(rig.applied);
+  const auto held_up = [&rig](std::uint64_t id, std::int64_t by_ns, bool stamped) {
+    const std::int64_t arrival = rig.arrival_ns(id);
+    rig.camera.send({id, arrival + by_ns, rig.still, false, PixelFormat::mono8,
+                     stamped ? arrival - 900 * kMs : 0});
+    rig.turn();
+    Taken record(rig, rig.pipeline.next(0));
+    EXPECT_EQ(record->settled, record->valid);
+    return record->settled;
+  };
+  EXPECT_TRUE(held_up(10, 0, true));
+  EXPECT_TRUE(held_up(11, 10 * kMs, true));
+  EXPECT_FALSE(held_up(12, 10 * kMs + 1, true));
+  EXPECT_EQ(rig.count(Counter::frames_late), 1U);
+  EXPECT_TRUE(held_up(13, 0, true));
+  EXPECT_TRUE(held_up(16, 20 * kMs, false));  // no stamp: the arrival is all that is known
+  EXPECT_EQ(rig.count(Counter::frames_late), 1U);
+}
+
 TEST(Pipeline, ANewStreamBeginsWithoutAGap) {
   Running rig;
   Taken(rig, rig.measure(100, rig.still));

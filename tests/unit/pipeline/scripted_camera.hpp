@@ -22,6 +22,8 @@ struct ScriptedFrame {
   std::shared_ptr<const Image<std::uint8_t>> image;
   bool incomplete = false;
   PixelFormat format = PixelFormat::mono8;
+  std::int64_t t_device_ns = 0;
+  GrabStatus status = GrabStatus::frame;
 };
 
 /// Each buffer is a copy of the frame's pixels; a released one is overwritten, so that whoever
@@ -64,6 +66,7 @@ class ScriptedCamera final : public Camera {
     const ScriptedFrame frame = std::move(script_.front());
     script_.pop_front();
     if (frame.incomplete) return GrabStatus::incomplete;
+    if (frame.status != GrabStatus::frame) return frame.status;
     const auto slot = int(free - lent_.begin());
     lent_[std::size_t(slot)] = true;
     fill(out, frame, slot);
@@ -88,6 +91,7 @@ class ScriptedCamera final : public Camera {
                  width, frame.format};
     out.frame_id = frame.frame_id;
     out.t_arrival_mono_ns = frame.t_arrival_mono_ns;
+    out.t_device_ns = frame.t_device_ns;
     out.slot = slot;
   }
 

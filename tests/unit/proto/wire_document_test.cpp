@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
+#include <set>
 
+#include "core/rt/counters.hpp"
 #include "proto/requests.hpp"
 #include "proto/results.hpp"
 #include "proto/rpc.hpp"
+#include "proto/schemas.hpp"
 
 namespace ovws {
 namespace {
@@ -55,6 +59,43 @@ TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {
     if (reply.contains("error") || !reply.at("result").is_null()) {
       EXPECT_EQ(reply, lines[k + 1]);
     }
+  }
+}
+
+using Names = std::set<std::string>;
+
+/// The names in the first column of WIRE.md's table of counters.
+Names documented_counters() {
+  std::ifstream file(OVWS_SOURCE_DIR "/proto/WIRE.md");
+  Names names;
+  bool inside = false;
+  const std::regex name("`([a-z_]+)`");
+  for (std::string line; std::getline(file, line);) {
+    if (line == "| counter | counts |") {
+      inside = true;
+    } else if (line.empty()) {
+      inside = false;
+    }
+    if (!inside) continue;
+    const std::string column = line.substr(0, line.find('|', 1));
+    for (std::sregex_iterator it(column.begin(), column.end(), name), end; it != end; ++it) {
+      names.insert((*it)[1]);
+    }
+  }
+  return names;
+}
+
+TEST(WireDocument, NamesTheCountersThatThereAre) {
+  Names names;
+  for (std::size_t k = 0; k < std::size_t(Counter::count_); ++k) {
+    names.emplace(counter_name(Counter(k)));
+  }
+  EXPECT_EQ(documented_counters(), names);
+  const Json status = Json::parse(schema_text("system.status")).at("result");
+  const Json stream = Json::parse(schema_text("stream.status"));
+  for (const Json& schema : {status, stream}) {
+    EXPECT_EQ(schema.at("properties").at("counters").at("propertyNames").at("enum").get<Names>(),
+              names);
   }
 }
 
