@@ -35,7 +35,7 @@ tl::unexpected<Error> no_camera(const std::string& reason) {
 }  // namespace
 
 FakeCamera::FakeCamera(const CameraConfig& config, const CameraDeps& deps)
-    : config_(config), deps_(deps) {}
+    : config_(config), deps_(deps), slow_registers_(deps.faults) {}
 
 FakeCamera::~FakeCamera() {
   request_stop();

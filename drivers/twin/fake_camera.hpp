@@ -8,6 +8,7 @@
 #include "core/base/result.hpp"
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_parts.hpp"
+#include "drivers/twin/slow_registers.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -45,6 +46,7 @@ class FakeCamera {
   const CameraDeps deps_;
   std::stop_source stop_;
   FrameTally tally_;
+  const SlowRegisters slow_registers_;
   mutable std::mutex mutex_;  ///< held while device_ is replaced, and while others read it
   std::unique_ptr<GigeDevice> device_;
 };

@@ -41,6 +41,10 @@ FrameFate Faults::next_frame(const std::stop_token& stop) {
       return FrameFate::drop;
     case FaultKind::incomplete:
       return FrameFate::incomplete;
+    case FaultKind::duplicate:
+      return FrameFate::duplicate;
+    case FaultKind::reorder:
+      return FrameFate::reorder;
     case FaultKind::delay:
       changed_.wait_for(lock, stop, std::chrono::duration<double, std::milli>(fault.delay_ms),
                         other_order);
@@ -50,6 +54,7 @@ FrameFate Faults::next_frame(const std::stop_token& stop) {
       return FrameFate::send;
     case FaultKind::none:
     case FaultKind::unplug:
+    case FaultKind::slow_registers:
       return FrameFate::send;
   }
   return FrameFate::send;

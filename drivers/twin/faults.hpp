@@ -17,10 +17,13 @@ enum class FaultKind {
   delay,       ///< frames sent late; the camera answers nothing meanwhile
   freeze,      ///< the camera sends and answers nothing, then goes on as if nothing had been
   unplug,      ///< the camera is off the network, then comes back with its power-up settings
+  duplicate,   ///< frames sent twice: again, number and stamp and all, in the next frame's place
+  reorder,     ///< frames sent after the one that follows them
+  slow_registers,  ///< every register write is acknowledged late; no frame is sent meanwhile
 };
 
-/// One fault at a time: ordering one ends the other. `frames` for drop, incomplete and delay, or
-/// `seconds` for each of them.
+/// One fault at a time: ordering one ends the other. `frames` for what befalls frames, or `seconds`
+/// for each of them.
 struct Fault {
   FaultKind kind = FaultKind::none;
   int frames = 0;  ///< 0: for `seconds`
@@ -28,7 +31,12 @@ struct Fault {
   double delay_ms = 0.0;
 };
 
-enum class FrameFate { send, drop, incomplete };
+/// Whether `delay_ms` belongs to it.
+constexpr bool takes_delay(FaultKind kind) {
+  return kind == FaultKind::delay || kind == FaultKind::slow_registers;
+}
+
+enum class FrameFate { send, drop, incomplete, duplicate, reorder };
 
 /// Thread-safe.
 class Faults {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -54,6 +55,16 @@ bool inside(const Roi& roi, const CameraConfig& sensor) {
   return roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
          roi.width <= sensor.sensor_width && roi.height <= sensor.sensor_height &&
          roi.x <= sensor.sensor_width - roi.width && roi.y <= sensor.sensor_height - roi.height;
+}
+
+/// Where a frame of this size and format goes; empty if there is no place.
+std::span<std::byte> pixels_of(ArvBuffer* buffer, const CameraSettings& settings) {
+  size_t not_known_here = 0;  // Aravis sets the size after `fill`
+  const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
+  if (pixels == nullptr || settings.roi.width <= 0 || settings.roi.height <= 0) return {};
+  return {static_cast<std::byte*>(const_cast<void*>(pixels)),
+          std::size_t(settings.roi.width) * std::size_t(settings.roi.height) *
+              std::size_t(bytes_per_pixel(settings.pixel_format))};
 }
 
 }  // namespace
@@ -152,32 +163,52 @@ void GigeDevice::fill(ArvBuffer* buffer) {
   const std::uint32_t period_us =
       std::max(read(kRegisterWantedPeriodUs), std::uint32_t(now.exposure_us));
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
-  FrameFate fate = deps_.faults.next_frame(stop_);
-  if (fate == FrameFate::drop) {
-    ++tally_.dropped;
-  } else if (take(buffer, now) == FrameFate::drop) {
-    fate = FrameFate::drop;
-  } else {
-    ++(fate == FrameFate::incomplete ? tally_.incomplete : tally_.sent);
-  }
-  lose_packets(fate);
+  lose_packets(send_again(buffer, now) ? FrameFate::send : befall(buffer, now));
   period_ns_ = std::int64_t(period_us) * 1000;
   filled_ns_ = monotonic_ns();
   filling_ = false;
 }
 
+/// Aravis numbers whatever it sends; a frame that is sent again has its own number.
+bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
+  if (!kept_ || kept_->others-- > 0) return false;
+  const Kept kept = std::move(*kept_);
+  kept_.reset();
+  const std::span<std::byte> out = pixels_of(buffer, settings);
+  if (out.size() != kept.pixels.size()) return false;
+  std::memcpy(out.data(), kept.pixels.data(), out.size());
+  arv_buffer_set_frame_id(buffer, kept.frame_id);
+  arv_buffer_set_timestamp(buffer, kept.t_ns);
+  return true;
+}
+
+/// A new frame, and what becomes of it.
+FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) {
+  frame_id_ = frame_id_ % 65535 + 1;
+  arv_buffer_set_frame_id(buffer, frame_id_);
+  const FrameFate fate = kept_ ? FrameFate::send : deps_.faults.next_frame(stop_);
+  if (fate == FrameFate::drop) {
+    ++tally_.dropped;
+    return fate;
+  }
+  if (take(buffer, settings) == FrameFate::drop) return FrameFate::drop;
+  ++(fate == FrameFate::incomplete ? tally_.incomplete : tally_.sent);
+  if (fate != FrameFate::duplicate && fate != FrameFate::reorder) return fate;
+  const bool swapped = fate == FrameFate::reorder;
+  ++(swapped ? tally_.reordered : tally_.duplicated);
+  const std::span<std::byte> pixels = pixels_of(buffer, settings);
+  kept_ = Kept{
+      {pixels.begin(), pixels.end()}, frame_id_, arv_buffer_get_timestamp(buffer), swapped ? 1 : 0};
+  return swapped ? FrameFate::drop : FrameFate::send;
+}
+
 FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto format = pixel_format(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
-  size_t not_known_here = 0;  // Aravis sets the size after this call
-  const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
-  if (!format || !inside(settings.roi, config_) || pixels == nullptr) {
+  const std::span<std::byte> out = pixels_of(buffer, settings);
+  if (!format || !inside(settings.roi, config_) || out.empty()) {
     ++tally_.refused;
     return FrameFate::drop;
   }
-  const std::span<std::byte> out(static_cast<std::byte*>(const_cast<void*>(pixels)),
-                                 std::size_t(settings.roi.width) *
-                                     std::size_t(settings.roi.height) *
-                                     std::size_t(bytes_per_pixel(*format)));
   const auto start = std::chrono::steady_clock::now();
   const auto deadline = start + kFarFieldTime;
   // A server that hangs shows nothing new: then go by what is known.

@@ -7,8 +7,11 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_parts.hpp"
@@ -51,6 +54,8 @@ class GigeDevice {
  private:
   void power_up();
   void fill(ArvBuffer* buffer);
+  bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
+  FrameFate befall(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
   void lose_packets(FrameFate fate);
   std::uint32_t read(std::uint32_t address) const;
@@ -64,7 +69,18 @@ class GigeDevice {
   ArvGvFakeCamera* const gige_;
   ArvFakeCamera* const camera_;
   Descriptor nudger_;
-  double lost_ratio_ = 0.0;  ///< Aravis's thread only, as `fill` and what it calls
+  /// A frame to be sent again, or only then, after so many others.
+  struct Kept {
+    std::vector<std::byte> pixels;
+    std::uint64_t frame_id = 0;
+    std::uint64_t t_ns = 0;
+    int others = 0;
+  };
+
+  // Aravis's thread only, as `fill` and what it calls.
+  double lost_ratio_ = 0.0;
+  std::uint64_t frame_id_ = 0;  ///< of the newest frame
+  std::optional<Kept> kept_;
   std::mutex properties_mutex_;
   bool ending_ = false;  ///< guarded by properties_mutex_; from now on no property may be set
   std::atomic<bool> filling_{false};

@@ -133,13 +133,14 @@ RpcAnswer Methods::fault(const Json& params) {
   reader.number("seconds", fault.seconds, 0.001, 3600.0);
   reader.number("delay_ms", fault.delay_ms, 0.0, 1000.0);
   fault.kind = FaultKind(kind);
-  const bool timed_only = fault.kind == FaultKind::freeze || fault.kind == FaultKind::unplug;
+  const bool timed_only = fault.kind == FaultKind::freeze || fault.kind == FaultKind::unplug ||
+                          fault.kind == FaultKind::slow_registers;
   if (fault.kind != FaultKind::none && reader.has("frames") == reader.has("seconds")) {
     reader.fault("seconds", "give either seconds or frames");
   }
   if (timed_only && reader.has("frames")) reader.fault("frames", "give seconds for this fault");
-  if (reader.has("delay_ms") != (fault.kind == FaultKind::delay)) {
-    reader.fault("delay_ms", "belongs to the fault delay, and only to it");
+  if (reader.has("delay_ms") != takes_delay(fault.kind)) {
+    reader.fault("delay_ms", "belongs to the faults delay and slow_registers, and only to them");
   }
   if (auto done = reader.finish(); !done) return failed(done.error());
   deps_.faults.order(fault);

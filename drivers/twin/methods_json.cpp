@@ -38,8 +38,9 @@ Json json_of(const std::vector<Mode>& aberration) {
 }  // namespace
 
 const std::vector<std::string>& fault_names() {
-  static const std::vector<std::string> names{"none",  "drop",   "incomplete",
-                                              "delay", "freeze", "unplug"};
+  static const std::vector<std::string> names{"none",      "drop",    "incomplete",
+                                              "delay",     "freeze",  "unplug",
+                                              "duplicate", "reorder", "slow_registers"};
   return names;
 }
 
@@ -47,7 +48,7 @@ Json json_of(const Fault& fault) {
   Json json{{"kind", fault_names()[std::size_t(fault.kind)]}};
   if (fault.frames > 0) json["frames"] = fault.frames;
   if (fault.kind != FaultKind::none && fault.frames == 0) json["seconds"] = fault.seconds;
-  if (fault.kind == FaultKind::delay) json["delay_ms"] = fault.delay_ms;
+  if (takes_delay(fault.kind)) json["delay_ms"] = fault.delay_ms;
   return json;
 }
 
@@ -92,6 +93,8 @@ Json json_of(const FrameTally& tally, const FrameCounts& frames) {
   return {{"sent", tally.sent.load()},
           {"dropped", tally.dropped.load()},
           {"incomplete", tally.incomplete.load()},
+          {"duplicated", tally.duplicated.load()},
+          {"reordered", tally.reordered.load()},
           {"late", tally.late.load()},
           {"refused", tally.refused.load()},
           {"nudges", tally.nudges.load()},

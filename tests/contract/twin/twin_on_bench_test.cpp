@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "bench_client.hpp"
 #include "core/optics/lattice.hpp"
@@ -345,6 +346,36 @@ TEST_F(TwinOnBench, IncompleteFramesAreReportedAsSuch) {
     incomplete += status == GrabStatus::incomplete ? 1 : 0;
   }
   EXPECT_EQ(incomplete, 3);
+}
+
+TEST_F(TwinOnBench, FramesThatComeAgainOrTooLateAreReportedAsSuch) {
+  bench.show(sensor);
+  bench.start(settings);
+  for (const auto& [kind, expected] : {std::pair("duplicate", GrabStatus::duplicate),
+                                       std::pair("reorder", GrabStatus::out_of_order)}) {
+    for (int n = 0; n < 120; ++n) bench.grab();  // whatever was missing is not waited for any more
+    bench.call("twin.fault", {{"kind", kind}, {"frames", 3}});
+    int told = 0;
+    GrabbedFrame frame;
+    for (int n = 0; n < 100; ++n) {
+      const GrabStatus status = bench.camera().grab(frame, std::chrono::milliseconds(100));
+      if (status == GrabStatus::frame) bench.camera().release(frame.slot);
+      told += status == expected ? 1 : 0;
+    }
+    EXPECT_EQ(told, 3) << kind;
+  }
+}
+
+TEST_F(TwinOnBench, RegistersAreSlowWhereThatIsOrdered) {
+  bench.show(sensor);
+  bench.start(settings);
+  bench.call("twin.fault", {{"kind", "slow_registers"}, {"delay_ms", 20}, {"seconds", 60.0}});
+  CameraSettings louder = settings;
+  louder.gain_db += 3.0;
+  const auto begun = std::chrono::steady_clock::now();
+  ASSERT_TRUE(bench.camera().apply(louder));
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(20));
+  bench.newer_frame();
 }
 
 TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
