@@ -1,0 +1,128 @@
+"""Each way a camera can go wrong has a counter of its own; frames around it are measured, requests answered."""
+import json
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+ANSWER_S = 0.5
+
+
+class CameraFaults(BenchCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        self.take_reference(20)
+        self.wavefront = self.stream("wavefront")
+        self.settled_frames(self.wavefront, 5)
+        self.slowest_s = 0.0
+
+    def counters(self):
+        return self.call("system.status")["counters"]
+
+    def ask(self):
+        """One request of each kind that needs no answer of the camera."""
+        for method, params in (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []}), ("config.get", {})):
+            asked = time.monotonic()
+            self.call(method, params)
+            self.slowest_s = max(self.slowest_s, time.monotonic() - asked)
+
+    def fault(self, counter, fault, least):
+        """Orders the fault, and waits until its counter says so; how much each counter rose."""
+        time.sleep(1.2)  # over 100 frames, after which no number is looked for any more
+        self.wavefront.drain()
+        before = self.counters()
+        self.twin.call("twin.fault", fault)
+        self.ask()
+        wait_for(lambda: self.counters()[counter] - before[counter] >= least, 10.0, counter)
+        self.ask()
+        self.settled_frames(self.wavefront, 20)
+        rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name] and "frames" in name}
+        print(f"\n  {fault}\n    {rose}")
+        self.assertEqual(self.call("system.status")["state"], "running")
+        self.assertLess(self.slowest_s, ANSWER_S)
+        return rose
+
+    def test_lost_incomplete_duplicated_and_out_of_order(self):
+        for kind, counter in (("drop", "frames_lost"), ("incomplete", "frames_incomplete"), ("duplicate", "frames_duplicated"),
+                              ("reorder", "frames_out_of_order")):
+            with self.subTest(kind):
+                rose = self.fault(counter, {"kind": kind, "frames": 5}, 5)
+                others = {"frames_duplicated", "frames_out_of_order", "frames_incomplete"} - {counter}
+                self.assertEqual(rose[counter], 5 if counter != "frames_lost" else max(5, rose[counter]))
+                self.assertFalse(others & rose.keys(), rose)
+                self.assertNotIn("camera_reconnects", rose)
+        self.assertEqual(self.twin.call("twin.get")["frames"]["reordered"], 5)
+
+    def test_numbers_never_go_back_and_each_is_published_once(self):
+        for kind in ("duplicate", "reorder"):
+            self.twin.call("twin.fault", {"kind": kind, "seconds": 1.0})
+            last = self.wavefront.next(5.0)
+            for _ in range(80):
+                message = self.wavefront.next(5.0)
+                self.assertEqual(message["frame_id"], last["frame_id"] + 1 + message["gap"])
+                last = message
+            time.sleep(0.5)
+            self.wavefront.drain()
+
+    def test_late_frames_are_neither_settled_nor_valid(self):
+        rose = self.fault("frames_late", {"kind": "delay", "delay_ms": 60, "frames": 10}, 10)
+        self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
+        self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
+        self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 60, "seconds": 5.0})
+        time.sleep(0.5)
+        self.wavefront.drain()
+        for _ in range(20):
+            message = self.wavefront.next(2.0)
+            self.assertFalse(message["settled"] or message["valid"])
+            self.assertEqual(set(message["coefficients"]), {None})
+        self.twin.call("twin.fault", {"kind": "none"})
+        self.settled_frames(self.wavefront, 20)
+
+    def test_frozen_and_continued(self):
+        for seconds, reconnects in ((0.5, 0), (2.0, 1)):
+            with self.subTest(seconds=seconds):
+                before = self.counters()
+                self.wavefront.drain()
+                self.twin.call("twin.fault", {"kind": "freeze", "seconds": seconds})
+                frozen = time.monotonic()
+                while time.monotonic() < frozen + seconds:
+                    self.ask()
+                    time.sleep(0.1)
+                gap = 0
+                while time.monotonic() < frozen + seconds + 5.0:
+                    if (message := self.wavefront.next(1.0)) is not None:
+                        gap = max(gap, message["gap"])
+                self.settled_frames(self.wavefront, 20)
+                rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name]}
+                print(f"\n  frozen {seconds} s: gap {gap}, slowest answer {self.slowest_s:.3f} s\n    {json.dumps(rose)}")
+                self.assertLess(self.slowest_s, ANSWER_S)
+                self.assertEqual(rose.get("camera_reconnects", 0), reconnects)
+                if reconnects:
+                    self.assertGreater(gap, 0.8 * 100 * seconds)
+
+    def test_slow_registers(self):
+        self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 20, "seconds": 60})
+        asked = time.monotonic()
+        applied = self.call("camera.set", {"gain_db": 6.0, "exposure_us": 1000.0})["applied"]
+        live_s = time.monotonic() - asked
+        self.assertEqual((applied["gain_db"], applied["exposure_us"]), (6.0, 1000.0))
+        asked = time.monotonic()
+        self.call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}})
+        stopped_s = time.monotonic() - asked
+        self.ask()
+        print(f"\n  registers slow by 20 ms: gain and exposure {live_s:.3f} s, region {stopped_s:.3f} s, others {self.slowest_s:.3f} s")
+        self.assertGreater(live_s, 0.040)
+        self.assertLess(live_s, ANSWER_S)
+        self.assertLess(self.slowest_s, ANSWER_S)
+        self.assertEqual(self.twin.call("twin.get")["camera"]["roi"]["width"], 480)
+        self.assertEqual(self.call("system.status")["counters"]["camera_reconnects"], 0)
+        self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 512, "height": 512}})
+        self.take_reference(20)
+        self.settled_frames(self.wavefront, 20)
+
+
+if __name__ == "__main__":
+    main()
