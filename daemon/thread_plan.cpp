@@ -1,5 +1,6 @@
 #include "daemon/thread_plan.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <spdlog/spdlog.h>
@@ -29,6 +30,8 @@ struct ThreadPlan::Running {
 
 namespace {
 
+constexpr const char* kDmaLatency = "/dev/cpu_dma_latency";
+
 const ThreadRow& row_of(ThreadRole role) {
   return *std::find_if(kThreadTable.begin(), kThreadTable.end(),
                        [role](const ThreadRow& row) { return row.role == role; });
@@ -48,9 +51,15 @@ ThreadPlan::ThreadPlan(RealtimePolicy policy)
 ThreadPlan::~ThreadPlan() {
   constexpr double kOneDayS = 86400.0;
   stop_all(kOneDayS);
+  if (dma_latency_fd_ >= 0) ::close(dma_latency_fd_);
 }
 
 Result<void> ThreadPlan::prepare_process() {
+  if (auto locked = lock_memory(); !locked) return locked;
+  return keep_processor_awake();
+}
+
+Result<void> ThreadPlan::lock_memory() const {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
   const std::string why = std::strerror(errno);
   if (policy_ == RealtimePolicy::enforce) {
@@ -59,6 +68,25 @@ Result<void> ThreadPlan::prepare_process() {
                     "): raise LimitMEMLOCK, or set \"realtime\": \"ignore\"");
   }
   spdlog::warn("memory is not locked ({}): page faults may delay frames", why);
+  return {};
+}
+
+Result<void> ThreadPlan::keep_processor_awake() {
+  constexpr std::int32_t kNoLatencyUs = 0;
+  dma_latency_fd_ = ::open(kDmaLatency, O_WRONLY | O_CLOEXEC);
+  if (dma_latency_fd_ >= 0 &&
+      ::write(dma_latency_fd_, &kNoLatencyUs, sizeof(kNoLatencyUs)) == sizeof(kNoLatencyUs)) {
+    return {};
+  }
+  const std::string why = std::strerror(errno);
+  if (policy_ == RealtimePolicy::enforce) {
+    return fail(Errc::unavailable, "realtime",
+                std::string(kDmaLatency) + " cannot be written (" + why +
+                    "): let the daemon's group write it (70-ovws-camera.rules), or set "
+                    "\"realtime\": \"ignore\"");
+  }
+  spdlog::warn("{} cannot be written ({}): the processor's sleep may delay frames", kDmaLatency,
+               why);
   return {};
 }
 

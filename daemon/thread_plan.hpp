@@ -89,8 +89,8 @@ class ThreadPlan {
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
 
-  /// Locks the process's memory, if the policy and the system let it. With `enforce`, what is
-  /// missing is an error.
+  /// Locks the process's memory, and keeps the processor out of sleep that takes long to wake from,
+  /// if the system lets it. With `enforce`, what is missing is an error.
   Result<void> prepare_process();
   /// `agent` is turned until stop_all. With `enforce`, a priority that cannot be had is an error.
   Result<void> start(ThreadRole role, Agent& agent);
@@ -111,8 +111,11 @@ class ThreadPlan {
  private:
   struct Running;
   void run(Running& running);
+  Result<void> lock_memory() const;
+  Result<void> keep_processor_awake();
 
   RealtimePolicy policy_;
+  int dma_latency_fd_ = -1;  ///< what was asked for holds while it is open; -1: not asked
   mutable std::mutex
       mutex_;  ///< of the list: the status thread reads it while later threads are started
   std::vector<std::unique_ptr<Running>> threads_;

@@ -1,4 +1,5 @@
 """What `cmake --install` puts in place is complete and right."""
+import json
 import os
 import pathlib
 import re
@@ -53,6 +54,13 @@ class Install(unittest.TestCase):
         exposure = run("systemd-analyze", "security", "--offline=yes", unit).stdout.strip().splitlines()[-1]
         print("\n ", exposure)
         self.assertLessEqual(float(exposure.split(":")[1].split()[0]), 2.5)
+        # What is left of it, each with its reason in the unit.
+        points = json.loads(run("systemd-analyze", "security", "--offline=yes", "--json=short", unit).stdout)
+        reasons = re.findall(r"[@\w]+", " ".join(re.findall(r"^#   ([^:]+):", unit.read_text(), re.M)))
+        left = [point["name"] for point in points if float(point["exposure"] or 0) > 0.0]
+        self.assertGreater(len(left), 10)
+        for name in left:
+            self.assertTrue(set(re.findall(r"[@\w]+", name)) & set(reasons), f"{name} has no reason in the unit")
 
     def test_users_and_folders_are_declared_as_systemd_reads_them(self):
         done = run("systemd-sysusers", "--dry-run", self.root / "usr/lib/sysusers.d/ovws.conf")
