@@ -13,6 +13,7 @@
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
+#include "daemon/reload.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/spot_finder.hpp"
@@ -36,6 +37,7 @@ constexpr int kImageQueue = 4;  ///< an image is a MiB or more
 /// In the order in which each needs the ones before; destroyed in reverse.
 struct App::Parts {
   Config config;
+  Guarded<Config> config_in_force;
   std::string config_path;
   Counters counters;
   StreamQueue queue;
@@ -62,6 +64,7 @@ struct App::Parts {
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
+  std::unique_ptr<Reloader> reloader;
   std::unique_ptr<StatusReporter> status;
   std::unique_ptr<Services> services;
   std::unique_ptr<ControlServer> control;
@@ -69,6 +72,7 @@ struct App::Parts {
 
   Parts(const Config& c, std::string path)
       : config(c),
+        config_in_force(c),
         config_path(std::move(path)),
         pipeline(config.pipeline, {counters, shown, settings}),
         operators(config.slm.geometry),
@@ -134,16 +138,18 @@ Result<void> App::Parts::bind_streams() {
                                         &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
+  reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
+                                                   *instrument, *refiner, *images, events});
   status = std::make_unique<StatusReporter>(
       StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, jobs, pipeline,
-                 published_latency, counters, events, store, queue, threads});
+                 published_latency, counters, events, store, queue, threads, *reloader});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(Services{config, config_path, state, camera, *instrument,
-                                                 jobs, *procedures, experiments, *loop, *refiner,
-                                                 *status, slm, counters});
+  services = std::make_unique<Services>(
+      Services{config, config_in_force, config_path, state, camera, *instrument, jobs, *procedures,
+               experiments, *loop, *refiner, *status, slm, counters});
   const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
                                   RpcReply reply) {
     dispatch(*services, method, params, std::move(reply));
@@ -217,6 +223,10 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   if (held.empty()) return {};
   spdlog::warn("thread {} does not end in time: ending without it", held);
   std::_Exit(0);
+}
+
+void App::reload() {
+  parts_->reloader->request();
 }
 
 }  // namespace ovws

@@ -11,7 +11,7 @@
 
 namespace ovws {
 
-/// Main thread only.
+/// Main thread only, but for what says otherwise.
 class App {
  public:
   /// Errors say what at start-up cannot be mended by waiting: a configuration that makes no sensor,
@@ -24,6 +24,8 @@ class App {
 
   /// Shows holograms until `stop` is set, then stops everything in order.
   Result<void> run(const std::atomic<bool>& stop);
+  /// Any thread, also a signal handler's: the configuration's file is read again while `run` lasts.
+  void reload();
 
  private:
   struct Parts;

@@ -68,6 +68,16 @@ void CameraActor::change_for_job(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
 }
 
+void CameraActor::change_or_want(CameraSet change, Applied done) {
+  mailbox_.post([this, change, done = std::move(done)] {
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+    if (camera_ || snapshot_.get().at_fault) return carry_out(change, done);
+    settings_ = change.applied_to(settings_);
+    publish(snapshot_.get());
+    done(snapshot_.get());
+  });
+}
+
 void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
   mailbox_.post([this, gain_db, then = std::move(then)] {
     CameraSet change;

@@ -57,6 +57,8 @@ class CameraActor : public Agent {
   void change(CameraSet change, Applied done);
   /// The same for the job that runs, which does not ask whether it may.
   void change_for_job(CameraSet change, Applied done);
+  /// As `change`; while no camera is connected, this is what the next connection asks for.
+  void change_or_want(CameraSet change, Applied done);
   /// Thread-safe: `gain_db` again after a job, now or, if no camera is connected, when one is.
   /// `then` is called in the camera thread, or destroyed if that has ended.
   void put_back_gain(double gain_db, std::function<void()> then);

@@ -24,17 +24,18 @@ ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& con
       config_(config),
       pipeline_(pipeline),
       counters_(counters),
-      takers_(std::move(takers)) {}
+      takers_(std::move(takers)),
+      rate_hz_(config_.rate_hz) {}
 
 bool ImagePublisher::picture_is_due() const {
-  return config_.rate_hz > 0.0 && monotonic_ns() >= next_ns_;
+  return rate_hz_.load() > 0.0 && monotonic_ns() >= next_ns_;
 }
 
 bool ImagePublisher::do_work() {
   const bool wanted =
       std::any_of(takers_.begin(), takers_.end(), [](FrameTaker* taker) { return taker->wants(); });
   if (!requested_ && !wanted && !picture_is_due()) {
-    const std::int64_t wait_ns = config_.rate_hz > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
+    const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
     std::this_thread::sleep_for(
         std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));
     return false;
@@ -45,8 +46,8 @@ bool ImagePublisher::do_work() {
   if (record == nullptr) return false;
   requested_ = false;
   for (FrameTaker* taker : takers_) hand_to(*taker, *record);
-  if (picture_is_due()) {
-    next_ns_ = monotonic_ns() + std::int64_t(1e9 / config_.rate_hz);
+  if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
+    next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
     send(*record);
   }
   pipeline_.release_image(record);

@@ -33,6 +33,11 @@ class ImagePublisher : public Agent {
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
+  /// Thread-safe: pictures are sent at this rate from now on; 0: none.
+  void set_rate(double rate_hz) {
+    rate_hz_.store(rate_hz);
+    next_ns_.store(0);
+  }
 
  private:
   bool picture_is_due() const;
@@ -46,7 +51,8 @@ class ImagePublisher : public Agent {
   Pipeline& pipeline_;
   Counters& counters_;
   std::vector<FrameTaker*> takers_;
-  std::int64_t next_ns_ = 0;
+  std::atomic<double> rate_hz_;
+  std::atomic<std::int64_t> next_ns_{0};
   bool requested_ = false;
   std::atomic<std::uint64_t> sent_{0};
   std::uint64_t image_seq_ = 0, phase_seq_ = 0;

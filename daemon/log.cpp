@@ -75,6 +75,10 @@ class QuickSink : public spdlog::sinks::base_sink<std::mutex> {
   std::size_t lost_ = 0;
 };
 
+spdlog::level::level_enum level_of(const std::string& name) {
+  return spdlog::level::from_str(name == "error" ? "err" : name);
+}
+
 }  // namespace
 
 void start_log(const std::string& level) {
@@ -86,9 +90,13 @@ void start_log(const std::string& level) {
   } else {
     logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %-7l %v");
   }
-  logger->set_level(spdlog::level::from_str(level == "error" ? "err" : level));
+  logger->set_level(level_of(level));
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
+}
+
+void set_log_level(const std::string& level) {
+  spdlog::default_logger()->set_level(level_of(level));
 }
 
 }  // namespace ovws

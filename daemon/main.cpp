@@ -17,9 +17,15 @@ namespace {
 
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+std::atomic<ovws::App*> reloadable{nullptr};
+static_assert(std::atomic<ovws::App*>::is_always_lock_free, "a signal handler reads it");
 
 void request_stop(int /*signal*/) {
   stop_requested.store(true);
+}
+
+void request_reload(int /*signal*/) {
+  if (ovws::App* const app = reloadable.load()) app->reload();
 }
 
 int complain(const ovws::Error& error) {
@@ -42,11 +48,13 @@ void prepare_descriptors() {
 int serve(const ovws::Config& config, const std::string& path) {
   std::signal(SIGTERM, request_stop);
   std::signal(SIGINT, request_stop);
-  std::signal(SIGHUP, request_stop);
+  std::signal(SIGHUP, request_reload);
   std::signal(SIGPIPE, SIG_IGN);
   auto app = ovws::App::make(config, path);
   if (!app) return complain(app.error());
+  reloadable.store(app->get());
   const auto done = (*app)->run(stop_requested);
+  reloadable.store(nullptr);
   return done ? 0 : complain(done.error());
 }
 

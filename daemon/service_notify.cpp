@@ -2,10 +2,18 @@
 
 #include <systemd/sd-daemon.h>
 
+#include <cinttypes>
+
+#include "core/port/clock.hpp"
+
 namespace ovws::service {
 
 void notify_ready() {
   sd_notify(0, "READY=1");
+}
+void notify_reloading() {
+  // systemd wants the time, to know which of several reloads this is.
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIi64, monotonic_ns() / 1000);
 }
 void notify_stopping() {
   sd_notify(0, "STOPPING=1");

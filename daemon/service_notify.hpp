@@ -1,5 +1,5 @@
-/// What systemd hears of us: READY, STATUS, WATCHDOG, STOPPING. Without systemd every call does
-/// nothing.
+/// What systemd hears of us: READY, RELOADING, STATUS, WATCHDOG, STOPPING. Without systemd every
+/// call does nothing.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,8 @@
 namespace ovws::service {
 
 void notify_ready();
+/// To be followed by notify_ready when it is done, whatever came of it.
+void notify_reloading();
 void notify_stopping();
 void notify_status(const std::string& text);
 void notify_watchdog();

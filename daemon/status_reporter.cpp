@@ -82,6 +82,7 @@ bool StatusReporter::do_work() {
   std::this_thread::sleep_for(kTurn);
   watch_threads();
   feed_watchdog();
+  deps_.reloader.look();
   const bool asked = deps_.queue.take_status_request();
   const bool due = monotonic_ns() >= next_ns_;
   if (!asked && !due) return false;

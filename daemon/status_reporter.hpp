@@ -15,6 +15,7 @@
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
+#include "daemon/reload.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/stream_queue.hpp"
@@ -39,6 +40,7 @@ struct StatusDeps {
   const DaemonStore& store;
   StreamQueue& queue;
   ThreadPlan& threads;
+  Reloader& reloader;
 };
 
 /// The status thread's agent: once a second, and at once when something changed.

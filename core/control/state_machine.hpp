@@ -53,6 +53,7 @@ enum class Action : std::uint8_t {
   close_loop,
   open_loop,
   set_correction,
+  reload_config,
   count,
 };
 
@@ -149,6 +150,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, true, true, true, true}},      // close_loop
     {{true, true, false, false, false, false}},  // open_loop
     {{true, true, false, true, true, true}},     // set_correction
+    {{true, true, false, false, true, true}},    // reload_config
 }};
 
 }  // namespace control

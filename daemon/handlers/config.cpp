@@ -1,23 +1,18 @@
+#include "daemon/config_in_use.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/store/atomic_file.hpp"
 
 namespace ovws {
 namespace {
 
-/// The configuration that a restart would need to come back as things are now.
-Config effective(const Services& services) {
-  Config config = services.config;
-  const SensorSnapshot sensor = services.instrument.snapshot();
-  config.camera.settings = services.camera.snapshot().settings;
-  config.sensor = sensor.sensor;
-  config.tracking = sensor.tracking;
-  config.refine = in_format(services.refiner.settings(), config.camera.settings.pixel_format);
-  return config;
+Config in_use(const Services& services) {
+  return config_in_use(services.config_in_force.get(), services.camera, services.instrument,
+                       services.refiner);
 }
 
 void get(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
-  reply(nlohmann::json::parse(dump_config(effective(services)), nullptr, false));
+  reply(nlohmann::json::parse(dump_config(in_use(services)), nullptr, false));
 }
 
 void save(Services& services, const nlohmann::json& params, RpcReply reply) {
@@ -27,7 +22,7 @@ void save(Services& services, const nlohmann::json& params, RpcReply reply) {
                          "the daemon was started without a configuration file: start it with "
                          "--config FILE"}));
   }
-  const auto saved = replace_file(services.config_path, dump_config(effective(services)));
+  const auto saved = replace_file(services.config_path, dump_config(in_use(services)));
   if (!saved) return reply(failed(saved.error()));
   reply(nlohmann::json{{"path", services.config_path}});
 }

@@ -7,6 +7,7 @@
 #include "core/rt/counters.hpp"
 #include "daemon/camera_actor.hpp"
 #include "daemon/experiment_archive.hpp"
+#include "daemon/guarded.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
@@ -18,8 +19,9 @@
 namespace ovws {
 
 struct Services {
-  const Config& config;            ///< as the daemon was started with
-  const std::string& config_path;  ///< empty: started without a file
+  const Config& config;                    ///< as the daemon was started with
+  const Guarded<Config>& config_in_force;  ///< the same, and what was reloaded of streams and log
+  const std::string& config_path;          ///< empty: started without a file
   StateKeeper& state;
   CameraActor& camera;
   Instrument& instrument;

@@ -1,0 +1,69 @@
+/// SIGHUP: reads the configuration's file again and applies what can change while the daemon runs.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "daemon/camera_actor.hpp"
+#include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
+#include "daemon/image_publisher.hpp"
+#include "daemon/instrument.hpp"
+#include "daemon/live_refiner.hpp"
+#include "daemon/state_keeper.hpp"
+
+namespace ovws {
+
+struct ReloadDeps {
+  const std::string& path;  ///< empty: the daemon was started without a file
+  Guarded<Config>& config;  ///< as started, and as reloaded where the daemon follows it live
+  const StateKeeper& state;
+  CameraActor& camera;
+  Instrument& instrument;
+  LiveRefiner& refiner;
+  ImagePublisher& images;
+  Events& events;
+};
+
+/// One reload at a time, whole or not at all: camera, then refinement, then sensor, each as by its
+/// method of the control socket; what was changed before a part refuses is put back. Keys that only
+/// a restart can change are named and left. Its end is an event of kind `config`.
+class Reloader {
+ public:
+  explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
+
+  /// Async-signal-safe.
+  void request() { requested_.store(true); }
+  /// Status thread: begins what was requested, in the prepare thread. Does not wait.
+  void look();
+
+ private:
+  /// Dotted keys in which a file differs from what is in use.
+  struct Difference {
+    std::vector<std::string> live;     ///< that are applied
+    std::vector<std::string> restart;  ///< that wait for a restart
+  };
+  struct Reload {
+    Config before, after;
+    Difference difference;
+  };
+
+  void begin();
+  static Difference difference(const Config& before, const Config& after);
+  void change_camera(const Reload& reload);
+  void change_refine(const Reload& reload);
+  void change_sensor(const Reload& reload);
+  void put_back(const Reload& reload, const Error& why);
+  void finish(const Reload& reload);
+  void refuse(const Error& why);
+  void done();
+
+  ReloadDeps deps_;
+  std::atomic<bool> requested_{false};
+  static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+  std::atomic<bool> busy_{false};
+};
+
+}  // namespace ovws

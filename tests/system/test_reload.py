@@ -1,0 +1,99 @@
+"""SIGHUP: the configuration's file is read again; what can change live changes, all else goes on."""
+import json
+import signal
+
+from case import BenchCase, main, wait_for
+
+
+class Reload(BenchCase):
+    daemon_config = {"camera": {"gain_db": 0.0}, "state": {"directory": "state"}}
+
+    def setUp(self):
+        super().setUp()
+        self.events = self.stream("event")
+
+    def reload(self, config):
+        """The event that ends a reload of this file: a text, or the keys that differ from the defaults."""
+        text = config if isinstance(config, str) else json.dumps(config)
+        (self.bench.directory / "ovwsd.json").write_text(text)
+        self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
+        return wait_for(lambda: (event := self.events.next(0.5)) and event["kind"] == "config" and event, 15.0, "the reload's end")
+
+    def assert_refused(self, config, field, *words):
+        before = self.call("config.get")
+        event = self.reload(config)
+        self.assertEqual((event["severity"], event["data"]["reloaded"], event["data"]["field"]), ("error", False, field), event)
+        for word in words:
+            self.assertIn(word, event["text"])
+        self.assertIn(event["text"], self.bench.log("ovwsd"))
+        self.assertEqual(self.call("config.get"), before)
+        return event
+
+    def assert_frames(self, hologram):
+        """Settled frames of this hologram flow now, with or without a reference."""
+        stream = self.stream("wavefront")
+        for _ in range(20):
+            wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"] and frame["hologram_id"] == hologram, 10.0, "a settled frame")
+
+    def test_what_can_change_live_does_and_the_rest_is_named(self):
+        self.take_reference(20)
+        reference = self.call("reference.get")["sha256"]
+        self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.1}]})
+        hologram = self.call("system.status")["slm"]["hologram_id"]
+        event = self.reload({"camera": {"gain_db": 3.0, "exposure_us": 1500.0, "transfer_ms": 11.0}, "tracking": {"tracker": "matched"},
+                             "refine": {"rate_hz": 0.5}, "stream": {"image_rate_hz": 2.0}, "log": {"level": "debug"},
+                             "slm": {"settle_ms": 25.0}, "state": {"directory": "state"}})
+        print("\n ", event["text"])
+        self.assertEqual(set(event["data"]["applied"]),
+                         {"camera.gain_db", "camera.exposure_us", "tracking.tracker", "refine.rate_hz", "stream.image_rate_hz", "log.level"})
+        self.assertEqual(set(event["data"]["restart"]), {"camera.transfer_ms", "slm.settle_ms"})
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 3.0)
+        used = self.call("config.get")
+        self.assertEqual((used["tracking"]["tracker"], used["refine"]["rate_hz"], used["stream"]["image_rate_hz"], used["log"]["level"],
+                          used["slm"]["settle_ms"]), ("matched", 0.5, 2.0, "debug", 20.0))
+        status = self.wait_until("running")
+        self.assertEqual(status["slm"]["hologram_id"], hologram, "the hologram stays, and the aberration with it")
+        self.assertEqual(len(self.call("aberration.get")["modes"]), 1)
+        self.assert_frames(hologram)
+        images = wait_for(lambda: 0.0 < self.call("system.status")["rates"]["images_hz"] <= 4.0, 10.0, "the new image rate")
+        self.assertTrue(images)
+        back = self.reload({"camera": {"gain_db": 0.0}, "state": {"directory": "state"}})
+        self.assertEqual(back["data"]["restart"], [])
+        self.assertEqual(self.call("reference.get")["sha256"], reference, "of the first tracker, in force again")
+        self.assertEqual(self.call("system.status")["sensor"]["reference"], "in_force")
+        self.assertEqual(self.reload({"camera": {"gain_db": 0.0}, "state": {"directory": "state"}})["data"]["applied"], [])
+
+    def test_what_is_wrong_is_refused_whole(self):
+        hologram = self.call("system.status")["slm"]["hologram_id"]
+        self.assert_refused('{"camera": {"gain_db": 2.0, "exposure_su": 1}}', "camera.exposure_su", "exposure_us")
+        self.assert_refused("{", "", "ovwsd.json")
+        self.assert_refused({"camera": {"gain_db": 2.0}, "slm": {"driver": "none"}}, "slm.driver")
+        # The camera's own limit; then a sensor that no camera setting stands in the way of.
+        self.assert_refused({"camera": {"gain_db": 90.0}, "tracking": {"tracker": "matched"}}, "camera.gain_db")
+        self.assert_refused({"camera": {"gain_db": 2.0}, "tracking": {"operator": "measured"}}, "sensor.operator", "calibration")
+        (self.bench.directory / "ovwsd.json").unlink()
+        self.assert_frames(hologram)
+
+    def test_a_job_and_the_closed_loop_refuse_it(self):
+        self.take_reference(20)
+        self.call("loop.close", {"gain": 0.3})
+        self.assert_refused({"camera": {"gain_db": 2.0}}, "", "loop.open")
+        self.call("loop.open")
+        job = self.call("reference.take", {"frames": 100000})["job"]
+        self.assert_refused({"camera": {"gain_db": 2.0}}, "", "job")
+        self.call("job.cancel", {"job": job})
+        self.wait_until("running")
+        self.assertIn("camera.gain_db", self.reload({"camera": {"gain_db": 2.0}})["data"]["applied"])
+
+    def test_without_camera_and_display_it_is_what_the_next_connection_uses(self):
+        self.bench.stop("ovws-twin")
+        self.wait_until("waiting_for_camera")
+        event = self.reload({"camera": {"gain_db": 4.0}, "state": {"directory": "state"}})
+        self.assertEqual(event["data"]["applied"], ["camera.gain_db"])
+        self.bench.start_twin(self.twin_config)
+        self.wait_until("running")
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 4.0)
+
+
+if __name__ == "__main__":
+    main()
