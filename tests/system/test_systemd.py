@@ -1,0 +1,159 @@
+"""The installed unit under a real systemd: ready, status, reload, a thread that hangs, stop, and what its log holds."""
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import thread_holder
+import user_manager
+from case import Client, bench_module, wait_for
+
+UNIT = "ovwsd.service"
+# What a user's manager cannot do, or not here, and the paths of this test.
+DROP_IN = """
+[Service]
+# The user and its groups, and capabilities: only the system's manager can give those.
+User=
+Group=
+SupplementaryGroups=
+CapabilityBoundingSet=~
+AmbientCapabilities=
+# Each needs a mount or network set-up, or a filter, that a user's manager without privileges has not.
+ProtectSystem=no
+ReadWritePaths=
+ProtectHome=no
+ProtectProc=default
+ProcSubset=all
+ProtectKernelTunables=no
+ProtectKernelModules=no
+ProtectKernelLogs=no
+ProtectControlGroups=no
+ProtectClock=no
+ProtectHostname=no
+PrivateNetwork=no
+PrivateMounts=no
+DevicePolicy=auto
+DeviceAllow=
+# Limits above those that this manager was started with.
+LimitRTPRIO=
+LimitMEMLOCK=
+# The test's own configuration, log and patience.
+ExecStart=
+ExecStart={ovwsd} --config {config}
+Environment=DISPLAY=
+StandardError=append:{log}
+WatchdogSec={watchdog_s}
+# Long enough to see why it ended.
+RestartSec=3
+"""
+
+
+class Systemd(unittest.TestCase):
+    watchdog_s = 3
+
+    @classmethod
+    def setUpClass(cls):
+        cls.bench = bench_module.Bench()
+        cls.addClassCleanup(cls.bench.close)
+        root = cls.bench.directory / "root"
+        done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=120,
+                              env=os.environ | {"DESTDIR": str(root)})
+        assert done.returncode == 0, done.stderr
+        cls.config = cls.bench.directory / "ovwsd.json"
+        cls.config.write_text("{}")
+        cls.log_path = cls.bench.directory / "journal.log"
+        cls.log_path.touch()
+        try:
+            user_manager.own_mounts()
+            cls.manager = user_manager.Manager()
+            cls.addClassCleanup(cls.manager.close)
+            (user_manager.UNITS / UNIT).write_text((root / "usr/lib/systemd/system" / UNIT).read_text())
+            folder = user_manager.UNITS / f"{UNIT}.d"
+            folder.mkdir()
+            (folder / "test.conf").write_text(DROP_IN.format(ovwsd=root / "usr/bin/ovwsd", config=cls.config, log=cls.log_path,
+                                                             watchdog_s=cls.watchdog_s))
+            cls.manager.start()
+        except user_manager.NoManager as why:
+            print(f"\nskipped: {why}", flush=True)
+            raise unittest.SkipTest(str(why)) from why
+
+    def setUp(self):
+        self.addCleanup(self.stop)
+        started = self.manager.systemctl("start", UNIT)
+        self.assertEqual(started.returncode, 0, started.stderr + self.log())
+
+    def stop(self):
+        self.manager.systemctl("stop", UNIT)
+        self.manager.systemctl("reset-failed", UNIT)
+
+    def log(self):
+        return self.log_path.read_text(errors="replace")
+
+    def show(self, name):
+        return self.manager.show(UNIT, name)[name]
+
+    def pid(self):
+        return int(self.show("MainPID"))
+
+    def test_ready_status_reload_and_stop(self):
+        client = Client()
+        self.addCleanup(client.close)
+        self.assertEqual(client.call("system.status")["state"], "waiting_for_camera", "it answers as soon as it is ready")
+        status = wait_for(lambda: (text := self.show("StatusText")).startswith("waiting_for_camera") and text, what="the status line")
+        print("\n ", status)
+        pid = self.pid()
+        self.config.write_text('{"camera": {"gain_db": 5.0}}')
+        done = self.manager.systemctl("reload", UNIT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        wait_for(lambda: "applied camera.gain_db" in self.log(), what="the reload")
+        self.assertEqual(client.call("camera.get")["settings"]["gain_db"], 5.0)
+        self.config.write_text('{"camera": {"gain": 5.0}}')
+        self.manager.systemctl("reload", UNIT)
+        wait_for(lambda: "not reloaded" in self.log() and "camera.gain" in self.log(), what="the refusal")
+        wait_for(lambda: self.show("ActiveState") == "active", what="active again")
+        self.assertEqual((self.pid(), self.show("NRestarts")), (pid, "0"))
+        self.config.write_text("{}")
+        asked = time.monotonic()
+        self.manager.systemctl("stop", UNIT)
+        took_s = time.monotonic() - asked
+        print(f"  stopped in {took_s:.2f} s")
+        self.assertLess(took_s, 2.0)
+        self.assertEqual((self.show("ActiveState"), self.show("Result")), ("inactive", "success"))
+        print(re.sub("^", "  ", self.log()[-400:], flags=re.M))
+
+    def test_it_comes_back_after_a_kill(self):
+        pid = self.pid()
+        os.kill(pid, signal.SIGKILL)
+        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 20.0, "the restart")
+        self.assertEqual(self.show("NRestarts"), "1")
+
+    def hang(self, name, longest_turn_s):
+        """The service is killed by the watchdog and starts again, and the log names the thread before."""
+        pid, seen = self.pid(), len(self.log())
+        began = time.monotonic()
+        with thread_holder.held(pid, name) as ended:
+            wait_for(lambda: f"thread {name} hangs" in self.log()[seen:], longest_turn_s + 15.0, f"the log's word on {name}")
+            told_s = time.monotonic() - began
+            self.assertEqual(self.pid(), pid, "told before the watchdog acts")
+            wait_for(ended, 30.0, "the watchdog")
+            killed_s = time.monotonic() - began
+        wait_for(lambda: self.show("Result") == "watchdog", 5.0, "the manager's word on why")
+        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 30.0, "the restart")
+        print(f"\n  {name}: told after {told_s:.1f} s, ended after {killed_s:.1f} s")
+        # Fed last at the latest when the thread was told to hang.
+        self.assertLess(killed_s - told_s, self.watchdog_s + 5.0)
+
+    def test_a_hanging_acquire_thread_ends_in_a_restart(self):
+        self.hang("acquire", 2.0)
+
+    @unittest.skipUnless(os.environ.get("OVWS_HANG_ALL"), "OVWS_HANG_ALL=1: control and prepare, too, whose turns may take 5 s and 30 s")
+    def test_hanging_control_and_prepare_threads_end_in_a_restart(self):
+        self.hang("control", 5.0)
+        self.hang("prepare", 30.0)
+
+
+if __name__ == "__main__":
+    bench_module.own_network()
+    unittest.main(verbosity=2)

@@ -1,0 +1,97 @@
+"""A real systemd, as a user's manager, in namespaces of its own: of the machine it sees no unit and no socket.
+
+Root only. The mounts are this process's own; two cgroups are made for the manager, and removed with all that is in them.
+"""
+import ctypes
+import os
+import pathlib
+import subprocess
+import time
+
+CGROUPS = pathlib.Path("/sys/fs/cgroup")
+RUNTIME = pathlib.Path("/run/user/0")
+UNITS = pathlib.Path("/run/ovws-units")
+TARGETS = ("basic", "default", "exit", "shutdown", "sysinit", "multi-user")
+
+
+class NoManager(Exception):
+    """It cannot run here; the text says why."""
+
+
+def own_mounts():
+    """Moves this process into a mount namespace of its own, with an empty /run."""
+    clone_newns, ms_rec_private = 0x00020000, 0x4000 | 0x40000
+    libc = ctypes.CDLL(None, use_errno=True)
+
+    def must(result, what):
+        if result != 0:
+            raise NoManager(f"{what}: {os.strerror(ctypes.get_errno())}")
+
+    must(libc.unshare(clone_newns), "no mount namespace")
+    must(libc.mount(b"none", b"/", None, ms_rec_private, None), "mounts cannot be made private")
+    must(libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None), "no /run of its own")
+    pathlib.Path("/run/systemd/system").mkdir(parents=True)
+    RUNTIME.mkdir(parents=True, mode=0o700)
+    UNITS.mkdir()
+
+
+class Manager:
+    """One `systemd --user`, whose units are the files in UNITS."""
+
+    def __init__(self):
+        self._cgroups = []
+        for hierarchy in ("systemd", "unified"):
+            if not (CGROUPS / hierarchy).is_dir():
+                continue
+            folder = CGROUPS / hierarchy / f"ovws-test-{os.getpid()}"
+            try:
+                folder.mkdir()
+            except OSError as error:
+                raise NoManager(f"no cgroup of its own: {error}") from error
+            self._cgroups.append(folder)
+        if not self._cgroups:
+            raise NoManager(f"no systemd cgroup hierarchies in {CGROUPS}")
+        for target in TARGETS:
+            (UNITS / f"{target}.target").write_text(f"[Unit]\nDescription={target}\n")
+        self.environment = {"PATH": os.environ["PATH"], "HOME": "/run", "XDG_RUNTIME_DIR": str(RUNTIME), "SYSTEMD_UNIT_PATH": str(UNITS)}
+
+    def start(self):
+        self.popen = subprocess.Popen(["/usr/lib/systemd/systemd", "--user"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                      stderr=subprocess.DEVNULL, env=self.environment, preexec_fn=self._enter)
+        end = time.monotonic() + 20.0
+        while self.popen.poll() is None and time.monotonic() < end:
+            if self.systemctl("list-units").returncode == 0:
+                return
+            time.sleep(0.1)
+        raise NoManager("systemd --user does not answer: " + self.systemctl("list-units").stderr.strip())
+
+    def _enter(self):
+        for folder in self._cgroups:
+            (folder / "cgroup.procs").write_text(str(os.getpid()))
+
+    def systemctl(self, *arguments, timeout=30.0):
+        return subprocess.run(["systemctl", "--user", "--no-pager", "--full", *arguments], env=self.environment, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=timeout)
+
+    def show(self, unit, *properties):
+        """The unit's properties, as a dictionary of texts."""
+        told = self.systemctl("show", unit, "--property=" + ",".join(properties)).stdout
+        return dict(line.split("=", 1) for line in told.splitlines() if "=" in line)
+
+    def close(self):
+        """Ends the manager and every process in its cgroups, which are its own."""
+        if hasattr(self, "popen") and self.popen.poll() is None:
+            self.popen.kill()
+            self.popen.wait()
+        for folder in self._cgroups:
+            for procs in folder.rglob("cgroup.procs"):
+                for pid in procs.read_text().split():
+                    os.kill(int(pid), 9)
+            end = time.monotonic() + 5.0
+            for part in sorted([folder, *(p for p in folder.rglob("*") if p.is_dir())], reverse=True):
+                while time.monotonic() < end:
+                    try:
+                        part.rmdir()
+                        break
+                    except OSError:
+                        time.sleep(0.02)
