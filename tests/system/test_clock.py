@@ -1,0 +1,87 @@
+"""The wall clock steps by an hour, both ways, while frames flow: only the stamps of the wall clock follow.
+
+The daemon alone sees the step, by a small library that stands before the C library (stepped_clock.cpp).
+"""
+import mmap
+import os
+import pathlib
+import struct
+import subprocess
+import time
+
+from case import BenchCase, main, wait_for
+
+HOUR_NS = 3_600_000_000_000
+
+
+class Clock(BenchCase):
+    daemon_config = {"camera": {"frame_rate_hz": 50.0}, "stream": {"image_rate_hz": 2.0}}
+
+    def start_daemon(self):
+        library, shared = self.bench.directory / "stepped_clock.so", self.bench.directory / "clock"
+        source = pathlib.Path(__file__).with_name("stepped_clock.cpp")
+        subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        shared.write_bytes(bytes(16))
+        with open(shared, "r+b") as file:
+            self.clock = mmap.mmap(file.fileno(), 16)
+        seen = {"LD_PRELOAD": str(library), "OVWS_CLOCK_STEP": str(shared)}
+        os.environ.update(seen)
+        try:
+            super().start_daemon()
+        finally:
+            for name in seen:
+                del os.environ[name]
+
+    def step(self, ns):
+        self.clock[:8] = struct.pack("q", ns)
+
+    def wall_waits(self):
+        return struct.unpack("q", self.clock[8:])[0]
+
+    def frames(self, stream, seconds):
+        """All that arrive in so much time."""
+        frames, end = [], time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            if message := stream.next(left):
+                frames.append(message)
+        return frames
+
+    def assert_steps(self, stream, from_ns, to_ns):
+        restarts = self.call("system.status")["counters"]["camera_reconnects"]
+        self.step(from_ns)
+        before = self.frames(stream, 2.0)
+        self.step(to_ns)
+        after = self.frames(stream, 3.0)
+        frames = before + after
+        late = [frame for frame in after if abs(frame["t_publish_ns"] - time.time_ns() - to_ns) < 60_000_000_000]
+        self.assertGreater(len(late), len(after) - 10, "stamps follow the step, but for frames already on their way")
+        ids = [frame["seq"] for frame in frames]
+        self.assertEqual(ids, list(range(ids[0], ids[0] + len(ids))), "none is missing in the stream")
+        self.assertGreater(len(after), 0.8 * 3.0 * 50.0, "frames keep their rate")
+        # The same path before and after: as slow as the machine is, but nowhere near the step.
+        latency = self.call("system.status")["latency"]["published"]
+        self.assertTrue(0.0 < latency["max_us"] < 2e6, latency)
+        modes = [{"n": 2, "m": 0, "waves": 0.05 if to_ns > from_ns else 0.0}]
+        hologram = self.call("aberration.set", {"modes": modes})["hologram_id"]
+        began = time.monotonic()
+        self.settled_frames(stream, 5, hologram, 10.0)
+        print(f"\n  step of {(to_ns - from_ns) / 1e9:+.0f} s: {len(after) / 3.0:.1f} frames/s after it, published at most "
+              f"{latency['max_us'] / 1e3:.1f} ms late, settled after {time.monotonic() - began:.2f} s")
+        self.run_job("reference.take", {"frames": 20})
+        status = self.call("system.status")
+        self.assertEqual((status["state"], status["counters"]["camera_reconnects"]), ("running", restarts))
+        self.assertLess(status["uptime_s"], 600.0)
+
+    def test_an_hour_forth_and_back(self):
+        self.take_reference(20)
+        stream = self.stream("wavefront")
+        self.assert_steps(stream, 0, HOUR_NS)
+        self.assert_steps(stream, HOUR_NS, 0)
+        self.assert_steps(stream, 0, -HOUR_NS)
+        self.assertEqual(self.wall_waits(), 0, "nothing waits for a time of the wall clock")
+        log = self.bench.log("ovwsd")
+        self.assertNotIn("hangs", log)
+
+
+if __name__ == "__main__":
+    main()
