@@ -1,5 +1,6 @@
 """The daemon as a service: what it tells the service manager, how it logs, how it ends. The test plays the manager's part."""
 import os
+import pathlib
 import re
 import signal
 import socket
@@ -47,6 +48,9 @@ class Service(unittest.TestCase):
         status = [line for line in lines if line.startswith("STATUS=")]
         print("\n ", status[-1])
         self.assertTrue(any("waiting_for_camera" in line for line in status))
+        opened = [os.readlink(fd) for fd in pathlib.Path(f"/proc/{self.daemon.pid}/fd").iterdir()]
+        if os.access("/dev/cpu_dma_latency", os.W_OK):
+            self.assertIn("/dev/cpu_dma_latency", opened, "held while it runs")
         fed = [t for t, line in told if line == "WATCHDOG=1"]
         self.assertGreaterEqual(len(fed), 8)
         self.assertLess(max(b - a for a, b in zip(fed, fed[1:])), 1.0, "fed within each watchdog interval")
