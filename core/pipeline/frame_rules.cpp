@@ -7,10 +7,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostResidual = 0.25;       // lambda/d
-constexpr double kMostResidualTorn = 0.045;  // lambda/d, if a spot may be half of one
-constexpr float kWhole = 0.65F;              // quality
-constexpr double kResidualOfNoisePx = 1.25;  // px for a noise as large as the spot's level
+constexpr double kMostResidual = 0.25;        // lambda/d
+constexpr double kMostResidualTorn = 0.045;   // lambda/d, if a spot may be half of one
+constexpr float kWhole = 0.65F;               // quality
+constexpr double kResidualOfNoisePx = 1.25;   // px for a noise as large as the spot's level
+constexpr std::int64_t kLateNs = 50'000'000;  // a busy machine is that late now and then
+constexpr double kLatePeriods = 3.0;
 
 std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
                             std::int64_t arrival_mono_ns) {
@@ -39,7 +41,10 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
 
 bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
              std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING {
-  return arrival_mono_ns - unhindered_mono_ns > settings.transfer_ns;
+  const double period_ns = settings.frame_rate_hz > 0.0 ? 1e9 / settings.frame_rate_hz : 0.0;
+  const std::int64_t patience_ns =
+      std::max<std::int64_t>(kLateNs, std::llround(kLatePeriods * period_ns));
+  return arrival_mono_ns - unhindered_mono_ns > settings.transfer_ns + patience_ns;
 }
 
 HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,

@@ -22,9 +22,9 @@ struct SettingsVerdict {
 /// at or after the end of theirs, and the frame arrived at or before the begin of the new write.
 SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns);
 
-/// Whether the frame came so much later than the quickest of its stream (ArrivalClock) that its
-/// transfer alone took longer than it may: neither its device stamp nor its arrival proves then
-/// what it saw. Never with a camera that gives no stamps. RT-safe.
+/// Whether the frame, against the quickest of its stream (ArrivalClock), came later by more than
+/// the transfer may take and max(3 frame periods, 50 ms): it tells of a past that nobody should act
+/// on. Never with a camera that gives no stamps. RT-safe.
 bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
              std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING;
 

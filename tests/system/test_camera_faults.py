@@ -68,10 +68,10 @@ class CameraFaults(BenchCase):
             self.wavefront.drain()
 
     def test_late_frames_are_neither_settled_nor_valid(self):
-        rose = self.fault("frames_late", {"kind": "delay", "delay_ms": 60, "frames": 10}, 10)
+        rose = self.fault("frames_late", {"kind": "delay", "delay_ms": 150, "frames": 10}, 10)
         self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
         self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
-        self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 60, "seconds": 5.0})
+        self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 5.0})
         time.sleep(0.5)
         self.wavefront.drain()
         for _ in range(20):

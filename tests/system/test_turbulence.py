@@ -15,7 +15,7 @@ LOOP = {"gain": 0.5, "patience_s": 10, "modes": MODES}
 
 class Turbulence(BenchCase):
     twin_config = {"noise": "pool"}
-    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 10, "transfer_ms": 200}}  # each frame's far field takes the twin some 56 ms
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 10}}
 
     def setUp(self):
         super().setUp()
