@@ -45,6 +45,11 @@ struct StateConfig {
   std::optional<std::string> directory;
 };
 
+struct SecurityConfig {
+  std::optional<std::string> secret_key;  ///< file of ovws keygen; with it every client needs a key
+  std::optional<std::string> clients;     ///< file: who may connect, and what each may
+};
+
 enum class RealtimePolicy {
   enforce,  ///< a missing privilege is a start-up error
   ignore,   ///< a missing privilege is a warning
@@ -63,6 +68,7 @@ struct Config {
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;
+  SecurityConfig security;
   StateConfig state;
   RealtimePolicy realtime = RealtimePolicy::ignore;
   PipelineConfig pipeline;

@@ -94,6 +94,8 @@ std::string dump_config(const Config& config) {
                    {"image_endpoint", config.stream.image_endpoint},
                    {"image_rate_hz", config.stream.image_rate_hz}};
   out["control"] = {{"endpoint", config.control.endpoint}};
+  out["security"] = {{"secret_key", or_null(config.security.secret_key)},
+                     {"clients", or_null(config.security.clients)}};
   out["state"] = {{"directory", or_null(config.state.directory)}};
   out["realtime"] = config.realtime == RealtimePolicy::enforce ? "enforce" : "ignore";
   out["pipeline"] = {{"workers", config.pipeline.workers}, {"records", config.pipeline.records}};

@@ -148,6 +148,17 @@ void read_state(ObjectReader& r, StateConfig& state) {
   if (state.directory && state.directory->empty()) r.fault("directory", "must not be empty");
 }
 
+void read_security(ObjectReader& r, SecurityConfig& security) {
+  r.optional_string("secret_key", security.secret_key);
+  r.optional_string("clients", security.clients);
+  if (security.secret_key && security.secret_key->empty())
+    r.fault("secret_key", "must not be empty");
+  if (security.clients && security.clients->empty()) r.fault("clients", "must not be empty");
+  if (security.secret_key.has_value() == security.clients.has_value()) return;
+  r.fault(security.clients ? "secret_key" : "clients",
+          "secret_key and clients belong together: name both files, or none");
+}
+
 void read_pipeline(ObjectReader& r, PipelineConfig& pipeline) {
   integer(r, "workers", pipeline.workers, limits::kWorkers);
   integer(r, "records", pipeline.records, limits::kRecords);
@@ -186,6 +197,7 @@ Result<Config> read_config(const nlohmann::json& json) {
   r.object("refine", [&config](ObjectReader& o) { read_refine(o, config.refine); });
   r.object("stream", [&config](ObjectReader& o) { read_stream(o, config.stream); });
   r.object("control", [&](ObjectReader& o) { endpoint(o, "endpoint", config.control.endpoint); });
+  r.object("security", [&config](ObjectReader& o) { read_security(o, config.security); });
   r.object("state", [&config](ObjectReader& o) { read_state(o, config.state); });
   choice(r, "realtime", config.realtime, {"enforce", "ignore"});
   r.object("pipeline", [&config](ObjectReader& o) { read_pipeline(o, config.pipeline); });

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "daemon/camera_actor.hpp"
+#include "daemon/client_guard.hpp"
 #include "daemon/daemon_store.hpp"
 #include "daemon/experiment_archive.hpp"
 #include "daemon/handlers/methods.hpp"
@@ -42,6 +43,7 @@ struct App::Parts {
   Counters counters;
   StreamQueue queue;
   Events events{queue};
+  std::unique_ptr<ClientGuard> clients;  ///< before all sockets
   DaemonStore store{config.state, events};
   ExperimentArchive experiments{store};
   StateKeeper state{events};
@@ -96,6 +98,7 @@ struct App::Parts {
   }
 
   Result<void> make_instrument();
+  Result<void> make_guard();
   Result<void> bind_streams();
   Result<void> bind_control();
   Result<void> start_threads();
@@ -121,10 +124,17 @@ Result<void> App::Parts::make_instrument() {
   return {};
 }
 
+Result<void> App::Parts::make_guard() {
+  auto made = ClientGuard::make(config.security, counters, events);
+  if (!made) return fail(made.error());
+  clients = std::move(*made);
+  return {};
+}
+
 Result<void> App::Parts::bind_streams() {
-  auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue);
+  auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue, clients->gate());
   if (!measurement) return fail(measurement.error());
-  auto picture_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue);
+  auto picture_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue, clients->gate());
   if (!picture_socket) return fail(picture_socket.error());
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
@@ -142,23 +152,24 @@ Result<void> App::Parts::bind_streams() {
                                                    *instrument, *refiner, *images, events});
   status = std::make_unique<StatusReporter>(
       StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, jobs, pipeline,
-                 published_latency, counters, events, store, queue, threads, *reloader});
+                 published_latency, counters, events, store, queue, threads, *reloader, *clients});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
       Services{config, config_in_force, config_path, state, camera, *instrument, jobs, *procedures,
-               experiments, *loop, *refiner, *status, slm, counters});
-  const RpcDispatch call = [this](const std::string& method, const nlohmann::json& params,
-                                  RpcReply reply) {
-    dispatch(*services, method, params, std::move(reply));
+               experiments, *loop, *refiner, *status, slm, counters, *clients});
+  const ControlHandler handle = [this](std::string_view request, const std::string& key,
+                                       std::function<void(std::string)> reply) {
+    const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
+                                 RpcReply give) {
+      dispatch(*services, key, method, params, std::move(give));
+    };
+    handle_rpc_frame(request, call, std::move(reply));
   };
-  auto bound =
-      ControlServer::bind(config.control.endpoint, kMaxRequestBytes, oversize_reply(),
-                          [call](std::string_view request, std::function<void(std::string)> reply) {
-                            handle_rpc_frame(request, call, std::move(reply));
-                          });
+  auto bound = ControlServer::bind(config.control.endpoint, kMaxRequestBytes, oversize_reply(),
+                                   handle, clients->gate());
   if (!bound) return fail(bound.error());
   control = std::move(*bound);
   return {};
@@ -201,6 +212,7 @@ Result<std::unique_ptr<App>> App::make(const Config& config, const std::string& 
   auto parts = std::make_unique<Parts>(config, config_path);
   if (auto made = parts->make_instrument(); !made) return fail(made.error());
   parts->experiments.load();
+  if (auto made = parts->make_guard(); !made) return fail(made.error());
   if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
   if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
   return std::unique_ptr<App>(new App(std::move(parts)));
@@ -212,6 +224,9 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   service::notify_ready();
   spdlog::info("control {}, streams {} and {}", parts_->config.control.endpoint,
                parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
+  if (!parts_->clients->public_key().empty()) {
+    spdlog::info("clients need a key; the daemon's own is {}", parts_->clients->public_key());
+  }
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);

@@ -4,6 +4,7 @@
 
 #include "core/optics/hologram.hpp"
 #include "core/tracking/tracker.hpp"
+#include "daemon/client_guard.hpp"
 #include "daemon/driver_table.hpp"
 #include "daemon/slm_files.hpp"
 
@@ -41,6 +42,7 @@ Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
     return known;
   }
+  if (auto safe = check_security(config); !safe) return safe;
   const auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -62,6 +63,7 @@ int serve(const ovws::Config& config, const std::string& path) {
 
 int main(int argc, char** argv) {
   prepare_descriptors();
+  ::umask(::umask(0) | S_IWOTH);  // a socket's file is nobody else's at any moment
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;

@@ -83,6 +83,7 @@ bool StatusReporter::do_work() {
   watch_threads();
   feed_watchdog();
   deps_.reloader.look();
+  deps_.clients.turn();
   const bool asked = deps_.queue.take_status_request();
   const bool due = monotonic_ns() >= next_ns_;
   if (!asked && !due) return false;

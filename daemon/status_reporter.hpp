@@ -9,6 +9,7 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/client_guard.hpp"
 #include "daemon/daemon_store.hpp"
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
@@ -41,6 +42,7 @@ struct StatusDeps {
   StreamQueue& queue;
   ThreadPlan& threads;
   Reloader& reloader;
+  ClientGuard& clients;
 };
 
 /// The status thread's agent: once a second, and at once when something changed.

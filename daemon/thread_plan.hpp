@@ -63,7 +63,8 @@ constexpr std::array<ThreadRow, 15> kThreadTable{{
      86400.0, OnHang::report},
     {ThreadRole::loop, "loop", 0, "the next usable frame, a hologram being shown", 30.0,
      OnHang::restart},
-    {ThreadRole::control, "control", 0, "requests", 5.0, OnHang::restart},
+    {ThreadRole::control, "control", 0, "requests, the disk (who may connect)", 5.0,
+     OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame", 5.0, OnHang::restart},
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,
      OnHang::report, 10},
@@ -71,7 +72,8 @@ constexpr std::array<ThreadRow, 15> kThreadTable{{
      OnHang::report, 15},
     {ThreadRole::model, "model", 0, "an order; a diffractive matrix takes seconds", 300.0,
      OnHang::report, 15},
-    {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
+    {ThreadRole::status, "status", 0, "the clock, the disk (who may connect)", 5.0,
+     OnHang::restart},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
 }};
 

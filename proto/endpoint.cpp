@@ -1,6 +1,9 @@
 #include "proto/endpoint.hpp"
 
+#include <arpa/inet.h>
+
 #include <charconv>
+#include <string>
 
 namespace ovws {
 namespace {
@@ -21,6 +24,7 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
   const std::string is = "\"" + std::string(endpoint.substr(0, 200)) + "\" is not an endpoint: ";
   if (endpoint.rfind(kIpc, 0) == 0) {
     const auto path = endpoint.substr(kIpc.size());
+    if (path == "*") return is + "name the path";
     if (!path.empty() && path.size() <= kMaxPath) return std::nullopt;
     return is + "the path must have 1 to " + std::to_string(kMaxPath) + " bytes";
   }
@@ -31,6 +35,15 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
     return is + "it must end with :PORT, from 1 to 65535";
   }
   return std::nullopt;
+}
+
+bool is_reached_from_here_only(std::string_view endpoint) {
+  if (endpoint.starts_with(kIpc)) return !endpoint.substr(kIpc.size()).starts_with('@');
+  if (!endpoint.starts_with(kTcp)) return false;
+  const std::string host(endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()));
+  in_addr address{};
+  if (::inet_pton(AF_INET, host.c_str(), &address) == 1) return ntohl(address.s_addr) >> 24 == 127;
+  return host == "[::1]";
 }
 
 }  // namespace ovws

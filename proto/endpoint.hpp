@@ -11,4 +11,8 @@ namespace ovws {
 /// 65535, or ipc://PATH of at most 107 bytes. (libzmq itself takes port 99999 for 34463.)
 std::optional<std::string> endpoint_fault(std::string_view endpoint);
 
+/// Whether nobody on another machine, and nobody who may not open the file of an ipc endpoint, can
+/// reach it: a loopback address in numbers, or an ipc path (not "@name", which has no file).
+bool is_reached_from_here_only(std::string_view endpoint);
+
 }  // namespace ovws

@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxRequestBytes = 64 << 10;
 
-/// The standard codes, and the daemon's own from -32000 on (one per Errc).
+/// The standard codes, and the daemon's own from -32000 on (one per Errc, and `forbidden`).
 enum class RpcCode : int {
   parse = -32700,
   request = -32600,
@@ -26,6 +26,7 @@ enum class RpcCode : int {
   refused = -32000,
   unavailable = -32001,
   device = -32002,
+  forbidden = -32003,  ///< this client may not
 };
 RpcCode rpc_code(Errc code);
 

@@ -47,6 +47,8 @@ std::string_view counter_name(Counter counter) {
       return "requests";
     case Counter::requests_refused:
       return "requests_refused";
+    case Counter::clients_rejected:
+      return "clients_rejected";
     case Counter::count_:
       break;
   }

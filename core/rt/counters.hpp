@@ -31,6 +31,7 @@ enum class Counter : std::uint8_t {
   display_faults,
   requests,
   requests_refused,
+  clients_rejected,  ///< connections not let in, and requests of clients whose key was withdrawn
   count_,
 };
 

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <string_view>
 
-#include "drivers/zmq/client.hpp"
+#include "daemon/key_file.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -14,6 +14,22 @@ using nlohmann::json;
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {
   return tl::make_unexpected(CallFailure{false, {{"message", why}}});
+}
+
+/// None if none are given.
+Result<std::optional<ClientKeys>> keys_of(const Common& common) {
+  if (common.key_path.empty() && common.server_key.empty()) return std::nullopt;
+  if (common.key_path.empty()) {
+    return fail(Errc::invalid, "--key", "--server-key is of no use without --key FILE");
+  }
+  const auto file = load_key_file(common.key_path);
+  if (!file) return fail(file.error());
+  const std::string server_key = common.server_key.empty() ? file->server_key : common.server_key;
+  if (!server_key.empty()) return ClientKeys{file->pair, server_key};
+  return fail(Errc::invalid, "--server-key",
+              "the daemon's public key must be given, as ovws keygen printed it there, or as "
+              "\"server_key\" in " +
+                  common.key_path);
 }
 
 /// HOST of "tcp://HOST:PORT"; empty for anything else.
@@ -39,7 +55,9 @@ std::string as_seen_from_here(const std::string& stream, const std::string& cont
 
 tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
                                      const json& params) {
-  auto client = ControlClient::connect(common.endpoint);
+  const auto keys = keys_of(common);
+  if (!keys) return no_answer(keys.error().reason);
+  auto client = ControlClient::connect(common.endpoint, *keys);
   if (!client) return no_answer(client.error().reason);
   const json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
   const auto reply =
@@ -67,6 +85,13 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
   return as_seen_from_here((*config)["stream"][key].get<std::string>(), common.endpoint);
+}
+
+Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
+                             const std::vector<std::string>& topics, int receive_queue) {
+  const auto keys = keys_of(common);
+  if (!keys) return fail(keys.error());
+  return Subscriber::connect(endpoint, topics, receive_queue, *keys);
 }
 
 std::string why_not_valid(const json& message, bool referenced, const std::string& pattern) {

@@ -3,9 +3,11 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/base/result.hpp"
 #include "daemon/cli/commands.hpp"
+#include "drivers/zmq/client.hpp"
 
 namespace ovws::cli {
 
@@ -23,6 +25,10 @@ int report_failure(const Common& common, const CallFailure& failure);
 
 /// A stream's endpoint as the daemon has it configured ("endpoint" or "image_endpoint").
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
+
+/// Some topics of a stream, with this client's keys.
+Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
+                             const std::vector<std::string>& topics, int receive_queue);
 
 /// Why a wavefront or spots message that is not valid is not, while the SLM shows this `pattern`
 /// (status: slm.pattern).

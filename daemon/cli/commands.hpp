@@ -19,6 +19,8 @@ constexpr int kNoDaemon = 3;  ///< nobody answered in time
 
 struct Common {
   std::string endpoint = "tcp://127.0.0.1:7702";
+  std::string key_path;    ///< empty: without keys
+  std::string server_key;  ///< empty: that of the key file
   bool json = false;
   double timeout_s = 3.0;
 };
@@ -45,6 +47,7 @@ void add_snapshot(CLI::App& app, const Common& common, int& status);
 void add_hologram(CLI::App& app, const Common& common, int& status);
 void add_farfield(CLI::App& app, const Common& common, int& status);
 void add_measure(CLI::App& app, const Common& common, int& status);
+void add_keygen(CLI::App& app, const Common& common, int& status);
 void add_study(CLI::App& app, const Common& common, int& status);
 
 /// Tells an error on stderr (as JSON on stdout with --json) and returns kError.

@@ -68,6 +68,13 @@ void add_common_options(CLI::App& app, Common& common) {
   app.footer(kExitCodes);
   app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
       ->capture_default_str();
+  app.add_option("--key", common.key_path,
+                 "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
+                 "keys")
+      ->envname("OVWS_KEY");
+  app.add_option("--server-key", common.server_key,
+                 "public key of that daemon (default: server_key in the key file)")
+      ->envname("OVWS_SERVER_KEY");
   app.add_flag("--json", common.json, "machine-readable: one JSON a line");
   app.add_option("--timeout", common.timeout_s, "how long to wait for an answer, s")
       ->capture_default_str()
@@ -87,6 +94,7 @@ int run(int argc, char** argv) {
   add_hologram(app, common, status);
   add_farfield(app, common, status);
   add_measure(app, common, status);
+  add_keygen(app, common, status);
   add_study(app, common, status);
   try {
     app.parse(argc, argv);

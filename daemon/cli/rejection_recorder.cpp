@@ -130,7 +130,7 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, cons
                                                       const std::atomic<bool>& interrupted) {
   const auto endpoint = stream_endpoint(common, "endpoint");
   if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = Subscriber::connect(*endpoint, {"wavefront"}, kReceiveQueue);
+  auto stream = subscribe(common, *endpoint, {"wavefront"}, kReceiveQueue);
   if (!stream) return tl::make_unexpected(failure(stream.error().reason));
   Recorder recorder(task);
   const auto seconds_left = [end = Clock::now() + std::chrono::duration<double>(task.seconds)] {

@@ -241,8 +241,8 @@ int snapshot(const Common& common, const std::string& prefix) {
   if (!endpoint) return report_failure(common, endpoint.error());
   const auto image_endpoint = stream_endpoint(common, "image_endpoint");
   if (!image_endpoint) return report_failure(common, image_endpoint.error());
-  auto numbers = Subscriber::connect(*endpoint, {"spots"}, 1000);
-  auto pictures = Subscriber::connect(*image_endpoint, {"image", "phase"}, 10);
+  auto numbers = subscribe(common, *endpoint, {"spots"}, 1000);
+  auto pictures = subscribe(common, *image_endpoint, {"image", "phase"}, 10);
   if (!numbers) return report(common, numbers.error());
   if (!pictures) return report(common, pictures.error());
   const auto messages = collect(*numbers, *pictures, common.timeout_s);

@@ -86,7 +86,7 @@ int watch(const Common& common, const WatchOptions& options) {
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")
     topics.emplace_back("status");  // tells of reference and pattern
-  auto stream = Subscriber::connect(*endpoint, topics, 100);
+  auto stream = subscribe(common, *endpoint, topics, 100);
   if (!stream) return report(common, stream.error());
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());

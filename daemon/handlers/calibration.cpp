@@ -87,12 +87,12 @@ void clear_calibration(Services& services, const nlohmann::json& params, RpcRepl
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"registration.run", Action::start_job, run_registration},
-    {"registration.get", Action::read, get_registration},
-    {"registration.clear", Action::clear_reference, clear_registration},
-    {"calibration.run", Action::start_job, run_calibration},
-    {"calibration.get", Action::read, get_calibration},
-    {"calibration.clear", Action::clear_reference, clear_calibration},
+    {"registration.run", Role::control, Action::start_job, run_registration},
+    {"registration.get", Role::read, Action::read, get_registration},
+    {"registration.clear", Role::control, Action::clear_reference, clear_registration},
+    {"calibration.run", Role::control, Action::start_job, run_calibration},
+    {"calibration.get", Role::read, Action::read, get_calibration},
+    {"calibration.clear", Role::control, Action::clear_reference, clear_calibration},
 }};
 
 }  // namespace

@@ -22,8 +22,8 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 2> kMethods{{
-    {"camera.get", Action::read, get},
-    {"camera.set", Action::set_camera, set},
+    {"camera.get", Role::read, Action::read, get},
+    {"camera.set", Role::control, Action::set_camera, set},
 }};
 
 }  // namespace

@@ -28,8 +28,8 @@ void save(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 2> kMethods{{
-    {"config.get", Action::read, get},
-    {"config.save", Action::save_config, save},
+    {"config.get", Role::read, Action::read, get},
+    {"config.save", Role::control, Action::save_config, save},
 }};
 
 }  // namespace

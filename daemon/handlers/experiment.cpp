@@ -92,9 +92,9 @@ void get_cell(Services& services, const json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"experiment.gain_sweep", Action::read, gain_sweep},
-    {"experiment.get", Action::read, get},
-    {"experiment.cell", Action::read, get_cell},
+    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep},
+    {"experiment.get", Role::read, Action::read, get},
+    {"experiment.cell", Role::read, Action::read, get_cell},
 }};
 
 }  // namespace

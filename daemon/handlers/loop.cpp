@@ -53,12 +53,12 @@ void clear_correction(Services& services, const nlohmann::json& params, RpcReply
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"loop.close", Action::close_loop, close},
-    {"loop.open", Action::open_loop, open},
-    {"loop.get", Action::read, get},
-    {"correction.get", Action::read, get_correction},
-    {"correction.set", Action::set_correction, set_correction},
-    {"correction.clear", Action::set_correction, clear_correction},
+    {"loop.close", Role::control, Action::close_loop, close},
+    {"loop.open", Role::control, Action::open_loop, open},
+    {"loop.get", Role::read, Action::read, get},
+    {"correction.get", Role::read, Action::read, get_correction},
+    {"correction.set", Role::control, Action::set_correction, set_correction},
+    {"correction.clear", Role::control, Action::set_correction, clear_correction},
 }};
 
 }  // namespace

@@ -31,6 +31,11 @@ RpcFailure unknown_method(const std::string& name) {
   return failure;
 }
 
+RpcAnswer forbidden(const std::string& field, const std::string& reason) {
+  return tl::make_unexpected(
+      RpcFailure{RpcCode::forbidden, reason, {{"field", field}, {"reason", reason}}});
+}
+
 }  // namespace
 
 std::vector<std::string> method_names() {
@@ -41,15 +46,31 @@ std::vector<std::string> method_names() {
   return names;
 }
 
-void dispatch(Services& services, const std::string& method, const nlohmann::json& params,
-              RpcReply reply) {
+std::vector<std::pair<std::string, std::string>> method_roles() {
+  std::vector<std::pair<std::string, std::string>> roles;
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) {
+      roles.emplace_back(method.name, method.role == Role::read ? "read" : "control");
+    }
+  }
+  return roles;
+}
+
+void dispatch(Services& services, const std::string& key, const std::string& method,
+              const nlohmann::json& params, RpcReply reply) {
   services.counters.add(Counter::requests);
   auto counted = [&counters = services.counters, reply = std::move(reply)](RpcAnswer answer) {
     if (!answer) counters.add(Counter::requests_refused);
     reply(std::move(answer));
   };
+  const auto role = services.clients.role_of(key);
+  if (!role) return counted(forbidden("", role.error().reason));
   const Method* found = find_method(method);
   if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
+  if (found->role == Role::control && *role == Role::read) {
+    return counted(forbidden("method", method + " changes something, and this client may only "
+                                                "read: its role in security.clients is \"read\""));
+  }
   if (const auto allowed = services.state.check(found->action); !allowed) {
     return counted(failed(allowed.error()));
   }

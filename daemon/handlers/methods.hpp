@@ -1,5 +1,5 @@
-/// Every method of the control socket: its name, what it needs of the daemon's state, and who
-/// answers it.
+/// Every method of the control socket: its name, who may call it, what it needs of the daemon's
+/// state, and who answers it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -18,6 +18,7 @@ using MethodCall = void (*)(Services& services, const nlohmann::json& params, Rp
 
 struct Method {
   const char* name;
+  Role role;  ///< that a client must have at least
   Action action;
   MethodCall call;
 };
@@ -34,11 +35,13 @@ std::span<const Method> refine_methods();
 std::span<const Method> config_methods();
 std::span<const Method> experiment_methods();
 
-/// Finds the method, asks the state whether it may, and calls it. An unknown method is answered
-/// with the nearest known one.
-void dispatch(Services& services, const std::string& method, const nlohmann::json& params,
-              RpcReply reply);
+/// Finds the method, asks whether the client with this key (empty where none is asked for) and the
+/// state allow it, and calls it. An unknown method is answered with the nearest known one.
+void dispatch(Services& services, const std::string& key, const std::string& method,
+              const nlohmann::json& params, RpcReply reply);
 std::vector<std::string> method_names();
+/// "read" or "control" of each method.
+std::vector<std::pair<std::string, std::string>> method_roles();
 
 /// The end of every handler: a result, or the error of the same words.
 inline RpcAnswer failed(const Error& error) {

@@ -75,12 +75,12 @@ void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"reference.take", Action::start_job, take},
-    {"reference.get", Action::read, get},
-    {"reference.set", Action::clear_reference, set},
-    {"reference.clear", Action::clear_reference, clear},
-    {"job.get", Action::read, get_job},
-    {"job.cancel", Action::cancel_job, cancel_job},
+    {"reference.take", Role::control, Action::start_job, take},
+    {"reference.get", Role::read, Action::read, get},
+    {"reference.set", Role::control, Action::clear_reference, set},
+    {"reference.clear", Role::control, Action::clear_reference, clear},
+    {"job.get", Role::read, Action::read, get_job},
+    {"job.cancel", Role::control, Action::cancel_job, cancel_job},
 }};
 
 }  // namespace

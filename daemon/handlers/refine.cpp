@@ -23,8 +23,8 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 2> kMethods{{
-    {"refine.get", Action::read, get},
-    {"refine.set", Action::set_refine, set},
+    {"refine.get", Role::read, Action::read, get},
+    {"refine.set", Role::control, Action::set_refine, set},
 }};
 
 }  // namespace

@@ -66,12 +66,12 @@ void show(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"sensor.get", Action::read, get},
-    {"sensor.set", Action::set_sensor, set},
-    {"aberration.get", Action::read, get_aberration},
-    {"aberration.set", Action::set_aberration, set_aberration},
-    {"aberration.clear", Action::set_aberration, clear_aberration},
-    {"slm.show", Action::show_pattern, show},
+    {"sensor.get", Role::read, Action::read, get},
+    {"sensor.set", Role::control, Action::set_sensor, set},
+    {"aberration.get", Role::read, Action::read, get_aberration},
+    {"aberration.set", Role::control, Action::set_aberration, set_aberration},
+    {"aberration.clear", Role::control, Action::set_aberration, clear_aberration},
+    {"slm.show", Role::control, Action::show_pattern, show},
 }};
 
 }  // namespace

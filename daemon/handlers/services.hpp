@@ -6,6 +6,7 @@
 #include "config/config.hpp"
 #include "core/rt/counters.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/client_guard.hpp"
 #include "daemon/experiment_archive.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/instrument.hpp"
@@ -33,6 +34,7 @@ struct Services {
   StatusReporter& status;
   SlmLoop& slm;
   Counters& counters;
+  ClientGuard& clients;
 };
 
 }  // namespace ovws

@@ -121,14 +121,14 @@ void verify(Services& services, const json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 8> kMethods{{
-    {"lut.run", Action::start_job, run_lut},
-    {"lut.get", Action::read, get_lut},
-    {"lut.clear", Action::clear_reference, clear_lut},
-    {"flatness.run", Action::start_job, run_flatness},
-    {"flatness.get", Action::read, get_flatness},
-    {"flatness.clear", Action::clear_reference, clear_flatness},
-    {"slm.settle", Action::start_job, settle},
-    {"slm.verify", Action::read, verify},
+    {"lut.run", Role::control, Action::start_job, run_lut},
+    {"lut.get", Role::read, Action::read, get_lut},
+    {"lut.clear", Role::control, Action::clear_reference, clear_lut},
+    {"flatness.run", Role::control, Action::start_job, run_flatness},
+    {"flatness.get", Role::read, Action::read, get_flatness},
+    {"flatness.clear", Role::control, Action::clear_reference, clear_flatness},
+    {"slm.settle", Role::control, Action::start_job, settle},
+    {"slm.verify", Role::read, Action::read, verify},
 }};
 
 }  // namespace

@@ -13,6 +13,8 @@ void describe(Services& /*services*/, const nlohmann::json& params, RpcReply rep
   for (const std::string& name : method_names()) {
     methods[name] = nlohmann::json::parse(schema_text(name), nullptr, false);
   }
+  nlohmann::json roles = nlohmann::json::object();
+  for (const auto& [name, role] : method_roles()) roles[name] = role;
   nlohmann::json streams = nlohmann::json::object();
   constexpr std::string_view kStreamPrefix = "stream.";
   for (const SchemaFile& schema : schemas()) {
@@ -23,6 +25,7 @@ void describe(Services& /*services*/, const nlohmann::json& params, RpcReply rep
   nlohmann::json running = nlohmann::json::object();
   for (const auto& [name, version] : versions()) running[name] = version;
   reply(nlohmann::json{{"methods", std::move(methods)},
+                       {"roles", std::move(roles)},
                        {"streams", std::move(streams)},
                        {"versions", std::move(running)}});
 }
@@ -33,8 +36,8 @@ void status(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 2> kMethods{{
-    {"system.describe", Action::read, describe},
-    {"system.status", Action::read, status},
+    {"system.describe", Role::read, Action::read, describe},
+    {"system.status", Role::read, Action::read, status},
 }};
 
 }  // namespace

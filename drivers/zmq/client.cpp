@@ -1,5 +1,8 @@
 #include "drivers/zmq/client.hpp"
 
+#include <array>
+#include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <zmq.hpp>
 
@@ -23,18 +26,91 @@ std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
   return parts;
 }
 
+Result<void> take_keys(zmq::socket_t& socket, const std::optional<ClientKeys>& keys) {
+  if (!keys) return {};
+  if (!is_curve_key(keys->server_key)) {
+    return fail(Errc::invalid, "server_key",
+                "the daemon's public key must be known: 40 characters, as ovws keygen printed them "
+                "there");
+  }
+  if (public_key_of(keys->own.secret_key) != keys->own.public_key) {
+    return fail(Errc::invalid, "key", "is no pair of keys: make one with ovws keygen");
+  }
+  socket.set(zmq::sockopt::curve_publickey, keys->own.public_key);
+  socket.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
+  socket.set(zmq::sockopt::curve_serverkey, keys->server_key);
+  return {};
+}
+
+constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                                 ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
+                                 ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
+
+/// Of a handshake that failed, as far as a client is told.
+std::string why_not_let_in(int event, bool has_keys) {
+  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+    return "the daemon does not know this client's key: its public key must stand in the file of "
+           "security.clients there";
+  }
+  if (!has_keys) {
+    return "the daemon asks for a key: give --key FILE (ovws keygen makes one) and --server-key "
+           "KEY, or OVWS_KEY and OVWS_SERVER_KEY";
+  }
+  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
+    return "the daemon there asks for no key, or is no daemon: leave out --key, or see the "
+           "endpoint";
+  }
+  return "the connection ended in the handshake: is the server key that of this daemon?";
+}
+
+/// Of a monitor's message; 0 if it is none.
+int event_of(const std::vector<zmq::message_t>& parts) {
+  std::uint16_t event = 0;
+  if (!parts.empty() && parts[0].size() >= sizeof event) {
+    std::memcpy(&event, parts[0].data(), sizeof event);
+  }
+  return event;
+}
+
 }  // namespace
 
 struct ControlClient::Impl {
   std::string endpoint;
+  std::optional<ClientKeys> keys;
   zmq::context_t context{1};
   zmq::socket_t socket;
+  zmq::socket_t monitor;
+  int opened = 0;
 
   /// A new socket has a new routing id, so that replies to older requests never reach it.
   Result<void> open() {
     socket = zmq::socket_t(context, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
+    if (auto taken = take_keys(socket, keys); !taken) return taken;
+    const std::string events = "inproc://handshakes-" + std::to_string(opened++);
+    zmq_socket_monitor(socket.handle(), events.c_str(), kHandshakeEvents);
+    monitor = zmq::socket_t(context, zmq::socket_type::pair);
+    monitor.set(zmq::sockopt::linger, 0);
+    monitor.connect(events);
     return connect_endpoint(socket.handle(), endpoint);
+  }
+
+  /// Until a reply is there, or the daemon does not let us in, or time is over. What failed last in
+  /// the handshakes; 0: nothing. A connection that merely ended is tried again.
+  int wait(std::chrono::milliseconds timeout) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + timeout;
+    int event = 0;
+    while (event == 0 || event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+      std::array<zmq_pollitem_t, 2> items{
+          {{socket.handle(), 0, ZMQ_POLLIN, 0}, {monitor.handle(), 0, ZMQ_POLLIN, 0}}};
+      const bool woken = zmq_poll(items.data(), int(items.size()), long(left > 0 ? left : 0)) > 0;
+      if ((items[0].revents & ZMQ_POLLIN) != 0) return 0;
+      if (woken) event = event_of(receive_parts(monitor));
+      if (left <= 0 || !woken) break;
+    }
+    return event;
   }
 };
 
@@ -43,9 +119,11 @@ ControlClient::ControlClient(ControlClient&&) noexcept = default;
 ControlClient& ControlClient::operator=(ControlClient&&) noexcept = default;
 ControlClient::~ControlClient() = default;
 
-Result<ControlClient> ControlClient::connect(const std::string& endpoint) {
+Result<ControlClient> ControlClient::connect(const std::string& endpoint,
+                                             const std::optional<ClientKeys>& keys) {
   auto impl = std::make_unique<Impl>();
   impl->endpoint = endpoint;
+  impl->keys = keys;
   if (auto opened = impl->open(); !opened) return fail(opened.error());
   return ControlClient(std::move(impl));
 }
@@ -53,11 +131,14 @@ Result<ControlClient> ControlClient::connect(const std::string& endpoint) {
 Result<std::string> ControlClient::request(std::string_view bytes,
                                            std::chrono::milliseconds timeout) {
   (void)impl_->socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
-  if (readable(impl_->socket, timeout)) {
-    const auto parts = receive_parts(impl_->socket);
-    if (!parts.empty()) return parts.back().to_string();
-  }
+  const int event = impl_->wait(timeout);
+  const auto parts = receive_parts(impl_->socket);
+  if (!parts.empty()) return parts.back().to_string();
   if (auto opened = impl_->open(); !opened) return fail(opened.error());
+  if (event != 0) {
+    return fail(Errc::refused, "",
+                impl_->endpoint + ": " + why_not_let_in(event, impl_->keys.has_value()));
+  }
   return fail(Errc::unavailable, "",
               "no answer from " + impl_->endpoint + " within " + std::to_string(timeout.count()) +
                   " ms; does the daemon run, and is this its control endpoint?");
@@ -74,8 +155,10 @@ Subscriber& Subscriber::operator=(Subscriber&&) noexcept = default;
 Subscriber::~Subscriber() = default;
 
 Result<Subscriber> Subscriber::connect(const std::string& endpoint,
-                                       const std::vector<std::string>& topics, int receive_queue) {
+                                       const std::vector<std::string>& topics, int receive_queue,
+                                       const std::optional<ClientKeys>& keys) {
   auto impl = std::make_unique<Impl>();
+  if (auto taken = take_keys(impl->socket, keys); !taken) return fail(taken.error());
   impl->socket.set(zmq::sockopt::linger, 0);
   impl->socket.set(zmq::sockopt::rcvhwm, receive_queue);
   for (const auto& topic : topics) impl->socket.set(zmq::sockopt::subscribe, topic);

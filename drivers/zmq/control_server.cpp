@@ -1,9 +1,10 @@
 #include "drivers/zmq/control_server.hpp"
 
-#include <array>
+#include <vector>
 #include <zmq.hpp>
 
 #include "drivers/zmq/endpoint.hpp"
+#include "drivers/zmq/gate_parts.hpp"
 #include "drivers/zmq/reply_box.hpp"
 
 namespace ovws {
@@ -34,15 +35,28 @@ std::size_t envelope_size(const Incoming& in) {
   return 1;
 }
 
+/// The key that the gate let in.
+std::string asker_of(const zmq::message_t& part) {
+  const char* key = zmq_msg_gets(part.handle(), "User-Id");
+  return key == nullptr ? "" : key;
+}
+
 }  // namespace
 
 struct ControlServer::Impl {
-  zmq::context_t context{1};
-  zmq::socket_t socket{context, zmq::socket_type::router};
+  explicit Impl(Gate* by)
+      : gate(by), context(context_of(gate)), socket(*context, zmq::socket_type::router) {
+    if (gate != nullptr) gate->parts().guard(socket);
+  }
+
+  Gate* gate;
+  std::shared_ptr<zmq::context_t> context;
+  zmq::socket_t socket;
   std::shared_ptr<ReplyBox> box = std::make_shared<ReplyBox>();
   std::size_t max_request_bytes = 0;
   std::string oversize_reply;
   ControlHandler handler;
+  std::vector<zmq_pollitem_t> items;
 
   bool wait();
   bool send_replies();
@@ -54,9 +68,10 @@ struct ControlServer::Impl {
 /// where they are.
 bool ControlServer::Impl::wait() {
   const bool room = box->pending() < kMaxPending;
-  std::array<zmq_pollitem_t, 2> items{
-      {{nullptr, box->wake_fd(), ZMQ_POLLIN, 0}, {socket.handle(), 0, ZMQ_POLLIN, 0}}};
-  return zmq_poll(items.data(), room ? 2 : 1, kWaitMs) > 0;  // an interrupted wait is a short one
+  items.assign(1, {nullptr, box->wake_fd(), ZMQ_POLLIN, 0});
+  if (gate != nullptr) gate->parts().add_to(items);
+  if (room) items.push_back({socket.handle(), 0, ZMQ_POLLIN, 0});
+  return zmq_poll(items.data(), int(items.size()), kWaitMs) > 0;  // interrupted: a short wait
 }
 
 bool ControlServer::Impl::send_replies() {
@@ -93,7 +108,7 @@ void ControlServer::Impl::serve(const Incoming& in) {
   if (in.count == 1) return;  // a routing id alone asks for nothing and has nowhere to go
   const bool one_frame = in.count == size + 1;
   if (!one_frame || in.parts[size].size() > max_request_bytes) return reply(oversize_reply);
-  handler(in.parts[size].to_string_view(), reply);
+  handler(in.parts[size].to_string_view(), gate != nullptr ? asker_of(in.parts[size]) : "", reply);
 }
 
 ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -102,8 +117,8 @@ ControlServer::~ControlServer() = default;
 Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& endpoint,
                                                            std::size_t max_request_bytes,
                                                            std::string oversize_reply,
-                                                           ControlHandler handler) {
-  auto impl = std::make_unique<Impl>();
+                                                           ControlHandler handler, Gate* gate) {
+  auto impl = std::make_unique<Impl>(gate);
   impl->max_request_bytes = max_request_bytes;
   impl->oversize_reply = std::move(oversize_reply);
   impl->handler = std::move(handler);
@@ -123,6 +138,7 @@ void ControlServer::on_close() {
 
 bool ControlServer::do_work() {
   impl_->wait();
+  if (impl_->gate != nullptr) impl_->gate->parts().serve();
   bool worked = impl_->send_replies();
   for (int k = 0; k < kTurn && impl_->box->pending() < kMaxPending; ++k) {
     if (!impl_->take_request()) break;

@@ -8,13 +8,15 @@
 
 #include "core/base/result.hpp"
 #include "core/rt/agent.hpp"
+#include "drivers/zmq/gate.hpp"
 
 namespace ovws {
 
-/// Takes the request's bytes and a function to call once with the reply's bytes, from any thread,
-/// at any time (also after the server is gone: then it does nothing). An empty reply sends nothing.
-using ControlHandler =
-    std::function<void(std::string_view request, std::function<void(std::string)> reply)>;
+/// Takes the request's bytes, the public key of who asks (empty without a gate) and a function to
+/// call once with the reply's bytes, from any thread, at any time (also after the server is gone:
+/// then it does nothing). An empty reply sends nothing.
+using ControlHandler = std::function<void(std::string_view request, const std::string& asker,
+                                          std::function<void(std::string)> reply)>;
 
 /// `do_work` runs in the control thread: it waits for requests and for replies to send, at most 50
 /// ms.
@@ -23,11 +25,12 @@ class ControlServer : public Agent {
   /// Requests larger than `max_request_bytes`, or of several frames, are answered by
   /// `oversize_reply` and not handed on (above 16 MiB libzmq ends the connection). At most 128
   /// requests are pending; more wait in the sockets. A client that leaves more than 256 replies
-  /// unread loses further ones. Errors as of Publisher::bind.
+  /// unread loses further ones. With a gate this server turns it, for all sockets behind it; bind
+  /// it last. Errors as of Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      std::size_t max_request_bytes,
                                                      std::string oversize_reply,
-                                                     ControlHandler handler);
+                                                     ControlHandler handler, Gate* gate = nullptr);
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
   ~ControlServer() override;

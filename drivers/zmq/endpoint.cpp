@@ -1,19 +1,28 @@
 #include "drivers/zmq/endpoint.hpp"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 #include <zmq.h>
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 
 #include "proto/endpoint.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr const char* kIpc = "ipc://";
+constexpr std::string_view kIpc = "ipc://";
+constexpr mode_t kSocketMode = 0660;
+
+/// Of an ipc endpoint; empty for others, and for a name that is no file ("@name").
+std::string file_of(const std::string& endpoint) {
+  if (!endpoint.starts_with(kIpc) || endpoint.substr(kIpc.size()).starts_with('@')) return {};
+  return endpoint.substr(kIpc.size());
+}
 
 tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
   const std::string text = "endpoint " + endpoint;
@@ -55,11 +64,13 @@ bool somebody_listens(const std::string& path) {
 
 Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
   if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
-  if (endpoint.rfind(kIpc, 0) == 0 && somebody_listens(endpoint.substr(std::strlen(kIpc)))) {
-    return refusal(EADDRINUSE, endpoint);
-  }
+  const std::string path = file_of(endpoint);
+  if (!path.empty() && somebody_listens(path)) return refusal(EADDRINUSE, endpoint);
   if (zmq_bind(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
-  return {};
+  if (path.empty() || ::chmod(path.c_str(), kSocketMode) == 0) return {};
+  const int error = errno;
+  zmq_unbind(socket, endpoint.c_str());
+  return refusal(error, endpoint);
 }
 
 Result<void> connect_endpoint(void* socket, const std::string& endpoint) {

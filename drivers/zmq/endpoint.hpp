@@ -8,6 +8,7 @@
 
 namespace ovws {
 
+/// The file of an ipc endpoint is for the process's user and group alone (mode 0660).
 /// Errors: Errc::unavailable (in use, no such address, no permission), Errc::invalid (not
 /// understood); both name the endpoint.
 Result<void> bind_endpoint(void* socket, const std::string& endpoint);

@@ -38,9 +38,9 @@ class Served {
   }
 
   static ControlHandler echo() {
-    return [](std::string_view request, const std::function<void(std::string)>& reply) {
-      reply("re:" + std::string(request));
-    };
+    return
+        [](std::string_view request, const std::string&,
+           const std::function<void(std::string)>& reply) { reply("re:" + std::string(request)); };
   }
 
  private:
@@ -82,11 +82,11 @@ TEST(ControlServer, WorksOverTcp) {
 TEST(ControlServer, AnswersAMebibyteOfGarbageWithOneErrorAndGoesOn) {
   const auto endpoint = test::ipc_endpoint("garbage");
   std::atomic<int> handled{0};
-  const Served served(endpoint,
-                      [&](std::string_view, const std::function<void(std::string)>& reply) {
-                        ++handled;
-                        reply("ok");
-                      });
+  const Served served(endpoint, [&](std::string_view, const std::string&,
+                                    const std::function<void(std::string)>& reply) {
+    ++handled;
+    reply("ok");
+  });
   RawClient dealer(ZMQ_DEALER, endpoint);
   dealer.send({std::string(1 << 20, '\xfe')});
   dealer.send({"x"});
@@ -123,10 +123,10 @@ TEST(ControlServer, HandsAnEmptyFrameOnAndAnswersIt) {
 
 TEST(ControlServer, SendsNothingForAnEmptyReply) {
   const auto endpoint = test::ipc_endpoint("notification");
-  const Served served(endpoint,
-                      [](std::string_view request, const std::function<void(std::string)>& reply) {
-                        reply(request == "silent" ? "" : "ok");
-                      });
+  const Served served(endpoint, [](std::string_view request, const std::string&,
+                                   const std::function<void(std::string)>& reply) {
+    reply(request == "silent" ? "" : "ok");
+  });
   RawClient dealer(ZMQ_DEALER, endpoint);
   dealer.send({"silent"});
   dealer.send({"x"});
@@ -138,11 +138,11 @@ TEST(ControlServer, TakesRepliesFromAnyThreadInAnyOrderOnce) {
   const auto endpoint = test::ipc_endpoint("threads");
   std::mutex mutex;
   std::deque<std::pair<std::string, std::function<void(std::string)>>> waiting;
-  const Served served(endpoint,
-                      [&](std::string_view request, std::function<void(std::string)> reply) {
-                        const std::lock_guard lock(mutex);
-                        waiting.emplace_back(request, std::move(reply));
-                      });
+  const Served served(endpoint, [&](std::string_view request, const std::string&,
+                                    std::function<void(std::string)> reply) {
+    const std::lock_guard lock(mutex);
+    waiting.emplace_back(request, std::move(reply));
+  });
   RawClient a(ZMQ_DEALER, endpoint), b(ZMQ_DEALER, endpoint);
   for (int k = 0; k < 50; ++k) {
     a.send({"a" + std::to_string(k)});
@@ -187,11 +187,12 @@ TEST(ControlServer, LeavesRequestsInTheSocketsWhileTooManyArePending) {
   std::mutex mutex;
   std::vector<std::function<void(std::string)>> waiting;
   std::atomic<bool> hold{true};
-  const Served served(endpoint, [&](std::string_view, std::function<void(std::string)> reply) {
-    if (!hold) return reply("ok");
-    const std::lock_guard lock(mutex);
-    waiting.push_back(std::move(reply));
-  });
+  const Served served(
+      endpoint, [&](std::string_view, const std::string&, std::function<void(std::string)> reply) {
+        if (!hold) return reply("ok");
+        const std::lock_guard lock(mutex);
+        waiting.push_back(std::move(reply));
+      });
   RawClient dealer(ZMQ_DEALER, endpoint);
   std::thread sender([&dealer] {
     for (int k = 0; k < 1500; ++k) dealer.send({"x"});
@@ -211,10 +212,10 @@ TEST(ControlServer, LeavesRequestsInTheSocketsWhileTooManyArePending) {
 
 TEST(ControlServer, IsNotHeldUpByClientsThatLeaveOrDoNotRead) {
   const auto endpoint = test::ipc_endpoint("leavers");
-  const Served served(endpoint,
-                      [](std::string_view, const std::function<void(std::string)>& reply) {
-                        reply(std::string(50000, 'y'));
-                      });
+  const Served served(endpoint, [](std::string_view, const std::string&,
+                                   const std::function<void(std::string)>& reply) {
+    reply(std::string(50000, 'y'));
+  });
   for (int k = 0; k < 20; ++k) RawClient(ZMQ_DEALER, endpoint).send({"x"});
   RawClient deaf(ZMQ_DEALER, endpoint);
   for (int k = 0; k < 3000; ++k) zmq_send(deaf.handle(), "x", 1, ZMQ_DONTWAIT);
@@ -239,7 +240,8 @@ TEST(ControlServer, GivesAStolenRoutingIdNoOneElsesReplies) {
 TEST(ControlServer, IgnoresRepliesAfterItsEnd) {
   std::function<void(std::string)> late;
   const auto endpoint = test::ipc_endpoint("late");
-  Served served(endpoint, [&late](std::string_view, std::function<void(std::string)> reply) {
+  Served served(endpoint, [&late](std::string_view, const std::string&,
+                                  std::function<void(std::string)> reply) {
     late = std::move(reply);
     late("first");
   });
@@ -305,12 +307,12 @@ TEST(ControlClient, GetsAnswersAndGivesUpInTime) {
 TEST(ControlClient, NeverTakesALateReplyForThatOfAnotherRequest) {
   const auto endpoint = test::ipc_endpoint("late-client");
   std::function<void(std::string)> late;
-  const Served served(endpoint,
-                      [&](std::string_view request, std::function<void(std::string)> reply) {
-                        if (request == "slow") return void(late = std::move(reply));
-                        late("late");
-                        reply("second");
-                      });
+  const Served served(endpoint, [&](std::string_view request, const std::string&,
+                                    std::function<void(std::string)> reply) {
+    if (request == "slow") return void(late = std::move(reply));
+    late("late");
+    reply("second");
+  });
   auto client = ControlClient::connect(endpoint);
   ASSERT_TRUE(client);
   EXPECT_FALSE(client->request("slow", 300ms));
@@ -323,10 +325,10 @@ TEST(ControlServer, CarriesJsonRpcToAndFro) {
                                   const RpcReply& reply) {
     reply(Json{{"method", method}, {"params", params}});
   };
-  const Served served(endpoint,
-                      [&](std::string_view request, std::function<void(std::string)> reply) {
-                        handle_rpc_frame(request, dispatch, std::move(reply));
-                      });
+  const Served served(endpoint, [&](std::string_view request, const std::string&,
+                                    std::function<void(std::string)> reply) {
+    handle_rpc_frame(request, dispatch, std::move(reply));
+  });
   auto client = ControlClient::connect(endpoint);
   ASSERT_TRUE(client);
   const auto reply =

@@ -92,6 +92,7 @@ Config random_config(unsigned seed) {
   c.refine.black_level_dn = dice.number({0.0, 100.0});
   if (dice.coin()) c.refine.saturation_dn = dice.number({101.0, 255.0});
   c.refine.spot_amplitudes = dice.coin();
+  if (dice.coin()) c.security = {dice.text(), dice.text()};
   c.stream = {"tcp://*:1", "ipc:///tmp/" + std::to_string(seed), dice.number(limits::kImageRateHz)};
   c.control.endpoint = "tcp://[::1]:2";
   if (dice.coin()) c.state.directory = dice.text();
@@ -130,6 +131,8 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.stream.image_endpoint, b.stream.image_endpoint);
   EXPECT_EQ(a.stream.image_rate_hz, b.stream.image_rate_hz);
   EXPECT_EQ(a.control.endpoint, b.control.endpoint);
+  EXPECT_EQ(a.security.secret_key, b.security.secret_key);
+  EXPECT_EQ(a.security.clients, b.security.clients);
   EXPECT_EQ(a.realtime, b.realtime);
   EXPECT_EQ(a.pipeline.workers, b.pipeline.workers);
   EXPECT_EQ(a.pipeline.records, b.pipeline.records);

@@ -151,7 +151,7 @@ class WireDocument(unittest.TestCase):
                     seen.add("result")
                 else:
                     self.assertIn(message["error"]["code"], (
-                        -32700, -32600, -32601, -32602, -32603, -32000, -32001, -32002))
+                        -32700, -32600, -32601, -32602, -32603, -32000, -32001, -32002, -32003))
                     self.assertIn("reason", message["error"]["data"])
                     seen.add("error")
         self.assertLessEqual({"wavefront", "spots", "image", "phase", "event", "result", "error"}, seen)

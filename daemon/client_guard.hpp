@@ -1,0 +1,79 @@
+/// Lets clients in by their keys, and says what each may: the gate's memory.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "config/config.hpp"
+#include "core/rt/counters.hpp"
+#include "daemon/client_list.hpp"
+#include "daemon/events.hpp"
+#include "daemon/guarded.hpp"
+#include "drivers/zmq/gate.hpp"
+
+namespace ovws {
+
+/// Errors as the daemon's start would give them: an endpoint that other machines reach without
+/// keys, a file of keys or clients that cannot be used. The field is the configuration's key.
+Result<void> check_security(const Config& config);
+
+class ClientGuard {
+ public:
+  /// Without keys in the configuration it has no gate, and everybody may everything. Errors as of
+  /// check_security.
+  static Result<std::unique_ptr<ClientGuard>> make(const SecurityConfig& config, Counters& counters,
+                                                   Events& events);
+  ClientGuard(const ClientGuard&) = delete;
+  ClientGuard& operator=(const ClientGuard&) = delete;
+
+  /// None without keys.
+  Gate* gate() { return gate_.get(); }
+  /// The daemon's own, for clients; empty without keys.
+  const std::string& public_key() const { return public_key_; }
+
+  /// Thread-safe: what the client with this key may; refused (Errc::refused) and counted if the key
+  /// was withdrawn, be it just now.
+  Result<Role> role_of(const std::string& key);
+  /// Thread-safe: reads the clients' file again. A key that is no longer there is refused from now
+  /// on, and all streams end, so that everybody has to come in anew. A file that cannot be used
+  /// changes nothing, and an event says so.
+  Result<void> reload();
+  /// Thread-safe: as `reload` if the file has changed since it was read.
+  void reload_if_changed();
+  /// Status thread, each turn: tells who was not let in, seldom enough that nobody can flood the
+  /// log, and looks at the file once a second.
+  void turn();
+
+ private:
+  /// What tells one state of a file from another.
+  struct Stamp {
+    std::int64_t modified_ns = 0, changed_ns = 0, size = 0;
+    std::uint64_t inode = 0;
+    friend bool operator==(const Stamp&, const Stamp&) = default;
+  };
+  struct Rejected {
+    std::uint64_t count = 0;
+    std::string why;  ///< of the last one
+  };
+  ClientGuard(SecurityConfig config, Counters& counters, Events& events);
+  static Stamp stamp_of(const std::string& path);
+  bool knows(const std::string& key) const;
+  void reject(const std::string& why);
+  Result<void> read_list();
+  void tell_rejected();
+
+  SecurityConfig config_;
+  Counters& counters_;
+  Events& events_;
+  std::string public_key_;
+  std::mutex reading_;  ///< of the file, one at a time
+  Stamp stamp_;         ///< under reading_
+  Guarded<std::shared_ptr<const ClientList>> list_;
+  Guarded<Rejected> rejected_;
+  std::int64_t next_look_ns_ = 0, next_tell_ns_ = 0;  ///< status thread
+  std::unique_ptr<Gate> gate_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,30 @@
+/// Who may connect, and what each may: the file of `security.clients`.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+/// What a client may ask for; every client may subscribe to the streams.
+enum class Role {
+  read,     ///< methods that change nothing
+  control,  ///< all
+};
+
+struct KnownClient {
+  std::string name;
+  Role role = Role::read;
+};
+
+/// By public key.
+using ClientList = std::map<std::string, KnownClient>;
+
+/// Strict, whole or not at all. Errors name the client at fault.
+Result<ClientList> parse_client_list(const std::string& json_text);
+/// Errors name the file; one that others can change is refused.
+Result<ClientList> load_client_list(const std::string& path);
+
+}  // namespace ovws

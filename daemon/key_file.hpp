@@ -1,0 +1,29 @@
+/// Files of keys, as `ovws keygen` writes them: a small JSON object that nobody but its owner may
+/// read.
+#pragma once
+
+#include <sys/types.h>
+#include <string>
+
+#include "core/base/result.hpp"
+#include "drivers/zmq/curve.hpp"
+
+namespace ovws {
+
+struct KeyFile {
+  KeyPair pair;
+  std::string server_key;  ///< of a client's file: the daemon it is for; may be empty
+};
+
+/// Errors (field "path") say what to do; a file that group or others can read or write is refused.
+Result<KeyFile> load_key_file(const std::string& path);
+/// Writes a new file of mode 0600. Errors (field "path"): Errc::refused if there is one and
+/// `replace` is false.
+Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
+
+/// The text of a file with none of the mode bits `forbidden`. Errors as of load_key_file; `secrecy`
+/// says what the bits would mean ("others can change it").
+Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
+                                   const std::string& secrecy);
+
+}  // namespace ovws

@@ -1,0 +1,145 @@
+#include "drivers/zmq/gate.hpp"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+
+#include "drivers/zmq/curve.hpp"
+#include "drivers/zmq/gate_parts.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
+constexpr const char* kDomain = "ovws";
+constexpr int kIoThreads = 3;  // one a socket: encrypting pictures delays no measurement
+constexpr int kTurn = 64;
+/// What ZAP is not asked for. A client without a key may see first that keys are asked for, and
+/// hang up: no detail.
+constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
+constexpr std::size_t kZapFrames = 7;  // and for CURVE they are exactly so many
+constexpr std::size_t kCurveKeyBytes = 32;
+
+using Frames = std::vector<zmq::message_t>;
+
+/// None if nothing is there.
+Frames receive(zmq::socket_t& socket) {
+  Frames frames;
+  do {
+    zmq::message_t frame;
+    if (!socket.recv(frame, zmq::recv_flags::dontwait)) return {};
+    frames.push_back(std::move(frame));
+  } while (frames.back().more());
+  return frames;
+}
+
+/// Of a ZAP request: [version, request, domain, address, routing id, mechanism, key].
+std::string key_of(const Frames& frames) {
+  if (frames.size() != kZapFrames || frames[5].to_string_view() != "CURVE") return {};
+  if (frames[6].size() != kCurveKeyBytes) return {};
+  std::array<char, 41> text{};
+  zmq_z85_encode(text.data(), frames[6].data<std::uint8_t>(), kCurveKeyBytes);
+  return text.data();
+}
+
+std::string handshake_fault(std::uint16_t event, std::uint32_t value) {
+  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
+    return "a connection ended in the handshake, as that of a client without a key does";
+  }
+  switch (value) {
+    case ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH:
+      return "a client came without a key";
+    case ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC:
+      return "a client meant a daemon with another key, or played back the messages of another "
+             "client";
+    default:
+      return "a client broke the rules of the handshake";
+  }
+}
+
+}  // namespace
+
+Gate::Gate(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Gate::~Gate() = default;
+
+Result<std::unique_ptr<Gate>> Gate::make(const std::string& secret_key, GateCalls calls) {
+  if (!public_key_of(secret_key)) {
+    return fail(Errc::invalid, "security.secret_key", "is no key: make one with ovws keygen");
+  }
+  auto parts = std::make_unique<Parts>();
+  parts->context = std::make_shared<zmq::context_t>(kIoThreads);
+  parts->secret_key = secret_key;
+  parts->calls = std::move(calls);
+  parts->zap = zmq::socket_t(*parts->context, zmq::socket_type::rep);
+  parts->zap.set(zmq::sockopt::linger, 0);
+  parts->zap.bind(kZapEndpoint);
+  return std::unique_ptr<Gate>(new Gate(std::move(parts)));
+}
+
+void Gate::end_streams() {
+  parts_->generation.fetch_add(1);
+}
+
+void Gate::Parts::guard(zmq::socket_t& socket) {
+  const std::size_t k = monitors.size();
+  socket.set(zmq::sockopt::affinity, std::uint64_t(1) << (k % kIoThreads));
+  socket.set(zmq::sockopt::curve_server, true);
+  socket.set(zmq::sockopt::curve_secretkey, secret_key);
+  socket.set(zmq::sockopt::zap_domain, kDomain);
+  const std::string endpoint = "inproc://gate-" + std::to_string(k);
+  zmq_socket_monitor(socket.handle(), endpoint.c_str(), kEvents);
+  monitors.emplace_back(*context, zmq::socket_type::pair);
+  monitors.back().set(zmq::sockopt::linger, 0);
+  monitors.back().connect(endpoint);
+}
+
+void Gate::Parts::add_to(std::vector<zmq_pollitem_t>& items) {
+  items.push_back({zap.handle(), 0, ZMQ_POLLIN, 0});
+  for (auto& monitor : monitors) items.push_back({monitor.handle(), 0, ZMQ_POLLIN, 0});
+}
+
+void Gate::Parts::serve() {
+  for (int k = 0; k < kTurn && answer_one(); ++k) {
+  }
+  for (auto& monitor : monitors) {
+    for (int k = 0; k < kTurn && note_one(monitor, calls); ++k) {
+    }
+  }
+}
+
+bool Gate::Parts::answer_one() {
+  const Frames request = receive(zap);
+  if (request.empty()) return false;
+  const std::string key = key_of(request);
+  const bool known = !key.empty() && calls.knows(key);
+  if (!known) {
+    const std::string address = request.size() > 3 ? request[3].to_string() : "";
+    calls.rejected("the key " + key + (address.empty() ? "" : " at " + address) +
+                   " is not among the clients");
+  }
+  const std::string number = request.size() > 1 ? request[1].to_string() : "";
+  const std::array<std::string, 6> reply{
+      "1.0", number, known ? "200" : "400", known ? "OK" : "unknown key", known ? key : "", ""};
+  for (std::size_t k = 0; k < reply.size(); ++k) {
+    const auto flags = k + 1 < reply.size() ? zmq::send_flags::sndmore | zmq::send_flags::dontwait
+                                            : zmq::send_flags::dontwait;
+    (void)zap.send(zmq::buffer(reply[k]), flags);
+  }
+  return true;
+}
+
+bool Gate::Parts::note_one(zmq::socket_t& monitor, const GateCalls& calls) {
+  const Frames event = receive(monitor);
+  if (event.empty()) return false;
+  constexpr std::size_t kEventBytes = 6;  // uint16 event, uint32 value
+  if (event[0].size() != kEventBytes) return true;
+  std::uint16_t kind = 0;
+  std::uint32_t value = 0;
+  std::memcpy(&kind, event[0].data<char>(), sizeof kind);
+  std::memcpy(&value, event[0].data<char>() + sizeof kind, sizeof value);
+  const std::string at = event.size() > 1 ? " at " + event[1].to_string() : "";
+  calls.rejected(handshake_fault(kind, value) + at);
+  return true;
+}
+
+}  // namespace ovws

@@ -1,0 +1,146 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "drivers/zmq/client.hpp"
+#include "drivers/zmq/control_server.hpp"
+#include "drivers/zmq/gate.hpp"
+#include "drivers/zmq/publisher.hpp"
+#include "tests/contract/zmq/endpoints.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+KeyPair new_pair() {
+  return make_key_pair().value();
+}
+
+/// A gate, a publisher and a server behind it; the server answers with the key of who asks.
+class Guarded {
+ public:
+  explicit Guarded(const std::string& name)
+      : control(test::ipc_endpoint(name + "-control")), stream(test::ipc_endpoint(name)) {
+    GateCalls calls;
+    calls.knows = [this](const std::string& key) {
+      const std::lock_guard lock(mutex_);
+      return known_.contains(key);
+    };
+    calls.rejected = [this](const std::string&) { ++rejected; };
+    gate_ = Gate::make(daemon.secret_key, std::move(calls)).value();
+    publisher_ = std::make_unique<Publisher>(Publisher::bind(stream, 10, gate_.get()).value());
+    server_ = ControlServer::bind(
+                  control, 1000, "too large",
+                  [](std::string_view, const std::string& key,
+                     const std::function<void(std::string)>& reply) { reply(key); },
+                  gate_.get())
+                  .value();
+    thread_ = std::thread([this] {
+      while (!stop_) server_->do_work();
+    });
+  }
+  ~Guarded() {
+    stop_ = true;
+    thread_.join();
+  }
+  KeyPair let_in() {
+    const KeyPair pair = new_pair();
+    const std::lock_guard lock(mutex_);
+    known_.insert(pair.public_key);
+    return pair;
+  }
+  void forget(const KeyPair& pair) {
+    const std::lock_guard lock(mutex_);
+    known_.erase(pair.public_key);
+  }
+  Gate& gate() { return *gate_; }
+  /// Sends until `subscriber` hears it.
+  bool reaches(Subscriber& subscriber, std::chrono::milliseconds patience = 10s) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (std::chrono::steady_clock::now() < end) {
+      publisher_->send("t", "{}");
+      if (subscriber.receive(10ms)) return true;
+    }
+    return false;
+  }
+
+  std::string control, stream;
+  KeyPair daemon = new_pair();
+  std::atomic<int> rejected{0};
+
+ private:
+  std::mutex mutex_;
+  std::set<std::string> known_;
+  std::unique_ptr<Gate> gate_;
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<ControlServer> server_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false};
+};
+
+Result<std::string> ask(const Guarded& guarded, const std::optional<ClientKeys>& keys) {
+  auto client = ControlClient::connect(guarded.control, keys);
+  if (!client) return fail(client.error());
+  return client->request("x", 5000ms);
+}
+
+TEST(Gate, SaysWhoAsks) {
+  Guarded guarded("who");
+  const KeyPair one = guarded.let_in(), other = guarded.let_in();
+  EXPECT_EQ(ask(guarded, ClientKeys{one, guarded.daemon.public_key}), one.public_key);
+  EXPECT_EQ(ask(guarded, ClientKeys{other, guarded.daemon.public_key}), other.public_key);
+  EXPECT_EQ(guarded.rejected, 0);
+}
+
+TEST(Gate, TellsAClientWhyItIsNotLetIn) {
+  Guarded guarded("why");
+  const KeyPair good = guarded.let_in();
+  const auto reason = [&guarded](const std::optional<ClientKeys>& keys) {
+    const int before = guarded.rejected;
+    const auto answer = ask(guarded, keys);
+    EXPECT_FALSE(answer);
+    for (int k = 0; k < 1000 && guarded.rejected == before; ++k) std::this_thread::sleep_for(10ms);
+    EXPECT_GT(guarded.rejected, before);
+    return answer ? std::string() : answer.error().reason;
+  };
+  EXPECT_NE(reason(std::nullopt).find("--key"), std::string::npos);
+  EXPECT_NE(reason(ClientKeys{new_pair(), guarded.daemon.public_key}).find("security.clients"),
+            std::string::npos);
+  EXPECT_NE(reason(ClientKeys{good, new_pair().public_key}).find("server key"), std::string::npos);
+}
+
+TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
+  Guarded guarded("streams");
+  const KeyPair stays = guarded.let_in(), goes = guarded.let_in();
+  const std::string& server_key = guarded.daemon.public_key;
+  auto first = Subscriber::connect(guarded.stream, {}, 100, ClientKeys{stays, server_key}).value();
+  auto second = Subscriber::connect(guarded.stream, {}, 100, ClientKeys{goes, server_key}).value();
+  EXPECT_TRUE(guarded.reaches(first));
+  EXPECT_TRUE(guarded.reaches(second));
+  guarded.forget(goes);
+  guarded.gate().end_streams();
+  while (second.receive(0ms)) {  // what came before
+  }
+  EXPECT_TRUE(guarded.reaches(first));
+  EXPECT_FALSE(guarded.reaches(second, 1s));
+}
+
+TEST(Gate, TakesNoKeyThatIsNone) {
+  EXPECT_EQ(Gate::make("short", {}).error().field, "security.secret_key");
+  const KeyPair pair = new_pair();
+  EXPECT_EQ(public_key_of(pair.secret_key), pair.public_key);
+  EXPECT_FALSE(is_curve_key(pair.public_key + "0"));
+  EXPECT_FALSE(is_curve_key(std::string(40, '~')));
+  const auto mixed =
+      ControlClient::connect(test::ipc_endpoint("none"),
+                             ClientKeys{{pair.public_key, new_pair().secret_key}, pair.public_key});
+  EXPECT_EQ(mixed.error().field, "key");
+}
+
+}  // namespace
+}  // namespace ovws
