@@ -43,6 +43,16 @@ int set_fifo(std::thread& thread, int priority) {
   return pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &parameters);
 }
 
+/// Stacks are locked whole: those of 20 threads are 160 MB at the system's 8 MiB.
+void keep_stacks_small() {
+  constexpr std::size_t kStackBytes = 1 << 20;
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return;
+  pthread_attr_setstacksize(&attributes, kStackBytes);
+  pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
 }  // namespace
 
 ThreadPlan::ThreadPlan(RealtimePolicy policy)
@@ -55,6 +65,7 @@ ThreadPlan::~ThreadPlan() {
 }
 
 Result<void> ThreadPlan::prepare_process() {
+  keep_stacks_small();
   if (auto locked = lock_memory(); !locked) return locked;
   return keep_processor_awake();
 }
