@@ -150,6 +150,7 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   if (!applied) return fail(applied.error());
   if (auto started = camera_->start(); !started) return started;
   const std::int64_t now_ns = monotonic_ns();
+  patience_before_s_ = 0.0;
   settings_since_ns_ = now_ns;
   tell_frame_path(*applied, *applied, now_ns, now_ns);
   settings_ = *applied;
@@ -176,18 +177,24 @@ bool CameraActor::give_up_camera() {
 
 /// Our own watchdog: Aravis notices a dead camera only after about 5 s.
 void CameraActor::watch_frames() {
-  const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
-  const double patience_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
-  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s) {
+  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s()) {
     return lose({Errc::device, "camera", "the camera sends no frames"});
   }
-  const bool torn = silent_s(deps_.pipeline.last_frame_mono_ns()) > patience_s;
+  const bool torn = silent_s(deps_.pipeline.last_frame_mono_ns()) > patience_s();
   if (torn && !torn_) {
     deps_.events.emit("camera", Severity::error,
                       "camera: every frame arrives incomplete, packets are lost on the way; check "
                       "cable, switch and camera.packet_size_bytes");
   }
   torn_ = torn;
+}
+
+/// Until the first frame after a change the camera may still be at one of before.
+double CameraActor::patience_s() const {
+  const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
+  const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
+  const bool changed = deps_.pipeline.last_sign_mono_ns() > settings_since_ns_;
+  return changed ? now_s : std::max(now_s, patience_before_s_);
 }
 
 /// Since then, or since the stream began.
@@ -214,6 +221,7 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   auto applied = camera_->apply(wanted);
   const std::int64_t t_end_ns = monotonic_ns();
   tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
+  patience_before_s_ = patience_s();
   settings_since_ns_ = t_end_ns;
   if (!applied) return applied;
   settings_ = *applied;

@@ -74,6 +74,7 @@ class CameraActor : public Agent {
   bool give_up_camera();
   void refresh_limits();
   double silent_s(std::int64_t last_ns) const;
+  double patience_s() const;
   void watch_frames();
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
@@ -91,6 +92,7 @@ class CameraActor : public Agent {
   bool lost_ = false;  ///< camera_ is to be given up as soon as the frame path has let go of it
   CameraSettings settings_;             ///< last verified; wanted again after a reconnection
   std::int64_t settings_since_ns_ = 0;  ///< when the write of settings_ had ended
+  double patience_before_s_ = 0.0;      ///< with a silent camera, by the settings before those
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;

@@ -103,6 +103,16 @@ class CameraFaults(BenchCase):
                 if reconnects:
                     self.assertGreater(gap, 0.8 * 100 * seconds)
 
+    def test_a_slow_camera_made_fast_is_given_the_time_it_had(self):
+        self.call("camera.set", {"frame_rate_hz": 0.2})
+        self.assertIsNotNone(self.wavefront.next(10.0))
+        self.wavefront.drain()
+        before = self.counters()["camera_reconnects"]
+        self.assertIsNotNone(self.wavefront.next(10.0))
+        self.call("camera.set", {"frame_rate_hz": 100.0})  # the camera begins the next frame when the one before is due
+        self.settled_frames(self.wavefront, 20)
+        self.assertEqual(self.counters()["camera_reconnects"], before)
+
     def test_slow_registers(self):
         self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 20, "seconds": 60})
         asked = time.monotonic()
