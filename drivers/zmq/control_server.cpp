@@ -16,9 +16,9 @@ constexpr int kTurn = 64;       // requests taken before replies are looked at
 constexpr std::size_t kMaxPending = 128;  // beyond, requests wait in the sockets
 // ROUTER drops what one client's queue does not hold: all that can be pending must fit.
 constexpr int kReplyQueue = 2 * int(kMaxPending);
-constexpr int kReceiveQueue = 32;                  // requests held for one client
-constexpr std::int64_t kMaxFrameBytes = 16 << 20;  // beyond, libzmq ends the connection
-constexpr std::size_t kMaxParts = 16;              // of one request, its envelope included
+constexpr int kReceiveQueue = 32;                 // requests held for one client
+constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // beyond, libzmq ends the connection
+constexpr std::size_t kMaxParts = 16;             // of one request, its envelope included
 
 /// One multipart request. Parts beyond kMaxParts are counted and not kept.
 struct Incoming {

@@ -23,7 +23,7 @@ using ControlHandler = std::function<void(std::string_view request, const std::s
 class ControlServer : public Agent {
  public:
   /// Requests larger than `max_request_bytes`, or of several frames, are answered by
-  /// `oversize_reply` and not handed on (above 16 MiB libzmq ends the connection). At most 128
+  /// `oversize_reply` and not handed on (above 2 MiB libzmq ends the connection). At most 128
   /// requests are pending; more wait in the sockets. A client that leaves more than 256 replies
   /// unread loses further ones. With a gate this server turns it, for all sockets behind it; bind
   /// it last. Errors as of Publisher::bind.

@@ -1,5 +1,6 @@
 #include "drivers/zmq/publisher.hpp"
 
+#include <chrono>
 #include <utility>
 #include <zmq.hpp>
 
@@ -7,6 +8,14 @@
 #include "drivers/zmq/gate_parts.hpp"
 
 namespace ovws {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t kMostBytes = 4096;  // handshakes and subscriptions are all that comes in
+constexpr auto kBetweenTries = std::chrono::milliseconds(100);
+
+}  // namespace
 
 struct Publisher::Impl {
   Impl(std::string at, Gate* by)
@@ -21,19 +30,30 @@ struct Publisher::Impl {
   Gate* gate;
   std::shared_ptr<zmq::context_t> context;
   zmq::socket_t socket;
+  std::string bound_at;  ///< as libzmq calls it: of tcp://*:PORT tcp://0.0.0.0:PORT
   unsigned generation = 0;
-  bool bound = true;
+  bool bound = false;
+  Clock::time_point next_try{};
+
+  Result<void> bind() {
+    if (auto done = bind_endpoint(socket.handle(), endpoint); !done) return done;
+    bound_at = socket.get(zmq::sockopt::last_endpoint);
+    bound = true;
+    return {};
+  }
 
   /// Unbinding ends all connections. The old listener ends in libzmq's own thread: until it has,
   /// the address is in use.
   bool is_bound() {
     if (gate == nullptr) return true;
     const unsigned wanted = gate->parts().generation.load();
-    if (std::exchange(generation, wanted) != wanted && std::exchange(bound, false)) {
-      zmq_unbind(socket.handle(), endpoint.c_str());
+    if (bound && generation != wanted) {
+      bound = zmq_unbind(socket.handle(), bound_at.c_str()) != 0;
+      generation = bound ? generation : wanted;
     }
-    bound = bound || bind_endpoint(socket.handle(), endpoint).has_value();
-    return bound;
+    if (bound || Clock::now() < next_try) return bound && generation == wanted;
+    next_try = Clock::now() + kBetweenTries;
+    return bind().has_value();
   }
 
   bool part(const void* data, std::size_t size, bool more) {
@@ -52,9 +72,9 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
   auto impl = std::make_unique<Impl>(endpoint, gate);
   impl->socket.set(zmq::sockopt::sndhwm, send_queue);
   impl->socket.set(zmq::sockopt::linger, 0);
-  if (auto bound = bind_endpoint(impl->socket.handle(), endpoint); !bound) {
-    return fail(bound.error());
-  }
+  // libzmq takes memory for what a frame says it is, before anybody has shown a key.
+  impl->socket.set(zmq::sockopt::maxmsgsize, kMostBytes);
+  if (auto bound = impl->bind(); !bound) return fail(bound.error());
   return Publisher(std::move(impl));
 }
 
