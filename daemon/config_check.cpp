@@ -47,7 +47,9 @@ Result<void> check_usable(const Config& config) {
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);
   if (!renderer) return fail(renderer.error());
-  if (auto fast = check_daemon_tracker(config.tracking); !fast) return fast;
+  if (auto fast = check_daemon_tracker(config.tracking); !fast) {
+    return fail(fast.error().code, "tracking." + fast.error().field, fast.error().reason);
+  }
   const SpotModel spots{config.sensor.charge,
                         lambda_d_px(config.optics, config.slm.geometry, config.sensor)};
   const auto tracker = make_tracker(config.tracking, spots);

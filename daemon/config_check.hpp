@@ -6,9 +6,8 @@
 
 namespace ovws {
 
-/// Errors as the daemon's start would give them: drivers that do not exist, endpoints
-/// and keys, LUT and flatness files,
-/// lattice, tracker. Opens no device.
+/// Errors as the daemon's start would give them: drivers that do not exist, endpoints and keys, LUT
+/// and flatness files, lattice, tracker. Opens no device.
 Result<void> check_usable(const Config& config);
 /// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);

@@ -71,9 +71,12 @@ RefineSet refine_set(const RefineSetup& to) {
 }
 
 /// The parts name their keys as their methods do, a file's reader knows them with their room.
-Error in_room(const char* room, Error error) {
+Error in_room(std::string room, Error error) {
+  for (const char* key : {"tracker", "template", "operator"}) {
+    if (error.field == key) room = "tracking";
+  }
   if (!error.field.empty() && !error.field.starts_with(room)) {
-    error.field = std::string(room) + "." + error.field;
+    error.field = room + "." + error.field;
   }
   return error;
 }
@@ -139,7 +142,7 @@ void Reloader::change_camera(const Reload& reload) {
 void Reloader::change_refine(const Reload& reload) {
   const auto used = deps_.refiner.change(refine_set(reload.after.refine),
                                          reload.after.camera.settings.pixel_format);
-  if (!used) return put_back(reload, in_room("refine", used.error()));
+  if (!used) return put_back_camera(reload, in_room("refine", used.error()));
   change_sensor(reload);
 }
 
@@ -159,14 +162,22 @@ void Reloader::change_sensor(const Reload& reload) {
 
 /// The sensor comes last: of what was changed only refinement and camera go back.
 void Reloader::put_back(const Reload& reload, const Error& why) {
-  (void)deps_.refiner.change(refine_set(reload.before.refine),
-                             reload.before.camera.settings.pixel_format);
+  if (!(reload.after.refine == reload.before.refine)) {
+    (void)deps_.refiner.change(refine_set(reload.before.refine),
+                               reload.before.camera.settings.pixel_format);
+  }
+  put_back_camera(reload, why);
+}
+
+/// Also where a job has begun meanwhile: its client knows the settings of before.
+void Reloader::put_back_camera(const Reload& reload, const Error& why) {
   if (reload.after.camera.settings == reload.before.camera.settings) return refuse(why);
-  deps_.camera.change_or_want(
+  deps_.camera.change_for_job(
       camera_set(reload.before.camera.settings), [this, why](const Result<CameraSnapshot>& used) {
+        if (used) return refuse(why);
         Error told = why;
-        if (!used) told.reason += "; and the camera keeps the new settings: " + used.error().reason;
-        refuse(told);
+        told.reason += "; the camera keeps the new settings, for " + used.error().reason;
+        refuse(told, "all but the camera goes on as it was");
       });
 }
 
@@ -186,10 +197,10 @@ void Reloader::finish(const Reload& reload) {
   done();
 }
 
-void Reloader::refuse(const Error& why) {
+void Reloader::refuse(const Error& why, const char* what_stays) {
   deps_.events.emit("config", Severity::error,
-                    fmt::format("configuration not reloaded, everything goes on as it was: {}{}{}",
-                                why.field, why.field.empty() ? "" : ": ", why.reason),
+                    fmt::format("configuration not reloaded, {}: {}{}{}", what_stays, why.field,
+                                why.field.empty() ? "" : ": ", why.reason),
                     {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
   done();
 }

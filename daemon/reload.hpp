@@ -57,7 +57,8 @@ class Reloader {
   void change_sensor(const Reload& reload);
   void put_back(const Reload& reload, const Error& why);
   void finish(const Reload& reload);
-  void refuse(const Error& why);
+  void put_back_camera(const Reload& reload, const Error& why);
+  void refuse(const Error& why, const char* what_stays = "everything goes on as it was");
   void done();
 
   ReloadDeps deps_;

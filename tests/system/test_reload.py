@@ -70,7 +70,7 @@ class Reload(BenchCase):
         self.assert_refused({"camera": {"gain_db": 2.0}, "slm": {"driver": "none"}}, "slm.driver")
         # The camera's own limit; then a sensor that no camera setting stands in the way of.
         self.assert_refused({"camera": {"gain_db": 90.0}, "tracking": {"tracker": "matched"}}, "camera.gain_db")
-        self.assert_refused({"camera": {"gain_db": 2.0}, "tracking": {"operator": "measured"}}, "sensor.operator", "calibration")
+        self.assert_refused({"camera": {"gain_db": 2.0}, "tracking": {"operator": "measured"}}, "tracking.operator", "calibration")
         (self.bench.directory / "ovwsd.json").unlink()
         self.assert_frames(hologram)
 
