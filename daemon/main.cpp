@@ -13,6 +13,7 @@
 #include "daemon/app.hpp"
 #include "daemon/config_check.hpp"
 #include "daemon/log.hpp"
+#include "daemon/thread_plan.hpp"
 
 namespace {
 
@@ -62,6 +63,7 @@ int serve(const ovws::Config& config, const std::string& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ovws::keep_stacks_small();
   prepare_descriptors();
   ::umask(::umask(0) | S_IWOTH);  // a socket's file is nobody else's at any moment
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};

@@ -43,7 +43,8 @@ int set_fifo(std::thread& thread, int priority) {
   return pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &parameters);
 }
 
-/// Stacks are locked whole: those of 20 threads are 160 MB at the system's 8 MiB.
+}  // namespace
+
 void keep_stacks_small() {
   constexpr std::size_t kStackBytes = 1 << 20;
   pthread_attr_t attributes;
@@ -52,8 +53,6 @@ void keep_stacks_small() {
   pthread_setattr_default_np(&attributes);
   pthread_attr_destroy(&attributes);
 }
-
-}  // namespace
 
 ThreadPlan::ThreadPlan(RealtimePolicy policy)
     : policy_(policy), here_(std::make_unique<Running>()) {}
@@ -65,7 +64,6 @@ ThreadPlan::~ThreadPlan() {
 }
 
 Result<void> ThreadPlan::prepare_process() {
-  keep_stacks_small();
   if (auto locked = lock_memory(); !locked) return locked;
   return keep_processor_awake();
 }

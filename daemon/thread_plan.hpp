@@ -77,6 +77,10 @@ constexpr std::array<ThreadRow, 15> kThreadTable{{
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
 }};
 
+/// Once, before any thread is made, those of libraries included: locked memory holds stacks whole,
+/// and at the system's 8 MiB each those of twenty threads are 160 MB.
+void keep_stacks_small();
+
 struct HungThread {
   const ThreadRow* row = nullptr;
   double turn_s = 0.0;  ///< so far
