@@ -41,7 +41,10 @@ bool SlmLoop::do_work() {
     (void)present(*wanted_);
   }
   if (asked.job) carry_out(*asked.job);
-  for (const auto& done : asked.verify) done(look());
+  if (!asked.verify.empty()) {
+    const auto verdict = look();  // one look answers all who asked
+    for (const auto& done : asked.verify) done(verdict);
+  }
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
