@@ -58,6 +58,11 @@ Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
   }
   if (!S_ISREG(about.st_mode)) return trouble(Errc::invalid, path, "is not a file");
   if ((about.st_mode & forbidden) != 0) return trouble(Errc::invalid, path, secrecy);
+  if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
+    return trouble(Errc::invalid, path,
+                   "belongs to somebody else, who could change it: chown it to the user of this "
+                   "program, or to root");
+  }
   std::string text(kMaxFileBytes + 1, '\0');
   std::size_t size = 0;
   ssize_t got = 1;
