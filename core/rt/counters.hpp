@@ -19,7 +19,7 @@ enum class Counter : std::uint8_t {
   frames_unplanned,     ///< there was no plan to measure them with
   frames_unexpected,    ///< size or format is not the plan's, not tracked
   frames_dropped,       ///< no free record, or the publisher holds too many: somebody was behind
-  frames_unsettled,     ///< exposed while the hologram changed
+  frames_unsettled,     ///< published with settled = false
   frames_invalid,       ///< published with valid = false
   frames_unexplained,   ///< of the invalid, those refused because no wavefront explains their spots
   frames_published,     ///< left the pipeline

@@ -39,8 +39,8 @@ class CameraFaults(BenchCase):
         wait_for(lambda: self.counters()[counter] - before[counter] >= least, 10.0, counter)
         self.ask()
         self.settled_frames(self.wavefront, 20)
-        rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name] and "frames" in name}
-        print(f"\n  {fault}\n    {rose}")
+        rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name]}
+        print(f"\n  {fault}\n    { {name: value for name, value in rose.items() if 'frames' in name} }")
         self.assertEqual(self.call("system.status")["state"], "running")
         self.assertLess(self.slowest_s, ANSWER_S)
         return rose
@@ -51,7 +51,8 @@ class CameraFaults(BenchCase):
             with self.subTest(kind):
                 rose = self.fault(counter, {"kind": kind, "frames": 5}, 5)
                 others = {"frames_duplicated", "frames_out_of_order", "frames_incomplete"} - {counter}
-                self.assertEqual(rose[counter], 5 if counter != "frames_lost" else max(5, rose[counter]))
+                if kind != "drop":  # on a busy machine others may be lost, too
+                    self.assertEqual(rose[counter], 5)
                 self.assertFalse(others & rose.keys(), rose)
                 self.assertNotIn("camera_reconnects", rose)
         self.assertEqual(self.twin.call("twin.get")["frames"]["reordered"], 5)

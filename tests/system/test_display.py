@@ -57,6 +57,7 @@ class DisplayFaults(BenchCase):
         wait_for(lambda: (event := self.told.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error", PATIENCE_S, "the event")
         self.frames.drain()
         seen = [frame for _ in range(20) if (frame := self.frames.next(0.5))]
+        self.assertTrue(seen)
         self.assertFalse(any(frame["valid"] or frame["settled"] for frame in seen))
 
     def check_over(self):

@@ -2,6 +2,7 @@
 
 Root only. The mounts are this process's own; two cgroups are made for the manager, and removed with all that is in them.
 """
+import contextlib
 import ctypes
 import os
 import pathlib
@@ -86,7 +87,8 @@ class Manager:
         for folder in self._cgroups:
             for procs in folder.rglob("cgroup.procs"):
                 for pid in procs.read_text().split():
-                    os.kill(int(pid), 9)
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(int(pid), 9)
             end = time.monotonic() + 5.0
             for part in sorted([folder, *(p for p in folder.rglob("*") if p.is_dir())], reverse=True):
                 while time.monotonic() < end:
