@@ -2,9 +2,8 @@
 
 #include <random>
 
-#include "proto/experiment.hpp"
-#include "proto/requests.hpp"
 #include "proto/rpc.hpp"
+#include "tests/support/decode_all.hpp"
 
 namespace ovws {
 namespace {
@@ -50,27 +49,6 @@ std::string input(std::mt19937& random) {
   return text;
 }
 
-/// Decodes params as every method would: none may throw.
-void decode_all(const Json& params) {
-  (void)decode_camera_set(params);
-  (void)decode_sensor_set(params);
-  (void)decode_aberration_set(params);
-  (void)decode_reference_take(params);
-  (void)decode_reference_set(params);
-  (void)decode_registration_run(params);
-  (void)decode_lut_run(params);
-  (void)decode_flatness_run(params);
-  (void)decode_slm_settle(params);
-  (void)decode_loop_close(params);
-  (void)decode_loop_open(params);
-  (void)decode_calibration_run(params);
-  (void)decode_gain_sweep(params);
-  (void)decode_experiment_cell(params);
-  (void)decode_slm_show(params);
-  (void)decode_job(params);
-  (void)decode_nothing(params);
-}
-
 std::size_t responses_wanted(const Json& frame) {
   if (!frame.is_array() || frame.empty()) return 1;
   std::size_t count = 0;
@@ -92,7 +70,7 @@ TEST(RpcFuzz, NeverThrowsAndAnswersEveryRequestOnce) {
     ASSERT_NO_THROW(handle_rpc_frame(
         bytes,
         [&results](const std::string&, const Json& params, const RpcReply& reply) {
-          decode_all(params);
+          test::decode_all(params);
           ++results;
           reply(params);
         },

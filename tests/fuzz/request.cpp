@@ -1,0 +1,21 @@
+/// Whatever bytes come as a request: one answer, of JSON, and no throw.
+#include <cstdint>
+#include <cstdlib>
+
+#include "tests/support/decode_all.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  int answers = 0;
+  ovws::handle_rpc_frame(
+      {reinterpret_cast<const char*>(data), size},
+      [](const std::string&, const ovws::Json& params, const ovws::RpcReply& reply) {
+        ovws::test::decode_all(params);
+        reply(params);
+      },
+      [&answers](const std::string& reply) {
+        ++answers;
+        if (!reply.empty() && !ovws::Json::accept(reply)) std::abort();
+      });
+  if (answers != 1) std::abort();
+  return 0;
+}
