@@ -16,7 +16,7 @@ struct Vec2 {
 };
 
 inline double norm(Vec2 a) {
-  return std::hypot(a.x, a.y);
+  return std::sqrt(a.x * a.x + a.y * a.y);
 }
 
 }  // namespace ovws
