@@ -55,12 +55,15 @@ class GaussianWindow {
              std::span<float> scratch) const OVWS_NONBLOCKING;
 
  private:
-  void axis(double c, int first, float* g) const;
+  struct Axis {
+    WindowAxis weights;
+    double sum = 0.0;  ///< of g
+  };
+  Axis axis(double c, int first, float* out) const;
 
   double radius_;
   int half_;
-  int blocks_;
-  std::vector<float> table_;  ///< exp(-k^2/w^2), k = 0 .. half
+  std::vector<float> table_;  ///< exp(-k^2/w^2), k = -half .. half, then zeros
 };
 
 }  // namespace ovws

@@ -1,6 +1,5 @@
 #include "core/tracking/patch.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,32 +13,32 @@ namespace {
 constexpr int kBlock = 16;
 
 template <class T>
-void convert_block(const T* __restrict in, float* __restrict out) {
-  for (int i = 0; i < kBlock; ++i) out[i] = float(in[i]);
-}
-
-/// The last block may overlap the one before.
-template <class T>
-void convert(const T* in, int count, float* out) {
-  int k = 0;
-  for (; k + kBlock <= count; k += kBlock) convert_block(in + k, out + k);
-  if (k < count && count >= kBlock) {
-    return convert_block(in + count - kBlock, out + count - kBlock);
-  }
-  for (; k < count; ++k) out[k] = float(in[k]);
-}
-
-template <class T>
-void load_rows(const ImageView& image, const Patch& patch, float* out) {
-  const int first = std::max(patch.x0, 0);
-  const int last = std::min(patch.x0 + patch.side, image.width);  // one past
+void load_at_edge(const ImageView& image, const Patch& patch, float* out) {
   for (int k = 0; k < patch.side; ++k, out += patch.side) {
     const T* row = image.row<T>(std::clamp(patch.y0 + k, 0, image.height - 1));
-    std::fill(out, out + (first - patch.x0), float(row[0]));
-    convert(row + first, last - first, out + (first - patch.x0));
-    std::fill(out + (last - patch.x0), out + patch.side, float(row[image.width - 1]));
+    for (int x = 0; x < patch.side; ++x) {
+      out[x] = float(row[std::clamp(patch.x0 + x, 0, image.width - 1)]);
+    }
   }
-  std::fill(out, out + kPatchSlack, 0.0F);
+}
+
+/// Gives the darkest.
+float load_pixels(const ImageView& image, const Patch& patch, float* out) {
+  const int bytes = bytes_per_pixel(image.format);
+  const bool inside = patch.x0 >= 0 && patch.y0 >= 0 && patch.x0 + patch.side <= image.width &&
+                      patch.y0 + patch.side <= image.height;
+  const PatchKernels& kernels = patch_kernels();
+  if (inside) {
+    const PixelRect rect{image.row<std::byte>(patch.y0) + std::ptrdiff_t(patch.x0) * bytes,
+                         image.stride_bytes, patch.side, patch.side};
+    return bytes == 1 ? kernels.load8(rect, out) : kernels.load16(rect, out);
+  }
+  if (bytes == 1) {
+    load_at_edge<std::uint8_t>(image, patch, out);
+  } else {
+    load_at_edge<std::uint16_t>(image, patch, out);
+  }
+  return *std::min_element(out, out + std::ptrdiff_t(patch.side) * patch.side);
 }
 
 template <class T>
@@ -109,9 +108,13 @@ float Patch::brightest(Vec2 centre, int half) const {
   const int cx = int(std::lround(centre.x)), cy = int(std::lround(centre.y));
   const int left = std::max(cx - half, x0), right = std::min(cx + half + 1, x0 + side);
   const int top = std::max(cy - half, y0), bottom = std::min(cy + half + 1, y0 + side);
+  if (left >= right || top >= bottom) return 0.0F;
+  if (right - left >= kPatchBlock) {
+    return patch_kernels().brightest({at(left, top), side, right - left, bottom - top});
+  }
   float most = 0.0F;
-  for (int y = top; y < bottom && left < right; ++y) {
-    most = std::max(most, Eigen::Map<const Eigen::ArrayXf>(at(left, y), right - left).maxCoeff());
+  for (int y = top; y < bottom; ++y) {
+    most = std::max(most, *std::max_element(at(left, y), at(left, y) + (right - left)));
   }
   return most;
 }
@@ -129,14 +132,8 @@ Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<flo
   patch.side = 2 * half + 1;
   patch.image_width = image.width;
   patch.image_height = image.height;
-  if (bytes_per_pixel(image.format) == 1) {
-    load_rows<std::uint8_t>(image, patch, samples.data());
-  } else {
-    load_rows<std::uint16_t>(image, patch, samples.data());
-  }
-  patch.darkest =
-      Eigen::Map<const Eigen::ArrayXf>(patch.pixels, Eigen::Index(patch.side) * patch.side)
-          .minCoeff();
+  patch.darkest = load_pixels(image, patch, samples.data());
+  std::fill_n(samples.data() + std::ptrdiff_t(patch.side) * patch.side, kPatchBlock, 0.0F);
   return patch;
 }
 

@@ -7,6 +7,7 @@
 #include "core/base/image.hpp"
 #include "core/base/realtime.hpp"
 #include "core/base/vec2.hpp"
+#include "core/tracking/patch_kernels.hpp"
 
 namespace ovws {
 
@@ -30,12 +31,12 @@ struct Patch {
 /// none of it is inside. RT-safe.
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
-/// Rows may be read this many floats past a patch's end, in blocks of this length.
-constexpr int kPatchSlack = 8;
+/// So that the loops of PatchKernels have a block, and its neighbours, to work on.
+constexpr int kLeastPatchHalf = (kPatchBlock + 4) / 2;
 
 /// Floats that a patch of this half-width needs.
 constexpr int patch_floats(int half) {
-  return (2 * half + 1) * (2 * half + 1) + kPatchSlack;
+  return (2 * half + 1) * (2 * half + 1) + kPatchBlock;
 }
 
 /// Reads the rectangle of `columns` (a multiple of 16) x `rows` pixels from (left, top) on as
@@ -44,7 +45,8 @@ constexpr int patch_floats(int half) {
 void load_window(const ImageView& image, int left, int top, int columns, int rows,
                  float* out) OVWS_NONBLOCKING;
 
-/// Reads the square of half-width `half` around the pixel (cx, cy), which must be in the image.
+/// Reads the square of half-width `half`, at least kLeastPatchHalf, around the pixel (cx, cy),
+/// which must be in the image.
 Patch load_patch(const ImageView& image, int cx, int cy, int half,
                  std::span<float> samples) OVWS_NONBLOCKING;
 

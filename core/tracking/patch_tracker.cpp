@@ -11,8 +11,9 @@ constexpr double kAgree = 0.4;  // lambda/d: how far the matched filter's spot m
 int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
                double capture_px) {
   // One pixel more on either side: positions are rounded twice, at the start and where found.
-  return int(std::ceil(capture_px)) +
-         std::max(kernel_half_px, SpotCheck::reach_px(spots, geometry)) + 2;
+  const int reach = int(std::ceil(capture_px)) +
+                    std::max(kernel_half_px, SpotCheck::reach_px(spots, geometry)) + 2;
+  return std::max(reach, kLeastPatchHalf);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "core/tracking/spot_check.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -33,16 +32,10 @@ int outer_limit_px(const SpotModel& spots, const SpotGeometry& geometry) {
 /// RMS of the pixel noise from fourth differences along rows: 1 -4 6 -4 1 has the norm sqrt(70) and
 /// leaves nothing of a diffraction-limited spot.
 double noise_of(const Patch& patch) {
-  const int count = patch.side - 4;
-  double sum = 0.0;
-  int rows = 0;
-  for (int k = 0; k < patch.side && count > 0; k += kNoiseRowStep, ++rows) {
-    const Eigen::Map<const Eigen::ArrayXf> row(patch.pixels + std::ptrdiff_t(k) * patch.side,
-                                               patch.side);
-    const auto at = [&](int shift) { return row.segment(shift, count); };
-    sum += double((at(0) + at(4) - 4.0F * (at(1) + at(3)) + 6.0F * at(2)).square().sum());
-  }
-  return rows == 0 ? 0.0 : std::sqrt(sum / (70.0 * rows * count) + kQuantisation);
+  const int rows = (patch.side + kNoiseRowStep - 1) / kNoiseRowStep;
+  const float sum = patch_kernels().fourth_differences(
+      {patch.pixels, std::ptrdiff_t(kNoiseRowStep) * patch.side, patch.side, rows});
+  return std::sqrt(double(sum) / (70.0 * rows * (patch.side - 4)) + kQuantisation);
 }
 
 /// Two sums at once: each addition need not wait for the one before.
