@@ -28,8 +28,11 @@ tl::unexpected<Error> not_connected(const CameraSnapshot& now) {
 }  // namespace
 
 CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
-    : config_(std::move(config)), deps_(std::move(deps)), settings_(config_.settings) {
-  snapshot_.set({false, {}, settings_, {}, "not opened yet", false});
+    : config_(std::move(config)),
+      deps_(std::move(deps)),
+      settings_(config_.settings),
+      asked_(settings_) {
+  snapshot_.set({false, {}, settings_, asked_, {}, "not opened yet", false});
 }
 
 CameraActor::~CameraActor() = default;
@@ -39,7 +42,7 @@ bool CameraActor::do_work() {
   if (lost_) {
     give_up_camera();
   } else if (!camera_) {
-    if (monotonic_ns() >= next_try_ns_) try_open();
+    if (monotonic_ns() >= next_try_ns_) open_with({});
   } else if (!camera_->alive()) {
     lose({Errc::device, "camera", "control of the camera was lost"});
   } else {
@@ -73,6 +76,7 @@ void CameraActor::change_or_want(CameraSet change, Applied done) {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     if (camera_ || snapshot_.get().at_fault) return carry_out(change, done);
     settings_ = change.applied_to(settings_);
+    keep_asked(change);
     publish(snapshot_.get());
     done(snapshot_.get());
   });
@@ -82,9 +86,10 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
   mailbox_.post([this, gain_db, then = std::move(then)] {
     CameraSet change;
     change.gain_db = gain_db;
-    carry_out(change, [this, gain_db](const Result<CameraSnapshot>& applied) {
+    carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
       if (applied) return;
       settings_.gain_db = gain_db;  // what the next connection or camera.set asks for
+      keep_asked(change);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
                           fmt::format("camera: after a job its gain of {} dB could not be set "
@@ -105,6 +110,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   if (!wanted) return done(fail(wanted.error()));
   const auto applied = apply(*wanted);
   if (!applied) return done(fail(in_params(applied.error())));
+  keep_asked(change);
   refresh_limits();
   publish_connected();
   done(snapshot_.get());
@@ -112,7 +118,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
 
 /// The camera is there and refuses the settings of the configuration: perhaps it takes these.
 void CameraActor::mend(const CameraSet& change, const Applied& done) {
-  open_with(change.applied_to(settings_), change.clamp);
+  open_with(change);
   const CameraSnapshot now = snapshot_.get();
   if (now.connected) return done(now);
   done(
@@ -120,7 +126,7 @@ void CameraActor::mend(const CameraSet& change, const Applied& done) {
 }
 
 /// The settings become ours only if the camera takes them.
-void CameraActor::open_with(const CameraSettings& settings, bool clamp) {
+void CameraActor::open_with(const CameraSet& change) {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_camera(config_);
   if (!opened) return publish_absent(opened.error());
@@ -128,12 +134,13 @@ void CameraActor::open_with(const CameraSettings& settings, bool clamp) {
   auto limits = camera_->limits();
   if (!limits) return lose(limits.error());
   limits_ = *limits;
-  const auto wanted = within_limits(settings, *limits_, clamp);
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
   if (!wanted) {
     return lose({wanted.error().code, "camera",
                  "camera." + wanted.error().field + ": " + wanted.error().reason});
   }
   if (const auto started = start_stream(*wanted); !started) return lose(started.error());
+  keep_asked(change);
   refresh_limits();
   if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
   ever_connected_ = true;
@@ -142,6 +149,12 @@ void CameraActor::open_with(const CameraSettings& settings, bool clamp) {
                     fmt::format("camera {} {} ({}) at {} is connected", info.vendor, info.model,
                                 info.serial, info.address));
   publish_connected();
+}
+
+/// Once they were taken, with the limits that they were held against.
+void CameraActor::keep_asked(const CameraSet& change) {
+  asked_ = change.applied_to(asked_);
+  if (change.clamp && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
 }
 
 /// Applies, starts, and lends the camera to the frame path.
@@ -281,6 +294,7 @@ void CameraActor::publish_absent(const Error& why) {
 /// Tells everybody, and the log if something new happened.
 void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
+  now.asked = asked_;
   const CameraSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {

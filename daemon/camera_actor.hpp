@@ -23,6 +23,7 @@ struct CameraSnapshot {
   bool connected = false;
   std::optional<CameraInfo> info;
   CameraSettings settings;  ///< as read back; while not connected, as wanted
+  CameraSettings asked;     ///< what the camera made `settings` of: it may round
   std::optional<CameraLimits> limits;
   std::string fault;      ///< why it is not connected; empty if it is
   bool at_fault = false;  ///< it is there, and cannot be used until somebody mends that
@@ -67,8 +68,8 @@ class CameraActor : public Agent {
  private:
   void carry_out(const CameraSet& change, const Applied& done);
   void mend(const CameraSet& change, const Applied& done);
-  void try_open() { open_with(settings_, false); }
-  void open_with(const CameraSettings& settings, bool clamp);
+  void open_with(const CameraSet& change);
+  void keep_asked(const CameraSet& change);
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const Error& why);
   bool give_up_camera();
@@ -91,6 +92,7 @@ class CameraActor : public Agent {
   std::unique_ptr<Camera> camera_;
   bool lost_ = false;  ///< camera_ is to be given up as soon as the frame path has let go of it
   CameraSettings settings_;             ///< last verified; wanted again after a reconnection
+  CameraSettings asked_;                ///< what they came of
   std::int64_t settings_since_ns_ = 0;  ///< when the write of settings_ had ended
   double patience_before_s_ = 0.0;      ///< with a silent camera, by the settings before those
   std::optional<CameraLimits> limits_;

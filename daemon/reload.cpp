@@ -2,10 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "daemon/config_check.hpp"
 #include "daemon/config_in_use.hpp"
@@ -14,35 +11,6 @@
 
 namespace ovws {
 namespace {
-
-/// What begins so, and is not among the fixed ones, changes live.
-constexpr std::array<std::string_view, 10> kLive{"camera.pixel_format",
-                                                 "camera.exposure_us",
-                                                 "camera.gain_db",
-                                                 "camera.frame_rate_hz",
-                                                 "camera.roi.",
-                                                 "sensor.",
-                                                 "tracking.",
-                                                 "refine.",
-                                                 "stream.image_rate_hz",
-                                                 "log.level"};
-constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
-
-bool is_live(std::string_view key) {
-  const auto begins = [key](std::string_view start) { return key.starts_with(start); };
-  return std::any_of(kLive.begin(), kLive.end(), begins) &&
-         std::none_of(kFixed.begin(), kFixed.end(), begins);
-}
-
-CameraSet camera_set(const CameraSettings& to) {
-  CameraSet change;
-  change.gain_db = to.gain_db;
-  change.exposure_us = to.exposure_us;
-  change.frame_rate_hz = to.frame_rate_hz;
-  change.pixel_format = to.pixel_format;
-  change.roi = {to.roi.x, to.roi.y, to.roi.width, to.roi.height};
-  return change;
-}
 
 SensorSet sensor_set(const Config& to) {
   SensorSet change;
@@ -108,31 +76,18 @@ void Reloader::begin() {
   Reload reload;
   reload.before = config_in_use(deps_.config.get(), deps_.camera, deps_.instrument, deps_.refiner);
   reload.after = *read;
-  reload.difference = difference(reload.before, reload.after);
+  const CameraSnapshot camera = deps_.camera.snapshot();
+  reload.before.camera.settings = camera.asked;
+  reload.after.camera.settings = as_asked(read->camera.settings, camera);
+  reload.keys = difference(reload.before, reload.after);
   change_camera(reload);
 }
 
-Reloader::Difference Reloader::difference(const Config& before, const Config& after) {
-  const auto now = nlohmann::json::parse(dump_config(before), nullptr, false).flatten();
-  const auto wanted = nlohmann::json::parse(dump_config(after), nullptr, false).flatten();
-  Difference keys;
-  const auto look_at = [&](const nlohmann::json& these, const nlohmann::json& others, bool all) {
-    for (const auto& [pointer, value] : these.items()) {
-      const bool there = others.contains(pointer);
-      if (there && (!all || others[pointer] == value)) continue;
-      std::string key = pointer.substr(1);
-      std::replace(key.begin(), key.end(), '/', '.');
-      (is_live(key) ? keys.live : keys.restart).push_back(std::move(key));
-    }
-  };
-  look_at(wanted, now, true);
-  look_at(now, wanted, false);  // a list became null
-  return keys;
-}
-
 void Reloader::change_camera(const Reload& reload) {
-  if (reload.after.camera.settings == reload.before.camera.settings) return change_refine(reload);
-  deps_.camera.change_or_want(camera_set(reload.after.camera.settings),
+  const CameraSettings &before = reload.before.camera.settings,
+                       &after = reload.after.camera.settings;
+  if (after == before) return change_refine(reload);
+  deps_.camera.change_or_want(camera_change(before, after),
                               [this, reload](const Result<CameraSnapshot>& used) {
                                 if (!used) return refuse(in_room("camera", used.error()));
                                 change_refine(reload);
@@ -169,11 +124,12 @@ void Reloader::put_back(const Reload& reload, const Error& why) {
   put_back_camera(reload, why);
 }
 
-/// Also where a job has begun meanwhile: its client knows the settings of before.
 void Reloader::put_back_camera(const Reload& reload, const Error& why) {
-  if (reload.after.camera.settings == reload.before.camera.settings) return refuse(why);
-  deps_.camera.change_for_job(
-      camera_set(reload.before.camera.settings), [this, why](const Result<CameraSnapshot>& used) {
+  const CameraSettings &before = reload.before.camera.settings,
+                       &after = reload.after.camera.settings;
+  if (after == before) return refuse(why);
+  deps_.camera.change_or_want(
+      camera_change(after, before), [this, why](const Result<CameraSnapshot>& used) {
         if (used) return refuse(why);
         Error told = why;
         told.reason += "; the camera keeps the new settings, for " + used.error().reason;
@@ -188,24 +144,23 @@ void Reloader::finish(const Reload& reload) {
     config.stream.image_rate_hz = reload.after.stream.image_rate_hz;
     config.log.level = reload.after.log.level;
   });
-  const auto& [live, restart] = reload.difference;
+  const auto& [live, restart] = reload.keys;
   std::string text = "configuration reloaded: ";
   text += live.empty() ? "nothing that can change now has changed" : "applied " + listed(live);
   if (!restart.empty()) text += "; left until a restart: " + listed(restart);
-  deps_.events.emit("config", restart.empty() ? Severity::info : Severity::warning, text,
-                    {{"reloaded", true}, {"applied", live}, {"restart", restart}});
-  done();
+  end(restart.empty() ? Severity::info : Severity::warning, std::move(text),
+      {{"reloaded", true}, {"applied", live}, {"restart", restart}});
 }
 
 void Reloader::refuse(const Error& why, const char* what_stays) {
-  deps_.events.emit("config", Severity::error,
-                    fmt::format("configuration not reloaded, {}: {}{}{}", what_stays, why.field,
-                                why.field.empty() ? "" : ": ", why.reason),
-                    {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
-  done();
+  end(Severity::error,
+      fmt::format("configuration not reloaded, {}: {}{}{}", what_stays, why.field,
+                  why.field.empty() ? "" : ": ", why.reason),
+      {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
-void Reloader::done() {
+void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
+  deps_.events.emit("config", severity, std::move(text), std::move(data));
   service::notify_ready();
   busy_.store(false);
 }

@@ -3,10 +3,10 @@
 
 #include <atomic>
 #include <string>
-#include <vector>
 
 #include "config/config.hpp"
 #include "daemon/camera_actor.hpp"
+#include "daemon/config_difference.hpp"
 #include "daemon/events.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/image_publisher.hpp"
@@ -40,18 +40,12 @@ class Reloader {
   void look();
 
  private:
-  /// Dotted keys in which a file differs from what is in use.
-  struct Difference {
-    std::vector<std::string> live;     ///< that are applied
-    std::vector<std::string> restart;  ///< that wait for a restart
-  };
   struct Reload {
-    Config before, after;
-    Difference difference;
+    Config before, after;  ///< the camera's settings as asked for, not as read back
+    ConfigDifference keys;
   };
 
   void begin();
-  static Difference difference(const Config& before, const Config& after);
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
@@ -59,7 +53,7 @@ class Reloader {
   void finish(const Reload& reload);
   void put_back_camera(const Reload& reload, const Error& why);
   void refuse(const Error& why, const char* what_stays = "everything goes on as it was");
-  void done();
+  void end(Severity severity, std::string text, nlohmann::json data);
 
   ReloadDeps deps_;
   std::atomic<bool> requested_{false};

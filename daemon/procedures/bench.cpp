@@ -144,13 +144,13 @@ Result<double> Bench::try_gain(double gain_db) {
 }
 
 Result<double> Bench::set_gain(double gain_db) {
-  const CameraSettings before = camera().settings;
-  if (!gain_before_db_) gain_before_db_ = before.gain_db;
+  const CameraSnapshot before = camera();
+  if (!gain_before_db_) gain_before_db_ = before.asked.gain_db;
   const std::int64_t begin_ns = monotonic_ns();
   while (true) {
     auto set = try_gain(gain_db);
     if (set || needs_a_person(set.error())) return set;
-    if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before)) return set;
+    if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before.settings)) return set;
     std::this_thread::sleep_for(kLook);
   }
 }

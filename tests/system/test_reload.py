@@ -12,12 +12,19 @@ class Reload(BenchCase):
         super().setUp()
         self.events = self.stream("event")
 
-    def reload(self, config):
-        """The event that ends a reload of this file: a text, or the keys that differ from the defaults."""
+    def signal(self, config):
+        """Asks for a reload of this file: a text, or the keys that differ from the defaults."""
         text = config if isinstance(config, str) else json.dumps(config)
         (self.bench.directory / "ovwsd.json").write_text(text)
         self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
+
+    def ended(self):
+        """The event that ends a reload."""
         return wait_for(lambda: (event := self.events.next(0.5)) and event["kind"] == "config" and event, 15.0, "the reload's end")
+
+    def reload(self, config):
+        self.signal(config)
+        return self.ended()
 
     def assert_refused(self, config, field, *words):
         before = self.call("config.get")
@@ -85,7 +92,25 @@ class Reload(BenchCase):
         self.wait_until("running")
         self.assertIn("camera.gain_db", self.reload({"camera": {"gain_db": 2.0}})["data"]["applied"])
 
-    def test_without_camera_and_display_it_is_what_the_next_connection_uses(self):
+    def test_a_file_whose_values_the_camera_rounds_changes_nothing_when_it_is_read_again(self):
+        rounded = {"camera": {"gain_db": 2.03, "exposure_us": 1500.4, "roi": {"x": 17, "y": 17, "width": 479, "height": 479}},
+                   "state": {"directory": "state"}}
+        self.assertIn("camera.exposure_us", self.reload(rounded)["data"]["applied"])
+        used = self.call("camera.get")["settings"]
+        self.assertEqual((used["gain_db"], used["exposure_us"], used["roi"]["x"]), (2.0, 1500.0, 16))
+        self.assertEqual(self.reload(rounded)["data"]["applied"], [])
+        self.call("config.save")  # of what the camera made of it
+        saved = (self.bench.directory / "ovwsd.json").read_text()
+        self.assertIn("1500.0", saved)
+        self.assertEqual(self.reload(saved)["data"]["applied"], [])
+        self.assertEqual(self.reload(rounded)["data"]["applied"], [])
+        self.call("camera.set", {"exposure_us": 1600.2})
+        self.assertEqual(self.reload(rounded)["data"]["applied"], ["camera.exposure_us"])
+        # What was asked for comes back, too, where a later part of the file refuses.
+        self.assert_refused({"camera": {"exposure_us": 900.0}, "tracking": {"operator": "measured"}}, "tracking.operator")
+        self.assertEqual(self.reload(rounded)["data"]["applied"], [])
+
+    def test_without_a_camera_it_is_what_the_next_connection_uses(self):
         self.bench.stop("ovws-twin")
         self.wait_until("waiting_for_camera")
         event = self.reload({"camera": {"gain_db": 4.0}, "state": {"directory": "state"}})

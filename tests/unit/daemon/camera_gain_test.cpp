@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <optional>
 #include <thread>
 
@@ -18,7 +19,8 @@ using namespace std::chrono_literals;
 struct Device {
   std::atomic<bool> alive{true};
   std::atomic<bool> refuses_gains{false};
-  std::optional<CameraSettings> asked;  ///< last
+  std::atomic<bool> rounds_gains{false};  ///< to whole dB
+  std::optional<CameraSettings> asked;    ///< last
 };
 Device* device = nullptr;
 
@@ -41,7 +43,8 @@ class RefusingCamera final : public Camera {
       return fail(Errc::refused, "camera.gain_db", "the register is locked");
     }
     settings_ = wanted;
-    return wanted;
+    if (device->rounds_gains) settings_.gain_db = std::round(wanted.gain_db);
+    return settings_;
   }
   Result<void> start() override { return {}; }
   void stop() override {}
@@ -133,6 +136,34 @@ TEST_F(CameraGain, ThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
   EXPECT_TRUE(needs_a_person(refused.error()));  // a sweep does not try it again and again
   EXPECT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
+}
+
+TEST_F(CameraGain, ThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
+  device_.rounds_gains = true;
+  CameraSet change;
+  change.gain_db = 4.3;
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->do_work();
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
+  ASSERT_TRUE(set_for_job(20.2));
+  EXPECT_TRUE(put_back(4.3));
+  EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
+  device_.refuses_gains = true;
+  change.gain_db = 7.1;
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_FALSE(set); });
+  actor_->do_work();
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
+}
+
+TEST_F(CameraGain, BroughtIntoRangeIsAskedForAsThat) {
+  CameraSet change;
+  change.gain_db = 60.0;
+  change.clamp = true;
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->do_work();
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 48.0);
 }
 
 TEST_F(CameraGain, ThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {

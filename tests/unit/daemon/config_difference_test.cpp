@@ -1,0 +1,73 @@
+#include "daemon/config_difference.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+using Keys = std::vector<std::string>;
+
+TEST(ConfigDifference, OfTheSameConfigurationIsNone) {
+  const auto keys = difference(Config{}, Config{});
+  EXPECT_EQ(keys.live, Keys{});
+  EXPECT_EQ(keys.restart, Keys{});
+}
+
+TEST(ConfigDifference, NamesWhatChangesLiveAndWhatWaits) {
+  Config after;
+  after.camera.settings.exposure_us += 1.0;
+  after.camera.settings.roi.width -= 16;
+  after.camera.transfer_ms += 1.0;
+  after.tracking.tracker = TrackerKind::matched;
+  after.refine.rate_hz *= 0.5;
+  after.stream.image_rate_hz *= 0.5;
+  after.slm.settle_ms += 1.0;
+  const auto keys = difference(Config{}, after);
+  EXPECT_EQ(keys.live, (Keys{"camera.exposure_us", "camera.roi.width", "refine.rate_hz",
+                             "stream.image_rate_hz", "tracking.tracker"}));
+  EXPECT_EQ(keys.restart, (Keys{"camera.transfer_ms", "slm.settle_ms"}));
+}
+
+TEST(ConfigDifference, OneKeyOfALiveRoomWaits) {
+  Config after;
+  after.tracking.kernel_radius += 1;
+  EXPECT_EQ(difference(Config{}, after).restart, Keys{"tracking.kernel_radius"});
+  EXPECT_EQ(difference(Config{}, after).live, Keys{});
+}
+
+TEST(ConfigDifference, NamesAValueThatBecameNullAndOneThatWasNull) {
+  Config with;
+  with.refine.electrons_per_dn = 2.0;
+  EXPECT_EQ(difference(Config{}, with).live, Keys{"refine.electrons_per_dn"});
+  EXPECT_EQ(difference(with, Config{}).live, Keys{"refine.electrons_per_dn"});
+}
+
+TEST(AsAsked, IsTheValueThatTheCameraMadeItOf) {
+  CameraSnapshot now;
+  now.asked.exposure_us = 1000.0;
+  now.settings.exposure_us = 999.98;
+  now.asked.roi.x = 17;
+  now.settings.roi.x = 16;
+  CameraSettings same = now.settings;
+  EXPECT_EQ(as_asked(same, now), now.asked);
+  EXPECT_EQ(as_asked(now.asked, now), now.asked);
+  CameraSettings other = now.settings;
+  other.exposure_us = 999.9;
+  EXPECT_EQ(as_asked(other, now).exposure_us, 999.9);
+  EXPECT_EQ(as_asked(other, now).roi.x, 17);
+}
+
+TEST(CameraChange, HoldsWhatDiffersAndMakesTheOneOfTheOther) {
+  CameraSettings after;
+  EXPECT_EQ(camera_change(CameraSettings{}, after).applied_to({}), CameraSettings{});
+  after.gain_db = 3.0;
+  after.pixel_format = PixelFormat::mono12;
+  after.roi = {16, 32, 128, 64};
+  const CameraSet change = camera_change(CameraSettings{}, after);
+  EXPECT_EQ(change.applied_to({}), after);
+  EXPECT_FALSE(change.exposure_us);
+  EXPECT_FALSE(change.frame_rate_hz);
+}
+
+}  // namespace
+}  // namespace ovws
