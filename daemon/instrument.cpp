@@ -75,19 +75,26 @@ bool Instrument::do_work() {
 
 void Instrument::change_sensor(SensorSet change, Changed done) {
   mailbox_.post([this, change, done = std::move(done)] {
-    State next = state_;
-    next.sensor = change.applied_to(state_.sensor);
-    next.tracking = change.applied_to(state_.tracking);
-    if (auto there = check_operator(change, next); !there) return done(fail(there.error()));
-    done(change_to(std::move(next)));
+    auto next = changed_state(change);
+    if (!next) return done(fail(next.error()));
+    done(change_to(std::move(*next)));
   });
+}
+
+Result<Instrument::State> Instrument::changed_state(const SensorSet& change) const {
+  State next = state_;
+  next.sensor = change.applied_to(state_.sensor);
+  next.tracking = change.applied_to(state_.tracking);
+  if (auto there = check_operator(change, next); !there) return fail(there.error());
+  if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
+  return next;
 }
 
 void Instrument::set_aberration(std::vector<Mode> modes, Changed done) {
   mailbox_.post([this, modes = std::move(modes), done = std::move(done)]() mutable {
     State next = state_;
     next.aberration = std::move(modes);
-    if (auto free = check_no_job(); !free) return done(fail(free.error()));
+    if (auto free = check_not_held(); !free) return done(fail(free.error()));
     done(carry_out(std::move(next)));
   });
 }
@@ -151,18 +158,17 @@ void Instrument::camera_changed(const CameraSettings& camera,
 /// Prepares everything, shows it, and only then makes it the state; on any error nothing has
 /// changed.
 Result<SensorSnapshot> Instrument::change_to(State next) {
-  if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
   if (auto free = check_free(); !free) return fail(free.error());
   return carry_out(std::move(next));
 }
 
 Result<void> Instrument::check_free() const {
-  if (auto free = check_no_job(); !free) return free;
+  if (auto free = check_not_held(); !free) return free;
   if (!looping_) return {};
   return fail(Errc::refused, "", "the loop is closed; open it with loop.open first");
 }
 
-Result<void> Instrument::check_no_job() const {
+Result<void> Instrument::check_not_held() const {
   if (reference_job_) {
     return fail(
         Errc::refused, "",
@@ -171,6 +177,10 @@ Result<void> Instrument::check_no_job() const {
   if (lease_) {
     return fail(Errc::refused, "",
                 fmt::format("job {} has the sensor: wait for it or cancel it", lease_->job));
+  }
+  if (reloading_) {
+    return fail(Errc::refused, "",
+                "the configuration is being reloaded; repeat the request in a moment");
   }
   return {};
 }

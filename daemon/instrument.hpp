@@ -153,6 +153,13 @@ class Instrument : public Agent {
   /// plan made for it from then on; a reference that is being taken ends with any change, one of
   /// another camera is not used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
+  /// Prepare thread, for a reload of the configuration: until end_reload every change of others,
+  /// and every job, is refused. Errc::refused if the sensor is not free.
+  Result<void> begin_reload();
+  /// change_sensor for the reload that has begun.
+  void reload_sensor(SensorSet change, Changed done);
+  /// Any thread. `then` is called in the prepare thread when the sensor is free.
+  void end_reload(std::function<void()> then);
   /// Calls `then` in the prepare thread when every change asked for so far was carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
 
@@ -186,7 +193,8 @@ class Instrument : public Agent {
   Instrument(const Config& config, const InstrumentDeps& deps, HologramConfig hologram,
              State state);
   Result<SensorSnapshot> change_to(State next);
-  Result<void> check_no_job() const;
+  Result<void> check_not_held() const;
+  Result<State> changed_state(const SensorSet& change) const;
   static Result<void> renew_renderer(State& state);
   Result<SensorSnapshot> carry_out(State next);
   void fall_back_to(State before);
@@ -260,7 +268,8 @@ class Instrument : public Agent {
   std::optional<TornSpots> torn_;                      ///< of the plan in use
   std::optional<int> reference_job_;                   ///< the job's number
   std::optional<Lease> lease_;
-  bool looping_ = false;  ///< the loop is closed
+  bool looping_ = false;    ///< the loop is closed
+  bool reloading_ = false;  ///< begin_reload, until end_reload
   Guarded<SensorSnapshot> snapshot_;
 };
 

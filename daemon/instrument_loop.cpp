@@ -24,7 +24,7 @@ void Instrument::end_loop() {
 
 void Instrument::correct(std::vector<Mode> modes, Changed done) {
   mailbox_.post([this, modes = std::move(modes), done = std::move(done)]() mutable {
-    if (auto free = check_no_job(); !free) return done(fail(free.error()));
+    if (auto free = check_not_held(); !free) return done(fail(free.error()));
     State next = state_;
     next.correction = std::move(modes);
     done(carry_out(std::move(next)));

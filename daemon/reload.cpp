@@ -69,7 +69,7 @@ void Reloader::begin() {
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
     return refuse(allowed.error());
   }
-  if (const auto free = deps_.instrument.check_free(); !free) return refuse(free.error());
+  if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
   const auto read = load_config(deps_.path);
   if (!read) return refuse(read.error());
   if (const auto usable = check_usable(*read); !usable) return refuse(usable.error());
@@ -109,7 +109,7 @@ void Reloader::change_sensor(const Reload& reload) {
   const bool same = reload.after.sensor == reload.before.sensor &&
                     change.applied_to(reload.before.tracking) == reload.before.tracking;
   if (same) return finish(reload);
-  deps_.instrument.change_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
+  deps_.instrument.reload_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
     if (!used) return put_back(reload, in_room("sensor", used.error()));
     finish(reload);
   });
@@ -159,10 +159,14 @@ void Reloader::refuse(const Error& why, const char* what_stays) {
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
+/// The sensor is free before anybody hears of the end: who hears may ask for a job.
 void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
-  deps_.events.emit("config", severity, std::move(text), std::move(data));
-  service::notify_ready();
-  busy_.store(false);
+  deps_.instrument.end_reload(
+      [this, severity, text = std::move(text), data = std::move(data)]() mutable {
+        deps_.events.emit("config", severity, std::move(text), std::move(data));
+        service::notify_ready();
+        busy_.store(false);
+      });
 }
 
 }  // namespace ovws

@@ -28,8 +28,9 @@ struct ReloadDeps {
 };
 
 /// One reload at a time, whole or not at all: camera, then refinement, then sensor, each as by its
-/// method of the control socket; what was changed before a part refuses is put back. Keys that only
-/// a restart can change are named and left. Its end is an event of kind `config`.
+/// method of the control socket; what was changed before a part refuses is put back. Meanwhile no
+/// job begins and nobody else changes the sensor. Keys that only a restart can change are named and
+/// left. Its end is an event of kind `config`.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}

@@ -2,7 +2,7 @@
 import json
 import signal
 
-from case import BenchCase, main, wait_for
+from case import BenchCase, Client, ClientError, main, wait_for
 
 
 class Reload(BenchCase):
@@ -10,6 +10,8 @@ class Reload(BenchCase):
 
     def setUp(self):
         super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
         self.events = self.stream("event")
 
     def signal(self, config):
@@ -25,6 +27,12 @@ class Reload(BenchCase):
     def reload(self, config):
         self.signal(config)
         return self.ended()
+
+    def error_of(self, method, params):
+        try:
+            self.call(method, params)
+        except ClientError as error:
+            return error
 
     def assert_refused(self, config, field, *words):
         before = self.call("config.get")
@@ -91,6 +99,22 @@ class Reload(BenchCase):
         self.call("job.cancel", {"job": job})
         self.wait_until("running")
         self.assertIn("camera.gain_db", self.reload({"camera": {"gain_db": 2.0}})["data"]["applied"])
+
+    def test_until_it_has_ended_no_job_begins_and_nobody_else_changes_the_sensor(self):
+        self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 60})
+        self.signal({"camera": {"gain_db": 2.0, "exposure_us": 1500.0, "roi": {"x": 16, "y": 16, "width": 480, "height": 480}}})
+        held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), 10.0, "the reload")
+        self.assertIn("being reloaded", str(held))
+        for method, params in (("reference.take", {"frames": 20}), ("calibration.run", {}), ("registration.run", {}), ("reference.clear", {}),
+                               ("sensor.set", {"charge": 1}), ("slm.show", {"pattern": "flat"})):
+            refused = self.refused(method, params)
+            self.assertEqual(refused.code, -32000, refused)
+            self.assertIn("being reloaded", str(refused), method)
+        event = self.ended()
+        self.assertTrue(event["data"]["reloaded"], event)
+        self.assertIn("camera.roi.width", event["data"]["applied"])
+        self.twin.call("twin.fault", {"kind": "none"})
+        self.take_reference(20)
 
     def test_a_file_whose_values_the_camera_rounds_changes_nothing_when_it_is_read_again(self):
         rounded = {"camera": {"gain_db": 2.03, "exposure_us": 1500.4, "roi": {"x": 17, "y": 17, "width": 479, "height": 479}},
