@@ -71,12 +71,16 @@ Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& con
   if (!config.secret_key || !config.clients) return guard;
   const auto keys = named(load_key_file(*config.secret_key), kSecretField);
   if (!keys) return fail(keys.error());
-  auto made = Gate::make(keys->pair.secret_key,
-                         {[self = guard.get()](const std::string& key) {
-                            self->reload_if_changed();
-                            return self->knows(key);
-                          },
-                          [self = guard.get()](const std::string& why) { self->reject(why); }});
+  auto made =
+      Gate::make(keys->pair.secret_key,
+                 {[self = guard.get()](const std::string& key) {
+                    self->reload_if_changed();
+                    return self->knows(key);
+                  },
+                  [self = guard.get()](const std::string& why) { self->reject(why); },
+                  [self = guard.get()](const std::string& endpoint, const Result<void>& bound) {
+                    self->tell_rebound(endpoint, bound);
+                  }});
   if (!made) return fail(made.error());
   guard->gate_ = std::move(*made);
   guard->public_key_ = keys->pair.public_key;
@@ -111,6 +115,18 @@ ClientGuard::Stamp ClientGuard::stamp_of(const std::string& path) {
   struct stat about {};
   if (::stat(path.c_str(), &about) != 0) return {};
   return {ns_of(about.st_mtim), ns_of(about.st_ctim), about.st_size, about.st_ino};
+}
+
+void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& bound) {
+  if (bound) {
+    return events_.emit("client", Severity::info, endpoint + " is bound again and sends",
+                        {{"endpoint", endpoint}, {"bound", true}});
+  }
+  events_.emit("client", Severity::error,
+               "a key was withdrawn, and since then " + endpoint +
+                   " cannot be bound anew and sends nothing; it is tried again and again: " +
+                   bound.error().reason,
+               {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
 }
 
 /// Under reading_. The stamp is that of before: what is written meanwhile is read once more.

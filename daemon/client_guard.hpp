@@ -63,6 +63,7 @@ class ClientGuard {
   void reject(const std::string& why);
   Result<void> read_list();
   void tell_rejected();
+  void tell_rebound(const std::string& endpoint, const Result<void>& bound);
 
   SecurityConfig config_;
   Counters& counters_;

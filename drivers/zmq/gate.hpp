@@ -10,11 +10,14 @@
 
 namespace ovws {
 
-/// Called in the thread that turns the ControlServer.
+/// Called in the thread that turns the ControlServer, but for what says otherwise.
 struct GateCalls {
   std::function<bool(const std::string& public_key)> knows;
   /// Somebody was not let in; `why` is for a person.
   std::function<void(const std::string& why)> rejected;
+  /// The publisher's thread: one has not come to be bound anew for a second, and sends nothing;
+  /// and, without an error, it is bound again.
+  std::function<void(const std::string& endpoint, const Result<void>& bound)> rebound;
 };
 
 /// Sockets bound with it let in nobody but clients with keys that `knows` takes. It outlives them:

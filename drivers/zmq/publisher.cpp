@@ -14,6 +14,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kMostBytes = 4096;  // handshakes and subscriptions are all that comes in
 constexpr auto kBetweenTries = std::chrono::milliseconds(100);
+constexpr auto kPatience = std::chrono::seconds(1);  // the old listener's end takes a moment
 
 }  // namespace
 
@@ -33,7 +34,8 @@ struct Publisher::Impl {
   std::string bound_at;  ///< as libzmq calls it: of tcp://*:PORT tcp://0.0.0.0:PORT
   unsigned generation = 0;
   bool bound = false;
-  Clock::time_point next_try{};
+  Clock::time_point next_try{}, unbound_since{};
+  bool failure_told = false;
 
   Result<void> bind() {
     if (auto done = bind_endpoint(socket.handle(), endpoint); !done) return done;
@@ -50,10 +52,21 @@ struct Publisher::Impl {
     if (bound && generation != wanted) {
       bound = zmq_unbind(socket.handle(), bound_at.c_str()) != 0;
       generation = bound ? generation : wanted;
+      if (!bound) unbound_since = Clock::now();
     }
     if (bound || Clock::now() < next_try) return bound && generation == wanted;
     next_try = Clock::now() + kBetweenTries;
-    return bind().has_value();
+    const auto done = bind();
+    tell(done);
+    return done.has_value();
+  }
+
+  /// A failure that lasts, once, and its end.
+  void tell(const Result<void>& done) {
+    if (!done && (failure_told || Clock::now() - unbound_since < kPatience)) return;
+    if (done && !failure_told) return;
+    failure_told = !done;
+    gate->parts().calls.rebound(endpoint, done);
   }
 
   bool part(const void* data, std::size_t size, bool more) {

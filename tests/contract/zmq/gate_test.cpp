@@ -2,9 +2,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "drivers/zmq/client.hpp"
 #include "drivers/zmq/control_server.hpp"
@@ -32,6 +36,10 @@ class Guarded {
       return known_.contains(key);
     };
     calls.rejected = [this](const std::string&) { ++rejected; };
+    calls.rebound = [this](const std::string& endpoint, const Result<void>& bound) {
+      EXPECT_EQ(endpoint, stream);
+      rebound.push_back(bound ? "" : bound.error().reason);
+    };
     gate_ = Gate::make(daemon.secret_key, std::move(calls)).value();
     publisher_ = std::make_unique<Publisher>(Publisher::bind(stream, 10, gate_.get()).value());
     server_ = ControlServer::bind(
@@ -72,6 +80,7 @@ class Guarded {
   std::string control, stream;
   KeyPair daemon = new_pair();
   std::atomic<int> rejected{0};
+  std::vector<std::string> rebound;  ///< this thread: why not; empty if it was
 
  private:
   std::mutex mutex_;
@@ -128,6 +137,31 @@ TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
   while (second.receive(100ms)) {  // what came before
   }
   EXPECT_FALSE(guarded.reaches(second, 1s));
+}
+
+TEST(Gate, TellsOfAStreamThatCannotBeBoundAnewAndOfItsEnd) {
+  const std::string folder = test::ipc_endpoint("moved").substr(std::strlen("ipc://"));
+  std::filesystem::create_directory(folder);
+  Guarded guarded("moved/stream");
+  const KeyPair pair = guarded.let_in();
+  auto subscriber =
+      Subscriber::connect(guarded.stream, {}, 100, ClientKeys{pair, guarded.daemon.public_key})
+          .value();
+  EXPECT_TRUE(guarded.reaches(subscriber));
+  guarded.gate().end_streams();
+  EXPECT_TRUE(guarded.reaches(subscriber));
+  EXPECT_EQ(guarded.rebound, std::vector<std::string>{}) << "one that succeeds is no news";
+  std::filesystem::rename(folder, folder + "-away");
+  guarded.gate().end_streams();
+  for (int k = 0; k < 2000 && guarded.rebound.empty(); ++k) guarded.reaches(subscriber, 10ms);
+  ASSERT_EQ(guarded.rebound.size(), 1U);
+  EXPECT_NE(guarded.rebound[0].find(guarded.stream), std::string::npos) << guarded.rebound[0];
+  EXPECT_FALSE(guarded.reaches(subscriber, 1s));
+  EXPECT_EQ(guarded.rebound.size(), 1U) << "told once";
+  std::filesystem::rename(folder + "-away", folder);
+  EXPECT_TRUE(guarded.reaches(subscriber));
+  ASSERT_EQ(guarded.rebound.size(), 2U);
+  EXPECT_EQ(guarded.rebound[1], "");
 }
 
 TEST(Gate, TakesNoKeyThatIsNone) {
