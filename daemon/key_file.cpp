@@ -8,6 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "daemon/store/atomic_file.hpp"
 #include "proto/reader.hpp"
 #include "proto/strict_json.hpp"
 
@@ -105,9 +106,7 @@ Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool r
                               {"secret_key", keys.pair.secret_key}};
   if (!keys.server_key.empty()) json["server_key"] = keys.server_key;
   const std::string text = json.dump(2) + "\n";
-  if (replace && ::unlink(path.c_str()) != 0 && errno != ENOENT) {
-    return trouble(Errc::unavailable, path, std::string("cannot be replaced: ") + strerror(errno));
-  }
+  if (replace) return replace_secret_file(path, text);
   const Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
   if (file.get() < 0 && errno == EEXIST) {

@@ -18,7 +18,8 @@ struct KeyFile {
 /// Errors (field "path") say what to do; a file that group or others can read or write is refused.
 Result<KeyFile> load_key_file(const std::string& path);
 /// Writes a new file of mode 0600. Errors (field "path"): Errc::refused if there is one and
-/// `replace` is false.
+/// `replace` is false. Whoever reads it while it is replaced finds the old keys or the new ones; an
+/// error leaves the old ones.
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
 
 /// The text of a file with none of the mode bits `forbidden`. Errors as of load_key_file; `secrecy`

@@ -96,16 +96,15 @@ int remove_in(const fs::path& folder, std::string_view name) {
   return removed;
 }
 
-}  // namespace
+using Dress = bool (*)(int fd, const std::string& path);
 
-Result<void> replace_file(const std::string& link, std::string_view content,
-                          const FileCalls& calls) {
-  const std::string path = target_of(link);
+/// `dress` gives the new file its owner and permissions.
+Result<void> replace(const std::string& path, std::string_view content, Dress dress,
+                     const FileCalls& calls) {
   std::string temporary = path + std::string(kUnique) + std::string(kTemporary);
   const int fd = ::mkostemps(temporary.data(), int(kTemporary.size()), O_CLOEXEC);
   if (fd < 0) return failure(path, "written");
-  const bool written =
-      write_all(fd, content, calls) && like_before(fd, path) && calls.fsync(fd) == 0;
+  const bool written = write_all(fd, content, calls) && dress(fd, path) && calls.fsync(fd) == 0;
   auto unwritten = failure(path, "written");
   if (::close(fd) != 0 || !written || calls.rename(temporary.c_str(), path.c_str()) != 0) {
     if (written) unwritten = failure(path, "written");
@@ -113,6 +112,19 @@ Result<void> replace_file(const std::string& link, std::string_view content,
     return unwritten;
   }
   return sync_folder_of(path, calls);
+}
+
+}  // namespace
+
+Result<void> replace_file(const std::string& path, std::string_view content,
+                          const FileCalls& calls) {
+  return replace(target_of(path), content, like_before, calls);
+}
+
+Result<void> replace_secret_file(const std::string& path, std::string_view content,
+                                 const FileCalls& calls) {
+  const auto as_made = [](int, const std::string&) { return true; };  // mkostemps makes it 0600
+  return replace(path, content, as_made, calls);
 }
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {

@@ -28,6 +28,11 @@ struct FileCalls {
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls = {});
 
+/// The same for a secret: the new file is of mode 0600 from the beginning, and belongs to who
+/// calls, whatever the old one was; a link itself is replaced.
+Result<void> replace_secret_file(const std::string& path, std::string_view content,
+                                 const FileCalls& calls = {});
+
 /// Removes a file for good; it is no error if there is none. Otherwise as replace_file.
 Result<void> remove_file(const std::string& path, const FileCalls& calls = {});
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <csignal>
@@ -156,6 +157,25 @@ TEST_F(AtomicFile, OnlyWhatWritersLeftBehindIsRemoved) {
   for (const std::string& name : kept) EXPECT_TRUE(fs::exists(folder_ + name)) << name;
   EXPECT_EQ(content_of(path_), "old");
   EXPECT_EQ(remove_leftovers("/nowhere/at/all"), 0);
+}
+
+mode_t mode_when_written = 0;
+
+TEST_F(AtomicFile, OfASecretIsNobodyElsesFromTheBeginning) {
+  fs::permissions(path_, fs::perms(0666));
+  FileCalls calls;
+  calls.write = [](int fd, const void* bytes, std::size_t count) {
+    struct stat about {};
+    mode_when_written = ::fstat(fd, &about) == 0 ? about.st_mode & 07777U : 07777U;
+    return ::write(fd, bytes, count);
+  };
+  const mode_t before = ::umask(0);
+  const auto replaced = replace_secret_file(path_, "secret", calls);
+  ::umask(before);
+  ASSERT_TRUE(replaced) << replaced.error().reason;
+  EXPECT_EQ(mode_when_written, 0600U);
+  EXPECT_EQ(unsigned(fs::status(path_).permissions()), 0600U);
+  EXPECT_EQ(content_of(path_), "secret");
 }
 
 }  // namespace
