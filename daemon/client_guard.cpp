@@ -145,32 +145,17 @@ Result<void> ClientGuard::read_list() {
   return {};
 }
 
-Result<void> ClientGuard::reload() {
-  if (!gate_) return {};
-  Result<void> read;
-  {
-    const std::lock_guard lock(reading_);
-    read = read_list();
-  }
-  if (read) {
-    events_.emit("client", Severity::info,
-                 std::to_string(list_.get()->size()) + " clients may connect: " + *config_.clients +
-                     " was read again");
-  } else {
-    events_.emit(
+void ClientGuard::reload_if_changed() {
+  const std::lock_guard lock(reading_);
+  if (stamp_of(*config_.clients) == stamp_) return;
+  if (const auto read = read_list(); !read) {
+    return events_.emit(
         "client", Severity::error,
         read.error().field + ": " + read.error().reason + "; the clients of before are in force");
   }
-  return read;
-}
-
-void ClientGuard::reload_if_changed() {
-  if (!gate_) return;
-  {
-    const std::lock_guard lock(reading_);
-    if (stamp_of(*config_.clients) == stamp_) return;
-  }
-  (void)reload();  // what is wrong was told
+  events_.emit("client", Severity::info,
+               std::to_string(list_.get()->size()) + " clients may connect: " + *config_.clients +
+                   " was read again");
 }
 
 void ClientGuard::turn() {

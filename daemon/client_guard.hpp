@@ -19,6 +19,9 @@ namespace ovws {
 /// keys, a file of keys or clients that cannot be used. The field is the configuration's key.
 Result<void> check_security(const Config& config);
 
+/// Every question looks first whether the clients' file has changed, and reads it again. A key that
+/// is no longer there is refused from then on, and all streams end, so that everybody has to come
+/// in anew. A file that cannot be used changes nothing, and an event says so.
 class ClientGuard {
  public:
   /// Without keys in the configuration it has no gate, and everybody may everything. Errors as of
@@ -36,12 +39,6 @@ class ClientGuard {
   /// Thread-safe: what the client with this key may; refused (Errc::refused) and counted if the key
   /// was withdrawn, be it just now.
   Result<Role> role_of(const std::string& key);
-  /// Thread-safe: reads the clients' file again. A key that is no longer there is refused from now
-  /// on, and all streams end, so that everybody has to come in anew. A file that cannot be used
-  /// changes nothing, and an event says so.
-  Result<void> reload();
-  /// Thread-safe: as `reload` if the file has changed since it was read.
-  void reload_if_changed();
   /// Status thread, each turn: tells who was not let in, seldom enough that nobody can flood the
   /// log, and looks at the file once a second.
   void turn();
@@ -62,6 +59,7 @@ class ClientGuard {
   bool knows(const std::string& key) const;
   void reject(const std::string& why);
   Result<void> read_list();
+  void reload_if_changed();
   void tell_rejected();
   void tell_rebound(const std::string& endpoint, const Result<void>& bound);
 
