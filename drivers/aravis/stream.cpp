@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -76,7 +77,7 @@ AravisStream::AravisStream(GRef<ArvStream> stream, const FrameShape& shape, Fram
     : shape_(shape),
       ids_(&ids),
       strays_(strays),
-      counts_packets_(ARV_IS_GV_STREAM(stream.get())),
+      packets_(packet_counts(stream.get())),
       stream_(std::move(stream)) {}
 
 AravisStream::~AravisStream() {
@@ -123,12 +124,23 @@ bool AravisStream::view_image(ArvBuffer* buffer, ImageView& image) const {
   return size >= std::size_t(image.stride_bytes) * std::size_t(height) - std::size_t(padding);
 }
 
+std::optional<AravisStream::PacketCounts> AravisStream::packet_counts(ArvStream* stream) {
+  const auto number = [stream](std::string_view name) -> std::optional<guint> {
+    for (guint id = 0; id < arv_stream_get_n_infos(stream); ++id) {
+      if (name == arv_stream_get_info_name(stream, id)) return id;
+    }
+    return std::nullopt;
+  };
+  const auto ignored = number("n_ignored_packets"), starved = number("n_underruns");
+  if (!ignored || !starved) return std::nullopt;
+  return PacketCounts{*ignored, *starved};
+}
+
 void AravisStream::count_strays() {
-  if (!counts_packets_) return;
+  if (!packets_) return;
   // Those for which there was no buffer are among them, and are frames that will be missing.
-  const std::uint64_t ignored =
-      arv_stream_get_info_uint64_by_name(stream_.get(), "n_ignored_packets");
-  const std::uint64_t starved = arv_stream_get_info_uint64_by_name(stream_.get(), "n_underruns");
+  const std::uint64_t ignored = arv_stream_get_info_uint64(stream_.get(), packets_->ignored);
+  const std::uint64_t starved = arv_stream_get_info_uint64(stream_.get(), packets_->starved);
   const auto fresh = strays_.thrown_away(ignored - std::min(ignored, starved));
   untold_.duplicate += fresh.duplicate;
   untold_.out_of_order += fresh.out_of_order;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/port/camera.hpp"
@@ -52,6 +53,12 @@ class AravisStream {
   void count_strays();
   bool view_image(ArvBuffer* buffer, ImageView& image) const;
 
+  /// Aravis's numbers of what it counts; by name it would search for them at each grab.
+  struct PacketCounts {
+    guint ignored = 0, starved = 0;
+  };
+  static std::optional<PacketCounts> packet_counts(ArvStream* stream);
+
   struct Free {
     void operator()(void* memory) const { std::free(memory); }
   };
@@ -60,7 +67,7 @@ class AravisStream {
   FrameIdUnwrapper* ids_;
   StrayFrames strays_;
   StrayFrames::Counts untold_;
-  bool counts_packets_ = false;  ///< false with a USB camera, whose frames are not packets
+  std::optional<PacketCounts> packets_;  ///< none with a USB camera, whose frames are not packets
   std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, whose thread writes into it
   GRef<ArvStream> stream_;
   std::vector<ArvBuffer*> lent_;      // by slot; null while Aravis has it
