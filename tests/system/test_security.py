@@ -312,7 +312,9 @@ class Files(BenchCase):
             (self.folder / "clients.new").rename(self.folder / "clients.json")
 
         write("stays", "goes")
-        endpoint = f"ipc://{self.folder}/numbers.socket"
+        sockets = self.folder / "sockets"
+        sockets.mkdir()
+        endpoint = f"ipc://{sockets}/numbers.socket"
         self.bench.start_daemon({"stream": {"endpoint": endpoint},
                                  "security": {"secret_key": str(self.folder / "daemon.json"), "clients": str(self.folder / "clients.json")}})
         stays, goes = (Stream(["status"], endpoint, self.folder / f"{n}.json", keys["daemon"]) for n in ("stays", "goes"))
@@ -329,7 +331,13 @@ class Files(BenchCase):
             goes = Stream(["status"], endpoint, self.folder / "goes.json", keys["daemon"])
             self.addCleanup(goes.close)
             self.assertIsNotNone(goes.next(10.0))
-        self.assertEqual(stat.S_IMODE((self.folder / "numbers.socket").stat().st_mode), 0o660)
+        self.assertEqual(stat.S_IMODE((sockets / "numbers.socket").stat().st_mode), 0o660)
+        sockets.rename(self.folder / "away")
+        write("stays")
+        wait_for(lambda: f"{endpoint} cannot be bound anew" in self.bench.log("ovwsd"), 20.0, "the line of the log")
+        (self.folder / "away").rename(sockets)
+        wait_for(lambda: f"{endpoint} is bound again" in self.bench.log("ovwsd"), 20.0, "its end")
+        self.assertIsNotNone(stays.next(10.0))
 
 
 if __name__ == "__main__":
