@@ -1,6 +1,7 @@
 #include "proto/rpc.hpp"
 
 #include <atomic>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -99,17 +100,24 @@ class PendingCall {
   std::atomic<bool> answered_{false};
 };
 
+/// What comes back as it came: of a larger integer the parser makes a double, another number.
+bool is_id(const Json& id) {
+  constexpr double kPastInt64 = 0x1p63;
+  if (id.is_number_float()) return std::abs(id.get<double>()) < kPastInt64;
+  if (id.is_string()) return id.get_ref<const std::string&>().size() <= kMaxIdBytes;
+  return id.is_number() || id.is_null();
+}
+
 /// The envelope of one call. An id that is there and right is echoed even if the rest is wrong.
 Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   ObjectReader reader(member, "");
   const Json* id = reader.raw("id");
-  const bool id_is_right =
-      id != nullptr &&
-      (id->is_number() || id->is_null() ||
-       (id->is_string() && id->get_ref<const std::string&>().size() <= kMaxIdBytes));
+  const bool id_is_right = id != nullptr && is_id(*id);
   if (id_is_right) call.is_request(*id);
   if (id != nullptr && !id_is_right)
-    reader.fault("id", "must be a number, null, or a string of at most 256 bytes");
+    reader.fault("id",
+                 "must be an integer of at most 64 bits, a fraction below 2^63, null, or a string "
+                 "of at most 256 bytes");
   std::string version, method;
   reader.require("jsonrpc");
   reader.string("jsonrpc", version);

@@ -62,6 +62,31 @@ TEST(Rpc, EchoesIdAndGivesTheResult) {
   EXPECT_EQ(d.answer(R"({"jsonrpc":"2.0","method":"echo","id":7})").at("result"), Json::object());
 }
 
+TEST(Rpc, GivesAnIntegerIdBackToTheLastDigitOrRefusesIt) {
+  Daemon d;
+  const auto reply = [&d](const std::string& id) {
+    d.sent.clear();
+    d.handle(R"({"jsonrpc":"2.0","method":"echo","id":)" + id + "}");
+    return d.sent.at(0);
+  };
+  for (const char* id :
+       {"0", "-1", "9007199254740993", "9223372036854775807", "9223372036854775808",
+        "18446744073709551615", "-9223372036854775808", "1.5", "1e18"}) {
+    EXPECT_EQ(Json::parse(reply(id)).at("id"), Json::parse(id)) << id;
+    EXPECT_TRUE(Json::parse(reply(id)).contains("result")) << id;
+  }
+  EXPECT_NE(reply("18446744073709551615").find("\"id\":18446744073709551615,"), std::string::npos);
+  d.called.clear();
+  for (const char* id : {"18446744073709551616", "-9223372036854775809",
+                         "100000000000000000000000000000000000001", "1e300", "-1e19"}) {
+    const Json answer = Json::parse(reply(id));
+    EXPECT_EQ(answer.at("id"), Json()) << id;
+    EXPECT_EQ(answer.at("error").at("code"), -32600) << id;
+    EXPECT_EQ(answer.at("error").at("data").at("field"), "id") << id;
+  }
+  EXPECT_TRUE(d.called.empty());
+}
+
 TEST(Rpc, GivesFieldReasonLimitsAndTheNearestName) {
   Daemon d;
   const Json a = d.answer(R"({"jsonrpc":"2.0","method":"fail","id":1})");
