@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/port/clock.hpp"
 #include "daemon/camera_limits.hpp"
@@ -13,6 +14,20 @@ namespace {
 
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr auto kTurn = std::chrono::milliseconds(50);
+
+/// Why no frame can be used, and what to do.
+struct Useless {
+  Counter counter;
+  const char* text;
+};
+constexpr std::array<Useless, 3> kUseless{
+    {{Counter::frames_incomplete,
+      "every frame arrives incomplete, packets are lost on the way; check cable, switch and "
+      "camera.packet_size_bytes"},
+     {Counter::frames_duplicated,
+      "it sends again frames that had come before, and no new ones; switch it off and on"},
+     {Counter::frames_out_of_order,
+      "every frame arrives after a later one; check that one way only leads from it to here"}}};
 
 /// A driver names settings as the configuration does, a client as the method's params do.
 Error in_params(Error error) {
@@ -168,6 +183,7 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   tell_frame_path(*applied, *applied, now_ns, now_ns);
   settings_ = *applied;
   attached_ns_ = monotonic_ns();
+  useless_before_ = count_useless();
   return deps_.pipeline.attach(*camera_);
 }
 
@@ -193,13 +209,29 @@ void CameraActor::watch_frames() {
   if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s()) {
     return lose({Errc::device, "camera", "the camera sends no frames"});
   }
-  const bool torn = silent_s(deps_.pipeline.last_frame_mono_ns()) > patience_s();
-  if (torn && !torn_) {
-    deps_.events.emit("camera", Severity::error,
-                      "camera: every frame arrives incomplete, packets are lost on the way; check "
-                      "cable, switch and camera.packet_size_bytes");
-  }
-  torn_ = torn;
+  const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
+  if (last_ns != std::exchange(last_frame_ns_, last_ns)) useless_before_ = count_useless();
+  const bool useless = silent_s(last_ns) > patience_s();
+  useless_told_ = useless && (useless_told_ || tell_useless());
+}
+
+CameraActor::UselessFrames CameraActor::count_useless() const {
+  UselessFrames counts{};
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    counts[k] = deps_.counters.get(kUseless[k].counter);
+  return counts;
+}
+
+/// With what most of the frames have been since the last one that could be used. False: none came.
+bool CameraActor::tell_useless() {
+  UselessFrames since = count_useless();
+  for (std::size_t k = 0; k < since.size(); ++k) since[k] -= useless_before_[k];
+  const auto most = std::max_element(since.begin(), since.end());
+  if (*most == 0) return false;
+  const Useless& why = kUseless[std::size_t(most - since.begin())];
+  deps_.events.emit("camera", Severity::error, std::string("camera: ") + why.text,
+                    {{"counter", counter_name(why.counter)}});
+  return true;
 }
 
 /// Until the first frame after a change the camera may still be at one of before.

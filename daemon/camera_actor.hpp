@@ -2,6 +2,8 @@
 /// when they do not.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -66,6 +68,8 @@ class CameraActor : public Agent {
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
+  using UselessFrames = std::array<std::uint64_t, 3>;  ///< by why
+
   void carry_out(const CameraSet& change, const Applied& done);
   void mend(const CameraSet& change, const Applied& done);
   void open_with(const CameraSet& change);
@@ -77,6 +81,8 @@ class CameraActor : public Agent {
   double silent_s(std::int64_t last_ns) const;
   double patience_s() const;
   void watch_frames();
+  UselessFrames count_useless() const;
+  bool tell_useless();
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
   Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
@@ -99,7 +105,9 @@ class CameraActor : public Agent {
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;
   bool ever_connected_ = false;
-  bool torn_ = false;  ///< frames arrive, and none of them whole; it was said
+  std::int64_t last_frame_ns_ = 0;  ///< that could be used, as last seen
+  UselessFrames useless_before_{};  ///< counted until then
+  bool useless_told_ = false;       ///< frames arrive, and none that can be used
   Guarded<CameraSnapshot> snapshot_;
 };
 

@@ -1,5 +1,5 @@
-/// What a job does to the camera's gain, by a camera that refuses one. This program has its own
-/// open_camera in place of the driver table's.
+/// What the camera's keeper does with gains, and says of frames, by a camera that does as it is
+/// told by the test. This program has its own open_camera in place of the driver table's.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -21,6 +21,7 @@ struct Device {
   std::atomic<bool> refuses_gains{false};
   std::atomic<bool> rounds_gains{false};  ///< to whole dB
   std::optional<CameraSettings> asked;    ///< last
+  std::atomic<GrabStatus> sends{GrabStatus::incomplete};
 };
 Device* device = nullptr;
 
@@ -53,7 +54,7 @@ class RefusingCamera final : public Camera {
   /// A sign of life without a frame.
   GrabStatus grab(GrabbedFrame& /*out*/, std::chrono::microseconds /*timeout*/) override {
     std::this_thread::sleep_for(2ms);
-    return GrabStatus::incomplete;
+    return device->sends;
   }
   void release(int /*slot*/) override {}
 
@@ -62,9 +63,9 @@ class RefusingCamera final : public Camera {
   CameraSettings settings_;
 };
 
-class CameraGain : public testing::Test {
+class CameraActorTest : public testing::Test {
  protected:
-  CameraGain() {
+  CameraActorTest() {
     device = &device_;
     config_.settings.gain_db = 3.0;
     actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
@@ -76,7 +77,7 @@ class CameraGain : public testing::Test {
     actor_->do_work();
     EXPECT_TRUE(actor_->snapshot().connected) << actor_->snapshot().fault;
   }
-  ~CameraGain() override {
+  ~CameraActorTest() override {
     actor_->on_close();
     ended_ = true;
     frame_path_.join();
@@ -96,12 +97,12 @@ class CameraGain : public testing::Test {
     actor_->do_work();
     return told;
   }
-  /// Events that tell of a gain.
-  std::vector<Event> gain_events() {
+  /// Events whose data has this key.
+  std::vector<Event> events_with(const char* key) {
     std::vector<Event> found;
     while (auto message = queue_.take()) {
       auto* const event = std::get_if<Event>(&*message);
-      if (event != nullptr && event->data.contains("gain_db")) found.push_back(std::move(*event));
+      if (event != nullptr && event->data.contains(key)) found.push_back(std::move(*event));
     }
     return found;
   }
@@ -119,15 +120,15 @@ class CameraGain : public testing::Test {
   std::thread frame_path_;
 };
 
-TEST_F(CameraGain, IsPutBackWithoutAWord) {
+TEST_F(CameraActorTest, GainIsPutBackWithoutAWord) {
   ASSERT_TRUE(set_for_job(20.0));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 20.0);
   EXPECT_TRUE(put_back(3.0));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
-  EXPECT_TRUE(gain_events().empty());
+  EXPECT_TRUE(events_with("gain_db").empty());
 }
 
-TEST_F(CameraGain, ThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
+TEST_F(CameraActorTest, GainThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
   device_.refuses_gains = true;
   const auto refused = set_for_job(20.0);
   ASSERT_FALSE(refused);
@@ -138,7 +139,7 @@ TEST_F(CameraGain, ThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
 }
 
-TEST_F(CameraGain, ThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
+TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   device_.rounds_gains = true;
   CameraSet change;
   change.gain_db = 4.3;
@@ -157,7 +158,7 @@ TEST_F(CameraGain, ThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
 }
 
-TEST_F(CameraGain, BroughtIntoRangeIsAskedForAsThat) {
+TEST_F(CameraActorTest, GainBroughtIntoRangeIsAskedForAsThat) {
   CameraSet change;
   change.gain_db = 60.0;
   change.clamp = true;
@@ -166,11 +167,11 @@ TEST_F(CameraGain, BroughtIntoRangeIsAskedForAsThat) {
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 48.0);
 }
 
-TEST_F(CameraGain, ThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
+TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   ASSERT_TRUE(set_for_job(20.0));
   device_.refuses_gains = true;
   EXPECT_TRUE(put_back(3.0));
-  const auto events = gain_events();
+  const auto events = events_with("gain_db");
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].message.kind, "camera");
   EXPECT_EQ(events[0].message.severity, Severity::warning);
@@ -191,18 +192,49 @@ TEST_F(CameraGain, ThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_EQ(device_.asked->exposure_us, 500.0);
 }
 
-TEST_F(CameraGain, OfALostCameraIsAskedForWhenThereIsOne) {
+TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
   ASSERT_TRUE(set_for_job(20.0));
   device_.alive = false;
   actor_->do_work();
   ASSERT_FALSE(actor_->snapshot().connected);
   EXPECT_TRUE(put_back(3.0));
-  EXPECT_TRUE(gain_events().empty());
+  EXPECT_TRUE(events_with("gain_db").empty());
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.alive = true;
   for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
   ASSERT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(device_.asked->gain_db, 3.0);
+}
+
+TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
+  const std::pair<GrabStatus, const char*> causes[]{
+      {GrabStatus::incomplete, "frames_incomplete"},
+      {GrabStatus::duplicate, "frames_duplicated"},
+      {GrabStatus::out_of_order, "frames_out_of_order"}};
+  std::vector<std::string> texts;
+  for (const auto& [sends, counter] : causes) {
+    SCOPED_TRACE(counter);
+    device_.sends = sends;
+    // A camera opened anew: nothing of what was told before holds.
+    device_.alive = false;
+    actor_->do_work();
+    device_.alive = true;
+    std::vector<Event> told;
+    for (int turn = 0; turn < 400 && told.empty(); ++turn) {
+      actor_->do_work();
+      told = events_with("counter");
+    }
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].data["counter"], counter);
+    EXPECT_EQ(told[0].message.kind, "camera");
+    EXPECT_EQ(told[0].message.severity, Severity::error);
+    texts.push_back(told[0].message.text);
+    for (int turn = 0; turn < 10; ++turn) actor_->do_work();
+    EXPECT_TRUE(events_with("counter").empty()) << "told once";
+  }
+  EXPECT_NE(texts[0].find("incomplete"), std::string::npos);
+  EXPECT_EQ(texts[1].find("incomplete"), std::string::npos);
+  EXPECT_EQ(texts[2].find("incomplete"), std::string::npos);
 }
 
 }  // namespace
