@@ -175,7 +175,7 @@ class Restart(BenchCase):
         elif action == "no reference":
             self.call("reference.clear")
         elif action == "calibration":
-            self.run_job("calibration.run", {"frames": 1, "modes": [1, 2, 3]})
+            self.run_job("calibration.run", {"frames": 2, "modes": [1, 2, 3]})
         elif action == "no calibration":
             self.call("calibration.clear")
         else:
@@ -189,7 +189,8 @@ class Restart(BenchCase):
             try:
                 self.step(action)
                 kept = self.kept()
-            except ClientError:
+            except ClientError as error:
+                self.assertIsNone(error.code, error)  # no answer, and no refusal
                 self.assertTrue(end.wait(5.0))
                 return kept, action
 
