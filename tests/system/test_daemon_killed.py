@@ -1,34 +1,53 @@
-"""A daemon that is killed leaves the camera streaming to nobody: the next one stops that, and has frames."""
+"""A daemon that is killed leaves the camera streaming to nobody: the next one is ready at once, stops that, and has frames.
+
+    OVWS_LONG_ABSENCE=1   twenty times
+"""
 import os
-import signal
+import statistics
 import time
 
-from case import BenchCase, main
+from case import BenchCase, main, wait_for
 
 TIMES = 20 if os.environ.get("OVWS_LONG_ABSENCE") else 5
+# A second on a machine that has nothing else to do. The camera answers to the one that was killed for three seconds (its heartbeat).
+READY_S, FRAMES_S = 4.0, 15.0
+
+
+def told(name, seconds):
+    return f"{name} {statistics.median(seconds):.2f} s (at most {max(seconds):.2f} s)"
 
 
 class DaemonKilled(BenchCase):
     daemon_config = {"stream": {"image_rate_hz": 0}}
 
+    def kill_and_start(self):
+        """Seconds from the start of the next one until it is ready, answers, and has a frame."""
+        self.bench.process("ovwsd").popen.kill()
+        self.bench.stop("ovwsd")
+        self.client.close()
+        began = time.monotonic()
+        self.start_daemon()
+        ready_s = time.monotonic() - began
+        stream = self.stream("wavefront")
+        self.call("system.status")
+        answers_s = time.monotonic() - began
+        wait_for(lambda: stream.next(0.1), 30.0, "a frame")
+        frame_s = time.monotonic() - began
+        for _ in range(20):
+            self.assertIsNotNone(stream.next(5.0), "the stream stands still")
+        stream.close()
+        return ready_s, answers_s, frame_s
+
     def test_frames_flow_each_time(self):
-        slowest_s = 0.0
+        all_s = []
         for time_no in range(TIMES):
             with self.subTest(time_no=time_no):
-                daemon = self.bench.process("ovwsd")
-                os.kill(daemon.pid, signal.SIGKILL)
-                killed = time.monotonic()
-                self.bench.stop("ovwsd")
-                self.start_daemon()
-                self.assertLess(time.monotonic() - killed, 5.0)
-                stream = self.stream("wavefront")
-                frames = [stream.next(30.0)]
-                while len(frames) < 20:
-                    frames.append(stream.next(5.0))
-                self.assertNotIn(None, frames)
-                slowest_s = max(slowest_s, time.monotonic() - killed)
-                stream.close()
-        print(f"\n  killed {TIMES} times: 20 frames after {slowest_s:.1f} s at most")
+                seconds = self.kill_and_start()
+                all_s.append(seconds)
+                self.assertLess(seconds[1], READY_S)
+                self.assertLess(seconds[2], FRAMES_S)
+        ready, answers, frame = zip(*all_s)
+        print(f"\n  killed {TIMES} times, from the next start: {told('ready', ready)}, {told('answers', answers)}, {told('a frame', frame)}")
 
 
 if __name__ == "__main__":
