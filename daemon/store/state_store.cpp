@@ -97,9 +97,11 @@ Result<StateStore> StateStore::open(const std::string& directory) {
   StateStore store(directory);
   // First: they may be what fills the disk.
   store.leftovers_ = remove_leftovers(directory);
-  // Asked of the disk, not of the permissions: what matters is whether a file can be written.
+  // Asked of the disk, not of the permissions: what matters is whether a file can be written. A
+  // full disk takes an empty one.
+  constexpr std::size_t kProbeBytes = 4096;
   const std::string probe = directory + "/.write-test";
-  auto writable = replace_file(probe, "");
+  auto writable = replace_file(probe, std::string(kProbeBytes, '\n'));
   if (writable) writable = remove_file(probe);
   if (!writable) store.why_read_only_ = writable.error().reason;
   return store;

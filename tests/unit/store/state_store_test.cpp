@@ -223,6 +223,20 @@ TEST_F(Store, OfAReadOnlyDiskWhatWasNeverKeptIsDroppedAndWhatIsKeptIsNot) {
   EXPECT_EQ(wrong, 0);
 }
 
+TEST_F(Store, AFullDiskIsReadAndSaysWhy) {
+  fs::create_directories(folder_);
+  const int wrong = with_mounts([&] {
+    if (mount("none", folder_.c_str(), "tmpfs", 0, "nr_blocks=1") != 0) return kNoMounts;
+    if (!open().put("lut", "slm", {})) return 1;
+    const auto store = StateStore::open(folder_);
+    if (!store || !store->why_read_only()) return 2;
+    if (!store->find("lut", "slm")) return 3;
+    return store->why_read_only()->find("make room") == std::string::npos ? 4 : 0;
+  });
+  if (wrong == kNoMounts) GTEST_SKIP() << "mounts need root";
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST_F(Store, LeftoversThatFillTheDiskMakeRoomFirst) {
   fs::create_directories(folder_);
   const int wrong = with_mounts([&] {
