@@ -59,8 +59,12 @@ void DaemonStore::note(const std::string& item, const std::optional<std::string>
   } else {
     not_kept_.erase(item);
   }
+  tell();
+}
+
+void DaemonStore::tell() {
   StatusMessage::StorePart report = report_.get();
-  report.reason = why_read_only_;
+  report.reason = store_ ? why_read_only_ : why_none_;
   if (!not_kept_.empty()) report.reason = not_kept_.begin()->second;
   report_.set(report);
 }
@@ -81,6 +85,15 @@ Result<void> DaemonStore::drop(std::string_view kind, std::string_view name) {
   auto dropped = store_->drop(kind, name);
   if (dropped) note(item_of(kind, name), std::nullopt);
   return dropped;
+}
+
+void DaemonStore::give_up(std::string_view kind, std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  const std::string item = item_of(kind, name);
+  std::erase_if(not_kept_, [&](const auto& one) {
+    return name.empty() ? one.first.starts_with(item) : one.first == item;
+  });
+  tell();
 }
 
 std::optional<StateItem> DaemonStore::find(std::string_view kind, std::string_view name) const {

@@ -30,6 +30,9 @@ class DaemonStore {
                           const nlohmann::json& content);
   /// Without a store there is nothing to drop. Errors as of remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
+  /// What could not be kept of the item, or without a name of all of its kind, is lost for good and
+  /// no longer told.
+  void give_up(std::string_view kind, std::string_view name = {});
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
   /// As of StateStore::load; of every file that is not whole an event says why it is not used.
   void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
@@ -39,6 +42,7 @@ class DaemonStore {
  private:
   Events& events_;
   void note(const std::string& item, const std::optional<std::string>& why_not_kept);
+  void tell();
 
   mutable std::mutex mutex_;  ///< held while the disk works
   std::optional<StateStore> store_;

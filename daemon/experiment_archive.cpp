@@ -37,6 +37,7 @@ Result<void> ExperimentArchive::open(bool anew) {
   read_if_known(held());
   const ExperimentRun opened = held();
   note(files_.put_header(opened));
+  keep_the_rest(opened);
   if (anew) {
     if (auto dropped = files_.drop_measured(opened); !dropped) return dropped;
   }
@@ -56,6 +57,21 @@ void ExperimentArchive::read_if_known(ExperimentRun run) {
   read(run);
 }
 
+/// The disk may have room by now. What it did not take of another run before is lost.
+void ExperimentArchive::keep_the_rest(const ExperimentRun& run) {
+  std::optional<ExperimentRun> left;
+  ExperimentFiles::NotKept rest;
+  {
+    const std::lock_guard lock(mutex_);
+    left.swap(left_);
+    rest = not_kept_;
+  }
+  if (left) files_.give_up(*left);
+  note(files_.put(run, rest));
+  const std::lock_guard lock(mutex_);
+  not_kept_ = std::move(rest);
+}
+
 bool ExperimentArchive::note(const Result<void>& kept) {
   if (kept) return true;
   const std::lock_guard lock(mutex_);
@@ -66,8 +82,8 @@ bool ExperimentArchive::note(const Result<void>& kept) {
 std::optional<std::string> ExperimentArchive::picture_of(const ExperimentRun& run, int cell) const {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = pictures_not_kept_.find(cell);
-    if (run_->name == run.name && found != pictures_not_kept_.end()) return found->second;
+    const auto found = not_kept_.pictures.find(cell);
+    if (run_->name == run.name && found != not_kept_.pictures.end()) return found->second;
   }
   return files_.picture(run, cell);
 }
@@ -79,7 +95,9 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  note(files_.put_reference(run, arm, std::move(reference)));
+  if (note(files_.put_reference(run, arm, reference))) return;
+  const std::lock_guard lock(mutex_);
+  not_kept_.references[arm] = std::move(reference);
 }
 
 /// Kept before it is told: who was told of a cell finds it again.
@@ -91,11 +109,12 @@ void ExperimentArchive::put_cell(int cell, json measured) {
     picture.erase("base64");
     if (!note(files_.put_picture(run, cell, base64))) {
       const std::lock_guard lock(mutex_);
-      pictures_not_kept_[cell] = std::move(base64);
+      not_kept_.pictures[cell] = std::move(base64);
     }
   }
-  note(files_.put_cell(run, cell, measured));
+  const bool kept = note(files_.put_cell(run, cell, measured));
   const std::lock_guard lock(mutex_);
+  if (!kept) not_kept_.cells[cell] = measured;
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;
 }
@@ -113,12 +132,13 @@ bool ExperimentArchive::has_cell(int cell) const {
 void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   const std::lock_guard lock(mutex_);
   job_ = Job{run.name, job, monotonic_ns(), 0};
+  not_kept_reason_.reset();
   if (run_ && run_->name == run.name && !run.request.anew) return;
+  if (run_) left_ = run_;
   run_ = run;
   references_.assign(run.request.arms.size(), nullptr);
   cells_.assign(run.request.cells(), nullptr);
-  pictures_not_kept_.clear();
-  not_kept_reason_.reset();
+  not_kept_ = {};
   to_read_ = true;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -25,8 +24,9 @@ class ExperimentArchive {
 
   // The job's thread; they wait for the disk. What cannot be kept is measured all the same, and
   // `report` says why it is not kept.
-  /// All that is known of the run of `begin_job`; nothing if `anew`. Errors (Errc::unavailable):
-  /// what was measured before cannot be removed.
+  /// All that is known of the run of `begin_job`; nothing if `anew`. What the disk did not take of
+  /// it before is offered again. Errors (Errc::unavailable): what was measured before cannot be
+  /// removed.
   Result<void> open(bool anew);
   void put_reference(int arm, nlohmann::json reference);
   void put_cell(int cell, nlohmann::json measured);
@@ -55,6 +55,7 @@ class ExperimentArchive {
   void read(const ExperimentRun& run);
   void read_if_known(ExperimentRun run);
   ExperimentRun held() const;
+  void keep_the_rest(const ExperimentRun& run);
   /// False: it was not kept, and why is remembered.
   bool note(const Result<void>& kept);
   std::optional<std::string> picture_of(const ExperimentRun& run, int cell) const;
@@ -66,8 +67,8 @@ class ExperimentArchive {
   bool to_read_ = false;  ///< what the store has of it is not in memory yet
   std::vector<nlohmann::json> references_;
   std::vector<nlohmann::json> cells_;  ///< as of experiment.cell, but the pictures' pixels
-  /// Pixels that the store could not keep, by the cell's number.
-  std::map<int, std::string> pictures_not_kept_;
+  ExperimentFiles::NotKept not_kept_;
+  std::optional<ExperimentRun> left_;  ///< no longer held; what it lost may still be told
   std::optional<Job> job_;
   std::optional<std::string> not_kept_reason_;
 };

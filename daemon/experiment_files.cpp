@@ -140,6 +140,27 @@ Result<void> ExperimentFiles::put_picture(const ExperimentRun& run, int cell,
              {{kStamp, run.t_begun_ns}, {"base64", base64}});
 }
 
+Result<void> ExperimentFiles::put(const ExperimentRun& run, NotKept& rest) {
+  Result<void> all{};
+  const auto taken = [&all](Result<void> one) {
+    if (!one) all = one;
+    return one.has_value();
+  };
+  std::erase_if(rest.references,
+                [&](const auto& one) { return taken(put_reference(run, one.first, one.second)); });
+  std::erase_if(rest.pictures,
+                [&](const auto& one) { return taken(put_picture(run, one.first, one.second)); });
+  std::erase_if(rest.cells,
+                [&](const auto& one) { return taken(put_cell(run, one.first, one.second)); });
+  return all;
+}
+
+void ExperimentFiles::give_up(const ExperimentRun& run) {
+  store_.give_up(kKind, run.name);
+  store_.give_up(kind_of(run.name));
+  store_.give_up(picture_kind_of(run.name));
+}
+
 Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
   const std::string kind = kind_of(run.name), pictures = picture_kind_of(run.name);
   for (std::size_t k = 0; k < run.request.arms.size(); ++k) {

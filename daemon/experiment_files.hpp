@@ -2,6 +2,7 @@
 /// and pictures.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -36,6 +37,16 @@ class ExperimentFiles {
   Result<void> put_reference(const ExperimentRun& run, int arm, nlohmann::json reference);
   Result<void> put_cell(const ExperimentRun& run, int cell, nlohmann::json measured);
   Result<void> put_picture(const ExperimentRun& run, int cell, const std::string& base64);
+
+  /// Measured, and refused by the disk, by number.
+  struct NotKept {
+    std::map<int, nlohmann::json> references, cells;
+    std::map<int, std::string> pictures;
+  };
+  /// Tries again; what the disk takes leaves `rest`. The error is that of the last one refused.
+  Result<void> put(const ExperimentRun& run, NotKept& rest);
+  /// What could not be kept of the run is lost, and is no longer told.
+  void give_up(const ExperimentRun& run);
 
   /// All but the header.
   Result<void> drop_measured(const ExperimentRun& run);

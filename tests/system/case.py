@@ -1,4 +1,7 @@
 """What every system test stands on: a bench of its own in a network namespace of its own, and a client."""
+import ctypes
+import os
+import subprocess
 import sys
 import time
 import unittest
@@ -10,7 +13,15 @@ sys.path[:0] = [str(ROOT / "drivers" / "twin"), str(ROOT / "proto" / "python")]
 import bench as bench_module  # noqa: E402
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
-__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "wait_for"]
+__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "own_mounts", "wait_for"]
+
+
+def own_mounts():
+    """From now on what this process and its children mount nobody else sees, and it is gone with them."""
+    clone_newns = 0x00020000
+    if ctypes.CDLL(None, use_errno=True).unshare(clone_newns) != 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
 
 
 def wait_for(condition, timeout_s=10.0, what="the condition"):

@@ -1,21 +1,11 @@
 """The instrument measures the look-up table of its SLM, against the truth of the twin."""
-import ctypes
 import math
-import os
 import subprocess
 
-from case import main
+from case import main, own_mounts
 from slm_case import SlmCase
 
 TWO_PI = 2.0 * math.pi
-
-
-def own_mounts():
-    """From now on what this process and its children mount nobody else sees, and it is gone with them."""
-    clone_newns = 0x00020000
-    if ctypes.CDLL(None, use_errno=True).unshare(clone_newns) != 0:
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
-    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
 
 
 def lut_error_rad(grey_levels, truth_waves):
