@@ -1,18 +1,33 @@
 """Others want the processors and the memory: what is late is counted and told, nothing ends, and afterwards all is as before."""
+import contextlib
 import os
 import pathlib
 import re
 import resource
+import signal
 import subprocess
 import sys
 import time
+import unittest
 
-from case import BenchCase, main, wait_for
+from case import BenchCase, ClientError, main, wait_for
+from memory_group import MemoryGroup, NoGroup
 
 # Where the system shares by session first, its nice value is what counts.
 HOG = "import os, pathlib\nos.nice(-10)\ngroup = pathlib.Path('/proc/self/autogroup')\nif group.exists(): group.write_text('-10')\nblock = bytearray({bytes})\nwhile True:\n    for at in range(0, len(block), 4096):\n        block[at] = 1"
 HOGS_PER_CORE = 4
 HOG_BYTES = 16 << 20
+# Whoever it stops waits for more than a frame period.
+REALTIME_HOG = """import os, time
+os.sched_setaffinity(0, {{{core}}})
+os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
+while True:
+    end = time.monotonic() + 0.012
+    while time.monotonic() < end: pass
+    time.sleep(0.0006)
+"""
+FRAME_PATH = ("acquire", "track", "reconstruct", "publish")
+MORE_BYTES = 2 << 20
 
 
 def schedule(pid, policy, priority=0, name=None):
@@ -22,17 +37,14 @@ def schedule(pid, policy, priority=0, name=None):
             os.sched_setscheduler(int(task.name), policy, os.sched_param(priority))
 
 
-class Pressure(BenchCase):
+def may_be_realtime():
+    return subprocess.run([sys.executable, "-c", "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))"],
+                          stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+class PressureCase(BenchCase):
     # Threads that hand a frame on wait for a processor at each step.
     daemon_config = {"pipeline": {"workers": 2}, "camera": {"frame_rate_hz": 100.0}}
-
-    def start_daemon(self):
-        super().start_daemon()
-        # Without real time, as on a desk: against SCHED_FIFO no hog of normal scheduling has a chance. The trackers have the least
-        # claim to a processor, so that a short test sees what a long one would.
-        pid = self.bench.process("ovwsd").pid
-        schedule(pid, os.SCHED_OTHER)
-        schedule(pid, os.SCHED_IDLE, name="track")
 
     def missed(self):
         return self.call("system.status")["counters"]["deadline_missed"]
@@ -40,30 +52,24 @@ class Pressure(BenchCase):
     def published_hz(self):
         return self.call("system.status")["rates"]["published_hz"]
 
-    def start_hogs(self):
-        hogs = []
-        for core in os.sched_getaffinity(0):
-            for _ in range(HOGS_PER_CORE):
-                hog = subprocess.Popen([sys.executable, "-c", HOG.format(bytes=HOG_BYTES)], start_new_session=True)
-                self.addCleanup(hog.wait)
-                self.addCleanup(hog.kill)
-                os.sched_setaffinity(hog.pid, {core})
-                hogs.append(hog)
-        return hogs
+    def start_hog(self, code):
+        hog = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
+        self.addCleanup(hog.wait)
+        self.addCleanup(hog.kill)
+        return hog
 
     def assert_as_before(self):
         wait_for(lambda: self.published_hz() > 80.0, 20.0, "the old rate")
         self.take_reference(20)
         self.assertEqual(self.call("system.status")["state"], "running")
 
-    def test_hogs_on_every_core(self):
+    def press(self, start_hogs):
+        """Deadlines are missed while the hogs are there, and told; nothing ends."""
         self.client.timeout_s = 20.0
         status = self.stream("status")
         self.take_reference(20)
         before = self.missed()
-        for name in ("ovws-twin", "xorg"):  # the bench goes on: only the daemon is pressed
-            schedule(self.bench.process(name).pid, os.SCHED_FIFO, 1)
-        hogs = self.start_hogs()
+        hogs = start_hogs()
         told = wait_for(lambda: (message := status.next(1.0)) and message["counters"]["deadline_missed"] > before and message, 40.0,
                         "a deadline missed, and told")
         time.sleep(3.0)
@@ -76,7 +82,94 @@ class Pressure(BenchCase):
         self.wait_until("running", 30.0)
         self.assert_as_before()
 
-    def test_no_more_memory_while_frames_flow(self):
+
+class WithoutRealtime(PressureCase):
+    """As on a desk: against SCHED_FIFO no hog of normal scheduling has a chance."""
+
+    def start_daemon(self):
+        super().start_daemon()
+        # The trackers have the least claim to a processor, so that a short test sees what a long one would.
+        pid = self.bench.process("ovwsd").pid
+        schedule(pid, os.SCHED_OTHER)
+        schedule(pid, os.SCHED_IDLE, name="track")
+
+    def start_hogs(self):
+        for name in ("ovws-twin", "xorg"):  # the bench goes on: only the daemon is pressed
+            schedule(self.bench.process(name).pid, os.SCHED_FIFO, 1)
+        hogs = []
+        for core in os.sched_getaffinity(0):
+            for _ in range(HOGS_PER_CORE):
+                hogs.append(self.start_hog(HOG.format(bytes=HOG_BYTES)))
+                os.sched_setaffinity(hogs[-1].pid, {core})
+        return hogs
+
+    def test_hogs_on_every_core(self):
+        self.press(self.start_hogs)
+
+
+@unittest.skipUnless(may_be_realtime(), "real-time scheduling is not allowed here")
+class WithRealtime(PressureCase):
+    def test_a_hog_above_the_frame_path(self):
+        """The frame path's own scheduling stays: on its processor somebody stands above it."""
+        core = max(os.sched_getaffinity(0))
+        tasks = pathlib.Path(f"/proc/{self.bench.process('ovwsd').pid}/task")
+        paths = [task for task in tasks.iterdir() if (task / "comm").read_text().strip() in FRAME_PATH]
+        self.assertEqual(len(paths), len(FRAME_PATH) + 1)  # two trackers
+        for task in paths:
+            self.assertEqual(os.sched_getscheduler(int(task.name)), os.SCHED_FIFO)
+            os.sched_setaffinity(int(task.name), {core})
+        self.press(lambda: [self.start_hog(REALTIME_HOG.format(core=core))])
+
+
+class Memory(PressureCase):
+    daemon_config = PressureCase.daemon_config | {"state": {"directory": "state"}}
+
+    def start_daemon(self):
+        try:
+            self.group = MemoryGroup()
+        except NoGroup as why:
+            self.group = None
+            self.why = str(why)
+            return super().start_daemon()
+        self.addCleanup(self.group.close)
+        self.addCleanup(self.bench.close)
+        with self.group.entered():
+            super().start_daemon()
+
+    def in_the_group(self):
+        """The reference taken; from now on the cgroup allows next to no more than there is."""
+        if self.group is None:
+            self.skipTest(self.why)
+        self.take_reference(20)
+        self.settled_frames(self.stream("wavefront"), 100, timeout_s=20.0)
+        usage = self.group.usage()
+        self.group.limit(usage + MORE_BYTES)
+        print(f"\n  {usage >> 20} MiB, and {MORE_BYTES >> 20} more allowed")
+
+    def test_a_cgroup_without_room(self):
+        """All that frames need is there and locked."""
+        self.in_the_group()
+        self.settled_frames(self.stream("wavefront"), 200, timeout_s=20.0)
+        self.assertGreater(self.published_hz(), 80.0)
+        self.group.lift()
+        self.assert_as_before()
+
+    def test_a_daemon_that_the_kernel_ends_for_its_memory(self):
+        self.in_the_group()
+        before = self.call("reference.get")
+        self.client.timeout_s = 1.0
+        with contextlib.suppress(ClientError):
+            self.call("sensor.set", {"operator": "diffractive"})
+        wait_for(lambda: not self.bench.process("ovwsd").alive(), 30.0, "its end")
+        self.assertEqual(self.bench.stop("ovwsd"), -signal.SIGKILL)
+        self.group.lift()
+        self.client.close()
+        PressureCase.start_daemon(self)
+        self.wait_until("running", 30.0)
+        self.assertEqual(self.call("reference.get"), before)
+        self.assert_as_before()
+
+    def test_no_more_address_space(self):
         self.take_reference(20)
         pid = self.bench.process("ovwsd").pid
         size = int(re.search(r"VmSize:\s+(\d+)", pathlib.Path(f"/proc/{pid}/status").read_text()).group(1)) * 1024
