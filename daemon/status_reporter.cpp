@@ -139,7 +139,8 @@ void StatusReporter::measure() {
     measured.rates = {rate(now.grabbed, marks_.grabbed), rate(now.published, marks_.published),
                       rate(now.images, marks_.images)};
   }
-  measured.latency = {{"tracked", deps_.pipeline.tracked_latency().take()},
+  measured.latency = {{"arrived", deps_.pipeline.arrived_latency().take()},
+                      {"tracked", deps_.pipeline.tracked_latency().take()},
                       {"reconstructed", deps_.pipeline.reconstructed_latency().take()},
                       {"published", deps_.published_latency.take()}};
   marks_ = now;

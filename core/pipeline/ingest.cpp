@@ -151,6 +151,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   last_exposure_us_ = applied.exposure_us;
   const std::int64_t arrival = entry.frame.t_arrival_mono_ns;
   const std::int64_t unhindered = arrivals_.unhindered_mono_ns(arrival, entry.frame.t_device_ns);
+  if (entry.frame.t_device_ns != 0) deps_.arrived.record(arrival - unhindered);
   const SettingsVerdict settings = judge_settings(applied, unhindered);
   entry.settings_known = settings.known;
   entry.gain_db = settings.gain_db;

@@ -24,6 +24,7 @@ class Ingest {
     CameraExchange& cameras;
     PlanExchange& plans;
     RecordPool& pool;
+    LatencyHistogram& arrived;  ///< how much later than it could have: of cameras with stamps only
   };
 
   explicit Ingest(const Deps& deps) : deps_(deps) {}

@@ -94,7 +94,7 @@ struct Pipeline::Impl {
         records(std::max(config.records, kFewestRecords)),
         pool(records),
         plans(pool, workers),
-        ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool}),
+        ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool, arrived_latency}),
         track({std::max(workers, 1)}, {deps.counters, tracked_latency}),
         tracked(std::size_t(records)),
         crew({workers, records}, {track, tracked}),
@@ -111,6 +111,7 @@ struct Pipeline::Impl {
 
   const int workers;
   const int records;
+  LatencyHistogram arrived_latency;
   LatencyHistogram tracked_latency;
   LatencyHistogram reconstructed_latency;
   RecordPool pool;
@@ -179,6 +180,9 @@ void Pipeline::release_image(FrameRecord* record) {
   impl_->outbox.release_image(static_cast<Entry&>(*record));
 }
 
+LatencyHistogram& Pipeline::arrived_latency() {
+  return impl_->arrived_latency;
+}
 LatencyHistogram& Pipeline::tracked_latency() {
   return impl_->tracked_latency;
 }

@@ -72,7 +72,10 @@ class Pipeline {
   FrameRecord* next_image(int timeout_us);
   void release_image(FrameRecord* record);
 
-  /// Latency since the frame's arrival, one histogram a stage; read and reset by the status thread.
+  // One histogram a stage; read and reset by the status thread.
+  /// The frame's arrival, since it could have arrived had nothing held it up (ArrivalClock).
+  LatencyHistogram& arrived_latency();
+  /// Since the frame's arrival.
   LatencyHistogram& tracked_latency();
   LatencyHistogram& reconstructed_latency();
 

@@ -79,6 +79,8 @@ class CameraFaults(BenchCase):
             message = self.wavefront.next(2.0)
             self.assertFalse(message["settled"] or message["valid"])
             self.assertEqual(set(message["coefficients"]), {None})
+        held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, what="the delay in the status")
+        self.assertLess(held_up_us, 10e6)
         self.twin.call("twin.fault", {"kind": "none"})
         self.settled_frames(self.wavefront, 20)
 

@@ -61,6 +61,9 @@ class Clock(BenchCase):
         # The same path before and after: as slow as the machine is, but nowhere near the step.
         latency = self.call("system.status")["latency"]["published"]
         self.assertTrue(0.0 < latency["max_us"] < 2e6, latency)
+        arrived = self.call("system.status")["latency"]["arrived"]
+        self.assertGreater(arrived["count"], 0)
+        self.assertLess(arrived["max_us"], 2e6, "the camera's clock is held against one that does not step")
         modes = [{"n": 2, "m": 0, "waves": 0.05 if to_ns > from_ns else 0.0}]
         hologram = self.call("aberration.set", {"modes": modes})["hologram_id"]
         began = time.monotonic()

@@ -364,5 +364,23 @@ TEST(Pipeline, AFrameThatTookLongerThanItsPeriodMissedItsDeadline) {
   while (FrameRecord* record = rig.pipeline.next(0)) rig.pipeline.release(record);
 }
 
+TEST(Pipeline, HowLongAFrameWasHeldUpIsToldIfTheCameraStampsIt) {
+  Running rig;
+  const std::int64_t now = monotonic_ns();
+  for (int k = 1; k <= 3; ++k) {  // every 10 ms by the camera's clock, the third held up for 40 ms
+    const std::int64_t arrival = now + (k * 10 + (k == 3 ? 40 : 0)) * kMs;
+    rig.camera.send(
+        {std::uint64_t(k), arrival, rig.still, false, PixelFormat::mono8, (7000 + k * 10) * kMs});
+    rig.turn();
+  }
+  rig.camera.send({4, now + 90 * kMs, rig.still});
+  rig.turn();
+  const LatencySummary arrived = rig.pipeline.arrived_latency().take();
+  EXPECT_EQ(arrived.count, 3U);
+  EXPECT_EQ(arrived.max_us, 40e3);
+  EXPECT_LT(arrived.p50_us, 1.0);
+  while (FrameRecord* record = rig.pipeline.next(0)) rig.pipeline.release(record);
+}
+
 }  // namespace
 }  // namespace ovws::test
