@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
@@ -72,6 +73,8 @@ struct Config {
   StateConfig state;
   RealtimePolicy realtime = RealtimePolicy::ignore;
   PipelineConfig pipeline;
+  std::vector<int>
+      frame_path_cpus;  ///< "pipeline.cpus": where its threads may run; empty: anywhere
   LogConfig log;
 };
 

@@ -98,7 +98,9 @@ std::string dump_config(const Config& config) {
                      {"clients", or_null(config.security.clients)}};
   out["state"] = {{"directory", or_null(config.state.directory)}};
   out["realtime"] = config.realtime == RealtimePolicy::enforce ? "enforce" : "ignore";
-  out["pipeline"] = {{"workers", config.pipeline.workers}, {"records", config.pipeline.records}};
+  out["pipeline"] = {{"workers", config.pipeline.workers},
+                     {"records", config.pipeline.records},
+                     {"cpus", config.frame_path_cpus}};
   out["log"] = {{"level", config.log.level}};
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

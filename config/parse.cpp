@@ -1,4 +1,6 @@
 /// From text to Config: which keys there are, and what each may be.
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -159,6 +161,18 @@ void read_security(ObjectReader& r, SecurityConfig& security) {
           "secret_key and clients belong together: name both files, or none");
 }
 
+void read_cpus(ObjectReader& r, std::vector<int>& cpus) {
+  std::vector<double> given;
+  r.numbers("cpus", given, 0, limits::kMostCpus, limits::kCpu.min, limits::kCpu.max);
+  for (const double cpu : given) {
+    if (cpu != std::floor(cpu)) r.fault("cpus", "must be numbers of processors, whole ones");
+    if (std::find(cpus.begin(), cpus.end(), int(cpu)) != cpus.end()) {
+      r.fault("cpus", "processor " + std::to_string(int(cpu)) + " is given twice");
+    }
+    cpus.push_back(int(cpu));
+  }
+}
+
 void read_pipeline(ObjectReader& r, PipelineConfig& pipeline) {
   integer(r, "workers", pipeline.workers, limits::kWorkers);
   integer(r, "records", pipeline.records, limits::kRecords);
@@ -200,7 +214,10 @@ Result<Config> read_config(const nlohmann::json& json) {
   r.object("security", [&config](ObjectReader& o) { read_security(o, config.security); });
   r.object("state", [&config](ObjectReader& o) { read_state(o, config.state); });
   choice(r, "realtime", config.realtime, {"enforce", "ignore"});
-  r.object("pipeline", [&config](ObjectReader& o) { read_pipeline(o, config.pipeline); });
+  r.object("pipeline", [&config](ObjectReader& o) {
+    read_pipeline(o, config.pipeline);
+    read_cpus(o, config.frame_path_cpus);
+  });
   r.object("log", [&config](ObjectReader& o) { read_log(o, config.log); });
   check_endpoints(r, config);
   if (auto done = r.finish(); !done) return fail(done.error());

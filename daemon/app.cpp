@@ -83,7 +83,7 @@ struct App::Parts {
         camera(config.camera, {pipeline, settings, counters, events,
                                [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
-        threads(config.realtime) {}
+        threads(config.realtime, config.frame_path_cpus) {}
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {

@@ -7,6 +7,7 @@
 #include "daemon/client_guard.hpp"
 #include "daemon/driver_table.hpp"
 #include "daemon/slm_files.hpp"
+#include "daemon/thread_plan.hpp"
 
 namespace ovws {
 namespace {
@@ -42,6 +43,7 @@ Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
     return known;
   }
+  if (auto there = check_cpus(config.frame_path_cpus); !there) return there;
   if (auto safe = check_security(config); !safe) return safe;
   const auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <cstring>
 #include <future>
+#include <utility>
 
 #include "core/port/clock.hpp"
 
@@ -43,7 +45,32 @@ int set_fifo(std::thread& thread, int priority) {
   return pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &parameters);
 }
 
+cpu_set_t set_of(const std::vector<int>& cpus) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int cpu : cpus) CPU_SET(std::size_t(cpu), &set);
+  return set;
+}
+
 }  // namespace
+
+Result<void> check_cpus(const std::vector<int>& cpus) {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  // More processors than a cpu_set_t names: the start of the threads will tell.
+  if (cpus.empty() || sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return {};
+  std::vector<int> known;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(std::size_t(cpu), &allowed)) known.push_back(cpu);
+  }
+  for (const int cpu : cpus) {
+    if (cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(std::size_t(cpu), &allowed)) continue;
+    return fail(Errc::invalid, "pipeline.cpus",
+                fmt::format("this process may not run on a processor {}: choose from {}", cpu,
+                            fmt::join(known, ", ")));
+  }
+  return {};
+}
 
 void keep_stacks_small() {
   constexpr std::size_t kStackBytes = 1 << 20;
@@ -54,8 +81,10 @@ void keep_stacks_small() {
   pthread_attr_destroy(&attributes);
 }
 
-ThreadPlan::ThreadPlan(RealtimePolicy policy)
-    : policy_(policy), here_(std::make_unique<Running>()) {}
+ThreadPlan::ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus)
+    : policy_(policy),
+      frame_path_cpus_(std::move(frame_path_cpus)),
+      here_(std::make_unique<Running>()) {}
 
 ThreadPlan::~ThreadPlan() {
   constexpr double kOneDayS = 86400.0;
@@ -112,6 +141,7 @@ Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
   running.thread = std::thread([this, &running] { run(running); });
   pthread_setname_np(running.thread.native_handle(), running.row->name);
   if (running.row->fifo_priority == 0) return {};
+  if (auto pinned = pin(running); !pinned) return pinned;
   const int status = set_fifo(running.thread, running.row->fifo_priority);
   if (status == 0) return {};
   if (policy_ == RealtimePolicy::enforce) {
@@ -121,6 +151,20 @@ Result<void> ThreadPlan::start(ThreadRole role, Agent& agent) {
                     "): raise LimitRTPRIO, or set \"realtime\": \"ignore\"");
   }
   spdlog::warn("thread {} runs without SCHED_FIFO ({})", running.row->name, std::strerror(status));
+  return {};
+}
+
+Result<void> ThreadPlan::pin(Running& running) const {
+  if (frame_path_cpus_.empty()) return {};
+  const cpu_set_t set = set_of(frame_path_cpus_);
+  const int status = pthread_setaffinity_np(running.thread.native_handle(), sizeof(set), &set);
+  if (status != 0) {
+    return fail(Errc::invalid, "pipeline.cpus",
+                fmt::format("thread {} cannot keep to processors {}: {}", running.row->name,
+                            fmt::join(frame_path_cpus_, ", "), std::strerror(status)));
+  }
+  spdlog::info("thread {} keeps to processors {}", running.row->name,
+               fmt::join(frame_path_cpus_, ", "));
   return {};
 }
 

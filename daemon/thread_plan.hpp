@@ -83,6 +83,9 @@ constexpr std::array<ThreadRow, 15> kThreadTable{{
 /// and at the system's 8 MiB each those of twenty threads are 160 MB.
 void keep_stacks_small();
 
+/// Errc::invalid, field pipeline.cpus: this process may not run on one of these processors.
+Result<void> check_cpus(const std::vector<int>& cpus);
+
 struct HungThread {
   const ThreadRow* row = nullptr;
   double turn_s = 0.0;  ///< so far
@@ -92,7 +95,9 @@ struct HungThread {
 /// says otherwise.
 class ThreadPlan {
  public:
-  explicit ThreadPlan(RealtimePolicy policy);
+  /// Threads of the frame path (those with a SCHED_FIFO priority) keep to `frame_path_cpus`, of
+  /// which check_cpus has nothing to say; empty: they run anywhere.
+  explicit ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus = {});
   ~ThreadPlan();
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
@@ -100,7 +105,8 @@ class ThreadPlan {
   /// Locks the process's memory, and keeps the processor out of sleep that takes long to wake from,
   /// if the system lets it. With `enforce`, what is missing is an error.
   Result<void> prepare_process();
-  /// `agent` is turned until stop_all. With `enforce`, a priority that cannot be had is an error.
+  /// `agent` is turned until stop_all. Processors that cannot be had are an error; with `enforce`,
+  /// a priority that cannot be had is one, too.
   Result<void> start(ThreadRole role, Agent& agent);
   /// Turns `agent` in the calling thread until `stop` is set.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
@@ -119,10 +125,12 @@ class ThreadPlan {
  private:
   struct Running;
   void run(Running& running);
+  Result<void> pin(Running& running) const;
   Result<void> lock_memory() const;
   Result<void> keep_processor_awake();
 
   RealtimePolicy policy_;
+  std::vector<int> frame_path_cpus_;
   int dma_latency_fd_ = -1;  ///< what was asked for holds while it is open; -1: not asked
   mutable std::mutex
       mutex_;  ///< of the list: the status thread reads it while later threads are started

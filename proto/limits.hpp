@@ -67,5 +67,7 @@ constexpr Numbers kSaturationDn{1.0, 65535.0};
 constexpr Numbers kImageRateHz{0.0, 1000.0};
 constexpr Integers kWorkers{0, 16};
 constexpr Integers kRecords{8, 4096};  ///< and a power of two
+constexpr Integers kCpu{0, 1023};
+constexpr std::size_t kMostCpus = 64;
 
 }  // namespace ovws::limits

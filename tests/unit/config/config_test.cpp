@@ -98,6 +98,7 @@ Config random_config(unsigned seed) {
   if (dice.coin()) c.state.directory = dice.text();
   c.realtime = dice.coin() ? RealtimePolicy::enforce : RealtimePolicy::ignore;
   c.pipeline = {dice.integer(limits::kWorkers), 1 << dice.integer({3, 12})};
+  if (dice.coin()) c.frame_path_cpus = {3, dice.integer({4, limits::kCpu.max})};
   c.log.level = dice.coin() ? "debug" : "error";
   return c;
 }
@@ -136,6 +137,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.realtime, b.realtime);
   EXPECT_EQ(a.pipeline.workers, b.pipeline.workers);
   EXPECT_EQ(a.pipeline.records, b.pipeline.records);
+  EXPECT_EQ(a.frame_path_cpus, b.frame_path_cpus);
   EXPECT_EQ(a.log.level, b.log.level);
 }
 
@@ -214,6 +216,10 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"tracking": {"operator": "diffractiv"}})").nearest, "diffractive");
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");
+  EXPECT_EQ(error_of(R"({"pipeline": {"cpus": 2}})").field, "pipeline.cpus");
+  EXPECT_EQ(error_of(R"({"pipeline": {"cpus": [2, 1024]}})").field, "pipeline.cpus[1]");
+  EXPECT_EQ(error_of(R"({"pipeline": {"cpus": [0.5]}})").field, "pipeline.cpus");
+  EXPECT_EQ(error_of(R"({"pipeline": {"cpus": [2, 2]}})").field, "pipeline.cpus");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "7701"}})").field, "stream.endpoint");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "tcp://127.0.0.1:99999"}})").field,
             "stream.endpoint");

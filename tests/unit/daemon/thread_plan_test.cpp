@@ -2,6 +2,7 @@
 #include "daemon/thread_plan.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <chrono>
@@ -80,6 +81,52 @@ TEST(ThreadPlan, WhoTakesSecondsGivesWayToAllOthers) {
   ASSERT_TRUE(plan.start(ThreadRole::refine, refining));
   ASSERT_TRUE(plan.start(ThreadRole::status, other));
   wait_for([&] { return refining.nice == std::max(15, ours) && other.nice == ours; });
+}
+
+class Where : public Agent {
+ public:
+  bool do_work() override {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    sched_getaffinity(0, sizeof(set), &set);
+    count = CPU_COUNT(&set);
+    first = 0;
+    while (first < CPU_SETSIZE - 1 && !CPU_ISSET(std::size_t(first.load()), &set)) ++first;
+    std::this_thread::sleep_for(1ms);
+    return true;
+  }
+  std::atomic<int> count{0};
+  std::atomic<int> first{0};
+};
+
+TEST(ThreadPlan, TheFramePathKeepsToItsProcessorsAndNobodyElseDoes) {
+  cpu_set_t ours;
+  CPU_ZERO(&ours);
+  ASSERT_EQ(sched_getaffinity(0, sizeof(ours), &ours), 0);
+  int last = CPU_SETSIZE - 1;
+  while (!CPU_ISSET(std::size_t(last), &ours)) --last;
+  Where path, other;
+  ThreadPlan plan(RealtimePolicy::ignore, {last});
+  ASSERT_TRUE(check_cpus({last}));
+  ASSERT_TRUE(plan.start(ThreadRole::acquire, path));
+  ASSERT_TRUE(plan.start(ThreadRole::status, other));
+  wait_for([&] { return path.count == 1 && path.first == last; });
+  wait_for([&] { return other.count == CPU_COUNT(&ours); });
+}
+
+TEST(ThreadPlan, AProcessorThatThereIsNotIsNamedWithThoseThatThereAre) {
+  EXPECT_TRUE(check_cpus({}));
+  cpu_set_t ours;
+  CPU_ZERO(&ours);
+  ASSERT_EQ(sched_getaffinity(0, sizeof(ours), &ours), 0);
+  int missing = 0;
+  while (CPU_ISSET(std::size_t(missing), &ours)) ++missing;
+  const auto there = check_cpus({missing});
+  ASSERT_FALSE(there);
+  EXPECT_EQ(there.error().field, "pipeline.cpus");
+  EXPECT_NE(there.error().reason.find("processor " + std::to_string(missing) + ": choose from"),
+            std::string::npos)
+      << there.error().reason;
 }
 
 TEST(ThreadPlan, TheCallersOwnTurnsAreWatchedAndAnOverdueStopIsSeen) {

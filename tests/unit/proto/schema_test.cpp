@@ -124,6 +124,8 @@ TEST(Schemas, StateTheRangesOfTheConfiguration) {
   expect_range(group("stream").at("image_rate_hz"), limits::kImageRateHz);
   expect_range(group("pipeline").at("workers"), limits::kWorkers);
   expect_range(group("pipeline").at("records"), limits::kRecords);
+  expect_range(group("pipeline").at("cpus").at("items"), limits::kCpu);
+  EXPECT_EQ(group("pipeline").at("cpus").at("maxItems"), limits::kMostCpus);
 }
 
 TEST(Schemas, StateTheNamesThatAreUsed) {
