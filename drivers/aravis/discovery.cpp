@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "drivers/aravis/listing.hpp"
+
 namespace ovws {
 
 namespace {
@@ -14,22 +16,14 @@ struct Listing {
   bool gige = false;
 };
 
-bool same(const char* given, const std::string& wanted) {
-  return given && wanted == given;
-}
-
 /// The one device that has this id or serial number.
 Result<Listing> look_up(const std::string& id) {
-  arv_update_device_list();
-  std::string seen;
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
-    const char* address = arv_get_device_address(i);
-    const bool gige = same(arv_get_device_protocol(i), "GigEVision");
-    if (same(arv_get_device_id(i), id) || same(arv_get_device_serial_nbr(i), id))
-      return Listing{gige && address ? address : arv_get_device_id(i), gige};
-    seen += (seen.empty() ? "" : ", ") + std::string(arv_get_device_id(i));
-    if (address) seen += " at " + std::string(address);
+  const auto cameras = list_cameras();
+  if (const ListedCamera* const camera = find_listed(cameras, id)) {
+    const bool by_address = camera->gige && !camera->address.empty();
+    return Listing{by_address ? camera->address : camera->id, camera->gige};
   }
+  const std::string seen = names_of(cameras);
   return fail(Errc::unavailable, kField,
               "there is no camera with the id or serial number " + id + "; " +
                   (seen.empty() ? "none was found at all; check cable, power and network"

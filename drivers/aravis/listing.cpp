@@ -1,0 +1,44 @@
+#include "drivers/aravis/listing.hpp"
+
+#include <arv.h>
+
+#include <algorithm>
+
+namespace ovws {
+
+namespace {
+
+std::string text_of(const char* given) {
+  return given != nullptr ? given : "";
+}
+
+}  // namespace
+
+std::vector<ListedCamera> list_cameras() {
+  arv_update_device_list();
+  std::vector<ListedCamera> cameras;
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
+    cameras.push_back({text_of(arv_get_device_id(i)), text_of(arv_get_device_serial_nbr(i)),
+                       text_of(arv_get_device_address(i)),
+                       text_of(arv_get_device_protocol(i)) == "GigEVision"});
+  }
+  return cameras;
+}
+
+const ListedCamera* find_listed(const std::vector<ListedCamera>& cameras, const std::string& id) {
+  const auto found = std::ranges::find_if(cameras, [&](const ListedCamera& camera) {
+    return !id.empty() && (camera.id == id || camera.serial == id);
+  });
+  return found != cameras.end() ? &*found : nullptr;
+}
+
+std::string names_of(const std::vector<ListedCamera>& cameras) {
+  std::string names;
+  for (const ListedCamera& camera : cameras) {
+    names += (names.empty() ? "" : ", ") + camera.id;
+    if (!camera.address.empty()) names += " at " + camera.address;
+  }
+  return names;
+}
+
+}  // namespace ovws

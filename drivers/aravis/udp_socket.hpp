@@ -1,0 +1,23 @@
+/// A UDP socket that closes itself.
+#pragma once
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace ovws {
+
+class UdpSocket {
+ public:
+  UdpSocket() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
+  ~UdpSocket() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  UdpSocket(const UdpSocket&) = delete;
+  UdpSocket& operator=(const UdpSocket&) = delete;
+  int get() const { return fd_; }  ///< negative: there is none
+
+ private:
+  int fd_;
+};
+
+}  // namespace ovws
