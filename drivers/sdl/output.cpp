@@ -16,19 +16,6 @@ bool overlap(const Output& a, const Output& b) {
          b.y < a.y + a.height;
 }
 
-Result<const Output*> find_output(const std::vector<Output>& outputs, const std::string& wanted) {
-  for (const auto name : {&Output::name, &Output::monitor}) {
-    const auto matches = std::ranges::count(outputs, wanted, name);
-    if (matches == 0 || wanted.empty()) continue;
-    if (matches == 1) return &*std::ranges::find(outputs, wanted, name);
-    return fail(Errc::refused, "slm.display",
-                std::to_string(matches) + " outputs are called \"" + wanted +
-                    "\": give a name that only one has; there are: " + list_outputs(outputs));
-  }
-  return fail(Errc::unavailable, "slm.display",
-              "no output is called \"" + wanted + "\"; there are: " + list_outputs(outputs));
-}
-
 constexpr std::string_view kOtherOutput =
     "; extend the desktop to another output, or set slm.allow_primary";
 
@@ -58,6 +45,19 @@ Result<void> check_alone(const Output& output, const std::vector<Output>& output
 }
 
 }  // namespace
+
+Result<const Output*> find_output(const std::vector<Output>& outputs, const std::string& wanted) {
+  for (const auto name : {&Output::name, &Output::monitor}) {
+    const auto matches = std::ranges::count(outputs, wanted, name);
+    if (matches == 0 || wanted.empty()) continue;
+    if (matches == 1) return &*std::ranges::find(outputs, wanted, name);
+    return fail(Errc::refused, "slm.display",
+                std::to_string(matches) + " outputs are called \"" + wanted +
+                    "\": give a name that only one has; there are: " + list_outputs(outputs));
+  }
+  return fail(Errc::unavailable, "slm.display",
+              "no output is called \"" + wanted + "\"; there are: " + list_outputs(outputs));
+}
 
 Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig& config) {
   const auto found = find_output(outputs, config.output);

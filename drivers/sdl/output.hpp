@@ -28,6 +28,13 @@ struct Output {
   bool on() const { return width > 0 && height > 0; }
 };
 
+/// Of the display system: with any other grey levels would not be exact.
+constexpr int kExactDepthBits = 24;
+
+/// The output with this name, or whose monitor has it. Errc::refused: more than one has it;
+/// Errc::unavailable: none has; the reason lists those there are.
+Result<const Output*> find_output(const std::vector<Output>& outputs, const std::string& wanted);
+
 /// The output that the configuration names, if it may carry the SLM.
 Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig& config);
 

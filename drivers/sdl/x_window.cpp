@@ -11,6 +11,7 @@
 #include "drivers/sdl/output.hpp"
 #include "drivers/sdl/output_window.hpp"
 #include "drivers/sdl/video.hpp"
+#include "drivers/sdl/x_connection.hpp"
 #include "drivers/sdl/x_guard.hpp"
 #include "drivers/sdl/x_outputs.hpp"
 #include "drivers/sdl/x_picture.hpp"
@@ -18,11 +19,6 @@
 namespace ovws::sdl {
 
 namespace {
-
-struct CloseDisplay {
-  void operator()(XDisplay* display) const { XCloseDisplay(display); }
-};
-using Connection = std::unique_ptr<XDisplay, CloseDisplay>;
 
 struct DestroyWindow {
   void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
@@ -42,14 +38,6 @@ Error lost_server() {
 
 Error changed(const std::string& reason) {
   return {Errc::device, "slm.display", reason};
-}
-
-bool powered(XDisplay* display) {
-  int event_base = 0, error_base = 0;
-  CARD16 level = DPMSModeOn;
-  BOOL enabled = False;
-  return !DPMSQueryExtension(display, &event_base, &error_base) || !DPMSCapable(display) ||
-         !DPMSInfo(display, &level, &enabled) || !enabled || level == DPMSModeOn;
 }
 
 Cursor make_blank_cursor(XDisplay* display, Window window) {
@@ -115,7 +103,7 @@ class XWindow final : public OutputWindow {
     if (!video) return fail(video.error());
     video_ = std::move(*video);
     if (!output_.linear_gamma) set_linear_gamma(display_.get(), output_);
-    if (!powered(display_.get())) DPMSForceLevel(display_.get(), DPMSModeOn);
+    if (power_of(display_.get()).asleep) DPMSForceLevel(display_.get(), DPMSModeOn);
     window_ = create_window(display_.get(), output_);
     // NOLINTNEXTLINE(performance-no-int-to-ptr): how SDL takes an X window
     canvas_.reset(SDL_CreateWindowFrom(reinterpret_cast<void*>(window_)));
@@ -187,7 +175,7 @@ class XWindow final : public OutputWindow {
                           " is bent, so grey levels are not what the SLM gets; stop the "
                           "night-light or colour-management program that does it"));
     }
-    if (!powered(display_.get())) {
+    if (power_of(display_.get()).asleep) {
       return fail(changed("the screens are powered down (xset dpms force on)"));
     }
     return {};
@@ -240,14 +228,10 @@ class XWindow final : public OutputWindow {
 }  // namespace
 
 Result<std::unique_ptr<OutputWindow>> open_x_window(const SdlConfig& config) {
-  guard_x_connections();
-  Connection display(XOpenDisplay(nullptr));
-  if (display == nullptr) {
-    return fail(Errc::unavailable, "slm.display",
-                "the X server DISPLAY=" + environment("DISPLAY") +
-                    " does not answer: start it, and give this user the right to it (XAUTHORITY)");
-  }
-  if (DefaultDepth(display.get(), DefaultScreen(display.get())) != 24) {
+  auto connected = connect_to_x();
+  if (!connected) return fail(connected.error());
+  Connection display = std::move(*connected);
+  if (DefaultDepth(display.get(), DefaultScreen(display.get())) != kExactDepthBits) {
     return fail(Errc::refused, "slm.display",
                 "the X server's colour depth is not 24, so grey levels would not be exact; set "
                 "DefaultDepth 24 in its configuration");
