@@ -5,7 +5,13 @@
 namespace ovws {
 namespace {
 
-std::optional<std::string> directory_of(const StateConfig& config) {
+std::string item_of(std::string_view kind, std::string_view name) {
+  return std::string(kind) + '/' + std::string(name);
+}
+
+}  // namespace
+
+std::optional<std::string> state_directory_of(const StateConfig& config) {
   if (config.directory) return config.directory;
   const char* const list = std::getenv("STATE_DIRECTORY");
   if (list == nullptr || *list == '\0') return std::nullopt;
@@ -13,14 +19,8 @@ std::optional<std::string> directory_of(const StateConfig& config) {
   return std::string(all.substr(0, all.find(':')));
 }
 
-std::string item_of(std::string_view kind, std::string_view name) {
-  return std::string(kind) + '/' + std::string(name);
-}
-
-}  // namespace
-
 DaemonStore::DaemonStore(const StateConfig& config, Events& events) : events_(events) {
-  const auto directory = directory_of(config);
+  const auto directory = state_directory_of(config);
   if (!directory) {
     why_none_ = "no folder is named: set state.directory, or $STATE_DIRECTORY";
     report_.set({std::nullopt, why_none_});

@@ -17,10 +17,13 @@
 
 namespace ovws {
 
+/// `config.directory`, or the first of $STATE_DIRECTORY; none: neither is set.
+std::optional<std::string> state_directory_of(const StateConfig& config);
+
 /// Thread-safe; waits for the disk. Without a store the daemon runs all the same.
 class DaemonStore {
  public:
-  /// `config.directory`, or the first of $STATE_DIRECTORY. A store that cannot be used or written,
+  /// In state_directory_of. A store that cannot be used or written,
   /// or none, is told here, once; what is in one that can only be read is read.
   DaemonStore(const StateConfig& config, Events& events);
 

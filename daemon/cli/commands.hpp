@@ -48,6 +48,7 @@ void add_hologram(CLI::App& app, const Common& common, int& status);
 void add_farfield(CLI::App& app, const Common& common, int& status);
 void add_measure(CLI::App& app, const Common& common, int& status);
 void add_keygen(CLI::App& app, const Common& common, int& status);
+void add_doctor(CLI::App& app, const Common& common, int& status);
 void add_study(CLI::App& app, const Common& common, int& status);
 
 /// Tells an error on stderr (as JSON on stdout with --json) and returns kError.

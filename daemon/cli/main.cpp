@@ -95,6 +95,7 @@ int run(int argc, char** argv) {
   add_farfield(app, common, status);
   add_measure(app, common, status);
   add_keygen(app, common, status);
+  add_doctor(app, common, status);
   add_study(app, common, status);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,68 @@
+#include "daemon/doctor/configuration.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "daemon/config_check.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+constexpr const char* kName = "configuration";
+constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
+
+std::string told(const Error& error) {
+  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
+}
+
+std::string fix_of(const ConfigurationFacts& facts) {
+  const Error& error = *facts.error;
+  const auto dot = error.field.rfind('.');
+  const std::string key = error.field.substr(dot == std::string::npos ? 0 : dot + 1);
+  if (!error.nearest.empty()) {
+    return fmt::format("in {}: \"{}\" in place of \"{}\"", facts.path, error.nearest, key);
+  }
+  return "sudoedit " + (facts.path.empty() ? std::string(kServicePath) : facts.path);
+}
+
+}  // namespace
+
+ConfigurationFacts read_configuration(const std::string& path) {
+  ConfigurationFacts facts;
+  facts.path = path;
+  if (path.empty() && ::access(kServicePath, F_OK) == 0) facts.path = kServicePath;
+  const auto config = facts.path.empty() ? Result<Config>{Config{}} : load_config(facts.path);
+  if (!config) {
+    facts.error = config.error();
+    return facts;
+  }
+  facts.config = *config;
+  if (const auto usable = check_usable(*config); !usable) facts.error = usable.error();
+  const auto& secret = config->security.secret_key;
+  facts.secret_is_of_other = secret && ::access(secret->c_str(), R_OK) != 0 && errno == EACCES;
+  return facts;
+}
+
+Findings judge(const ConfigurationFacts& facts) {
+  if (facts.error && facts.secret_is_of_other && facts.error->field.starts_with("security")) {
+    return {not_here(kName,
+                     "the daemon's keys may be read by its own user only, so whether they are "
+                     "right is not known here",
+                     "sudo -u ovws ovws doctor --config " + facts.path)};
+  }
+  if (facts.error) {
+    return {fault(kName, "no daemon starts with it: " + told(*facts.error), fix_of(facts))};
+  }
+  if (facts.path.empty()) {
+    return {warning(kName,
+                    fmt::format("no file is named and there is no {}, so all is held against the "
+                                "defaults, which are the demonstration's",
+                                kServicePath),
+                    "ovws doctor --config FILE")};
+  }
+  return {ok(kName, facts.path + " reads well and makes a sensor")};
+}
+
+}  // namespace ovws::doctor

@@ -1,0 +1,24 @@
+/// Is there a configuration, does it read well, and does it make a sensor?
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "config/config.hpp"
+#include "core/base/result.hpp"
+#include "daemon/doctor/finding.hpp"
+
+namespace ovws::doctor {
+
+struct ConfigurationFacts {
+  std::string path;                 ///< empty: no file is named, and none is where the service's is
+  std::optional<Config> config;     ///< the defaults without a file; none: it does not read well
+  std::optional<Error> error;       ///< why there is no config, or why it makes no sensor
+  bool secret_is_of_other = false;  ///< the daemon's keys may be read by another user only
+};
+
+/// Empty path: the service's file, if there is one.
+ConfigurationFacts read_configuration(const std::string& path);
+Findings judge(const ConfigurationFacts& facts);
+
+}  // namespace ovws::doctor

@@ -1,0 +1,265 @@
+"""ovws doctor on a bench that is well, and on one with a fault made for each check: it tells the truth, how to mend it, and disturbs nobody."""
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import screen
+from case import BenchCase, main, own_mounts, wait_for
+
+SLM = (1920, 0, 1280, 768)  # on the desktop
+VERDICTS = {"ok", "warning", "fault", "not_here"}
+NOBODY = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--bounding-set=-all", "--inh-caps=-all"]
+ALONE = ["unshare", "--pid", "--fork", "--mount-proc"]  # where no service of this machine's is seen
+
+
+class DoctorCase(BenchCase):
+    """`examine` asks the doctor, with these keys of the configuration."""
+
+    def setUp(self):
+        own_mounts()
+        super().setUp()
+
+    def run_doctor(self, *arguments, config=None, before=(), program=None, env=None):
+        path = self.bench.directory / "doctor.json"
+        path.write_text(config if isinstance(config, str) else json.dumps(config or self.config()))
+        command = [*before, program or self.bench.programs / "ovws", "--timeout", "0.5", "doctor", "--config", path, *arguments]
+        return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=60, env=env or self.environment(),
+                              cwd="/")
+
+    def environment(self):
+        return {"PATH": os.environ["PATH"], "DISPLAY": self.bench.display}
+
+    def config(self):
+        return {"state": {"directory": str(self.bench.directory / "state")}}
+
+    def examine(self, *arguments, **more):
+        """The findings by name. The document is whole, and the exit status is what it says."""
+        done = self.run_doctor("--json", *arguments, **more)
+        self.assertEqual(done.stderr, "")
+        document = json.loads(done.stdout)
+        self.assertEqual(document["schema"], "ovws.doctor/1")
+        findings = {one["name"]: one for one in document["findings"]}
+        self.assertEqual(len(findings), len(document["findings"]))
+        for one in findings.values():
+            self.assertIn(one["verdict"], VERDICTS, one)
+            self.assertTrue(one["meaning"], one)
+            if one["verdict"] in ("warning", "fault"):
+                self.assertTrue(one["fix"], one)
+        for verdict in VERDICTS:
+            self.assertEqual(document["counts"][verdict], sum(one["verdict"] == verdict for one in findings.values()))
+        self.assertEqual(done.returncode, 1 if document["counts"]["fault"] else 0)
+        return findings
+
+    def check(self, findings, name, verdict, *words):
+        one = findings[name]
+        print(f"\n  {name}: {one['verdict']}: {one['meaning']}\n    fix: {one['fix']}")
+        self.assertEqual(one["verdict"], verdict, one)
+        for word in words:
+            self.assertIn(str(word), one["meaning"] + " " + (one["fix"] or ""))
+
+    def faults(self, findings):
+        return {name for name, one in findings.items() if one["verdict"] == "fault"}
+
+    def mount_over(self, folder, name, text):
+        """From now on a folder of the kernel's holds this one file, for this test only."""
+        subprocess.run(["mount", "-t", "tmpfs", "none", folder], check=True)
+        self.addCleanup(subprocess.run, ["umount", "-l", folder], check=True)
+        path = Path(folder) / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text + "\n")
+
+
+class Well(DoctorCase):
+    """Everything runs."""
+
+    def start_daemon(self):
+        self.daemon_config = self.config()
+        super().start_daemon()
+
+    def test_a_bench_that_is_well_and_a_daemon_that_does_not_notice(self):
+        self.take_reference()
+        frames = self.stream("wavefront")
+        self.settled_frames(frames, 5)
+        before, seen = self.call("system.status"), screen.grab(self.bench.display, *SLM)
+        frames.drain()
+        for _ in range(3):
+            findings = self.examine()
+            self.assertEqual(self.faults(findings), set())
+            for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
+                         "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
+                         "daemon.version", "daemon.state", "daemon.store", "daemon.job"):
+                self.check(findings, name, "ok")
+            self.check(findings, "camera.control", "ok", "the daemon has its control")
+            self.check(findings, "camera.usb_memory", "not_here", "network")
+        self.assertTrue(all(frame["valid"] for frame in self.settled_frames(frames, 20)))
+        after = self.call("system.status")
+        self.assertEqual(after["state"], "running")
+        self.assertEqual(after["slm"]["hologram_id"], before["slm"]["hologram_id"])
+        for name in ("camera_reconnects", "display_faults"):
+            self.assertEqual(after["counters"][name], before["counters"][name], name)
+        self.assertTrue((screen.grab(self.bench.display, *SLM) == seen).all())
+
+    def test_real_time_is_what_the_daemon_met(self):
+        """The doctor foresees what the same user's daemon was refused."""
+        findings, log = self.examine(before=ALONE), self.bench.log("ovwsd")
+        for name, refusal in (("realtime.priority", "runs without SCHED_FIFO"), ("realtime.memory", "memory is not locked"),
+                              ("cpu.sleep", "/dev/cpu_dma_latency cannot be written")):
+            if findings[name]["verdict"] != "not_here":  # the system has none
+                self.assertEqual(findings[name]["verdict"], "warning" if refusal in log else "ok", findings[name])
+
+    def test_a_camera_in_unknown_hands(self):
+        findings = self.examine("--endpoint", "tcp://127.0.0.1:7999")
+        self.check(findings, "daemon.answer", "not_here", "tcp://127.0.0.1:7999", "systemctl start ovwsd")
+        self.check(findings, "camera.control", "warning", "a program has its control")
+
+    def test_what_the_daemon_says_is_told(self):
+        subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", "--off"], check=True, capture_output=True)
+        wait_for(lambda: self.call("system.status")["slm"]["fault"], what="the fault")
+        findings = self.examine()
+        self.check(findings, "daemon.state", "fault", "switched off")
+        self.check(findings, "slm.mode", "fault", "xrandr --output DUMMY1 --mode 1280x768")
+
+    def test_words_for_a_person(self):
+        done = self.run_doctor()
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^ok +slm\.mode +DUMMY1 shows 1280x768 at 59\.\d Hz")
+        self.assertRegex(done.stdout, r"(?m)^0 FAULT, \d+ warning, \d+ ok, \d+ not here$")
+        self.assertIn("Exit codes: 0 no fault", self.run_doctor("--help").stdout)
+        self.assertEqual(self.run_doctor("--no-such-option").returncode, 2)
+
+
+class Ill(DoctorCase):
+    """No daemon; what is wrong is made here."""
+
+    def start(self):
+        self.bench.start_display()
+        self.bench.start_twin()
+
+    def xrandr(self, *arguments):
+        subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", *arguments], check=True, capture_output=True)
+
+    def mend(self, fix):
+        """Does as the doctor says."""
+        subprocess.run(["sh", "-c", fix.replace("sudo ", "")], check=True, capture_output=True, env=self.environment())
+
+    def test_no_camera_and_another_one(self):
+        self.check(self.examine(), "camera.control", "ok", "nobody has its control")
+        serial = self.config() | {"camera": {"id": "no such serial"}}
+        self.check(self.examine(config=serial), "camera.found", "fault", '"camera": {"id": "127.0.0.1"}')
+        self.bench.stop("ovws-twin")
+        findings = self.examine()
+        self.check(findings, "camera.found", "fault", "no camera at all")
+        self.check(findings, "camera.control", "not_here")
+        self.assertEqual(self.faults(findings), {"camera.found"})
+        away = self.config() | {"camera": {"id": "192.0.2.7"}}
+        self.check(self.examine(config=away), "camera.interface", "fault", "ip address add 192.0.2.1/24")
+
+    def test_the_output_and_the_lines_that_mend_it(self):
+        for name, spoil in (("slm.mode", ["--mode", "1024x768"]), ("slm.mode", ["--off"]),
+                            ("slm.gamma", ["--gamma", "1:0.8:0.6"]), ("slm.output", ["--same-as", "DUMMY0"])):
+            with self.subTest(spoil):
+                self.xrandr(*spoil)
+                findings = self.examine()
+                self.assertEqual(self.faults(findings), {name})
+                self.check(findings, name, "fault")
+                self.mend(findings[name]["fix"])
+                self.assertEqual(self.faults(self.examine()), set())
+        wrong = self.config() | {"slm": {"display": "HDMI-7"}}
+        self.check(self.examine(config=wrong), "slm.output", "fault", "HDMI-7", '"slm": {"display": "DUMMY1"}')
+        desktop = self.config() | {"slm": {"display": "DUMMY0", "width": 1920, "height": 1080}}
+        subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY0", "--primary"], check=True)
+        self.check(self.examine(config=desktop), "slm.output", "fault", "primary")
+
+    def test_a_screen_saver_and_no_server(self):
+        subprocess.run(["xset", "-display", self.bench.display, "s", "600"], check=True)
+        findings = self.examine()
+        self.check(findings, "slm.screen_saver", "warning", "600 s")
+        self.mend(findings["slm.screen_saver"]["fix"])
+        self.check(self.examine(), "slm.screen_saver", "ok")
+        path = {"PATH": os.environ["PATH"]}
+        self.check(self.examine(env=path), "slm.server", "fault", "export DISPLAY")
+        self.check(self.examine(env=path | {"WAYLAND_DISPLAY": "wayland-0"}), "slm.server", "not_here", "wayland")
+        self.check(self.examine(env=path | {"DISPLAY": ":987"}), "slm.server", "fault", ":987")
+
+    def test_the_state_folder(self):
+        state = self.bench.directory / "state"
+        self.check(self.examine(), "state.directory", "ok", "will be made")
+        self.assertFalse(state.exists())
+        state.mkdir()
+        self.check(self.examine(), "state.directory", "ok", "can be written")
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8m", "none", state], check=True)
+        self.addCleanup(subprocess.run, ["umount", "-l", state], check=True)
+        self.check(self.examine(), "state.room", "fault", "MiB left")
+        subprocess.run(["mount", "-o", "remount,ro", state], check=True)
+        findings = self.examine()
+        self.check(findings, "state.directory", "fault", "can only be read")
+        self.assertEqual(list(state.iterdir()), [])
+        wrong = {"state": {"directory": str(self.bench.directory / "doctor.json")}}
+        self.check(self.examine(config=wrong), "state.directory", "fault", "is no folder")
+        self.check(self.examine(config={"log": {}}, env=self.environment() | {"STATE_DIRECTORY": str(self.bench.directory)}),
+                   "state.directory", "ok", self.bench.directory)
+
+    def test_the_kernel_s_settings(self):
+        self.mount_over("/proc/sys/net/core", "rmem_max", "212992")
+        self.mount_over("/sys/devices/system/clocksource/clocksource0", "current_clocksource", "hpet")
+        self.mount_over("/sys/devices/system/cpu", "cpu0/cpufreq/scaling_governor", "powersave")
+        findings = self.examine()
+        self.check(findings, "camera.socket_buffer", "warning", "212992", "sysctl -w net.core.rmem_max=4194304")
+        self.check(findings, "clock.source", "warning", "hpet")
+        self.check(findings, "cpu.governor", "warning", "powersave", "scaling_governor")
+        Path("/proc/sys/net/core/rmem_max").write_text("4194304\n")
+        Path("/sys/devices/system/clocksource/clocksource0/current_clocksource").write_text("tsc\n")
+        Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor").write_text("performance\n")
+        findings = self.examine()
+        for name in ("camera.socket_buffer", "clock.source", "cpu.governor"):
+            self.check(findings, name, "ok")
+
+    def test_packets_that_the_interface_does_not_take(self):
+        subprocess.run(["ip", "link", "set", "lo", "mtu", "1500"], check=True)
+        self.addCleanup(subprocess.run, ["ip", "link", "set", "lo", "mtu", "65536"], check=True)
+        findings = self.examine()
+        self.check(findings, "camera.packets", "warning", "1500")
+        self.mend(findings["camera.packets"]["fix"])
+        self.check(self.examine(), "camera.packets", "ok")
+
+    def test_the_configuration(self):
+        unknown = self.examine(config={"camera": {"exposure_su": 3}})
+        self.check(unknown, "configuration", "fault", '"exposure_us" in place of "exposure_su"')
+        for name in ("camera", "slm", "state"):
+            self.check(unknown, name, "not_here")
+        self.check(self.examine(config="{ nonsense"), "configuration", "fault", "sudoedit")
+        unusable = self.examine(config=self.config() | {"slm": {"lut": "/nowhere/lut.txt"}})
+        self.check(unusable, "configuration", "fault", "/nowhere/lut.txt")
+        self.check(unusable, "camera.found", "ok")  # what is known is looked at all the same
+        done = self.run_doctor("--config", "/nowhere.json")
+        self.assertEqual(done.returncode, 2, "an option given twice")
+
+    def test_a_user_without_rights(self):
+        with tempfile.TemporaryDirectory(dir="/tmp") as folder:
+            os.chmod(folder, 0o755)
+            program = Path(shutil.copy(self.bench.programs / "ovws", folder))
+            config = Path(folder) / "ovwsd.json"
+            state = Path(folder) / "state"
+            state.mkdir(0o755)
+            limits = [*ALONE, "prlimit", "--rtprio=0", "--memlock=8388608", *NOBODY]
+
+            def examine(keys):
+                config.write_text(json.dumps({"state": {"directory": str(state)}} | keys))
+                done = subprocess.run([*limits, program, "--timeout", "0.5", "--json", "doctor", "-c", config], capture_output=True,
+                                      text=True, timeout=60, env=self.environment(), cwd="/")
+                self.assertEqual(done.stderr, "")
+                return {one["name"]: one for one in json.loads(done.stdout)["findings"]}
+
+            for keys, verdict in (({}, "warning"), ({"realtime": "enforce"}, "fault")):
+                findings = examine(keys)
+                self.check(findings, "camera.found", "ok")
+                self.check(findings, "realtime.priority", verdict, "rtprio 90")
+                self.check(findings, "realtime.memory", verdict, "8 MiB")
+                self.check(findings, "state.directory", "not_here", "root")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+#include "daemon/doctor/configuration.hpp"
+
+#include "tests/unit/doctor/expect.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+TEST(DoctorConfiguration, ReadsWellOrNamesTheKeyAndTheOneThatWasMeant) {
+  ConfigurationFacts facts;
+  facts.path = "/etc/ovws/ovwsd.json";
+  facts.config = Config{};
+  expect(facts, "configuration", Verdict::ok);
+  facts.error = Error{Errc::invalid, "camera.exposure_su", "unknown key", {}, {}, "exposure_us"};
+  expect(facts, "configuration", Verdict::fault,
+         "in /etc/ovws/ovwsd.json: \"exposure_us\" in place of \"exposure_su\"");
+  facts.error->nearest.clear();
+  expect(facts, "configuration", Verdict::fault, "sudoedit /etc/ovws/ovwsd.json");
+}
+
+TEST(DoctorConfiguration, NoneIsSaid) {
+  ConfigurationFacts facts;
+  facts.config = Config{};
+  expect(facts, "configuration", Verdict::warning, "ovws doctor --config FILE");
+}
+
+TEST(DoctorConfiguration, KeysThatOnlyTheDaemonsUserReadsAreNotCalledWrong) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  facts.error = Error{Errc::unavailable, "security.secret_key", "cannot be read"};
+  expect(facts, "configuration", Verdict::fault);
+  facts.secret_is_of_other = true;
+  expect(facts, "configuration", Verdict::not_here, "sudo -u ovws ovws doctor --config a.json");
+}
+
+}  // namespace
+}  // namespace ovws::doctor

@@ -1,0 +1,69 @@
+#include "daemon/doctor/daemon_answer.hpp"
+
+#include "tests/unit/doctor/expect.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+DaemonFacts running() {
+  DaemonFacts facts;
+  facts.endpoint = "tcp://127.0.0.1:7702";
+  facts.own_version = "1.2.3";
+  facts.status = nlohmann::json{
+      {"state", "running"},
+      {"versions", {{"ovws", "1.2.3"}}},
+      {"camera", {{"info", {{"model", "M1"}}}, {"fault", nullptr}}},
+      {"slm", {{"fault", nullptr}}},
+      {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
+      {"failed_job", nullptr},
+  };
+  return facts;
+}
+
+TEST(DoctorDaemon, AGoodOneIsAllRight) {
+  for (const Finding& one : judge(running())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
+  EXPECT_EQ(camera_of(running()), DaemonsCamera::with);
+}
+
+TEST(DoctorDaemon, NoneIsNoFault) {
+  DaemonFacts facts;
+  facts.why = "no reply within 3 s";
+  for (const Finding& one : judge(facts)) EXPECT_EQ(one.verdict, Verdict::not_here) << one.name;
+  EXPECT_EQ(camera_of(facts), DaemonsCamera::silent);
+  facts.asks_for_keys = true;
+  expect(facts, "daemon.answer", Verdict::not_here, "ovws --key FILE doctor");
+  facts.refused = true;
+  expect(facts, "daemon.answer", Verdict::warning);
+}
+
+TEST(DoctorDaemon, TellsWhatTheDaemonTells) {
+  auto facts = running();
+  (*facts.status)["versions"]["ovws"] = "1.2.2";
+  expect(facts, "daemon.version", Verdict::warning, "restart ovwsd");
+  (*facts.status)["camera"] = {{"info", nullptr}, {"fault", "no camera answers"}};
+  expect(facts, "daemon.state", Verdict::fault);
+  EXPECT_NE(named(judge(facts), "daemon.state").meaning.find("no camera answers"),
+            std::string::npos);
+  EXPECT_EQ(camera_of(facts), DaemonsCamera::without);
+  facts = running();
+  (*facts.status)["slm"]["fault"] = "switched off";
+  expect(facts, "daemon.state", Verdict::fault);
+  facts = running();
+  (*facts.status)["state"] = "waiting_for_camera";
+  expect(facts, "daemon.state", Verdict::fault);
+  (*facts.status)["store"]["reason"] = "the disk is full";
+  expect(facts, "daemon.store", Verdict::warning);
+  (*facts.status)["failed_job"] = {{"kind", "lut.run"}, {"reason", "no light"}};
+  expect(facts, "daemon.job", Verdict::warning, "ovws call --wait lut.run");
+}
+
+TEST(DoctorDaemon, AnAnswerWithoutTheseKeysIsNoMishap) {
+  auto facts = running();
+  facts.status = nlohmann::json::array();
+  expect(facts, "daemon.version", Verdict::warning);
+  facts.status = nlohmann::json{{"camera", 3}, {"state", 5}};
+  expect(facts, "daemon.job", Verdict::ok);
+}
+
+}  // namespace
+}  // namespace ovws::doctor

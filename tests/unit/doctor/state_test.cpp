@@ -1,0 +1,72 @@
+#include "daemon/doctor/state.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/own_folder.hpp"
+#include "tests/unit/doctor/expect.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+StateFacts good() {
+  StateFacts facts;
+  facts.directory = "/var/lib/ovws";
+  facts.there = facts.is_folder = facts.writable = true;
+  facts.free_bytes = 10ULL << 30;
+  return facts;
+}
+
+TEST(DoctorState, AFolderIsThereOrWillBe) {
+  expect(good(), "state.directory", Verdict::ok);
+  expect(good(), "state.room", Verdict::ok);
+  auto facts = good();
+  facts.there = facts.is_folder = false;
+  expect(facts, "state.directory", Verdict::ok);
+  facts.writable = false;
+  expect(facts, "state.directory", Verdict::fault, "install -d -o ovws -g ovws /var/lib/ovws");
+  expect(StateFacts{}, "state.directory", Verdict::warning, "\"state\": {\"directory\"");
+  expect(StateFacts{}, "state.room", Verdict::not_here);
+}
+
+TEST(DoctorState, AFolderThatCannotBeWrittenIsAFaultOfWhoOwnsIt) {
+  auto facts = good();
+  facts.writable = false;
+  expect(facts, "state.directory", Verdict::fault, "chmod u+rwx /var/lib/ovws");
+  facts.owner = "ovws";
+  expect(facts, "state.directory", Verdict::not_here, "sudo -u ovws ovws doctor");
+  facts.disk_writable = false;
+  expect(facts, "state.directory", Verdict::fault, "remount,rw");
+  facts = good();
+  facts.is_folder = false;
+  expect(facts, "state.directory", Verdict::fault);
+}
+
+TEST(DoctorState, ADiskThatFillsUpIsTold) {
+  auto facts = good();
+  facts.free_bytes = 100 << 20;
+  expect(facts, "state.room", Verdict::warning, "du -xhd1");
+  facts.free_bytes = 1 << 20;
+  expect(facts, "state.room", Verdict::fault);
+}
+
+TEST(DoctorState, LookingMakesNothing) {
+  namespace fs = std::filesystem;
+  const fs::path folder = own_folder("doctor_state");
+  fs::remove_all(folder);
+  ASSERT_TRUE(fs::create_directory(folder));
+  const auto facts = read_state({folder / "deep" / "state"});
+  EXPECT_FALSE(facts.there);
+  EXPECT_TRUE(facts.writable);
+  EXPECT_GT(facts.free_bytes, 0U);
+  EXPECT_TRUE(fs::is_empty(folder));
+  std::ofstream(folder / "file") << "x";
+  const auto file = read_state({folder / "file"});
+  EXPECT_TRUE(file.there);
+  EXPECT_FALSE(file.is_folder);
+  EXPECT_FALSE(read_state({folder / "file" / "state"}).writable);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace ovws::doctor
