@@ -34,6 +34,7 @@ VENDORS = {
 THREAD_OWNERS = ("daemon/thread_plan.", "daemon/study/parallel.", "drivers/twin/")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
+MADE = ("proto/python/ovws_client/methods.py",)  # by a script: nobody writes it, and a test holds it to its source
 MOST_FUNCTION_LINES = 60
 
 
@@ -127,7 +128,7 @@ def main():
         if path.suffix in {".png", ".tif", ".bin"} or path.is_symlink() or not path.is_file():
             continue
         lines = path.read_text(errors="replace").splitlines()
-        if path.suffix in {".hpp", ".cpp", ".inc", ".py"} and len(lines) > MOST_LINES:
+        if path.suffix in {".hpp", ".cpp", ".inc", ".py"} and name not in MADE and len(lines) > MOST_LINES:
             found.append(f"{name}:1: {len(lines)} lines, at most {MOST_LINES}")
         if name.startswith("tests/lint/"):
             continue

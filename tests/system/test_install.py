@@ -10,8 +10,9 @@ import unittest
 UNIT = "usr/lib/systemd/system/ovwsd.service"
 FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
-         "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client.py")
-DOCUMENTS = ("README.md", "proto/WIRE.md", "config/README.md", "daemon/ARCHITECTURE.md", "drivers/twin/README.md")
+         "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
+         "usr/share/ovws/python/ovws_client/py.typed")
+DOCUMENTS = ("README.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "daemon/ARCHITECTURE.md", "drivers/twin/README.md")
 
 
 def run(*command, **more):

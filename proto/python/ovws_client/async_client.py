@@ -1,0 +1,81 @@
+"""Calls of the daemon's methods for asyncio: any number may wait at once."""
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import zmq
+import zmq.asyncio
+
+from .errors import JobFailed, NoAnswer
+from .methods import AsyncMethods, JobStarted
+from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
+
+
+class AsyncClient(AsyncMethods):
+    """As Client, for asyncio. Any number of tasks of one event loop may call at once. `async with`, or `close`, ends it."""
+
+    def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
+        self.timeout_s = timeout_s
+        self._ids = itertools.count(1)
+        self._waiting: dict[int, asyncio.Future[Any]] = {}
+        self._reader: asyncio.Task[None] | None = None
+        self._socket = zmq.asyncio.Context.instance().socket(zmq.DEALER)
+        self._socket.linger = 0
+        self._hint = key_hint(use_keys(self._socket, key, server_key))
+        self._socket.connect(endpoint)
+
+    async def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
+        """The method's result; raises Refused with the daemon's own words."""
+        request_id = next(self._ids)
+        request = request_text(request_id, method, params)
+        if self._reader is None:
+            self._reader = asyncio.create_task(self._read())
+        self._waiting[request_id] = asyncio.get_running_loop().create_future()
+        try:
+            async with asyncio.timeout(self.timeout_s):
+                await self._socket.send(request)
+                reply = await self._waiting[request_id]
+        except TimeoutError:
+            raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}") from None
+        finally:
+            del self._waiting[request_id]
+        return result_of(method, reply)
+
+    async def _read(self) -> None:
+        while True:
+            reply = json.loads((await self._socket.recv_multipart())[-1])
+            waiting = self._waiting.get(reply.get("id"))
+            if waiting is not None and not waiting.done():
+                waiting.set_result(reply)
+
+    async def wait_for_job(self, job: int | JobStarted, timeout_s: float = 600.0) -> Any:
+        """As Client.wait_for_job."""
+        number = job if isinstance(job, int) else job["job"]
+        try:
+            async with asyncio.timeout(timeout_s):
+                while (report := await self.job_get(number))["state"] == "running":
+                    await asyncio.sleep(0.05)
+        except TimeoutError:
+            raise NoAnswer(f"job {number} has not ended within {timeout_s} s") from None
+        if report["state"] != "done":
+            raise JobFailed(report)
+        return report["result"]
+
+    def close(self) -> None:
+        """Ends the connection; who still waits for an answer gets NoAnswer."""
+        if self._reader is not None:
+            self._reader.cancel()
+        for waiting in self._waiting.values():
+            if not waiting.done():
+                waiting.set_exception(NoAnswer("the client was closed before the answer came"))
+        self._socket.close()
+
+    async def __aenter__(self) -> AsyncClient:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,62 @@
+"""The streams as iterators of typed messages, for asyncio."""
+from __future__ import annotations
+
+from typing import Generic
+
+import zmq
+import zmq.asyncio
+
+from .errors import NoAnswer
+from .subscription import Decoder, M, OnLoss
+from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
+
+
+class AsyncSubscription(Generic[M]):
+    """As Subscription, for asyncio: `async for frame in AsyncSubscription(Wavefront): …`. For one task at a time."""
+
+    def __init__(self, *kinds: type[M], endpoint: str = NUMBERS, image_endpoint: str = IMAGES, timeout_s: float | None = None,
+                 on_loss: OnLoss = "report", queue_messages: int = 1000, key: KeyFile | None = None, server_key: str | None = None) -> None:
+        self.timeout_s = timeout_s
+        self._decoder = Decoder(kinds, on_loss)
+        self._socket = zmq.asyncio.Context.instance().socket(zmq.SUB)
+        self._hint = key_hint(use_keys(self._socket, key, server_key))
+        self._decoder.configure(self._socket, endpoint, image_endpoint, queue_messages)
+
+    @property
+    def lost_messages(self) -> int:
+        """How many were lost so far on the way here."""
+        return self._decoder.losses.messages
+
+    async def next(self, timeout_s: float | None = None) -> M | None:
+        """The next message, or None if none came within `timeout_s` seconds (None: waits for ever)."""
+        while await self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
+            message = self._decoder.decode(await self._socket.recv_multipart(copy=False))
+            if message is not None:
+                return message
+        return None
+
+    async def newest(self, timeout_s: float | None = None) -> M | None:
+        """As `next`, but the last of those that have come: for programs slower than the stream. Those passed over do not count as lost."""
+        message = await self.next(timeout_s)
+        while message is not None and (later := await self.next(0.0)) is not None:
+            message = later
+        return message
+
+    def __aiter__(self) -> AsyncSubscription[M]:
+        return self
+
+    async def __anext__(self) -> M:
+        message = await self.next(self.timeout_s)
+        if message is None:
+            raise NoAnswer(f"no message within {self.timeout_s} s; does the daemon run, and {self._hint}")
+        return message
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._socket.close()
+
+    async def __aenter__(self) -> AsyncSubscription[M]:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,72 @@
+"""Calls of the daemon's methods, one after the other."""
+from __future__ import annotations
+
+import itertools
+import json
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import zmq
+
+from .errors import JobFailed, NoAnswer
+from .methods import JobStarted, Methods
+from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
+
+
+class Client(Methods):
+    """Calls methods of one daemon; keys as of use_keys. Not for several threads at once.
+
+    `timeout_s` is how long an answer may take. Errors are ClientError: NoAnswer, or Refused with the daemon's own words.
+    """
+
+    def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
+        self.timeout_s = timeout_s
+        self._ids = itertools.count(1)
+        self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.DEALER)
+        self._socket.linger = 0
+        self._socket.sndtimeo = int(1e3 * timeout_s)
+        self._hint = key_hint(use_keys(self._socket, key, server_key))
+        self._socket.connect(endpoint)
+
+    def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
+        """The method's result; raises Refused with the daemon's own words."""
+        request_id = next(self._ids)
+        request = request_text(request_id, method, params)
+        return result_of(method, self.exchange(request, lambda r: isinstance(r, dict) and r.get("id") == request_id))
+
+    def exchange(self, request: bytes, is_reply: Callable[[Any], bool] = lambda reply: True) -> Any:
+        """Sends bytes as they are and returns the first reply that `is_reply` accepts."""
+        end = time.monotonic() + self.timeout_s
+        try:
+            self._socket.send(request)
+        except zmq.Again:
+            end = 0.0  # nobody has taken the requests before, either
+        while self._socket.poll(max(0, int(1e3 * (end - time.monotonic())))):
+            reply = json.loads(self._socket.recv_multipart()[-1])
+            if is_reply(reply):
+                return reply
+        raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
+
+    def wait_for_job(self, job: int | JobStarted, timeout_s: float = 600.0) -> Any:
+        """Waits for the end of a job, given by its number or by what started it; returns its result. Raises JobFailed if it failed or was
+        cancelled, NoAnswer if it has not ended within `timeout_s` seconds (it goes on; `job_cancel` ends it)."""
+        number = job if isinstance(job, int) else job["job"]
+        end = time.monotonic() + timeout_s
+        while (report := self.job_get(number))["state"] == "running":
+            if time.monotonic() > end:
+                raise NoAnswer(f"job {number} ({report['kind']}) has not ended within {timeout_s} s")
+            time.sleep(0.05)
+        if report["state"] != "done":
+            raise JobFailed(report)
+        return report["result"]
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._socket.close()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

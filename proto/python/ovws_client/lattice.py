@@ -1,0 +1,34 @@
+"""Where the subapertures lie, and how far a slope moves their spots: what a fit of one's own basis to the spots needs."""
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .methods import ConfigGetResult, RegistrationResult
+
+Floats = NDArray[np.float64]
+
+
+def subaperture_centres(config: ConfigGetResult) -> Floats:
+    """Centres in units of the pupil's radius, x right and y down, (subapertures, 2), in the order of `Spots`."""
+    sensor = config["sensor"]
+    pitch = 2.0 / sensor["subapertures_across"]
+    hexagonal = sensor["grid"] == "hexagonal"
+    row_pitch = pitch * (sqrt(0.75) if hexagonal else 1.0)
+    reach = (1.0 - 0.5 * pitch) * (1.0 + 1e-9)
+    rows, columns = int(reach / row_pitch), int(reach / pitch) + 1
+    centres = [((column + (0.5 if hexagonal and row % 2 else 0.0)) * pitch, row * row_pitch)
+               for row in range(-rows, rows + 1) for column in range(-columns, columns + 1)]
+    return np.array([centre for centre in centres if np.hypot(*centre) <= reach])
+
+
+def px_per_slope(config: ConfigGetResult, registration: RegistrationResult) -> Floats:
+    """The matrix S, camera pixels: a slope g of the wavefront, waves per pupil radius, moves a spot by S @ g pixels. By the registration in
+    force, or else by the configuration."""
+    optics, slm = config["optics"], config["slm"]
+    matrix = registration["px_per_cycle"] or optics["px_per_cycle"]
+    scale = optics["wavelength_nm"] * optics["focal_length_mm"] * optics["magnification"] / (slm["pitch_um"] * optics["camera_pitch_um"])
+    per_cycle = scale * np.eye(2) if matrix is None else np.array(matrix).reshape(2, 2)
+    return per_cycle / (0.5 * config["sensor"]["pupil_diameter_px"])

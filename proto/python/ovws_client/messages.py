@@ -1,0 +1,241 @@
+"""The messages of the streams as objects. What is not known is None, or NaN in an array; a wave is one `wavelength_nm`."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import NotUnderstood
+from .methods import FailedJob, Latency, Rates, StatusCamera, StatusRefine, StatusSensor, StatusSlm, Store
+from .wire import IMAGES, NUMBERS
+from .zernike import phase_map_waves
+
+Self = TypeVar("Self", bound="Message")
+Binary = bytes | memoryview | None
+Floats = NDArray[np.float64]
+
+
+def _array(body: Mapping[str, Any], binary: Binary) -> NDArray[Any]:
+    """The binary part where it lies: nothing is copied."""
+    if binary is None or body["dtype"] not in ("<u1", "<u2", "<f4"):
+        raise ValueError(f"a binary part of {body['dtype']}")
+    return np.frombuffer(binary, body["dtype"]).reshape(body["shape"])
+
+
+def _floats(values: list[float | None]) -> Floats:
+    return np.array(values, np.float64)  # None becomes NaN
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Message:
+    """What all have. `lost_messages` of its topic were lost on the way to this subscriber, just before this one."""
+
+    topic: ClassVar[str]
+    endpoint: ClassVar[str] = NUMBERS
+    seq: int
+    lost_messages: int = 0
+
+    @classmethod
+    def of(cls: type[Self], body: Mapping[str, Any], binary: Binary = None, lost_messages: int = 0) -> Self:
+        """From the JSON and binary parts. Raises NotUnderstood if they are of another form; keys that are not known are ignored."""
+        form = f"ovws.{cls.topic}/1"
+        if body.get("schema") != form:
+            raise NotUnderstood(f"a message {body.get('schema')} where {form} is known: take the client that came with the daemon")
+        try:
+            return cls(**cls._values(body, binary) | {"lost_messages": lost_messages})
+        except (KeyError, TypeError, ValueError) as error:
+            raise NotUnderstood(f"a message of {cls.topic} is not as {form} says: {error}") from error
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        return {field.name: body[field.name] for field in fields(cls) if field.name in body}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameMessage(Message):
+    """What is said of each processed frame; WIRE.md tells every field."""
+
+    frame_id: int
+    gap: int
+    """frames lost between the camera and the daemon since the message before"""
+    t_device_ns: int
+    t_arrival_ns: int
+    t_publish_ns: int
+    latency_us: float
+    hologram_id: int
+    settled: bool
+    charge: int
+    tracker: str
+    subapertures: int
+    tracked: int
+    valid: bool
+    wavelength_nm: float
+    rms_waves: float | None
+    """root sum square of the coefficients without tilts; None if not valid"""
+    fit_residual_px: float | None
+    """camera pixels"""
+    gain_db: float | None
+    exposure_us: float | None
+    saturated: float
+    """fraction of spots holding a saturated pixel, 0 to 1"""
+    loop: Literal["open", "closed"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Wavefront(FrameMessage):
+    """The modes of one frame."""
+
+    topic = "wavefront"
+    j: NDArray[np.int64]
+    """OSA/ANSI indices, without piston"""
+    coefficients_waves: Floats
+    """the aberration present minus the reference, waves, RMS-normalised, as many as `j`; all NaN if not valid"""
+
+    def phase_waves(self, size_px: int = 128) -> Floats:
+        """The wavefront over the pupil as an array of (size_px, size_px), waves; NaN outside the pupil, and everywhere if not valid."""
+        return phase_map_waves(self.j, self.coefficients_waves, size_px)
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"])}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spots(FrameMessage):
+    """The spots of one frame, one row a subaperture, by rows of increasing V_y, then V_x; NaN: lost, or no reference."""
+
+    topic = "spots"
+    x_y_px: NDArray[np.float32]
+    """camera pixels, (subapertures, 2)"""
+    ref_x_y_px: NDArray[np.float32]
+    """camera pixels, (subapertures, 2)"""
+    peak_dn: NDArray[np.float32]
+    """grey level of each spot's brightest pixel, DN"""
+    quality: NDArray[np.float32]
+    """contrast, 0 to 1"""
+
+    @property
+    def displacements_px(self) -> NDArray[np.float32]:
+        """Spot minus reference, camera pixels, (subapertures, 2)."""
+        return self.x_y_px - self.ref_x_y_px
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        table = _array(body, binary)
+        column = body["columns"].index
+        if body["column_units"] != ["px", "px", "px", "px", "DN", "1"]:
+            raise ValueError(f"columns in {body['column_units']}")
+        x, ref_x = column("x"), column("ref_x")
+        return super()._values(body, binary) | {"x_y_px": table[:, x:x + 2], "ref_x_y_px": table[:, ref_x:ref_x + 2],
+                                                "peak_dn": table[:, column("peak")], "quality": table[:, column("quality")]}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refined(Message):
+    """A frame fitted to all its pixels, seconds after it came."""
+
+    topic = "refined"
+    frame_id: int
+    t_arrival_ns: int
+    t_publish_ns: int
+    hologram_id: int
+    charge: int
+    valid: bool
+    reason: str | None
+    against: Literal["reference", "model"]
+    wavelength_nm: float
+    rms_waves: float | None
+    gain_db: float | None
+    exposure_us: float | None
+    chi2_per_pixel: float | None
+    peak_e: float | None
+    """electrons"""
+    background_e: float | None
+    """electrons"""
+    iterations: int | None
+    duration_ms: float
+    j: NDArray[np.int64]
+    coefficients_waves: Floats
+    """waves, RMS-normalised, as many as `j`; all NaN if not valid"""
+    sigma_waves: Floats
+    """their standard errors, waves; all NaN if not valid"""
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"]),
+                                                "sigma_waves": _floats(body["sigma"])}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Image(Message):
+    """A camera image."""
+
+    topic = "image"
+    endpoint = IMAGES
+    frame_id: int
+    t_arrival_ns: int
+    hologram_id: int
+    pixel_format: str
+    significant_bits: int
+    pixels: NDArray[np.uint8] | NDArray[np.uint16]
+    """grey levels, DN, (rows, columns), in the memory in which they came"""
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        return super()._values(body, binary) | {"pixels": _array(body, binary)}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Phase(Message):
+    """The wavefront over the pupil, as the daemon draws it."""
+
+    topic = "phase"
+    endpoint = IMAGES
+    frame_id: int
+    t_arrival_ns: int
+    hologram_id: int
+    valid: bool
+    wavelength_nm: float
+    waves: NDArray[np.float32]
+    """(rows, columns) of pupil_grid; NaN outside the pupil"""
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        return super()._values(body, binary) | {"waves": _array(body, binary)}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Status(Message):
+    """How the daemon is, once a second and at once on change; the parts are dicts as of `system.status`."""
+
+    topic = "status"
+    t_ns: int
+    uptime_s: float
+    state: str
+    fault: str | None
+    camera: StatusCamera
+    slm: StatusSlm
+    sensor: StatusSensor
+    refine: StatusRefine
+    store: Store
+    loop: Literal["open", "closed"]
+    failed_job: FailedJob | None
+    rates: Rates
+    counters: dict[str, int]
+    latency: dict[str, Latency]
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Event(Message):
+    """Something happened."""
+
+    topic = "event"
+    t_ns: int
+    kind: str
+    severity: Literal["info", "warning", "error"]
+    text: str
+    data: dict[str, Any] | None

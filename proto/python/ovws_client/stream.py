@@ -1,0 +1,43 @@
+"""The streams as they are on the wire: dicts."""
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import Any
+
+import zmq
+
+from .wire import NUMBERS, KeyFile, use_keys
+
+
+class Stream:
+    """Messages of some topics, as dicts; a binary part is under the key "binary". Keys as of use_keys."""
+
+    def __init__(self, topics: Iterable[str], endpoint: str = NUMBERS, key: KeyFile | None = None, server_key: str | None = None) -> None:
+        self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.SUB)
+        self._socket.linger = 0
+        self._socket.rcvhwm = 100000
+        for topic in topics:
+            self._socket.subscribe(topic)
+        use_keys(self._socket, key, server_key)
+        self._socket.connect(endpoint)
+
+    def next(self, timeout_s: float = 1.0) -> dict[str, Any] | None:
+        """The next message with its "topic", or None."""
+        if not self._socket.poll(int(1e3 * timeout_s)):
+            return None
+        topic, text, *binary = self._socket.recv_multipart()
+        message: dict[str, Any] = json.loads(text)
+        message["topic"] = topic.decode()
+        if binary:
+            message["binary"] = binary[0]
+        return message
+
+    def drain(self) -> None:
+        """Throws away what has already arrived."""
+        while self.next(0.0) is not None:
+            pass
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._socket.close()

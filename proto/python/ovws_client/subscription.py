@@ -1,0 +1,125 @@
+"""The streams as iterators of typed messages, and what was lost of them."""
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any, Generic, Literal, TypeVar
+
+import zmq
+
+from .errors import Lost, NoAnswer
+from .messages import FrameMessage, Message
+from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
+
+M = TypeVar("M", bound=Message)
+OnLoss = Literal["report", "raise"]
+MOST_PICTURES = 10  # that wait: each is as large as a frame
+
+
+class Losses:
+    """Counts what a subscriber lost, by the numbers of a topic's messages."""
+
+    def __init__(self) -> None:
+        self._expected: dict[str, int] = {}
+        self.messages = 0
+
+    def before(self, topic: str, seq: int) -> int:
+        """How many messages of this topic were lost just before this one; none before the first. A daemon that was started anew counts
+        from 0 again: then those since its start."""
+        expected = self._expected.get(topic, seq)
+        lost = seq - expected if seq >= expected else seq
+        self._expected[topic] = seq + 1
+        self.messages += lost
+        return lost
+
+
+class Decoder(Generic[M]):
+    """Turns the frames of some kinds of messages into objects."""
+
+    def __init__(self, kinds: Sequence[type[M]], on_loss: OnLoss) -> None:
+        if not kinds:
+            raise ValueError("name what to subscribe to: Wavefront, Spots, Refined, Status, Event, Image or Phase")
+        self._kinds = {kind.topic.encode(): kind for kind in kinds}
+        self._raises = on_loss == "raise"
+        self.losses = Losses()
+
+    def configure(self, socket: zmq.Socket[Any], endpoint: str, image_endpoint: str, queue_messages: int) -> None:
+        """Subscribes and connects to where these kinds are published."""
+        socket.linger = 0
+        for topic in self._kinds:
+            socket.subscribe(topic)
+        homes = {NUMBERS: endpoint, IMAGES: image_endpoint}
+        for home in sorted({kind.endpoint for kind in self._kinds.values()}):
+            socket.rcvhwm = min(queue_messages, MOST_PICTURES) if home == IMAGES else queue_messages  # of the connections from here on
+            socket.connect(homes[home])
+
+    def decode(self, frames: Sequence[zmq.Frame]) -> M | None:
+        """The message; None if it is of a topic whose name only begins like one that was asked for. May raise Lost."""
+        kind = self._kinds.get(frames[0].bytes)
+        if kind is None:
+            return None
+        body = json.loads(frames[1].bytes)
+        lost = self.losses.before(kind.topic, int(body["seq"]))
+        message = kind.of(body, frames[2].buffer if len(frames) > 2 else None, lost)
+        gap = message.gap if isinstance(message, FrameMessage) else 0
+        if self._raises and (lost or gap):
+            raise Lost(message, gap)
+        return message
+
+
+class Subscription(Generic[M]):
+    """Messages of some kinds, as they come: `for frame in Subscription(Wavefront): …`. Not for several threads at once.
+
+    timeout_s: how long iterating waits for a message before it raises NoAnswer; None: for ever
+    on_loss: "report": `lost_messages` of each message, and `lost_messages` here of all; "raise": also the exception Lost, which holds the
+             message, and for frames that the daemon did not get (`gap`), too; iterating may go on
+    queue_messages: so many wait here for a slow program, of images and phase maps at most ten; then the next ones are lost
+    key, server_key: as of use_keys
+    """
+
+    def __init__(self, *kinds: type[M], endpoint: str = NUMBERS, image_endpoint: str = IMAGES, timeout_s: float | None = None,
+                 on_loss: OnLoss = "report", queue_messages: int = 1000, key: KeyFile | None = None, server_key: str | None = None) -> None:
+        self.timeout_s = timeout_s
+        self._decoder = Decoder(kinds, on_loss)
+        self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.SUB)
+        self._hint = key_hint(use_keys(self._socket, key, server_key))
+        self._decoder.configure(self._socket, endpoint, image_endpoint, queue_messages)
+
+    @property
+    def lost_messages(self) -> int:
+        """How many were lost so far on the way here."""
+        return self._decoder.losses.messages
+
+    def next(self, timeout_s: float | None = None) -> M | None:
+        """The next message, or None if none came within `timeout_s` seconds (None: waits for ever)."""
+        while self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
+            message = self._decoder.decode(self._socket.recv_multipart(copy=False))
+            if message is not None:
+                return message
+        return None
+
+    def newest(self, timeout_s: float | None = None) -> M | None:
+        """As `next`, but the last of those that have come: for programs slower than the stream. Those passed over do not count as lost."""
+        message = self.next(timeout_s)
+        while message is not None and (later := self.next(0.0)) is not None:
+            message = later
+        return message
+
+    def __iter__(self) -> Subscription[M]:
+        return self
+
+    def __next__(self) -> M:
+        message = self.next(self.timeout_s)
+        if message is None:
+            raise NoAnswer(f"no message within {self.timeout_s} s; does the daemon run, and {self._hint}")
+        return message
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._socket.close()
+
+    def __enter__(self) -> Subscription[M]:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,58 @@
+"""What both clients, the blocking one and that of asyncio, know of the wire."""
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zmq
+
+from .errors import ClientError, Refused
+
+CONTROL = "tcp://127.0.0.1:7702"
+NUMBERS = "tcp://127.0.0.1:7701"
+IMAGES = "tcp://127.0.0.1:7703"
+KeyFile = str | os.PathLike[str]
+
+
+def use_keys(socket: zmq.Socket[Any], key: KeyFile | None = None, server_key: str | None = None) -> bool:
+    """Keys of a client for a daemon that asks for them: `key` is a file of `ovws keygen`, `server_key` the daemon's public key
+    (default: "server_key" in that file). Without both: $OVWS_KEY and $OVWS_SERVER_KEY. Returns whether there are any."""
+    key = key or os.environ.get("OVWS_KEY")
+    if not key:
+        return False
+    keys = json.loads(Path(key).read_text(encoding="utf-8"))
+    server_key = server_key or os.environ.get("OVWS_SERVER_KEY") or keys.get("server_key")
+    if not server_key:
+        raise ClientError(f"the daemon's public key must be given: server_key=…, or \"server_key\" in {key}")
+    socket.curve_publickey = keys["public_key"].encode()
+    socket.curve_secretkey = keys["secret_key"].encode()
+    socket.curve_serverkey = server_key.encode()
+    return True
+
+
+def key_hint(with_keys: bool) -> str:
+    """What to ask when nobody answers."""
+    return "is its key known there, and the server key its own?" if with_keys else "does it ask for a key?"
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is nothing that JSON knows")
+
+
+def request_text(request_id: int, method: str, params: Mapping[str, object] | None) -> bytes:
+    """A request; numpy's numbers and arrays may be in it. Raises ValueError for NaN and infinity, which JSON does not know."""
+    request = {"jsonrpc": "2.0", "id": request_id, "method": method, "params": params or {}}
+    return json.dumps(request, default=_plain, allow_nan=False).encode()
+
+
+def result_of(method: str, reply: Mapping[str, Any]) -> Any:
+    """The reply's result; raises Refused if it is an error."""
+    if "error" in reply:
+        raise Refused(method, reply["error"])
+    return reply["result"]

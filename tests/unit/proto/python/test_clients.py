@@ -1,0 +1,173 @@
+"""Both clients against a daemon that is played here: answers, errors, silence, replies in any order."""
+import asyncio
+import itertools
+import json
+import re
+import tempfile
+import threading
+import unittest
+
+from paths import ROOT
+
+import numpy as np
+import zmq
+
+from ovws_client import AsyncClient, Client, ClientError, JobFailed, NoAnswer, Refused
+from ovws_client.errors import CODES
+
+OUT_OF_RANGE = {"code": -32602, "message": "gain_db: must be a number from -100 to 100, not 1000",
+                "data": {"field": "gain_db", "reason": "must be a number from -100 to 100, not 1000", "min": -100.0, "max": 100.0}}
+UNKNOWN = {"code": -32602, "message": "exposure_su: unknown key",
+           "data": {"field": "exposure_su", "reason": "unknown key", "nearest": "exposure_us"}}
+
+
+def job(state, error=None):
+    result = {"frames": 9} if state == "done" else None
+    return {"job": 3, "kind": "reference.take", "state": state, "progress": 0.5, "result": result, "error": error}
+
+
+class Played(threading.Thread):
+    """Answers as `replies` say: for each request in turn {"result": …}, {"error": …}, or None for no answer; `together` requests at a
+    time, the last one first."""
+
+    def __init__(self, endpoint, replies, together=1):
+        super().__init__(daemon=True)
+        self.requests = []
+        self._replies, self._together = list(replies), together
+        self._socket = zmq.Context.instance().socket(zmq.ROUTER)
+        self._socket.bind(endpoint)
+        self.start()
+
+    def run(self):
+        with self._socket:
+            while self._replies:
+                waiting = []
+                for _ in range(self._together):
+                    peer, text = self._socket.recv_multipart()
+                    self.requests.append(json.loads(text))
+                    waiting.append((peer, self.requests[-1]["id"], self._replies.pop(0)))
+                for peer, request_id, reply in reversed(waiting):
+                    if reply is not None:
+                        self._socket.send_multipart([peer, json.dumps({"jsonrpc": "2.0", "id": request_id} | reply).encode()])
+
+
+class Clients(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.endpoints = (f"ipc://{folder.name}/control{number}" for number in itertools.count())
+
+    def both(self, use, *replies):
+        """What use(client) comes to on the blocking client, and, awaited, on the other; what they asked for is in `requests`."""
+        endpoint = next(self.endpoints)
+        played = Played(endpoint, replies * 2)
+        with Client(endpoint, 20.0) as client:
+            outcomes = [self.outcome(lambda: use(client))]
+
+        async def awaited():
+            async with AsyncClient(endpoint, 20.0) as later:
+                return await use(later)
+
+        outcomes.append(self.outcome(lambda: asyncio.run(awaited())))
+        played.join(20.0)
+        self.assertFalse(played.is_alive(), "requests are missing")
+        self.requests = played.requests
+        return outcomes
+
+    @staticmethod
+    def outcome(act):
+        try:
+            return act()
+        except ClientError as error:
+            return error
+
+    def test_a_result(self):
+        outcomes = self.both(lambda client: client.camera_set(gain_db=np.float32(6.0), roi={"x": np.int64(8)}), {"result": {"applied": 1}})
+        self.assertEqual(outcomes, [{"applied": 1}] * 2)
+        self.assertEqual([(r["method"], r["params"]) for r in self.requests], [("camera.set", {"gain_db": 6.0, "roi": {"x": 8}})] * 2)
+
+    def test_an_error_says_what_and_what_to_do(self):
+        for error in self.both(lambda client: client.camera_set(gain_db=1000), {"error": OUT_OF_RANGE}):
+            self.assertIsInstance(error, Refused)
+            self.assertEqual((error.code, error.field, error.limits, error.nearest), (-32602, "gain_db", (-100.0, 100.0), None))
+            self.assertEqual((error.reason, error.what_to_do), (OUT_OF_RANGE["data"]["reason"], "mend it; see `field`"))
+            self.assertEqual(str(error), f"camera.set: {OUT_OF_RANGE['message']}")
+        for error in self.both(lambda client: client.call("camera.set", {"exposure_su": 1}), {"error": UNKNOWN}):
+            self.assertEqual((error.field, error.limits, error.nearest), ("exposure_su", None, "exposure_us"))
+
+    def test_a_job_that_is_done_failed_or_cancelled(self):
+        failed = {"code": -32000, "message": "camera.exposure_us: too bright",
+                  "data": {"field": "camera.exposure_us", "reason": "too bright"}}
+        done = self.both(lambda client: client.wait_for_job({"job": 3}), {"result": job("running")}, {"result": job("done")})
+        self.assertEqual(done, [{"frames": 9}] * 2)
+        for error in self.both(lambda client: client.wait_for_job(3), {"result": job("failed", failed)}):
+            self.assertIsInstance(error, JobFailed)
+            self.assertEqual((error.state, error.code, error.field, error.reason), ("failed", -32000, "camera.exposure_us", "too bright"))
+        for error in self.both(lambda client: client.wait_for_job(3), {"result": job("cancelled")}):
+            self.assertEqual((error.state, error.reason), ("cancelled", "it was cancelled"))
+
+    def test_a_job_that_does_not_end(self):
+        Played(endpoint := next(self.endpoints), [{"result": job("running")}] * 1000)
+        with Client(endpoint, 20.0) as client, self.assertRaisesRegex(NoAnswer, "job 3 .*not ended within 0.2 s"):
+            client.wait_for_job(3, timeout_s=0.2)
+
+        async def main():
+            async with AsyncClient(endpoint, 20.0) as later:
+                with self.assertRaisesRegex(NoAnswer, "job 3 .*not ended within 0.2 s"):
+                    await later.wait_for_job(3, timeout_s=0.2)
+
+        asyncio.run(main())
+
+    def test_nobody_answers(self):
+        words = "within 0.1 s; does the daemon run, and does it ask for a key"
+        with Client(next(self.endpoints), timeout_s=0.1) as client, self.assertRaisesRegex(NoAnswer, words):
+            client.system_status()
+
+        async def main():
+            async with AsyncClient(next(self.endpoints), timeout_s=0.1) as later:
+                with self.assertRaisesRegex(NoAnswer, words):
+                    await later.system_status()
+
+        asyncio.run(main())
+
+    def test_a_late_reply_is_not_taken_for_the_next_one(self):
+        Played(endpoint := next(self.endpoints), [None, {"result": "second"}])
+        with Client(endpoint, timeout_s=0.1) as client:
+            with self.assertRaises(NoAnswer):
+                client.call("first")
+            client.timeout_s = 20.0
+            self.assertEqual(client.call("second"), "second")
+
+    def test_calls_at_once_are_answered_in_any_order(self):
+        Played(endpoint := next(self.endpoints), [{"result": number} for number in range(8)], together=4)
+
+        async def main():
+            async with AsyncClient(endpoint, timeout_s=20.0) as client:
+                return [await asyncio.gather(*(client.call(f"m{number}") for number in range(4))) for _ in range(2)]
+
+        self.assertEqual(asyncio.run(main()), [[0, 1, 2, 3], [4, 5, 6, 7]])
+
+    def test_who_waits_when_the_client_is_closed_is_told(self):
+        async def main():
+            client = AsyncClient(next(self.endpoints), timeout_s=20.0)
+            waiting = asyncio.create_task(client.system_status())
+            await asyncio.sleep(0)
+            client.close()
+            with self.assertRaisesRegex(NoAnswer, "closed"):
+                await waiting
+
+        asyncio.run(main())
+
+    def test_what_json_does_not_know_is_not_sent(self):
+        with Client(next(self.endpoints)) as client:
+            for wrong, error in ((float("nan"), ValueError), (np.float64("inf"), ValueError), (object(), TypeError)):
+                with self.assertRaises(error):
+                    client.camera_set(gain_db=wrong)
+
+    def test_the_codes_are_those_of_the_document(self):
+        rows = re.findall(r"^\| (-32\d+) \| (.*) \| (.*) \|$", (ROOT / "proto" / "WIRE.md").read_text(), re.M)
+        self.assertEqual({int(code): (meaning, to_do) for code, meaning, to_do in rows}, CODES)
+
+
+if __name__ == "__main__":
+    unittest.main()

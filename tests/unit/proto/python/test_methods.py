@@ -1,0 +1,73 @@
+"""The methods that are made from the schemas: as the schemas say, and no others."""
+import asyncio
+import inspect
+import subprocess
+import sys
+import typing
+import unittest
+
+from paths import METHODS, PYTHON
+
+from ovws_client import LEFT_OUT, methods
+
+
+class Recorder(methods.Methods):
+    def call(self, method, params=None):
+        return method, params
+
+
+class AsyncRecorder(methods.AsyncMethods):
+    async def call(self, method, params=None):
+        return method, params
+
+
+def names(kind):
+    return {name for name in vars(kind) if not name.startswith("_")} - {"call"}
+
+
+def collapsed(text):
+    return " ".join(text.split())
+
+
+class Made(unittest.TestCase):
+    def test_the_file_is_what_the_script_makes(self):
+        made = subprocess.run([sys.executable, PYTHON / "make_methods.py", "--print"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(made, (PYTHON / "ovws_client" / "methods.py").read_text(), "run proto/python/make_methods.py")
+
+    def test_every_method_is_there_with_its_params_and_words(self):
+        wanted = {name.replace(".", "_"): schema for name, schema in METHODS.items()}
+        for kind in (methods.Methods, methods.AsyncMethods):
+            self.assertEqual(names(kind), set(wanted))
+            for name, schema in wanted.items():
+                with self.subTest(kind=kind.__name__, method=name):
+                    function = getattr(kind, name)
+                    params = dict(inspect.signature(function).parameters)
+                    del params["self"]
+                    self.assertEqual(set(params), set(schema["params"]["properties"]))
+                    must = {key for key, param in params.items() if param.default is not LEFT_OUT}
+                    self.assertEqual(must, set(schema["params"].get("required", [])))
+                    self.assertIn(collapsed(schema["description"]), collapsed(function.__doc__))
+                    if kind is methods.Methods:
+                        for key, value in (schema["params"]["properties"] | schema["result"]["properties"]).items():
+                            self.assertIn(f"{key}: {collapsed(value['description'])}", collapsed(function.__doc__))
+
+    def test_the_types_of_results_are_those_of_the_schemas(self):
+        for name, schema in METHODS.items():
+            with self.subTest(method=name):
+                result = typing.get_type_hints(getattr(methods.Methods, name.replace(".", "_")))["return"]
+                self.assertEqual(result.__required_keys__, set(schema["result"]["required"]))
+                self.assertEqual(result.__required_keys__ | result.__optional_keys__, set(schema["result"]["properties"]))
+
+    def test_params_are_sent_as_they_are_given(self):
+        recorder, later = Recorder(), AsyncRecorder()
+        for name, schema in METHODS.items():
+            for params in schema["params"]["examples"]:
+                with self.subTest(method=name, params=params):
+                    sent = getattr(recorder, name.replace(".", "_"))(**params)
+                    self.assertEqual((sent[0], sent[1] or {}), (name, params))
+                    self.assertEqual(asyncio.run(getattr(later, name.replace(".", "_"))(**params)), sent)
+        self.assertEqual(recorder.refine_set(saturation_dn=None), ("refine.set", {"saturation_dn": None}), "null is a value")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,66 @@
+"""Both subscriptions against a publisher that is played here: iterating, losses, silence."""
+import asyncio
+import itertools
+import json
+import tempfile
+import unittest
+
+import paths  # noqa: F401  the client's folder
+
+import zmq
+
+from ovws_client import AsyncSubscription, Event, NoAnswer, Subscription
+
+EVENT = {"schema": "ovws.event/1", "seq": 0, "t_ns": 1, "kind": "job", "severity": "info", "text": "done", "data": None}
+
+
+class Subscriptions(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.endpoint = f"ipc://{folder.name}/numbers"
+        self.socket = zmq.Context.instance().socket(zmq.XPUB)  # tells when somebody has subscribed
+        self.addCleanup(self.socket.close, 0)
+        self.socket.bind(self.endpoint)
+
+    def publish(self, *seqs):
+        self.assertTrue(self.socket.poll(10000))
+        self.socket.recv()
+        for seq in seqs:
+            self.socket.send_multipart([b"event", json.dumps(EVENT | {"seq": seq}).encode()])
+
+    def test_iterating_and_the_newest(self):
+        with Subscription(Event, endpoint=self.endpoint, timeout_s=20.0) as stream:
+            self.publish(0, 1, 4)
+            self.assertEqual([(m.seq, m.lost_messages) for m in itertools.islice(stream, 3)], [(0, 0), (1, 0), (4, 2)])
+            self.assertEqual(stream.lost_messages, 2)
+            self.assertIsNone(stream.next(0.0))
+            for seq in (5, 6, 7):
+                self.socket.send_multipart([b"event", json.dumps(EVENT | {"seq": seq}).encode()])
+            seen = []
+            while 7 not in seen:
+                seen.append(stream.newest(20.0).seq)
+            self.assertEqual((seen, stream.lost_messages), (sorted(seen), 2))
+
+    def test_silence(self):
+        with Subscription(Event, endpoint=self.endpoint, timeout_s=0.05) as stream:
+            with self.assertRaisesRegex(NoAnswer, "0.05 s"):
+                next(stream)
+            self.assertIsNone(stream.newest(0.0))
+
+    def test_for_asyncio(self):
+        async def main():
+            async with AsyncSubscription(Event, endpoint=self.endpoint, timeout_s=20.0) as stream:
+                await asyncio.to_thread(self.publish, 0, 3)
+                heard = [(await anext(stream)).lost_messages for _ in range(2)]
+                self.assertEqual((heard, stream.lost_messages), ([0, 2], 2))
+                self.assertIsNone(await stream.newest(0.0))
+                stream.timeout_s = 0.05
+                with self.assertRaises(NoAnswer):
+                    await anext(stream)
+
+        asyncio.run(main())
+
+
+if __name__ == "__main__":
+    unittest.main()
