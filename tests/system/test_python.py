@@ -1,0 +1,239 @@
+"""The Python client on a whole bench: what its README shows, its examples, every kind of message, and its numbers against the daemon's."""
+import asyncio
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import textwrap
+import time
+
+from case import ROOT, BenchCase, main
+
+import numpy as np
+
+import ovws_client
+from ovws_client import AsyncClient, AsyncSubscription, Client, NoAnswer, Refused, Subscription
+
+PYTHON = ROOT / "proto" / "python"
+README = (PYTHON / "README.md").read_text()
+KINDS = (ovws_client.Event, ovws_client.Status, ovws_client.Wavefront, ovws_client.Spots, ovws_client.Image, ovws_client.Phase)
+PYPLOT = """
+def said(name):
+    return lambda *a, **k: print("pyplot", name)
+cla, bar, xlabel, ylabel, pause = map(said, ("cla", "bar", "xlabel", "ylabel", "pause"))
+"""
+
+
+def blocks(language):
+    return [textwrap.dedent(block) for block in re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)]
+
+
+class Scripts(BenchCase):
+    """Programs of their own, as a user runs them."""
+
+    def run_here(self, command, path=PYTHON, **more):
+        print("\n  $", shlex.join(map(str, command))[:120])
+        env = os.environ | {"PYTHONPATH": str(path), "HOME": str(self.bench.directory), "MPLBACKEND": "Agg"}
+        done = subprocess.run(command, capture_output=True, text=True, timeout=90, env=env, **more)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        print(textwrap.indent(done.stdout[-400:], "    "))
+        return done.stdout
+
+    def example(self, name, *arguments, **more):
+        return self.run_here([sys.executable, PYTHON / "examples" / name, *arguments], **more)
+
+    def test_five_lines(self):
+        five, *_ = blocks("python")
+        self.assertEqual(len(five.splitlines()), 5)
+        command, env = [sys.executable, "-u", "-c", five], os.environ | {"PYTHONPATH": str(PYTHON)}
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=env)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)  # it would go on for ever
+        printed = "".join(line for line, _ in zip(process.stdout, range(20)))
+        self.assertRegex(printed, r"\d+ True \[")
+
+    def test_the_other_blocks(self):
+        _, *others = blocks("python")
+        self.assertGreaterEqual(len(others), 3)
+        for block in others:
+            self.assertTrue(self.run_here([sys.executable, "-c", block]))
+
+    def test_the_commands(self):
+        self.take_reference(20)
+        folder = self.bench.directory / "clone"
+        shutil.copytree(PYTHON, folder / "proto" / "python", ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"))
+        (folder / "bin").mkdir()
+        (folder / "bin" / "python3").symlink_to(sys.executable)
+        (folder / "bin" / "pip").write_text(f'#!/bin/sh\nexec {sys.executable} -m pip "$@"\n')
+        (folder / "bin" / "pip").chmod(0o755)
+        commands = "set -e\n" + f'PATH="{folder}/bin:$PATH"\n' + "".join(blocks("sh"))
+        self.assertIn("pip install", commands)
+        self.assertEqual(commands.count("python3 proto/python/examples/"), len(list((PYTHON / "examples").glob("*.py"))))
+        self.assertIn("\nrunning\n", self.run_here(["sh", "-c", commands], path="", cwd=folder))
+
+    def test_the_links(self):
+        for link in re.findall(r"\]\(([^)#:]+)\)", README):
+            self.assertTrue((PYTHON / link).exists(), link)
+
+    def test_live_plot(self):
+        self.take_reference(20)
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}]})
+        shown = re.findall(r"j =   4 +\+0\.(\d+) (#*)", self.example("live_plot.py", "100", path=self.matplotlib("raise ImportError")))
+        self.assertEqual(shown[-1][1], "########", shown)
+        self.assertEqual(self.example("live_plot.py", "2", path=self.matplotlib(PYPLOT)).count("pyplot bar"), 2)
+
+    def matplotlib(self, pyplot):
+        """Where Python finds one that is played, whether this machine has the real one or not."""
+        package = self.bench.directory / "played" / "matplotlib"
+        package.mkdir(parents=True, exist_ok=True)
+        (package / "__init__.py").touch()
+        (package / "pyplot.py").write_text(pyplot)
+        return f"{package.parent}:{PYTHON}"
+
+    def test_gain_sweep(self):
+        self.take_reference(100)
+        before = self.call("camera.get")["settings"]
+        told = re.findall(r"([\d.]+) dB, +([\d.]+) us: ([\d.]+) milliwaves", self.example("gain_sweep.py"))
+        self.assertEqual([(float(gain_db), float(exposure_us)) for gain_db, exposure_us, _ in told], [(0, 2000), (6, 1002), (12, 502)])
+        scatter = [float(milliwaves) for *_, milliwaves in told]
+        self.assertEqual(scatter, sorted(scatter), "less light, more noise")
+        self.assertGreater(scatter[2], 1.3 * scatter[0])
+        self.assertEqual(self.call("camera.get")["settings"], before)
+
+    def test_own_loop(self):
+        self.take_reference(100)
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.3}, {"j": 7, "waves": -0.1}]})
+        residual_waves = [float(value) for value in re.findall(r"residual ([\d.]+) waves", self.example("own_loop.py"))]
+        self.assertAlmostEqual(residual_waves[0], 0.316, delta=0.03)
+        self.assertLess(residual_waves[-1], 0.005)
+        corrected = {mode["j"]: mode["waves"] for mode in self.call("correction.get")["modes"]}
+        self.assertAlmostEqual(corrected[3], 0.3, delta=0.01)
+
+    def test_own_basis(self):
+        self.take_reference(100)
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 3, "waves": 0.1}]})
+        self.settled_frames(self.stream("wavefront"), 5)
+        told = re.findall(r"x\^(\d) y\^(\d): ([-+.\d]+) waves", self.example("own_basis.py"))
+        waves = {(int(a), int(b)): float(value) for a, b, value in told}
+        # 0.2 sqrt(3) (2 x^2 + 2 y^2 - 1) + 0.1 sqrt(6) 2 x y
+        for power, value in {(2, 0): 0.693, (0, 2): 0.693, (1, 1): 0.490, (1, 0): 0.0, (0, 1): 0.0}.items():
+            self.assertAlmostEqual(waves[power], value, delta=0.03)
+
+
+class Numbers(BenchCase):
+    def for_a_while(self, stream, seconds=30.0):
+        end = time.monotonic() + seconds
+        for message in stream:
+            self.assertLess(time.monotonic(), end, "what was waited for did not come")
+            yield message
+
+    def test_every_kind_of_message(self):
+        self.take_reference(20)
+        found = {}
+        with Subscription(*KINDS, timeout_s=20.0) as stream:
+            for message in self.for_a_while(stream):
+                if type(message) not in found and isinstance(message, ovws_client.Status):
+                    self.client.reference_take(frames=5)  # makes events; who has a status has subscribed to events, too
+                found.setdefault(type(message), message)
+                if set(found) == set(KINDS):
+                    break
+        self.assertIn(found[ovws_client.Status].state, ("running", "job_running"))
+        spots, image = found[ovws_client.Spots], found[ovws_client.Image]
+        self.assertLess(np.abs(spots.x_y_px[9] - 255.5).max(), 2.0, "the base subaperture is the tenth of 19")
+        self.assertEqual((image.pixels.shape, image.pixels.dtype, image.pixels.flags.owndata), ((512, 512), np.uint8, False))
+        self.wait_until("running")
+        self.client.camera_set(pixel_format="Mono12")
+        with Subscription(ovws_client.Image, timeout_s=20.0) as stream:
+            deep = next(image for image in stream if image.pixel_format == "Mono12")
+        self.assertEqual((deep.pixels.dtype, deep.significant_bits), (np.uint16, 12))
+        self.assertLess(deep.pixels.max(), 1 << 12)
+        self.assertGreater(deep.pixels.max(), image.pixels.max(), "four bits more")
+
+    def test_the_map_of_the_coefficients_is_the_daemons(self):
+        self.take_reference(20)
+        self.client.aberration_set([{"n": 3, "m": 1, "waves": 0.2}, {"n": 2, "m": -2, "waves": 0.3}])
+        frames = {}
+        with Subscription(ovws_client.Wavefront, ovws_client.Phase, timeout_s=20.0) as stream:
+            for message in self.for_a_while(stream):
+                if isinstance(message, ovws_client.Wavefront):
+                    frames[message.frame_id] = message
+                elif message.valid and message.frame_id in frames and np.nanstd(message.waves) > 0.3:
+                    break
+        mine = frames[message.frame_id].phase_waves(message.waves.shape[0])
+        np.testing.assert_array_equal(np.isnan(mine), np.isnan(message.waves))
+        self.assertLess(np.nanmax(np.abs(mine - message.waves)), 1e-5)
+        self.assertAlmostEqual(float(np.nanstd(mine)), 0.36, delta=0.02)
+
+    def test_the_lattice_is_the_daemons(self):
+        for settings in ({}, {"grid": "square", "subapertures_across": 6}, {"grid": "hexagonal", "subapertures_across": 7}):
+            with self.subTest(**settings):
+                self.client.sensor_set(**settings)
+                self.compare_lattice(1e-9)
+        self.client.sensor_set(subapertures_across=5)
+        self.run_job("registration.run", {"frames": 2}, 60.0)
+        self.assertTrue(self.client.registration_get()["registered"])
+        self.compare_lattice(1e-6)
+
+    def compare_lattice(self, delta_px):
+        positions_px = np.array(self.client.reference_set("model")["positions_px"])
+        config = self.client.config_get()
+        centres, matrix_px = ovws_client.subaperture_centres(config), ovws_client.px_per_slope(config, self.client.registration_get())
+        self.assertEqual(centres.shape, positions_px.shape)
+        # The lattice's gratings are slopes, too: s V grooves over the SLM's width and height.
+        radius_px, slm = 0.5 * config["sensor"]["pupil_diameter_px"], config["slm"]
+        slopes = centres * radius_px**2 * config["sensor"]["spacing"] / [slm["width"], slm["height"]]
+        base = np.argmin(np.hypot(*centres.T))
+        self.assertLess(np.abs(slopes @ matrix_px.T - (positions_px - positions_px[base])).max(), delta_px)
+
+    def test_asyncio(self):
+        async def both():
+            async with AsyncClient() as client, AsyncSubscription(ovws_client.Wavefront, timeout_s=20.0) as stream:
+                await client.wait_for_job(await client.reference_take(frames=20))
+                status, sensor, frame = await asyncio.gather(client.system_status(), client.sensor_get(), anext(stream))
+                with self.assertRaises(Refused) as caught:
+                    await client.sensor_set(tracker="lgg")
+                return status["state"], len(sensor["modes_j"]) == len(frame.j), (caught.exception.field, caught.exception.nearest)
+
+        self.assertEqual(asyncio.run(both()), ("running", True, ("tracker", "lg")))
+
+
+class Keys(BenchCase):
+    def start(self):
+        folder = self.bench.directory
+        self.public = {name: subprocess.run([self.bench.programs / "ovws", "keygen", "-o", folder / f"{name}.json"], check=True,
+                                            capture_output=True, text=True).stdout.strip() for name in ("daemon", "analysis")}
+        clients = [{"name": "analysis", "key": self.public["analysis"], "role": "read"}]
+        (folder / "clients.json").write_text(json.dumps({"clients": clients}))
+        self.bench.start_daemon({"security": {"secret_key": str(folder / "daemon.json"), "clients": str(folder / "clients.json")}})
+        self.keys = {"key": folder / "analysis.json", "server_key": self.public["daemon"]}
+
+    def test_with_keys_and_without(self):
+        async def awaited(timeout_s, **keys):
+            subscription = AsyncSubscription(ovws_client.Status, timeout_s=timeout_s, **keys)
+            async with AsyncClient(timeout_s=timeout_s, **keys) as client, subscription as stream:
+                return (await client.system_status())["state"], (await anext(stream)).state
+
+        with Client(timeout_s=20.0, **self.keys) as client, Subscription(ovws_client.Status, timeout_s=20.0, **self.keys) as stream:
+            self.assertEqual(client.system_status()["state"], next(stream).state)
+            with self.assertRaises(Refused) as caught:
+                client.camera_set(gain_db=1.0)
+            self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))
+        state, told = asyncio.run(awaited(20.0, **self.keys))
+        self.assertEqual(state, told)
+        with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it ask for a key"):
+            client.system_status()
+        with Subscription(ovws_client.Status, timeout_s=2.5) as stream, self.assertRaisesRegex(NoAnswer, "does it ask for a key"):
+            next(stream)
+        wrong = self.keys | {"server_key": self.public["analysis"]}
+        with self.assertRaisesRegex(NoAnswer, "the server key its own"):
+            asyncio.run(awaited(1.0, **wrong))
+
+
+if __name__ == "__main__":
+    main()
