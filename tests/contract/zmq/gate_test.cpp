@@ -140,9 +140,9 @@ TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
 }
 
 TEST(Gate, TellsOfAStreamThatCannotBeBoundAnewAndOfItsEnd) {
-  const std::string folder = test::ipc_endpoint("moved").substr(std::strlen("ipc://"));
+  const std::string folder = test::ipc_endpoint("folder").substr(std::strlen("ipc://"));
   std::filesystem::create_directory(folder);
-  Guarded guarded("moved/stream");
+  Guarded guarded("folder/stream");
   const KeyPair pair = guarded.let_in();
   auto subscriber =
       Subscriber::connect(guarded.stream, {}, 100, ClientKeys{pair, guarded.daemon.public_key})

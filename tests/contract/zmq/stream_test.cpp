@@ -15,14 +15,14 @@ using namespace std::chrono_literals;
 Publisher publisher_at(const std::string& endpoint, int send_queue) {
   auto bound = Publisher::bind(endpoint, send_queue);
   EXPECT_TRUE(bound) << bound.error().reason;
-  return std::move(*bound);
+  return std::move(bound.value());
 }
 
 Subscriber subscriber_at(const std::string& endpoint, const std::vector<std::string>& topics,
                          int receive_queue) {
   auto connected = Subscriber::connect(endpoint, topics, receive_queue);
   EXPECT_TRUE(connected);
-  return std::move(*connected);
+  return std::move(connected.value());
 }
 
 /// Publishes on the topic until the subscriber hears it: from then on nothing is lost.
