@@ -127,6 +127,11 @@ class Scripts(BenchCase):
 
 
 class Numbers(BenchCase):
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
     def for_a_while(self, stream, seconds=30.0):
         end = time.monotonic() + seconds
         for message in stream:
@@ -176,8 +181,9 @@ class Numbers(BenchCase):
                 self.client.sensor_set(**settings)
                 self.compare_lattice(1e-9)
         self.client.sensor_set(subapertures_across=5)
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 20.0, "mirror": "x"}})
         self.run_job("registration.run", {"frames": 2}, 60.0)
-        self.assertTrue(self.client.registration_get()["registered"])
+        self.assertTrue(self.client.registration_get()["mirrored"])
         self.compare_lattice(1e-6)
 
     def compare_lattice(self, delta_px):

@@ -27,13 +27,12 @@ def job(state, error=None):
 
 
 class Played(threading.Thread):
-    """Answers as `replies` say: for each request in turn {"result": …}, {"error": …}, or None for no answer; `together` requests at a
-    time, the last one first."""
+    """Answers each request in turn as `replies` say, with {"result": …} or {"error": …}; so many requests together, in this `order`."""
 
-    def __init__(self, endpoint, replies, together=1):
+    def __init__(self, endpoint, replies, together=1, order=iter):
         super().__init__(daemon=True)
         self.requests = []
-        self._replies, self._together = list(replies), together
+        self._replies, self._together, self._order = list(replies), together, order
         self._socket = zmq.Context.instance().socket(zmq.ROUTER)
         self._socket.bind(endpoint)
         self.start()
@@ -46,9 +45,8 @@ class Played(threading.Thread):
                     peer, text = self._socket.recv_multipart()
                     self.requests.append(json.loads(text))
                     waiting.append((peer, self.requests[-1]["id"], self._replies.pop(0)))
-                for peer, request_id, reply in reversed(waiting):
-                    if reply is not None:
-                        self._socket.send_multipart([peer, json.dumps({"jsonrpc": "2.0", "id": request_id} | reply).encode()])
+                for peer, request_id, reply in self._order(waiting):
+                    self._socket.send_multipart([peer, json.dumps({"jsonrpc": "2.0", "id": request_id} | reply).encode()])
 
 
 class Clients(unittest.TestCase):
@@ -131,7 +129,7 @@ class Clients(unittest.TestCase):
         asyncio.run(main())
 
     def test_a_late_reply_is_not_taken_for_the_next_one(self):
-        Played(endpoint := next(self.endpoints), [None, {"result": "second"}])
+        Played(endpoint := next(self.endpoints), [{"result": "first"}, {"result": "second"}], together=2)
         with Client(endpoint, timeout_s=0.1) as client:
             with self.assertRaises(NoAnswer):
                 client.call("first")
@@ -139,7 +137,7 @@ class Clients(unittest.TestCase):
             self.assertEqual(client.call("second"), "second")
 
     def test_calls_at_once_are_answered_in_any_order(self):
-        Played(endpoint := next(self.endpoints), [{"result": number} for number in range(8)], together=4)
+        Played(endpoint := next(self.endpoints), [{"result": number} for number in range(8)], together=4, order=reversed)
 
         async def main():
             async with AsyncClient(endpoint, timeout_s=20.0) as client:
