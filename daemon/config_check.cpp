@@ -52,8 +52,9 @@ Result<void> check_usable(const Config& config) {
   if (auto fast = check_daemon_tracker(config.tracking); !fast) {
     return fail(fast.error().code, "tracking." + fast.error().field, fast.error().reason);
   }
-  const SpotModel spots{config.sensor.charge,
-                        lambda_d_px(config.optics, config.slm.geometry, config.sensor)};
+  const SpotModel spots{
+      config.sensor.charge, lambda_d_px(config.optics, config.slm.geometry, config.sensor),
+      lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm)};
   const auto tracker = make_tracker(config.tracking, spots);
   if (!tracker) return fail(tracker.error());
   return {};

@@ -6,15 +6,14 @@ namespace ovws {
 namespace {
 
 void copy_pixels(const ImageView& image, FrameCopy& to) {
-  const std::size_t row_bytes =
-      std::size_t(image.width) * std::size_t(bytes_per_pixel(image.format));
-  to.pixels.resize(row_bytes * std::size_t(image.height));
+  const std::size_t bytes = row_bytes(image.format, image.width);
+  to.pixels.resize(bytes * std::size_t(image.height));
   for (int y = 0; y < image.height; ++y) {
-    std::memcpy(to.pixels.data() + std::size_t(y) * row_bytes, image.row<std::byte>(y), row_bytes);
+    std::memcpy(to.pixels.data() + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
   }
   to.image = image;
   to.image.data = to.pixels.data();
-  to.image.stride_bytes = std::ptrdiff_t(row_bytes);
+  to.image.stride_bytes = std::ptrdiff_t(bytes);
 }
 
 }  // namespace

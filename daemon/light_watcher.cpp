@@ -4,27 +4,23 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/pixels.hpp"
+
 namespace ovws {
 namespace {
 
-template <class T>
 double mean_around(const ImageView& image, Vec2 place, double radius_px) {
   const int left = std::max(0, int(std::ceil(place.x - radius_px)));
   const int right = std::min(image.width - 1, int(std::floor(place.x + radius_px)));
   const int top = std::max(0, int(std::ceil(place.y - radius_px)));
   const int bottom = std::min(image.height - 1, int(std::floor(place.y + radius_px)));
   double sum = 0.0;
-  for (int y = top; y <= bottom; ++y) {
-    const T* const row = image.row<T>(y);
-    for (int x = left; x <= right; ++x) sum += double(row[x]);
-  }
-  const int count = std::max(0, right - left + 1) * std::max(0, bottom - top + 1);
+  const int columns = std::max(0, right - left + 1), rows = std::max(0, bottom - top + 1);
+  visit_rows(image, left, top, columns, rows, [&](int, int, const auto* pixels, int count) {
+    for (int i = 0; i < count; ++i) sum += double(pixels[i]);
+  });
+  const int count = columns * rows;
   return count > 0 ? sum / count : 0.0;
-}
-
-double mean_around(const ImageView& image, Vec2 place, double radius_px) {
-  return bytes_per_pixel(image.format) == 1 ? mean_around<std::uint8_t>(image, place, radius_px)
-                                            : mean_around<std::uint16_t>(image, place, radius_px);
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->hologram_id = inputs.hologram_id;
   plan->charge = inputs.sensor.charge;
   plan->tracker_kind = inputs.tracking.tracker;
-  plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor)};
+  plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor),
+                 lit_pixels(inputs.format, inputs.optics.wavelength_nm)};
   plan->roi = inputs.roi;
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);

@@ -59,7 +59,7 @@ void ReferenceCollector::add(const FrameRecord& record) {
     if (wanted_ == 0 || !record.settled || record.plan->sensor_epoch != sensor_epoch_) return;
     if (record.hologram_id != hologram_id_) return;
     if (std::size_t(record.spot_count) != sums_.size()) return;
-    const auto full = float((1 << significant_bits(record.frame.image.format)) - 1);
+    const double full = full_scale_dn(record.frame.image.format);
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       const SpotFix& spot = record.spots[i];
       Sums& sums = sums_[i];

@@ -3,28 +3,21 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/pixels.hpp"
+
 namespace ovws {
 namespace {
 
-template <class T>
-void add(const ImageView& image, Image<float>& sum) {
-  const auto full = float((1 << significant_bits(image.format)) - 1);
-  for (int y = 0; y < image.height; ++y) {
-    const T* const from = image.row<T>(y);
-    float* const to = sum.row(y);
-    for (int x = 0; x < image.width; ++x) {
-      const auto value = float(from[x]);
-      to[x] += value < full ? value : NAN;
-    }
-  }
-}
-
 void add_to(const ImageView& image, ReferencePicture& picture) {
-  if (bytes_per_pixel(image.format) == 1) {
-    add<std::uint8_t>(image, picture.mean_dn);
-  } else {
-    add<std::uint16_t>(image, picture.mean_dn);
-  }
+  const auto full = float(full_scale_dn(image.format));
+  visit_rows(image, 0, 0, image.width, image.height,
+             [&](int x, int y, const auto* pixels, int count) {
+               float* const to = picture.mean_dn.row(y) + x;
+               for (int i = 0; i < count; ++i) {
+                 const auto value = float(pixels[i]);
+                 to[i] += value < full ? value : NAN;
+               }
+             });
   ++picture.frames;
 }
 

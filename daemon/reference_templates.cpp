@@ -67,8 +67,7 @@ const OwnTemplates& TemplateShelf::of(const TrackingSettings& tracking, const Sp
                                       const std::optional<Reference>& reference) {
   const auto picture = reference ? reference->picture : nullptr;
   const bool known = made_ && tracking == tracking_ && referenced_ == reference.has_value() &&
-                     picture == picture_ && spots.charge == spots_.charge &&
-                     spots.lambda_d_px == spots_.lambda_d_px;
+                     picture == picture_ && spots == spots_;
   if (!known) {
     made_.reset();
     made_ = own_templates(tracking, spots, reference ? &*reference : nullptr);

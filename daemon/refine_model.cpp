@@ -53,6 +53,9 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     out.refusal = std::move(why);
     return out;
   };
+  if (traits_of(frame.image.format).filter != ColourFilter::none) {
+    return refused("the model knows no colour filters: set a Mono pixel_format");
+  }
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   std::optional<std::vector<double>> start;
   const RefinedModes* reference = nullptr;

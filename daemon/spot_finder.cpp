@@ -45,7 +45,7 @@ struct SpotFinder::Bench {
   TrackScratch scratch;
   SpotModel spots;
   ShapedAcquisition acquisition;
-  SpotOptics optics;  ///< cells of a camera pixel
+  SpotOptics optics;  ///< its cells are lit pixels
 };
 
 SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument)
@@ -95,7 +95,8 @@ std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return std::nullopt;
   TornSpots out;
   for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
-  out.templates = shape_templates(bench_->optics, bench_->spots, acquisition.waves(), torn);
+  out.templates =
+      shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), torn);
   return out;
 }
 
@@ -108,13 +109,14 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
   std::vector<Vec2> reference_px =
       sensor.reference ? sensor.reference->positions_px
                        : model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows);
+  const SpotModel spots{sensor.sensor.charge, lambda_d_px(sensor.optics, slm_, sensor.sensor),
+                        lit_pixels(frame.image.format, sensor.optics.wavelength_nm)};
   const bool same = bench_ && bench_->sensor == sensor.sensor &&
                     bench_->tracking == sensor.tracking && bench_->cols == cols &&
                     bench_->rows == rows && bench_->reference_px == reference_px &&
-                    bench_->px_per_cycle == map;
+                    bench_->px_per_cycle == map && bench_->spots == spots;
   if (same) return true;
   bench_.reset();
-  const SpotModel spots{sensor.sensor.charge, lambda_d_px(sensor.optics, slm_, sensor.sensor)};
   if (reference_px.size() > kMostSpots || spots.lambda_d_px > kMostSpotPx) return false;
   auto tracker = make_tracker(sensor.tracking, spots);
   if (!tracker) return false;
@@ -127,8 +129,8 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
             std::move(scratch), spots,
             ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
                               reference_px, cols, rows),
-            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, map,
-                       int(kPictureHalf * spots.lambda_d_px))});
+            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
+                       int(kPictureHalf * spots.on_lattice().lambda_d_px))});
   return true;
 }
 

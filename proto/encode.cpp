@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/pixels.hpp"
+
 namespace ovws {
 namespace {
 
@@ -157,23 +159,25 @@ std::span<const std::byte> encode(const SpotsMessage& message, std::string& json
 std::span<const std::byte> encode(const ImageMessage& message, std::string& json,
                                   std::vector<std::byte>& scratch) {
   const ImageView& image = message.image;
-  const int pixel_bytes = bytes_per_pixel(image.format);
+  const bool bytes = traits_of(image.format).layout == PixelLayout::bytes;
   ObjectWriter w(json, kTopicImage);
   write_picture(w, message);
-  write_shape(w, std::size_t(image.height), std::size_t(image.width),
-              pixel_bytes == 1 ? "<u1" : "<u2");
+  write_shape(w, std::size_t(image.height), std::size_t(image.width), bytes ? "<u1" : "<u2");
   w.string("pixel_format", pixel_format_name(image.format));
   w.integer("significant_bits", significant_bits(image.format));
   w.finish();
 
-  const std::size_t row_bytes = std::size_t(image.width) * pixel_bytes;
+  const std::size_t line = std::size_t(image.width) * (bytes ? 1 : 2);
   const std::size_t rows = std::size_t(image.height);
-  if (std::ptrdiff_t(row_bytes) == image.stride_bytes) return {image.data, row_bytes * rows};
-  scratch.resize(row_bytes * rows);
-  for (std::size_t y = 0; y < rows; ++y) {
-    std::memcpy(scratch.data() + y * row_bytes, image.data + std::ptrdiff_t(y) * image.stride_bytes,
-                row_bytes);
+  if (in_place(image) && std::ptrdiff_t(line) == image.stride_bytes) {
+    return {image.data, line * rows};
   }
+  scratch.resize(line * rows);
+  visit_rows(image, 0, 0, image.width, image.height,
+             [&](int x, int y, const auto* pixels, int count) {
+               std::memcpy(scratch.data() + std::size_t(y) * line + std::size_t(x) * sizeof *pixels,
+                           pixels, std::size_t(count) * sizeof *pixels);
+             });
   return scratch;
 }
 

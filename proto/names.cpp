@@ -32,9 +32,7 @@ const std::vector<std::string>& norm_names() {
 const std::vector<std::string>& pixel_format_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (int k = 0; k <= int(PixelFormat::mono16); ++k) {
-      all.emplace_back(pixel_format_name(PixelFormat(k)));
-    }
+    for (const PixelFormatTraits& format : all_pixel_formats()) all.emplace_back(format.name);
     return all;
   }();
   return names;

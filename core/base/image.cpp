@@ -1,44 +1,6 @@
 #include "core/base/image.hpp"
 
-#include <array>
-#include <utility>
-
 namespace ovws {
-namespace {
-
-struct FormatRow {
-  PixelFormat format;
-  std::string_view name;
-  int bits;
-};
-constexpr std::array<FormatRow, 5> kFormats{{{PixelFormat::mono8, "Mono8", 8},
-                                             {PixelFormat::mono10, "Mono10", 10},
-                                             {PixelFormat::mono12, "Mono12", 12},
-                                             {PixelFormat::mono14, "Mono14", 14},
-                                             {PixelFormat::mono16, "Mono16", 16}}};
-
-const FormatRow& row_of(PixelFormat format) {
-  return kFormats[std::size_t(format)];
-}
-
-}  // namespace
-
-int significant_bits(PixelFormat format) {
-  return row_of(format).bits;
-}
-int bytes_per_pixel(PixelFormat format) {
-  return format == PixelFormat::mono8 ? 1 : 2;
-}
-std::string_view pixel_format_name(PixelFormat format) {
-  return row_of(format).name;
-}
-
-std::optional<PixelFormat> pixel_format_from_name(std::string_view name) {
-  for (const auto& row : kFormats) {
-    if (row.name == name) return row.format;
-  }
-  return std::nullopt;
-}
 
 ImageView view_of(const Image<std::uint8_t>& image) {
   return {reinterpret_cast<const std::byte*>(image.pixels.data()), image.width, image.height,
@@ -48,6 +10,23 @@ ImageView view_of(const Image<std::uint8_t>& image) {
 ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format) {
   return {reinterpret_cast<const std::byte*>(image.pixels.data()), image.width, image.height,
           std::ptrdiff_t(image.width) * 2, format};
+}
+
+ImageView on_lattice(const ImageView& image, const PixelLattice& lattice) {
+  ImageView view = image;
+  view.width = lattice.count(image.width, lattice.x);
+  view.height = lattice.count(image.height, lattice.y);
+  view.lattice = lattice;
+  return view;
+}
+
+Image<float> on_lattice(const Image<float>& image, const PixelLattice& lattice) {
+  Image<float> out(lattice.count(image.width, lattice.x), lattice.count(image.height, lattice.y));
+  for (int y = 0; y < out.height; ++y) {
+    const float* const from = image.row(lattice.y + y * lattice.step);
+    for (int x = 0; x < out.width; ++x) out.at(x, y) = from[lattice.x + x * lattice.step];
+  }
+  return out;
 }
 
 }  // namespace ovws

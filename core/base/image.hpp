@@ -1,33 +1,27 @@
-/// Images: camera pixels read in place, and the pictures this code makes.
+/// Images: camera pixels where the camera put them, and the pictures this code makes.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <string_view>
 #include <vector>
+
+#include "core/base/pixel_format.hpp"
 
 namespace ovws {
 
-/// GenICam PFNC names, unpacked formats; 16-bit ones are little-endian and right-justified.
-enum class PixelFormat : std::uint8_t { mono8, mono10, mono12, mono14, mono16 };
-
-int significant_bits(PixelFormat format);                ///< 8, 10, 12, 14 or 16
-int bytes_per_pixel(PixelFormat format);                 ///< 1 or 2
-std::string_view pixel_format_name(PixelFormat format);  ///< "Mono8", …
-std::optional<PixelFormat> pixel_format_from_name(std::string_view name);
-
 /// Borrowed camera pixels, row-major, stride in bytes. Valid while the frame that lends them is
-/// held.
+/// held. Read by core/base/pixels.hpp, which knows the formats.
 struct ImageView {
   const std::byte* data = nullptr;
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< of the lit pixels' lattice, if the view is of one
+  int height = 0;  ///< the same
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::mono8;
+  int left_justified_bits = 0;  ///< by which every 16-bit pixel is to be shifted right
+  PixelLattice lattice{};       ///< which of the camera's pixels these are
 
-  /// The first pixel of row y as T, std::uint8_t or std::uint16_t according to
-  /// bytes_per_pixel(format).
+  /// The first camera pixel of the camera's row y as T, std::uint8_t or std::uint16_t. Only for
+  /// pixels that are in place, see there.
   template <class T>
   const T* row(int y) const {
     return reinterpret_cast<const T*>(data + y * stride_bytes);
@@ -52,5 +46,9 @@ struct Image {
 /// A view of an owned 8-bit or 16-bit picture, for the same code that reads camera pixels.
 ImageView view_of(const Image<std::uint8_t>& image);
 ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format);
+
+/// The pixels of a lattice alone, as an image of their own. RT-safe.
+ImageView on_lattice(const ImageView& image, const PixelLattice& lattice);
+Image<float> on_lattice(const Image<float>& image, const PixelLattice& lattice);
 
 }  // namespace ovws

@@ -30,10 +30,6 @@ inline bool same_camera(RefineSettings a, const RefineSettings& b) {
   return a == b;
 }
 
-inline double full_scale_dn(PixelFormat format) {
-  return double((1 << significant_bits(format)) - 1);
-}
-
 /// The same camera's numbers in DN of another format: of two formats, the one with a bit more tells
 /// the same light by twice the number.
 inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
@@ -58,6 +54,12 @@ inline Result<void> check_refine(const RefineSettings& settings) {
                 "must be known to refine: state how many electrons make one DN at a gain of 0 dB");
   }
   const std::string format(pixel_format_name(settings.format));
+  if (settings.enabled && traits_of(settings.format).filter != ColourFilter::none) {
+    return fail(Errc::invalid, "enabled",
+                "the camera's " + format +
+                    " cannot be refined: the model knows no colour filters; "
+                    "set camera.pixel_format to a Mono format, or leave it false");
+  }
   const double full = full_scale_dn(settings.format);
   const double saturation = settings.saturation_dn.value_or(full);
   if (saturation > full) {

@@ -39,6 +39,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
     ++stream_;
     any_frame_ = false;
     arrivals_.forget();
+    justification_.forget();
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
     last_sign_mono_ns_.store(0, std::memory_order_relaxed);
     deps_.cameras.follow();
@@ -89,7 +90,7 @@ bool Ingest::is_next(std::uint64_t frame_id) OVWS_NONBLOCKING {
   return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kLatestNumbers;
 }
 
-Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
+Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
   if (!is_next(frame.frame_id)) {
     deps_.cameras.camera()->release(frame.slot);
     return refuse(frame.frame_id == last_frame_id_ ? Counter::frames_duplicated
@@ -99,6 +100,7 @@ Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   last_sign_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   count_lost(frame.frame_id);
+  justify(frame.image);
   Entry* const entry = measurable(frame);
   if (entry == nullptr) {
     deps_.cameras.camera()->release(frame.slot);
@@ -106,6 +108,11 @@ Entry* Ingest::accept(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   }
   stamp(*entry);
   return entry;
+}
+
+void Ingest::justify(ImageView& image) OVWS_NONBLOCKING {
+  image.left_justified_bits = justification_.bits_to_shift(image);
+  if (image.left_justified_bits > 0) deps_.counters.add(Counter::frames_left_justified);
 }
 
 Entry* Ingest::measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING {

@@ -8,6 +8,7 @@
 #include "core/base/realtime.hpp"
 #include "core/pipeline/arrival_clock.hpp"
 #include "core/pipeline/camera_exchange.hpp"
+#include "core/pipeline/justification.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan_exchange.hpp"
 #include "core/pipeline/record_pool.hpp"
@@ -50,7 +51,8 @@ class Ingest {
   bool serve_camera() OVWS_NONBLOCKING;
   Entry* refuse(Counter why) OVWS_NONBLOCKING;
   bool is_next(std::uint64_t frame_id) OVWS_NONBLOCKING;
-  Entry* accept(const GrabbedFrame& frame) OVWS_NONBLOCKING;
+  Entry* accept(GrabbedFrame& frame) OVWS_NONBLOCKING;
+  void justify(ImageView& image) OVWS_NONBLOCKING;
   Entry* measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
   void stamp(Entry& entry) OVWS_NONBLOCKING;
@@ -61,6 +63,7 @@ class Ingest {
   std::uint64_t last_frame_id_ = 0;
   std::uint64_t incomplete_since_ = 0;
   ArrivalClock arrivals_;
+  Justification justification_;
   double last_exposure_us_ = 0.0;
   std::atomic<bool> image_requested_{false};
   std::atomic<std::int64_t> last_frame_mono_ns_{0};

@@ -124,9 +124,9 @@ void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
     if (spots[i].found() || spots[i].peak > 0.0F) continue;
     spots[i].peak = brightest_pixel(entry.frame.image, entry.plan->predicted_px[i], half_px);
   }
-  const auto full = float((1 << significant_bits(entry.frame.image.format)) - 1);
-  const auto saturated =
-      std::count_if(spots.begin(), spots.end(), [&](const SpotFix& s) { return s.peak >= full; });
+  const double full = full_scale_dn(entry.frame.image.format);
+  const auto saturated = std::count_if(spots.begin(), spots.end(),
+                                       [&](const SpotFix& s) { return double(s.peak) >= full; });
   entry.tracked = count_found(spots);
   entry.saturated_fraction = spots.empty() ? 0.0F : float(saturated) / float(entry.spot_count);
   deps_.counters.add(Counter::spots_lost, std::uint64_t(entry.spot_count - entry.tracked));

@@ -17,6 +17,8 @@ std::string_view counter_name(Counter counter) {
       return "frames_out_of_order";
     case Counter::frames_late:
       return "frames_late";
+    case Counter::frames_left_justified:
+      return "frames_left_justified";
     case Counter::frames_unplanned:
       return "frames_unplanned";
     case Counter::frames_unexpected:

@@ -16,17 +16,18 @@ enum class Counter : std::uint8_t {
   frames_duplicated,    ///< delivered a second time, not tracked
   frames_out_of_order,  ///< delivered after a later one, not tracked; counted as lost, too
   frames_late,          ///< arrived later than the transfer may take, published unsettled
-  frames_unplanned,     ///< there was no plan to measure them with
-  frames_unexpected,    ///< size or format is not the plan's, not tracked
-  frames_dropped,       ///< no free record, or the publisher holds too many: somebody was behind
-  frames_unsettled,     ///< published with settled = false
-  frames_invalid,       ///< published with valid = false
-  frames_unexplained,   ///< of the invalid, those refused because no wavefront explains their spots
-  frames_published,     ///< left the pipeline
-  spots_lost,           ///< sum over frames of subapertures not found
-  acquisitions,         ///< whole-image searches
-  messages_dropped,     ///< a stream's queue was full in this daemon
-  deadline_missed,      ///< frames that took longer than one frame period from grab to publish ring
+  frames_left_justified,  ///< whose 16-bit pixels were shifted to where their format has them
+  frames_unplanned,       ///< there was no plan to measure them with
+  frames_unexpected,      ///< size or format is not the plan's, not tracked
+  frames_dropped,         ///< no free record, or the publisher holds too many: somebody was behind
+  frames_unsettled,       ///< published with settled = false
+  frames_invalid,         ///< published with valid = false
+  frames_unexplained,  ///< of the invalid, those refused because no wavefront explains their spots
+  frames_published,    ///< left the pipeline
+  spots_lost,          ///< sum over frames of subapertures not found
+  acquisitions,        ///< whole-image searches
+  messages_dropped,    ///< a stream's queue was full in this daemon
+  deadline_missed,     ///< frames that took longer than one frame period from grab to publish ring
   camera_reconnects,
   display_faults,
   requests,

@@ -1,10 +1,11 @@
 #include "core/tracking/candidates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 
+#include "core/base/pixels.hpp"
 #include "core/tracking/spot_geometry.hpp"
 
 namespace ovws {
@@ -18,7 +19,7 @@ static_assert(kApart < kReach);  // so that what is near a peak lies on the grid
 constexpr std::size_t kPeaksPerCandidate = 4;  // so that a broad spot's side maxima crowd out none
 
 int bin_px(const SpotModel& spots) {
-  return std::max(1, int(std::lround(spots.lambda_d_px / kGridPerLambdaD)));
+  return std::max(1, int(std::lround(spots.on_lattice().lambda_d_px / kGridPerLambdaD)));
 }
 
 int padded(int pixels, int bin, int margin) {
@@ -29,9 +30,11 @@ int padded(int pixels, int bin, int margin) {
 
 CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int image_height,
                                  int max_candidates)
-    : bin_(bin_px(spots)), max_candidates_(std::size_t(max_candidates)) {
+    : lattice_(spots.lit.lattice),
+      bin_(bin_px(spots)),
+      max_candidates_(std::size_t(max_candidates)) {
   const double dark = spot_geometry(spots.charge).dark;
-  const double unit = spots.lambda_d_px / bin_;  // lambda/d on the grid
+  const double unit = spots.on_lattice().lambda_d_px / bin_;  // lambda/d on the grid
   const double reach = kReach * dark * unit;
   margin_ = int(std::ceil(reach));
   apart_ = kApart * dark * unit;
@@ -51,8 +54,8 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
       if (std::hypot(dx, dy) < apart_) near_.push_back({dx, dy, 0.0F});
     }
   }
-  const int columns = padded(image_width, bin_, margin_);
-  const int rows = padded(image_height, bin_, margin_);
+  const int columns = padded(lattice_.count(image_width, lattice_.x), bin_, margin_);
+  const int rows = padded(lattice_.count(image_height, lattice_.y), bin_, margin_);
   grid_ = Grid::Zero(rows, columns);
   score_ = Grid::Zero(rows, columns);
   crowded_ = Crowded::Constant(rows, columns, false);
@@ -61,32 +64,40 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
 }
 
 std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
-  if (bytes_per_pixel(image.format) == 1) {
-    average<std::uint8_t>(image);
-  } else {
-    average<std::uint16_t>(image);
-  }
+  average(on_lattice(image, lattice_));
   correlate();
   collect_peaks();
   keep_separate();
   return candidates_;
 }
 
-template <class T>
+/// Of as many bins at a time as pixels are unpacked at a time.
+void CandidateFinder::add_row(const ImageView& image, Eigen::Index row, int top, int bottom) {
+  const int stride = std::max(1, kPixelRun / bin_) * bin_;
+  std::array<unsigned, kPixelRun> sums;
+  for (int left = 0; left < image.width; left += stride) {
+    const int columns = std::min(stride, image.width - left);
+    sums.fill(0);
+    visit_rows(image, left, top, columns, bottom - top,
+               [&](int, int, const auto* pixels, int count) {
+                 unsigned* sum = sums.data();
+                 for (int x = 0; x < count; x += bin_, ++sum) {
+                   for (int i = x; i < std::min(x + bin_, count); ++i) *sum += pixels[i];
+                 }
+               });
+    for (int x = 0; x < columns; x += bin_) {
+      grid_(row, margin_ + (left + x) / bin_) =
+          float(sums[std::size_t(x / bin_)]) / float((bottom - top) * std::min(bin_, columns - x));
+    }
+  }
+}
+
 void CandidateFinder::average(const ImageView& image) {
   const int columns = int(grid_.cols()), rows = int(grid_.rows());
   const int last_column = columns - margin_ - 1, last_row = rows - margin_ - 1;
   for (int r = margin_; r <= last_row; ++r) {
     const int top = (r - margin_) * bin_, bottom = std::min(top + bin_, image.height);
-    for (int c = margin_; c <= last_column; ++c) {
-      const int left = (c - margin_) * bin_, right = std::min(left + bin_, image.width);
-      unsigned sum = 0;
-      for (int y = top; y < bottom; ++y) {
-        const T* row = image.row<T>(y);
-        for (int x = left; x < right; ++x) sum += row[x];
-      }
-      grid_(r, c) = float(sum) / float((bottom - top) * (right - left));
-    }
+    add_row(image, r, top, bottom);
     grid_.row(r).head(margin_).setConstant(grid_(r, margin_));
     grid_.row(r).tail(margin_).setConstant(grid_(r, last_column));
   }
@@ -148,8 +159,8 @@ void CandidateFinder::keep_separate() {
   for (const Peak& peak : peaks_) {
     if (crowded_(peak.row, peak.column)) continue;
     for (const Tap& by : near_) crowded_(peak.row + by.dy, peak.column + by.dx) = true;
-    candidates_.push_back(
-        {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5});
+    candidates_.push_back(lattice_.to_image(
+        {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5}));
     if (candidates_.size() == max_candidates_) return;
   }
 }

@@ -37,16 +37,17 @@ class CandidateFinder {
   using Crowded = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr int kStrip = 32;
 
-  template <class T>
   void average(const ImageView& image);
+  void add_row(const ImageView& image, Eigen::Index row, int top, int bottom);
   void correlate();
   template <int kCount>
   void correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count);
   void collect_peaks();
   void keep_separate();
 
-  int bin_;     ///< image pixels a side that make one pixel of the grid
-  int margin_;  ///< of the grid, around the image: edge pixels repeated
+  PixelLattice lattice_;  ///< the lit pixels: all below counts these
+  int bin_;               ///< pixels a side that make one pixel of the grid
+  int margin_;            ///< of the grid, around the image: edge pixels repeated
   double apart_;
   std::vector<Tap> taps_;
   std::vector<Tap> near_;  ///< grid places closer than apart_; weights play no part

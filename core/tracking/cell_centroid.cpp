@@ -3,35 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ovws {
-namespace {
+#include "core/base/pixels.hpp"
 
-template <class T>
-std::optional<Vec2> centroid(const ImageView& image, int left, int top, int right, int bottom) {
+namespace ovws {
+std::optional<Vec2> cell_centroid(const ImageView& image, Vec2 centre, int half_px) {
+  const int column = int(std::lround(centre.x)), row = int(std::lround(centre.y));
+  const int left = std::max(0, column - half_px), top = std::max(0, row - half_px);
+  const int right = std::min(image.width - 1, column + half_px);
+  const int bottom = std::min(image.height - 1, row + half_px);
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
-  for (int y = top; y <= bottom; ++y) {
-    const T* const row = image.row<T>(y);
-    double row_sum = 0.0;
-    for (int x = left; x <= right; ++x) {
-      row_sum += double(row[x]);
-      sum_x += double(row[x]) * x;
-    }
-    sum += row_sum;
-    sum_y += row_sum * y;
-  }
+  visit_rows(image, left, top, right - left + 1, bottom - top + 1,
+             [&](int x, int y, const auto* pixels, int count) {
+               double run = 0.0;
+               for (int i = 0; i < count; ++i) {
+                 run += double(pixels[i]);
+                 sum_x += double(pixels[i]) * (x + i);
+               }
+               sum += run;
+               sum_y += run * y;
+             });
   if (!(sum > 0.0)) return std::nullopt;
   return Vec2{sum_x / sum, sum_y / sum};
-}
-
-}  // namespace
-
-std::optional<Vec2> cell_centroid(const ImageView& image, Vec2 centre, int half_px) {
-  const int x = int(std::lround(centre.x)), y = int(std::lround(centre.y));
-  const int left = std::max(0, x - half_px), right = std::min(image.width - 1, x + half_px);
-  const int top = std::max(0, y - half_px), bottom = std::min(image.height - 1, y + half_px);
-  return bytes_per_pixel(image.format) == 1
-             ? centroid<std::uint8_t>(image, left, top, right, bottom)
-             : centroid<std::uint16_t>(image, left, top, right, bottom);
 }
 
 int cell_half_px(std::span<const Vec2> centres) {

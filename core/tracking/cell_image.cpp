@@ -2,21 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <vector>
+
+#include "core/base/pixels.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr double kSigmaPerMedianDeviation = 1.4826;  // of a normal distribution
 
-template <class T>
 void average(const ImageView& image, int bin, Eigen::MatrixXf& out) {
   out.setZero();
-  for (int y = 0; y < int(out.rows()) * bin; ++y) {
-    const T* row = image.row<T>(y);
-    for (int x = 0; x < int(out.cols()) * bin; ++x) out(y / bin, x / bin) += float(row[x]);
-  }
+  visit_rows(image, 0, 0, int(out.cols()) * bin, int(out.rows()) * bin,
+             [&](int x, int y, const auto* pixels, int count) {
+               for (int i = 0; i < count; ++i) out(y / bin, (x + i) / bin) += float(pixels[i]);
+             });
   out /= float(bin * bin);
 }
 
@@ -28,15 +28,13 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
-CellImage average_cells(const ImageView& image, int bin) {
+CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int bin) {
   CellImage cells;
   cells.bin = bin;
-  cells.light.resize(image.height / bin, image.width / bin);
-  if (bytes_per_pixel(image.format) == 1) {
-    average<std::uint8_t>(image, bin, cells.light);
-  } else {
-    average<std::uint16_t>(image, bin, cells.light);
-  }
+  cells.lattice = lattice;
+  const ImageView lit = on_lattice(image, lattice);
+  cells.light.resize(lit.height / bin, lit.width / bin);
+  average(lit, bin, cells.light);
   std::vector<float> values(cells.light.data(), cells.light.data() + cells.light.size());
   cells.light.array() -= median(values);
   for (Eigen::Index k = 0; k < cells.light.size(); ++k) {

@@ -9,19 +9,20 @@
 namespace ovws {
 
 struct CellImage {
-  int bin = 1;            ///< camera pixels a side
+  int bin = 1;  ///< pixels of the lattice a side
+  PixelLattice lattice{};
   Eigen::MatrixXf light;  ///< rows along y; DN above the median
   double noise = 1.0;     ///< RMS of a dark cell, DN: from the median deviation
 
-  Vec2 to_cells(Vec2 px) const { return (1.0 / bin) * (px - middle_px()); }
-  Vec2 to_px(Vec2 cells) const { return double(bin) * cells + middle_px(); }
+  Vec2 to_cells(Vec2 px) const { return (1.0 / bin) * (lattice.from_image(px) - middle()); }
+  Vec2 to_px(Vec2 cells) const { return lattice.to_image(double(bin) * cells + middle()); }
 
  private:
-  Vec2 middle_px() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< of cell (0, 0)
+  Vec2 middle() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< of cell (0, 0)
 };
 
-/// Whole cells only: up to bin - 1 pixels at the right and the bottom are left out. Requires at
-/// least one cell. Allocates.
-CellImage average_cells(const ImageView& image, int bin);
+/// Of cells of bin x bin pixels of the lattice. Whole cells only: up to bin - 1 pixels at the right
+/// and the bottom are left out. Requires at least one cell. Allocates.
+CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int bin);
 
 }  // namespace ovws

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/pixels.hpp"
 #include "core/tracking/matched_fit.hpp"
 #include "core/tracking/patch.hpp"
 #include "core/tracking/spot_geometry.hpp"
@@ -57,22 +58,30 @@ struct Coarse {
 };
 
 template <class T>
-void add_row(const ImageView& image, int left, int y, int count, float* __restrict line) {
-  const T* __restrict row = image.row<T>(std::clamp(y, 0, image.height - 1));
-  if (left < 0 || left + count > image.width) {
-    for (int x = 0; x < count; ++x) line[x] += float(row[std::clamp(left + x, 0, image.width - 1)]);
-    return;
-  }
+void add(const T* __restrict pixels, int count, float* __restrict line) {
   int x = 0;
   for (; x + kBlock <= count; x += kBlock) {
-    for (int i = 0; i < kBlock; ++i) line[x + i] += float(row[left + x + i]);
+    for (int i = 0; i < kBlock; ++i) line[x + i] += float(pixels[x + i]);
   }
-  for (; x < count; ++x) line[x] += float(row[left + x]);
+  for (; x < count; ++x) line[x] += float(pixels[x]);
+}
+
+/// Beyond the image its edge is repeated.
+void add_row(const ImageView& image, int left, int y, int count, float* line) {
+  const int row = std::clamp(y, 0, image.height - 1);
+  const int first = std::clamp(left, 0, image.width - 1);
+  const int last = std::clamp(left + count - 1, 0, image.width - 1);
+  const auto place = [&](int x) { return std::clamp(x - left, 0, count - 1); };
+  visit_rows(image, first, row, last - first + 1, 1, [&](int x, int, const auto* pixels, int n) {
+    add(pixels, n, line + place(x));
+    for (int k = 0; x == first && k < place(first); ++k) line[k] += float(pixels[0]);
+    if (x + n - 1 != last) return;
+    for (int k = place(last) + 1; k < count; ++k) line[k] += float(pixels[n - 1]);
+  });
 }
 
 /// Sums of bin x bin pixels less the first of them, so that a small spot on a high background loses
 /// nothing.
-template <class T>
 void bin_pixels(const ImageView& image, const Coarse& grid, int left, int top, float* line,
                 float* patch) {
   float* out = patch + (grid.stride / 2 - grid.half);
@@ -81,7 +90,7 @@ void bin_pixels(const ImageView& image, const Coarse& grid, int left, int top, f
   for (int r = 0; r <= 2 * grid.half; ++r, out += grid.stride) {
     std::fill(line, line + grid.side_px, 0.0F);
     for (int k = 0; k < grid.bin; ++k) {
-      add_row<T>(image, left, top + r * grid.bin + k, grid.side_px, line);
+      add_row(image, left, top + r * grid.bin + k, grid.side_px, line);
     }
     for (int c = 0; c <= 2 * grid.half; ++c) {
       float sum = 0.0F;
@@ -121,10 +130,8 @@ std::optional<Vec2> coarse_start(const TemplateBank& bank, const TemplateKernels
   float* patch = window + grid.window();
   const int x = int(std::lround(start.x)) - grid.bin / 2;  // the middle bin's first pixel
   const int y = int(std::lround(start.y)) - grid.bin / 2;
-  const bool bytes = bytes_per_pixel(image.format) == 1;
-  (bytes ? bin_pixels<std::uint8_t>
-         : bin_pixels<std::uint16_t>)(image, grid, x - grid.half * grid.bin,
-                                      y - grid.half * grid.bin, scratch.sums.data(), patch);
+  bin_pixels(image, grid, x - grid.half * grid.bin, y - grid.half * grid.bin, scratch.sums.data(),
+             patch);
   const Vec2 middle = Vec2{double(x), double(y)} + 0.5 * double(grid.bin - 1) * Vec2{1.0, 1.0};
   std::optional<Vec2> best;
   float most = 0.0F;

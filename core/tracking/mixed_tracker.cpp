@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/tracking/lattice_tracker.hpp"
+
 namespace ovws {
 namespace {
 
@@ -16,15 +18,18 @@ std::vector<bool> present(const std::vector<std::shared_ptr<const TemplateBank>>
 
 MixedTracker::MixedTracker(std::unique_ptr<const SpotTracker> others, const SpotModel& spots,
                            std::vector<std::shared_ptr<const TemplateBank>> own)
-    : others_(std::move(others)), has_own_(present(own)), matched_(spots, std::move(own)) {}
+    : others_(std::move(others)),
+      has_own_(present(own)),
+      matched_(on_lattice(std::make_unique<MatchedTracker>(spots.on_lattice(), std::move(own)),
+                          spots)) {}
 
 int MixedTracker::window_half_px() const {
-  return std::max(others_->window_half_px(), matched_.window_half_px());
+  return std::max(others_->window_half_px(), matched_->window_half_px());
 }
 
 TrackScratch MixedTracker::make_scratch() const {
   TrackScratch scratch = others_->make_scratch();
-  const TrackScratch more = matched_.make_scratch();
+  const TrackScratch more = matched_->make_scratch();
   scratch.samples.resize(std::max(scratch.samples.size(), more.samples.size()));
   scratch.sums.resize(std::max(scratch.sums.size(), more.sums.size()));
   return scratch;
@@ -33,7 +38,7 @@ TrackScratch MixedTracker::make_scratch() const {
 SpotFix MixedTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
                             int spot) const {
   const bool own = spot >= 0 && spot < int(has_own_.size()) && has_own_[std::size_t(spot)];
-  return own ? matched_.track(image, start_px, scratch, spot)
+  return own ? matched_->track(image, start_px, scratch, spot)
              : others_->track(image, start_px, scratch, spot);
 }
 

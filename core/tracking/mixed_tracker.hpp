@@ -9,8 +9,8 @@
 
 namespace ovws {
 
-/// Spots with a template of their own (null: without) are followed by the matched filter, the
-/// others and those of unknown number by the other tracker.
+/// Spots with a template (whose pixels are the lit ones) of their own (null: without) are followed
+/// by the matched filter, the others and those of unknown number by the other tracker.
 class MixedTracker final : public SpotTracker {
  public:
   MixedTracker(std::unique_ptr<const SpotTracker> others, const SpotModel& spots,
@@ -25,7 +25,7 @@ class MixedTracker final : public SpotTracker {
  private:
   std::unique_ptr<const SpotTracker> others_;
   std::vector<bool> has_own_;
-  MatchedTracker matched_;
+  std::unique_ptr<const SpotTracker> matched_;
 };
 
 }  // namespace ovws

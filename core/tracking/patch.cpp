@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+
+#include "core/base/pixels.hpp"
 
 namespace ovws {
 namespace {
@@ -12,73 +15,98 @@ namespace {
 // compiler use its vector instructions.
 constexpr int kBlock = 16;
 
-template <class T>
-void load_at_edge(const ImageView& image, const Patch& patch, float* out) {
-  for (int k = 0; k < patch.side; ++k, out += patch.side) {
-    const T* row = image.row<T>(std::clamp(patch.y0 + k, 0, image.height - 1));
-    for (int x = 0; x < patch.side; ++x) {
-      out[x] = float(row[std::clamp(patch.x0 + x, 0, image.width - 1)]);
-    }
-  }
+float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uint8_t*, float* out) {
+  return kernels.load8(run, out);
+}
+float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uint16_t*,
+               float* out) {
+  return kernels.load16(run, out);
 }
 
-/// Gives the darkest.
-float load_pixels(const ImageView& image, const Patch& patch, float* out) {
-  const int bytes = bytes_per_pixel(image.format);
-  const bool inside = patch.x0 >= 0 && patch.y0 >= 0 && patch.x0 + patch.side <= image.width &&
-                      patch.y0 + patch.side <= image.height;
+/// A rectangle of floats that pixels go to, and which pixels they are.
+struct Target {
+  int left, top, columns, rows;
+  float* out;
+
+  float* row(int y) const { return out + std::ptrdiff_t(y) * columns; }
+  bool inside(const ImageView& image) const {
+    return left >= 0 && top >= 0 && left + columns <= image.width && top + rows <= image.height;
+  }
+};
+
+/// The first and the last of `count` places from `first` on that exist; the nearest if none does.
+struct Span {
+  Span(int start, int count, int size)
+      : first(std::clamp(start, 0, size - 1)), last(std::clamp(start + count - 1, 0, size - 1)) {}
+  int first, last;
+  int count() const { return last - first + 1; }
+};
+
+/// Gives the darkest. Beyond the image its edge is repeated.
+float load(const ImageView& image, const Target& to) {
   const PatchKernels& kernels = patch_kernels();
-  if (inside) {
-    const PixelRect rect{image.row<std::byte>(patch.y0) + std::ptrdiff_t(patch.x0) * bytes,
-                         image.stride_bytes, patch.side, patch.side};
-    return bytes == 1 ? kernels.load8(rect, out) : kernels.load16(rect, out);
+  const Span across(to.left, to.columns, image.width), down(to.top, to.rows, image.height);
+  float darkest = std::numeric_limits<float>::max();
+  const auto place = [](int at, int begin, int size) {
+    return std::clamp(at - begin, 0, size - 1);
+  };
+  visit_rows(image, across.first, down.first, across.count(), down.count(),
+             [&](int x, int y, const auto* pixels, int count) {
+               float* const out = to.row(place(y, to.top, to.rows)) + place(x, to.left, to.columns);
+               if (count >= kPatchBlock) {
+                 const PixelRect run{reinterpret_cast<const std::byte*>(pixels), 0, count, 1};
+                 darkest = std::min(darkest, load_run(kernels, run, pixels, out));
+                 return;
+               }
+               for (int i = 0; i < count; ++i) {
+                 out[i] = float(pixels[i]);
+                 darkest = std::min(darkest, out[i]);
+               }
+             });
+  if (to.inside(image)) return darkest;
+  const int left = place(across.first, to.left, to.columns);
+  const int right = place(across.last, to.left, to.columns);
+  const int top = place(down.first, to.top, to.rows);
+  const int bottom = place(down.last, to.top, to.rows);
+  for (int y = top; y <= bottom; ++y) {
+    float* const row = to.row(y);
+    std::fill(row, row + left, row[left]);
+    std::fill(row + right + 1, row + to.columns, row[right]);
   }
-  if (bytes == 1) {
-    load_at_edge<std::uint8_t>(image, patch, out);
-  } else {
-    load_at_edge<std::uint16_t>(image, patch, out);
-  }
-  return *std::min_element(out, out + std::ptrdiff_t(patch.side) * patch.side);
+  for (int y = 0; y < top; ++y) std::copy_n(to.row(top), to.columns, to.row(y));
+  for (int y = bottom + 1; y < to.rows; ++y) std::copy_n(to.row(bottom), to.columns, to.row(y));
+  return darkest;
 }
 
-template <class T>
-void load_rectangle_at_edge(const ImageView& image, int left, int top, int columns, int rows,
-                            float* out) {
-  const auto row_at = [&](int y) { return image.row<T>(std::clamp(y, 0, image.height - 1)); };
-  const auto column_at = [&](int x) { return std::clamp(x, 0, image.width - 1); };
-  const float offset = float(row_at(top)[column_at(left)]);
-  for (int k = 0; k < rows; ++k, out += columns) {
-    const T* row = row_at(top + k);
-    for (int x = 0; x < columns; ++x) out[x] = float(row[column_at(left + x)]) - offset;
-  }
+float load_patch_pixels(const ImageView& image, const Target& to) {
+  if (!in_place(image) || !to.inside(image)) return load(image, to);
+  const int bytes = bytes_in_place(image);
+  const PixelRect rect{image.row<std::byte>(to.top) + std::ptrdiff_t(to.left) * bytes,
+                       image.stride_bytes, to.columns, to.rows};
+  return bytes == 1 ? patch_kernels().load8(rect, to.out) : patch_kernels().load16(rect, to.out);
 }
 
+/// Less the value of the first pixel, in one go.
 template <class T>
-void load_rectangle(const ImageView& image, int left, int top, int columns, int rows,
-                    float* __restrict out) {
-  if (left < 0 || top < 0 || left + columns > image.width || top + rows > image.height) {
-    return load_rectangle_at_edge<T>(image, left, top, columns, rows, out);
-  }
-  const float offset = float(image.row<T>(top)[left]);
-  for (int k = 0; k < rows; ++k, out += columns) {
-    const T* __restrict row = image.row<T>(top + k) + left;
-    for (int x = 0; x < columns; x += kBlock) {
+void load_rectangle(const ImageView& image, const Target& to) {
+  const float offset = float(image.row<T>(to.top)[to.left]);
+  float* __restrict out = to.out;
+  for (int k = 0; k < to.rows; ++k, out += to.columns) {
+    const T* __restrict row = image.row<T>(to.top + k) + to.left;
+    for (int x = 0; x < to.columns; x += kBlock) {
       for (int i = 0; i < kBlock; ++i) out[x + i] = float(row[x + i]) - offset;
     }
   }
 }
 
 template <class T>
-float brightest_of(const ImageView& image, int left, int right, int top, int bottom) {
+float brightest_of(const T* pixels, int count) {
   std::array<T, kBlock> most{};
-  for (int y = top; y < bottom; ++y) {
-    const T* row = image.row<T>(y);
-    int x = left;
-    for (; x + kBlock <= right; x += kBlock) {
-      for (int i = 0; i < kBlock; ++i) most[i] = std::max(most[i], row[x + i]);
-    }
-    for (; x < right; ++x) most[0] = std::max(most[0], row[x]);
+  int x = 0;
+  for (; x + kBlock <= count; x += kBlock) {
+    for (int i = 0; i < kBlock; ++i) most[i] = std::max(most[i], pixels[x + i]);
   }
+  for (; x < count; ++x) most[0] = std::max(most[0], pixels[x]);
   return float(*std::max_element(most.begin(), most.end()));
 }
 
@@ -91,17 +119,23 @@ float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
   const int cx = inside(centre.x, image.width), cy = inside(centre.y, image.height);
   const int left = std::max(cx - half, 0), right = std::min(cx + half + 1, image.width);
   const int top = std::max(cy - half, 0), bottom = std::min(cy + half + 1, image.height);
-  return bytes_per_pixel(image.format) == 1
-             ? brightest_of<std::uint8_t>(image, left, right, top, bottom)
-             : brightest_of<std::uint16_t>(image, left, right, top, bottom);
+  float most = 0.0F;
+  visit_rows(image, left, top, right - left, bottom - top,
+             [&](int, int, const auto* pixels, int count) {
+               most = std::max(most, brightest_of(pixels, count));
+             });
+  return most;
 }
 
 void load_window(const ImageView& image, int left, int top, int columns, int rows, float* out) {
-  if (bytes_per_pixel(image.format) == 1) {
-    load_rectangle<std::uint8_t>(image, left, top, columns, rows, out);
-  } else {
-    load_rectangle<std::uint16_t>(image, left, top, columns, rows, out);
+  const Target to{left, top, columns, rows, out};
+  if (in_place(image) && to.inside(image)) {
+    return bytes_in_place(image) == 1 ? load_rectangle<std::uint8_t>(image, to)
+                                      : load_rectangle<std::uint16_t>(image, to);
   }
+  load(image, to);
+  const float offset = out[0];
+  for (int i = 0; i < rows * columns; ++i) out[i] -= offset;
 }
 
 float Patch::brightest(Vec2 centre, int half) const {
@@ -132,7 +166,8 @@ Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<flo
   patch.side = 2 * half + 1;
   patch.image_width = image.width;
   patch.image_height = image.height;
-  patch.darkest = load_pixels(image, patch, samples.data());
+  patch.darkest =
+      load_patch_pixels(image, {patch.x0, patch.y0, patch.side, patch.side, samples.data()});
   std::fill_n(samples.data() + std::ptrdiff_t(patch.side) * patch.side, kPatchBlock, 0.0F);
   return patch;
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/tracking/runnable.hpp"
+#include "core/base/runnable.hpp"
 
 namespace ovws {
 namespace {

@@ -184,12 +184,16 @@ ShapeSample ReferenceShape::at(Vec2 from_centre) const {
 }
 
 std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
-    const SpotModel& spots, const Image<float>& average, std::span<const Vec2> reference_px) {
+    const SpotModel& camera_spots, const Image<float>& camera_average,
+    std::span<const Vec2> reference_px) {
+  const PixelLattice& lit = camera_spots.lit.lattice;
+  const SpotModel spots = camera_spots.on_lattice();
+  const Image<float> average = on_lattice(camera_average, lit);
   const ModelShape shape(spots, 1.5 * matched_window(spots.charge) + 1.0);
   const TemplateBank model(spots, shape);
   std::vector<std::shared_ptr<const TemplateBank>> banks(reference_px.size());
   for (std::size_t i = 0; i < banks.size(); ++i) {
-    const Vec2 at = reference_px[i];
+    const Vec2 at = lit.from_image(reference_px[i]);
     const bool inside =
         at.x >= 0.0 && at.y >= 0.0 && at.x <= average.width - 1.0 && at.y <= average.height - 1.0;
     if (!inside) continue;  // a position that is not a number, too

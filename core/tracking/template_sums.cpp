@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/tracking/runnable.hpp"
+#include "core/base/runnable.hpp"
 
 namespace ovws {
 namespace {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/tracking/centroid.hpp"
+#include "core/tracking/lattice_tracker.hpp"
 #include "core/tracking/lg.hpp"
 #include "core/tracking/lg_contour.hpp"
 #include "core/tracking/matched.hpp"
@@ -26,10 +27,14 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
     return fail(Errc::invalid, "tracking.kernel_radius",
                 "must be from 0.1 to 2 in units of lambda/d");
   }
-  if (!(spots.lambda_d_px >= kMinSpotPx && spots.lambda_d_px <= kMaxSpotPx)) {
-    return fail(Errc::invalid, "optics",
-                "lambda/d on the camera must be from 4 to 200 pixels for a spot to be tracked: "
-                "change the optics or the number of subapertures");
+  const int step = spots.lit.lattice.step;
+  if (!(spots.lambda_d_px >= kMinSpotPx * step && spots.lambda_d_px <= kMaxSpotPx * step)) {
+    return fail(
+        Errc::invalid, "optics",
+        "lambda/d on the camera must be from " + std::to_string(int(kMinSpotPx) * step) + " to " +
+            std::to_string(int(kMaxSpotPx) * step) + " pixels for a spot to be tracked" +
+            (step > 1 ? " by a colour camera, of which only every second pixel is lit" : "") +
+            ": change the optics or the number of subapertures");
   }
   if (std::abs(spots.charge) > kMaxCharge) {
     return fail(Errc::invalid, "sensor.charge", "must be from -8 to 8 to be tracked");
@@ -43,12 +48,8 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
   return {};
 }
 
-}  // namespace
-
-Result<std::unique_ptr<const SpotTracker>> make_tracker(
-    const TrackingConfig& config, const SpotModel& spots,
-    std::vector<std::shared_ptr<const TemplateBank>> own) {
-  if (auto ok = check(config, spots); !ok) return fail(ok.error());
+std::unique_ptr<const SpotTracker> make(const TrackingConfig& config, const SpotModel& spots,
+                                        std::vector<std::shared_ptr<const TemplateBank>> own) {
   const double kernel = lg_kernel_radius(config, spots.charge) * spots.lambda_d_px;
   switch (config.tracker) {
     case TrackerKind::centroid:
@@ -64,7 +65,18 @@ Result<std::unique_ptr<const SpotTracker>> make_tracker(
     case TrackerKind::matched:
       return std::make_unique<MatchedTracker>(spots, std::move(own));
   }
-  return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
+  return nullptr;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<const SpotTracker>> make_tracker(
+    const TrackingConfig& config, const SpotModel& spots,
+    std::vector<std::shared_ptr<const TemplateBank>> own) {
+  if (auto ok = check(config, spots); !ok) return fail(ok.error());
+  auto tracker = make(config, spots.on_lattice(), std::move(own));
+  if (!tracker) return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
+  return on_lattice(std::move(tracker), spots);
 }
 
 }  // namespace ovws

@@ -41,6 +41,12 @@ struct TrackingSettings : TrackingConfig {
 struct SpotModel {
   int charge = 1;
   double lambda_d_px = 12.55;  ///< diffraction width of one subaperture on the camera
+  LitPixels lit{};             ///< which of the camera's pixels see them
+
+  /// The same for an image of those pixels alone, whose pixels are `lit.lattice.step` apart.
+  SpotModel on_lattice() const { return {charge, lambda_d_px / lit.lattice.step}; }
+
+  friend bool operator==(const SpotModel&, const SpotModel&) = default;
 };
 
 /// Working memory of one tracking thread, sized once: `track` never allocates.
@@ -72,8 +78,10 @@ class SpotTracker {
 };
 
 /// `own`: of `matched`, see there; no other tracker has templates.
+/// Positions are the camera's pixels, also where only some of these are lit (LatticeTracker).
 /// Errors (Errc::invalid, field "tracking.…"): kernel_radius outside [0.1, 2]; a tracker that makes
 /// no sense for the charge (any lg on charge 0 follows the bright spot's maximum and is allowed).
+/// Field "optics": lambda/d below 4 or above 200 lit pixels.
 Result<std::unique_ptr<const SpotTracker>> make_tracker(
     const TrackingConfig& config, const SpotModel& spots,
     std::vector<std::shared_ptr<const TemplateBank>> own = {});

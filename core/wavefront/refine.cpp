@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/pixels.hpp"
 #include "core/wavefront/refine_system.hpp"
 
 namespace ovws {
@@ -56,12 +57,11 @@ std::vector<double> relative(std::vector<double> amplitudes) {
   return amplitudes;
 }
 
-template <class T>
 Image<float> numbers_of(const ImageView& view) {
   Image<float> image(view.width, view.height);
-  for (int y = 0; y < view.height; ++y) {
-    std::copy_n(view.row<T>(y), view.width, image.row(y));
-  }
+  visit_rows(view, 0, 0, view.width, view.height, [&](int x, int y, const auto* pixels, int count) {
+    std::copy_n(pixels, count, image.row(y) + x);
+  });
   return image;
 }
 
@@ -143,9 +143,7 @@ Result<void> Refiner::Impl::check(const Image<float>& dn, const RefineCamera& ca
 
 Result<Refinement> Refiner::refine(const ImageView& dn, const RefineCamera& camera,
                                    std::span<const double> start_waves) {
-  return refine(bytes_per_pixel(dn.format) == 1 ? numbers_of<std::uint8_t>(dn)
-                                                : numbers_of<std::uint16_t>(dn),
-                camera, start_waves);
+  return refine(numbers_of(dn), camera, start_waves);
 }
 
 Result<Refinement> Refiner::refine(const Image<float>& dn, const RefineCamera& camera,

@@ -87,7 +87,7 @@ int ShapeFit::run(std::span<const Vec2> starts_px) {
 /// faint spot far along itself.
 void ShapeFit::place() {
   const double tilt =
-      kAsideError * model_.lambda_d_px / model_.bin / model_.optics.cells_per_tilt();
+      kAsideError * model_.lambda_d_px / model_.cell_px() / model_.optics.cells_per_tilt();
   Eigen::Matrix<double, SpotOptics::kLocal, 1> weights;
   weights.setConstant(std::pow(kOwnWaves, -2));
   weights.head<2>().setConstant(std::pow(tilt, -2));
@@ -204,14 +204,15 @@ bool ShapeFit::accepted(int spot, const Match& match, const Rules& rules) const 
   return match.significance > kLeastSignificance && match.unexplained < rules.most_unexplained &&
          match.amplitude > rules.least_amplitude * usual &&
          match.amplitude < kMostAmplitude * usual &&
-         norm(laid_[std::size_t(spot)].aside) * model_.bin < rules.most_aside * model_.lambda_d_px;
+         norm(laid_[std::size_t(spot)].aside) * model_.cell_px() <
+             rules.most_aside * model_.lambda_d_px;
 }
 
 void ShapeFit::seek(int spot, const Rules& rules) {
   constexpr double kFollow = 0.4;  // lambda/d: how far a found spot is followed
   ShapedSpot& s = spots_[std::size_t(spot)];
   Laid& laid = laid_[std::size_t(spot)];
-  const double reach = (s.found ? kFollow : rules.reach) * model_.lambda_d_px / model_.bin;
+  const double reach = (s.found ? kFollow : rules.reach) * model_.lambda_d_px / model_.cell_px();
   laid.aside = {};
   lay(spot);
   Match best;

@@ -14,11 +14,14 @@ namespace ovws {
 
 /// What is known before any image.
 struct ShapeModel {
-  SpotOptics optics;  ///< its cells are `bin` camera pixels
-  int bin = 1;
+  SpotOptics optics;  ///< its cells are cell_px() camera pixels
+  PixelLattice lit;   ///< the pixels that the cells are made of
+  int bin = 1;        ///< so many a side
   double lambda_d_px = 12.55;
   Eigen::MatrixXd slopes;  ///< as of slope_matrix, for the modes of `optics`
   std::vector<Vec2> reference_px;
+
+  double cell_px() const { return double(bin) * lit.step; }
 };
 
 /// One spot in one image.

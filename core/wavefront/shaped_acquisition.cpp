@@ -32,10 +32,16 @@ int max_seen(std::size_t subapertures) {
 ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
                     const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px) {
-  const int bin = std::max(1, int(spots.lambda_d_px / kCellsPerLambdaD));
-  const int half = int(std::ceil(kPictureHalf * spots.lambda_d_px / bin));
-  return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / bin, half), bin, spots.lambda_d_px,
-          slopes, reference_px};
+  const PixelLattice& lit = spots.lit.lattice;
+  const int bin = std::max(1, int(spots.on_lattice().lambda_d_px / kCellsPerLambdaD));
+  const int cell_px = bin * lit.step;
+  const int half = int(std::ceil(kPictureHalf * spots.lambda_d_px / cell_px));
+  return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / cell_px, half),
+          lit,
+          bin,
+          spots.lambda_d_px,
+          slopes,
+          reference_px};
 }
 
 }  // namespace
@@ -62,7 +68,7 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   });
   if ((all_sure && believe_sure) || plain_.seen().empty()) return found;
   if (!model_) model_.emplace(make_model_());
-  const CellImage cells = average_cells(image, model_->bin);
+  const CellImage cells = average_cells(image, model_->lit, model_->bin);
   int most = (3 * int(out.size()) - 1) / 4;
   // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
   for (const auto& starts :

@@ -99,7 +99,7 @@ class ImageMeasurer {
                       const ImageView& image) {
     const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
     RefineCamera camera = options_.camera;
-    const double full_scale_dn = (1 << significant_bits(image.format)) - 1;
+    const double full_scale_dn = ovws::full_scale_dn(image.format);
     camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
     camera.read_noise_e = std::hypot(camera.read_noise_e, rounding_e(camera.electrons_per_dn));
     if (!instrument.refined) {

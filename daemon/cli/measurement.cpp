@@ -197,7 +197,7 @@ Measured Measurement::measure(const ImageView& image) {
     SpotFix& spot = measured.spots[i];
     if (!spot.found()) spot.peak = brightest_pixel(image, plan_->predicted_px[i], half_px);
   }
-  const auto full = float((1 << significant_bits(image.format)) - 1);
+  const double full = full_scale_dn(image.format);
   const auto saturated = std::count_if(measured.spots.begin(), measured.spots.end(),
                                        [&](const SpotFix& spot) { return spot.peak >= full; });
   measured.saturated = double(saturated) / double(measured.spots.size());

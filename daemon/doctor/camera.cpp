@@ -16,7 +16,7 @@ bool on_usb(const CameraFacts& facts) {
 }
 
 double frame_bytes(const CameraSettings& settings) {
-  return double(settings.roi.width) * settings.roi.height * bytes_per_pixel(settings.pixel_format);
+  return double(row_bytes(settings.pixel_format, settings.roi.width)) * settings.roi.height;
 }
 
 /// Another address of the same 24-bit network, for this machine.

@@ -41,8 +41,10 @@ class Scanner {
         base_cpp_(base_grating_cpp(now.sensor, slm)),
         fit_(grid_of(now.sensor), px_per_cycle(now.optics, slm)) {
     const double subaperture_px = now.sensor.pupil_diameter_px / now.sensor.subapertures_across;
-    spots_ = {0, lambda_d_px(now.optics, slm, now.sensor) * subaperture_px /
-                     fit_.grid().probe_diameter_px};
+    spots_ = {
+        0,
+        lambda_d_px(now.optics, slm, now.sensor) * subaperture_px / fit_.grid().probe_diameter_px,
+        lit_pixels(bench.camera().settings.pixel_format, now.optics.wavelength_nm)};
   }
 
   const std::vector<int>& modes_j() const { return fit_.modes_j(); }

@@ -126,7 +126,8 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   const int charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
   const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
   if (!looks) return fail(looks.error());
-  SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor)};
+  SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor),
+                  lit_pixels(camera.pixel_format, now.optics.wavelength_nm)};
   auto map = map_of(bench, *looks, spots);
   if (!map) return map;
   const double ratio = map->px_per_cycle.scale() / camera_px_per_cycle(now.optics, slm);

@@ -66,7 +66,7 @@ Result<void> CameraFeatures::choose_a_known_pixel_format() {
     names += (names.empty() ? "" : ", ") + name;
   }
   return fail(Errc::device, "camera.pixel_format",
-              "this camera has no unpacked monochrome format; it has " + names);
+              "this camera has no monochrome or Bayer format that is known here; it has " + names);
 }
 
 Result<void> CameraFeatures::prepare() {

@@ -88,6 +88,15 @@ Result<void> check_pixel_format(PixelFormat wanted, const CameraLimits& limits) 
               "this camera has no " + std::string(pixel_format_name(wanted)) + "; it has " + names);
 }
 
+Result<void> check_rows_fill_bytes(PixelFormat format, const Roi& roi) {
+  const int group = pixels_per_group(format);
+  if (roi.width % group == 0) return {};
+  return fail(Errc::invalid, "camera.roi",
+              "rows of " + std::string(pixel_format_name(format)) +
+                  " end in the middle of a byte if " + std::to_string(roi.width) +
+                  " pixels wide; the width must be a multiple of " + std::to_string(group));
+}
+
 Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const CameraSettings& current) {
   const double period_us = 1e6 / wanted.frame_rate_hz;
   if (!(period_us > 0.0 && wanted.exposure_us > period_us * (1.0 + 1e-9))) return {};

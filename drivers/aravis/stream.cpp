@@ -119,8 +119,9 @@ bool AravisStream::view_image(ArvBuffer* buffer, ImageView& image) const {
   image.data = static_cast<const std::byte*>(arv_buffer_get_image_data(buffer, &size));
   image.width = width;
   image.height = height;
-  image.stride_bytes = std::ptrdiff_t(width) * bytes_per_pixel(shape_.format) + padding;
+  image.stride_bytes = std::ptrdiff_t(row_bytes(shape_.format, width)) + padding;
   image.format = shape_.format;
+  image.left_justified_bits = 0;
   return size >= std::size_t(image.stride_bytes) * std::size_t(height) - std::size_t(padding);
 }
 

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "drivers/twin/pixel_packing.hpp"
+
 namespace ovws::twin {
 namespace {
 
@@ -40,26 +42,6 @@ auto fields(const DetectorConfig& c) {
                   c.read_noise_e, c.full_well_e, c.black_level_dn, c.bits, c.seed);
 }
 
-template <class Pixel>
-void pack(const Image<std::uint16_t>& dn, int up, std::vector<std::byte>& bytes) {
-  auto* to = reinterpret_cast<Pixel*>(bytes.data());
-  const std::uint16_t* from = dn.pixels.data();
-  const int down = std::max(0, -up), left = std::max(0, up);
-  for (std::size_t i = 0; i < dn.pixels.size(); ++i) to[i] = Pixel((from[i] << left) >> down);
-}
-
-/// The converter's `bits` as the left-most of the format's, as cameras do.
-std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format) {
-  const int up = significant_bits(format) - bits;
-  std::vector<std::byte> bytes(dn.pixels.size() * std::size_t(bytes_per_pixel(format)));
-  if (bytes_per_pixel(format) == 1) {
-    pack<std::uint8_t>(dn, up, bytes);
-  } else {
-    pack<std::uint16_t>(dn, up, bytes);
-  }
-  return bytes;
-}
-
 }  // namespace
 
 bool FrameSource::may_repeat() const {
@@ -90,8 +72,10 @@ FrameSource::Frame FrameSource::make(const FrameRequest& request) {
   for (std::size_t i = 0; i < photons_.pixels.size(); ++i) {
     photons_.pixels[i] = scale * intensity.pixels[i];
   }
+  filter_colours(photons_, request.format, wavelength_nm_);
   detector_->expose(photons_, request.exposure_us, request.gain_db, dn_);
-  return std::make_shared<std::vector<std::byte>>(packed(dn_, config.bits, request.format));
+  return std::make_shared<std::vector<std::byte>>(
+      packed(dn_, config.bits, request.format, truth.left_justified));
 }
 
 void FrameSource::work(const std::stop_token& stop) {

@@ -37,9 +37,12 @@ struct FrameCounts {
 /// Thread-safe; `take` is for one thread.
 class FrameSource {
  public:
+  /// `wavelength_nm`: of the laser, which a colour camera's filters pass or not.
+  explicit FrameSource(double wavelength_nm) : wavelength_nm_(wavelength_nm) {}
+
   void work(const std::stop_token& stop);  ///< body of the noise thread
 
-  /// Writes one frame of width x height x bytes_per_pixel into `out`. A frame never shows another
+  /// Writes one frame, frame_bytes of them, into `out`. A frame never shows another
   /// request than this one: after a change the first ones are waited for. With Noise::fresh, once
   /// 16 different ones were delivered and no new one is ready, the one delivered longest ago is
   /// taken again. False on stop, or if there was none by the deadline.
@@ -53,6 +56,7 @@ class FrameSource {
   bool may_repeat() const;  // call with mutex_ locked
   Frame make(const FrameRequest& request);
 
+  const double wavelength_nm_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<FrameRequest> request_;

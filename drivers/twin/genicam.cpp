@@ -1,5 +1,11 @@
 #include "drivers/twin/genicam.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
+#include <string>
+
+#include "core/base/pixel_format.hpp"
+
 namespace ovws::twin {
 
 namespace {
@@ -85,11 +91,7 @@ constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
   <IntReg Name="OffsetYRegister"><Address>0x134</Address><Length>4</Length><AccessMode>RW</AccessMode>
     <pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>
   <Enumeration Name="PixelFormat" NameSpace="Standard">
-    <EnumEntry Name="Mono8" NameSpace="Standard"><Value>17301505</Value></EnumEntry>
-    <EnumEntry Name="Mono10" NameSpace="Standard"><Value>17825795</Value></EnumEntry>
-    <EnumEntry Name="Mono12" NameSpace="Standard"><Value>17825797</Value></EnumEntry>
-    <EnumEntry Name="Mono16" NameSpace="Standard"><Value>17825799</Value></EnumEntry>
-    <pValue>PixelFormatRegister</pValue>
+@PIXEL_FORMATS@    <pValue>PixelFormatRegister</pValue>
   </Enumeration>
   <IntReg Name="PixelFormatRegister"><Address>0x128</Address><Length>4</Length><AccessMode>RW</AccessMode>
     <pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>
@@ -172,10 +174,22 @@ constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
 </RegisterDescription>
 )xml";
 
+std::string with_pixel_formats(std::string xml) {
+  std::string entries;
+  for (const PixelFormatTraits& format : all_pixel_formats()) {
+    entries += fmt::format(
+        "    <EnumEntry Name=\"{}\" NameSpace=\"Standard\"><Value>{}</Value></EnumEntry>\n",
+        format.name, format.code);
+  }
+  constexpr std::string_view kPlace = "@PIXEL_FORMATS@";
+  return xml.replace(xml.find(kPlace), kPlace.size(), entries);
+}
+
 }  // namespace
 
 std::string_view genicam_xml() {
-  return kXml;
+  static const std::string xml = with_pixel_formats(kXml);
+  return xml;
 }
 
 }  // namespace ovws::twin

@@ -15,9 +15,9 @@ constexpr double kMaxGainDb = 48.0;
 constexpr char kVendorName[] = "ovws";
 constexpr char kModelName[] = "Bench twin";
 
-/// GenICam XML. Standard names (SFNC): Width, Height, OffsetX, OffsetY, PixelFormat (Mono8, 10, 12,
-/// 16), ExposureTime, Gain (dB), AcquisitionFrameRate, AcquisitionStart, …; the registers are those
-/// of Aravis's fake camera, so that it streams by them.
+/// GenICam XML. Standard names (SFNC): Width, Height, OffsetX, OffsetY, PixelFormat (all
+/// that are known), ExposureTime, Gain (dB), AcquisitionFrameRate, AcquisitionStart, …; the
+/// registers are those of Aravis's fake camera, so that it streams by them.
 std::string_view genicam_xml();
 
 }  // namespace ovws::twin

@@ -16,6 +16,7 @@
 
 #include "core/port/clock.hpp"
 #include "drivers/twin/genicam.hpp"
+#include "drivers/twin/pixel_packing.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -35,21 +36,6 @@ sockaddr_in camera_address(const std::string& address) {
   return result;
 }
 
-std::optional<PixelFormat> pixel_format(std::uint32_t code) {
-  switch (code) {
-    case ARV_PIXEL_FORMAT_MONO_8:
-      return PixelFormat::mono8;
-    case ARV_PIXEL_FORMAT_MONO_10:
-      return PixelFormat::mono10;
-    case ARV_PIXEL_FORMAT_MONO_12:
-      return PixelFormat::mono12;
-    case ARV_PIXEL_FORMAT_MONO_16:
-      return PixelFormat::mono16;
-    default:
-      return std::nullopt;
-  }
-}
-
 bool inside(const Roi& roi, const CameraConfig& sensor) {
   // Registers may hold anything, so nothing is added before it is known to be small.
   return roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
@@ -63,8 +49,7 @@ std::span<std::byte> pixels_of(ArvBuffer* buffer, const CameraSettings& settings
   const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
   if (pixels == nullptr || settings.roi.width <= 0 || settings.roi.height <= 0) return {};
   return {static_cast<std::byte*>(const_cast<void*>(pixels)),
-          std::size_t(settings.roi.width) * std::size_t(settings.roi.height) *
-              std::size_t(bytes_per_pixel(settings.pixel_format))};
+          frame_bytes(settings.pixel_format, settings.roi.width, settings.roi.height)};
 }
 
 }  // namespace
@@ -147,8 +132,8 @@ CameraSettings GigeDevice::settings() const {
   s.gain_db = kGainStepDb * read(ARV_FAKE_CAMERA_REGISTER_GAIN_RAW);
   s.exposure_us = read(ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US);
   s.frame_rate_hz = 1e6 / std::max(1U, read(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US));
-  s.pixel_format =
-      pixel_format(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT)).value_or(PixelFormat::mono8);
+  s.pixel_format = pixel_format_from_code(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT))
+                       .value_or(PixelFormat::mono8);
   s.roi = {int(read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET)),
            int(read(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET)), int(read(ARV_FAKE_CAMERA_REGISTER_WIDTH)),
            int(read(ARV_FAKE_CAMERA_REGISTER_HEIGHT))};
@@ -203,7 +188,7 @@ FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) 
 }
 
 FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
-  const auto format = pixel_format(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
+  const auto format = pixel_format_from_code(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
   const std::span<std::byte> out = pixels_of(buffer, settings);
   if (!format || !inside(settings.roi, config_) || out.empty()) {
     ++tally_.refused;

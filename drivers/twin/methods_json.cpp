@@ -118,6 +118,7 @@ Json json_of(const Config& config, const Truth& truth) {
           {"full_well_e", d.full_well_e},
           {"black_level_dn", d.black_level_dn},
           {"bits", truth.bits},
+          {"left_justified", truth.left_justified},
           {"noise", kNoises[std::size_t(truth.noise)]}};
 }
 

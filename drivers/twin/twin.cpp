@@ -3,7 +3,10 @@
 namespace ovws::twin {
 
 Twin::Twin(const Config& config, const std::string& x_display)
-    : config_(config), bench_(config), screen_(config.slm, x_display, bench_) {}
+    : config_(config),
+      bench_(config),
+      frames_(config.optics.wavelength_nm),
+      screen_(config.slm, x_display, bench_) {}
 
 Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::string& x_display) {
   std::unique_ptr<Twin> twin(new Twin(config, x_display));

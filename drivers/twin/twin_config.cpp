@@ -140,6 +140,7 @@ void read_detector(ObjectReader& r, Truth& truth) {
   r.number("full_well_e", d.full_well_e, 10.0, 1e7);
   r.number("black_level_dn", d.black_level_dn, 0.0, 1000.0);
   r.integer("bits", truth.bits, 0, 16);
+  r.boolean("left_justified", truth.left_justified);
 }
 
 void read_noise(ObjectReader& r, Truth& truth) {

@@ -71,8 +71,9 @@ struct Truth {
   double peak_electrons = 6000.0;
   CameraGeometry geometry;
   std::optional<TurbulenceConfig> turbulence;
-  DetectorConfig detector;  ///< bits: not used
-  int bits = 0;             ///< of the converter; 0: as many as the pixel format has
+  DetectorConfig detector;      ///< bits: not used
+  int bits = 0;                 ///< of the converter; 0: as many as the pixel format has
+  bool left_justified = false;  ///< numbers of 10 to 14 bits in the left-most of their 16
   Noise noise = Noise::fresh;
 };
 

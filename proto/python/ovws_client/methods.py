@@ -250,8 +250,8 @@ class CameraSettings(TypedDict):
     exposure_us: float
     # frames per second; from 0.001 to 100000
     frame_rate_hz: float
-    # GenICam name; 10 to 16 bit formats are unpacked, little-endian and right-justified
-    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"]
+    # GenICam name; of a Bayer format the pixels that see the laser are measured
+    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"]
     # region of interest of the sensor
     roi: Roi
 
@@ -296,7 +296,7 @@ class Limits(TypedDict):
     # sensor pixels
     sensor_height: int
     # formats that both camera and daemon know
-    pixel_formats: list[Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"]]
+    pixel_formats: list[Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"]]
 
 
 class CameraGetResult(TypedDict):
@@ -332,8 +332,8 @@ class Requested(TypedDict):
     exposure_us: NotRequired[float]
     # frames per second
     frame_rate_hz: NotRequired[float]
-    # GenICam name; 10 to 16 bit formats are unpacked, little-endian and right-justified
-    pixel_format: NotRequired[Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"]]
+    # GenICam name; of a Bayer format the pixels that see the laser are measured
+    pixel_format: NotRequired[Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"]]
     # region of interest of the sensor
     roi: NotRequired[Roi]
 
@@ -354,8 +354,8 @@ class ConfigCamera(TypedDict):
     driver: str
     # GenICam id or address
     id: str
-    # GenICam name; 10 to 16 bit formats are unpacked, little-endian and right-justified
-    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"]
+    # GenICam name; of a Bayer format the pixels that see the laser are measured
+    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"]
     # exposure time, microseconds; from 0.1 to 60000000
     exposure_us: float
     # analogue gain, dB; from -100 to 100
@@ -978,7 +978,7 @@ class RefineResult(TypedDict):
     # whether each subaperture's amplitude is fitted, too: uneven light
     spot_amplitudes: bool
     # the camera's, whose DN these are
-    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"]
+    pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"]
 
 
 class RefineRequested(TypedDict):
@@ -1472,7 +1472,7 @@ class Methods:
         gain_db: float | LeftOut = LEFT_OUT,
         exposure_us: float | LeftOut = LEFT_OUT,
         frame_rate_hz: float | LeftOut = LEFT_OUT,
-        pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"] | LeftOut = LEFT_OUT,
+        pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"] | LeftOut = LEFT_OUT,
         roi: CameraRoi | LeftOut = LEFT_OUT,
         clamp: bool | LeftOut = LEFT_OUT,
     ) -> CameraSetResult:
@@ -1482,7 +1482,7 @@ class Methods:
         gain_db: analogue gain, dB; from -100 to 100
         exposure_us: exposure time, microseconds; from 0.1 to 60000000
         frame_rate_hz: frames per second; from 0.001 to 100000
-        pixel_format: GenICam name; 10 to 16 bit formats are unpacked, little-endian and right-justified
+        pixel_format: GenICam name; of a Bayer format the pixels that see the laser are measured
         roi: region of interest of the sensor
         clamp: true: a number out of range becomes the nearest limit instead of being refused; the ranges stated here then do not bind;
                default false
@@ -2124,7 +2124,7 @@ class AsyncMethods:
         gain_db: float | LeftOut = LEFT_OUT,
         exposure_us: float | LeftOut = LEFT_OUT,
         frame_rate_hz: float | LeftOut = LEFT_OUT,
-        pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16"] | LeftOut = LEFT_OUT,
+        pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"] | LeftOut = LEFT_OUT,
         roi: CameraRoi | LeftOut = LEFT_OUT,
         clamp: bool | LeftOut = LEFT_OUT,
     ) -> CameraSetResult:

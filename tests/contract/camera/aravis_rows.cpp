@@ -40,10 +40,8 @@ class AravisBench final : public CameraBench {
     truth.exposure_us = read(0x120);
     truth.frame_rate_hz = 1e6 / read(0x138);
     truth.roi = {int(read(0x130)), int(read(0x134)), int(read(0x100)), int(read(0x104))};
-    const auto format = std::uint32_t(read(0x128));
-    truth.pixel_format = format == 0x01100005   ? PixelFormat::mono12
-                         : format == 0x01100007 ? PixelFormat::mono16
-                                                : PixelFormat::mono8;
+    truth.pixel_format =
+        pixel_format_from_code(std::uint32_t(read(0x128))).value_or(PixelFormat::mono8);
     return truth;
   }
   std::optional<int> pixel(PixelFormat format, int x, int y) const override {

@@ -24,13 +24,23 @@ void fill(ArvBuffer* buffer, void* camera, guint32, guint32, ArvPixelFormat form
   const guint32 width = guint32(arv_buffer_get_image_width(buffer));
   const guint32 height = guint32(arv_buffer_get_image_height(buffer));
   auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
-  const guint32 mask = format == ARV_PIXEL_FORMAT_MONO_12 ? 0xfff : 0xffff;
+  constexpr guint32 kMono12p = 0x010c0047;
+  const guint32 mask = format == ARV_PIXEL_FORMAT_MONO_12 || format == kMono12p ? 0xfff : 0xffff;
   for (guint32 y = 0; y < height; ++y)
     for (guint32 x = 0; x < width; ++x) {
       const guint32 value = (x0 + x + 2 * (y0 + y)) & mask;
       const std::size_t pixel = std::size_t(y) * width + x;
       if (ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) == 8) {
         data[pixel] = std::uint8_t(value);
+      } else if (format == kMono12p) {
+        std::uint8_t* const pair = data + pixel / 2 * 3;
+        if (pixel % 2 == 0) {
+          pair[0] = std::uint8_t(value);
+          pair[1] = std::uint8_t((pair[1] & 0xf0U) | value >> 8);
+        } else {
+          pair[1] = std::uint8_t((pair[1] & 0x0fU) | value << 4);
+          pair[2] = std::uint8_t(value >> 4);
+        }
       } else {
         data[2 * pixel] = std::uint8_t(value);
         data[2 * pixel + 1] = std::uint8_t(value >> 8);

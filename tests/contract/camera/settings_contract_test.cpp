@@ -1,7 +1,10 @@
 /// The camera contract: limits, settings and their refusal.
 #include <cmath>
 #include <limits>
+#include <string>
+#include <tuple>
 
+#include "drivers/aravis/settings_check.hpp"
 #include "tests/contract/camera/camera_contract.hpp"
 
 namespace ovws::testing {
@@ -257,6 +260,24 @@ TEST_P(CameraContract, APixelFormatThatItLacksIsRefusedWithThoseThatItHas) {
     expect_refused(*camera, wanted, "camera.pixel_format", names);
   }
   if (lacking == 0) GTEST_SKIP() << "this camera has every format";
+}
+
+TEST(PackedRows, MustEndAtAWholeByte) {
+  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono8, {0, 0, 511, 100}));
+  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono12, {0, 0, 511, 100}));
+  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono12p, {0, 0, 510, 99}));
+  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono10p, {0, 0, 508, 99}));
+  for (const auto& [format, width, multiple] : {std::tuple{PixelFormat::mono12p, 511, "2"},
+                                                {PixelFormat::bayer_rg12p, 511, "2"},
+                                                {PixelFormat::mono12_packed, 511, "2"},
+                                                {PixelFormat::mono10_packed, 511, "2"},
+                                                {PixelFormat::mono10p, 510, "4"}}) {
+    const auto refused = check_rows_fill_bytes(format, {0, 0, width, 100});
+    ASSERT_FALSE(refused) << pixel_format_name(format);
+    EXPECT_EQ(refused.error().field, "camera.roi");
+    EXPECT_NE(refused.error().reason.find(std::string("multiple of ") + multiple),
+              std::string::npos);
+  }
 }
 
 }  // namespace

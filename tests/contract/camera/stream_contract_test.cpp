@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/pixels.hpp"
 #include "tests/contract/camera/camera_contract.hpp"
 
 namespace ovws::testing {
@@ -16,13 +17,13 @@ void expect_pixels(const CameraBench& bench, const ImageView& image, const Roi& 
   ASSERT_EQ(image.height, roi.height);
   ASSERT_NE(image.data, nullptr);
   int wrong = 0;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const int value = bytes_per_pixel(image.format) == 1 ? image.row<std::uint8_t>(y)[x]
-                                                           : image.row<std::uint16_t>(y)[x];
-      const auto expected = bench.pixel(image.format, roi.x + x, roi.y + y);
-      if (expected && value != *expected) ++wrong;
-    }
+  visit_rows(image, 0, 0, image.width, image.height,
+             [&](int x, int y, const auto* pixels, int count) {
+               for (int i = 0; i < count; ++i) {
+                 const auto expected = bench.pixel(image.format, roi.x + x + i, roi.y + y);
+                 if (expected && pixels[i] != *expected) ++wrong;
+               }
+             });
   EXPECT_EQ(wrong, 0) << "of " << image.width * image.height;
 }
 

@@ -1,8 +1,10 @@
 #include "bench_client.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
+#include "core/base/pixels.hpp"
 #include "core/port/clock.hpp"
 #include "core/tracking/tracker.hpp"
 #include "drivers/aravis/aravis_camera.hpp"
@@ -64,13 +66,10 @@ TakenFrame BenchClient::grab() {
   for (int i = 0; i < 30; ++i) {
     if (camera_->grab(frame, std::chrono::milliseconds(100)) != GrabStatus::frame) continue;
     TakenFrame taken{{frame.image.width, frame.image.height}, frame.frame_id, frame.t_device_ns};
-    for (int y = 0; y < frame.image.height; ++y) {
-      for (int x = 0; x < frame.image.width; ++x) {
-        taken.dn.at(x, y) = bytes_per_pixel(frame.image.format) == 1
-                                ? frame.image.row<std::uint8_t>(y)[x]
-                                : frame.image.row<std::uint16_t>(y)[x];
-      }
-    }
+    visit_rows(frame.image, 0, 0, frame.image.width, frame.image.height,
+               [&](int x, int y, const auto* pixels, int count) {
+                 std::copy_n(pixels, count, taken.dn.row(y) + x);
+               });
     camera_->release(frame.slot);
     return taken;
   }

@@ -14,6 +14,7 @@
 #include "drivers/twin/bench_model.hpp"
 #include "drivers/twin/faults.hpp"
 #include "drivers/twin/frame_source.hpp"
+#include "drivers/twin/pixel_packing.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -250,13 +251,13 @@ class Frames : public ::testing::Test {
     return result;
   }
   std::vector<std::byte> take(const FrameRequest& wanted) {
-    std::vector<std::byte> out(std::size_t(kSize * kSize * bytes_per_pixel(wanted.format)));
+    std::vector<std::byte> out(frame_bytes(wanted.format, kSize, kSize));
     EXPECT_TRUE(
         source.take(wanted, steady_clock::now() + milliseconds(20'000), stop.get_token(), out));
     return out;
   }
 
-  FrameSource source;
+  FrameSource source{632.0};
   std::stop_source stop;
   std::jthread worker{[this](const std::stop_token& s) { source.work(s); }};
 };

@@ -32,6 +32,15 @@ TEST(RefineSettings, WhatOnlyTogetherIsWrongIsRefused) {
   EXPECT_EQ(fault_of(settings), "");
 }
 
+TEST(RefineSettings, AColourCameraIsNotRefined) {
+  RefineSettings settings;
+  settings.format = PixelFormat::bayer_rg12;
+  EXPECT_EQ(fault_of(settings), "");
+  settings.enabled = true;
+  settings.electrons_per_dn = 2.0;
+  EXPECT_EQ(fault_of(settings), "enabled");
+}
+
 TEST(RefineSettings, FollowTheFormatThereAndBack) {
   RefineSettings settings;
   settings.electrons_per_dn = 40.0;

@@ -1,0 +1,71 @@
+#include "core/tracking/lattice_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr double kAgree = 0.4;  // lambda/d
+
+class LatticeTracker final : public SpotTracker {
+ public:
+  LatticeTracker(std::unique_ptr<const SpotTracker> tracker, const SpotModel& spots)
+      : tracker_(std::move(tracker)),
+        lit_(spots.lit),
+        agree_px_(float(kAgree * spots.lambda_d_px)) {}
+
+  int window_half_px() const override { return lit_.lattice.step * tracker_->window_half_px(); }
+  TrackScratch make_scratch() const override { return tracker_->make_scratch(); }
+  bool per_spot() const override { return tracker_->per_spot(); }
+
+  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
+                int spot) const OVWS_NONBLOCKING override {
+    const SpotFix fix = track_on(lit_.lattice, image, start_px, scratch, spot);
+    if (!lit_.diagonal) return fix;
+    return joined(fix, track_on(lit_.other(), image, start_px, scratch, spot));
+  }
+
+ private:
+  SpotFix track_on(const PixelLattice& lattice, const ImageView& image, Vec2 start_px,
+                   TrackScratch& scratch, int spot) const OVWS_NONBLOCKING {
+    SpotFix fix =
+        tracker_->track(on_lattice(image, lattice), lattice.from_image(start_px), scratch, spot);
+    const Vec2 at = lattice.to_image({double(fix.x), double(fix.y)});
+    fix.x = float(at.x);  // not a number stays none
+    fix.y = float(at.y);
+    return fix;
+  }
+
+  SpotFix joined(const SpotFix& a, const SpotFix& b) const OVWS_NONBLOCKING {
+    SpotFix fix = a.found() ? a : b;
+    fix.peak = std::max(a.peak, b.peak);
+    if (!a.found() || !b.found()) return fix;
+    if (std::abs(a.x - b.x) > agree_px_ || std::abs(a.y - b.y) > agree_px_) {
+      SpotFix none;
+      none.peak = fix.peak;
+      return none;
+    }
+    fix.x = 0.5F * (a.x + b.x);
+    fix.y = 0.5F * (a.y + b.y);
+    fix.quality = 0.5F * (a.quality + b.quality);
+    fix.level = 0.5F * (a.level + b.level);
+    fix.noise = 0.5F * (a.noise + b.noise);
+    return fix;
+  }
+
+  std::unique_ptr<const SpotTracker> tracker_;
+  LitPixels lit_;
+  float agree_px_;
+};
+
+}  // namespace
+
+std::unique_ptr<const SpotTracker> on_lattice(std::unique_ptr<const SpotTracker> tracker,
+                                              const SpotModel& spots) {
+  if (spots.lit.lattice.everything()) return tracker;
+  return std::make_unique<LatticeTracker>(std::move(tracker), spots);
+}
+
+}  // namespace ovws

@@ -1,0 +1,74 @@
+#include "drivers/twin/pixel_packing.hpp"
+
+namespace ovws::twin {
+namespace {
+
+constexpr float kLeak =
+    0.03F;  // of the light, through a filter of another colour: a usual sensor's
+
+/// The bits of one number after those of the other, from the lowest on, in whatever bytes come.
+void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, unsigned value) {
+  for (int k = 0; k < count; ++k) {
+    const std::size_t bit = first_bit + std::size_t(k);
+    if ((value >> k & 1U) != 0) bytes[bit / 8] |= std::byte(1U << bit % 8);
+  }
+}
+
+/// Of GigE Vision 1: the high eight bits in a byte of their own, the low ones in the byte between.
+void put_in_three(std::vector<std::byte>& bytes, std::size_t pixel, int bits, unsigned value) {
+  const std::size_t first = pixel / 2 * 3, odd = pixel % 2;
+  bytes[first + 2 * odd] = std::byte(value >> (bits - 8));
+  bytes[first + 1] |= std::byte((value & ((1U << (bits - 8)) - 1)) << (4 * odd));
+}
+
+}  // namespace
+
+std::size_t frame_bytes(PixelFormat format, int width, int height) {
+  const std::size_t bits = traits_of(format).code >> 16 & 0xFFU;  // so says PFNC
+  return std::size_t(width) * std::size_t(height) * bits / 8;
+}
+
+std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format,
+                              bool left_justified) {
+  const PixelFormatTraits& traits = traits_of(format);
+  const bool words = traits.layout == PixelLayout::words;
+  const int up = (left_justified && words ? 16 : traits.bits) - bits;
+  std::vector<std::byte> bytes(frame_bytes(format, dn.width, dn.height));
+  for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
+    const unsigned value = up >= 0 ? unsigned(dn.pixels[i]) << up : dn.pixels[i] >> -up;
+    switch (traits.layout) {
+      case PixelLayout::bytes:
+        bytes[i] = std::byte(value);
+        break;
+      case PixelLayout::words:
+        bytes[2 * i] = std::byte(value & 0xFFU);
+        bytes[2 * i + 1] = std::byte(value >> 8);
+        break;
+      case PixelLayout::p10:
+      case PixelLayout::p12:
+        put_bits(bytes, i * std::size_t(traits.bits), traits.bits, value);
+        break;
+      case PixelLayout::packed10:
+      case PixelLayout::packed12:
+        put_in_three(bytes, i, traits.bits, value);
+        break;
+    }
+  }
+  return bytes;
+}
+
+void filter_colours(Image<float>& photons, PixelFormat format, double wavelength_nm) {
+  const LitPixels lit = lit_pixels(format, wavelength_nm);
+  if (lit.lattice.everything()) return;
+  const auto passes = [](const PixelLattice& lattice, int x, int y) {
+    return x % 2 == lattice.x && y % 2 == lattice.y;
+  };
+  for (int y = 0; y < photons.height; ++y) {
+    for (int x = 0; x < photons.width; ++x) {
+      const bool seen = passes(lit.lattice, x, y) || (lit.diagonal && passes(lit.other(), x, y));
+      if (!seen) photons.at(x, y) *= kLeak;
+    }
+  }
+}
+
+}  // namespace ovws::twin
