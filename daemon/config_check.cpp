@@ -6,6 +6,7 @@
 #include "core/tracking/tracker.hpp"
 #include "daemon/client_guard.hpp"
 #include "daemon/driver_table.hpp"
+#include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
 #include "daemon/thread_plan.hpp"
 
@@ -52,9 +53,8 @@ Result<void> check_usable(const Config& config) {
   if (auto fast = check_daemon_tracker(config.tracking); !fast) {
     return fail(fast.error().code, "tracking." + fast.error().field, fast.error().reason);
   }
-  const SpotModel spots{
-      config.sensor.charge, lambda_d_px(config.optics, config.slm.geometry, config.sensor),
-      lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm)};
+  const SpotModel spots = spot_model(config.sensor, config.optics, config.slm.geometry,
+                                     config.camera.settings.pixel_format);
   const auto tracker = make_tracker(config.tracking, spots);
   if (!tracker) return fail(tracker.error());
   return {};

@@ -265,16 +265,16 @@ Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_of(state), slm_geometry_, state.roi,
-                     state.format, shown_modes(state), reference, workers_,
-                     torn_ ? &*torn_ : nullptr, templates_for(state, reference).banks,
-                     operator_for(state)});
+                     state.format, lit_pixels(state.format, optics_.wavelength_nm),
+                     shown_modes(state), reference, workers_, torn_ ? &*torn_ : nullptr,
+                     templates_for(state, reference).banks, operator_for(state)});
 }
 
 const OwnTemplates& Instrument::templates_for(const State& state,
                                               const std::optional<Reference>& reference) {
-  return templates_.of(
-      state.tracking,
-      {state.sensor.charge, lambda_d_px(optics_of(state), slm_geometry_, state.sensor)}, reference);
+  return templates_.of(state.tracking,
+                       spot_model(state.sensor, optics_of(state), slm_geometry_, state.format),
+                       reference);
 }
 
 void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {

@@ -45,6 +45,12 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
 
 }  // namespace
 
+SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, const SlmGeometry& slm,
+                     PixelFormat format) {
+  return {sensor.charge, lambda_d_px(optics, slm, sensor),
+          lit_pixels(format, optics.wavelength_nm)};
+}
+
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = inputs.id;
@@ -53,7 +59,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->charge = inputs.sensor.charge;
   plan->tracker_kind = inputs.tracking.tracker;
   plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor),
-                 lit_pixels(inputs.format, inputs.optics.wavelength_nm)};
+                 inputs.lit};
   plan->roi = inputs.roi;
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);

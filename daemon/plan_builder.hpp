@@ -26,6 +26,7 @@ struct PlanInputs {
   const SlmGeometry& slm;
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
+  LitPixels lit{};                      ///< the camera's, of this optics' wavelength
   const std::vector<Mode>& aberration;  ///< shown on purpose
   const std::optional<Reference>& reference;
   int workers = 0;
@@ -34,6 +35,10 @@ struct PlanInputs {
   std::vector<std::shared_ptr<const TemplateBank>> templates{};
   const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
 };
+
+/// What the spots of this sensor are on a camera of this pixel format.
+SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, const SlmGeometry& slm,
+                     PixelFormat format);
 
 /// Errors as of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);

@@ -11,6 +11,7 @@
 #include "core/wavefront/shape_templates.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/plan_builder.hpp"
 
 namespace ovws {
 namespace {
@@ -109,8 +110,7 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
   std::vector<Vec2> reference_px =
       sensor.reference ? sensor.reference->positions_px
                        : model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows);
-  const SpotModel spots{sensor.sensor.charge, lambda_d_px(sensor.optics, slm_, sensor.sensor),
-                        lit_pixels(frame.image.format, sensor.optics.wavelength_nm)};
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const bool same = bench_ && bench_->sensor == sensor.sensor &&
                     bench_->tracking == sensor.tracking && bench_->cols == cols &&
                     bench_->rows == rows && bench_->reference_px == reference_px &&

@@ -97,6 +97,11 @@ class ImageMeasurer {
   /// The coefficients of all pixels instead of those of the spots' positions.
   Result<void> refine(json& line, Instrument& instrument, const Measured& measured,
                       const ImageView& image) {
+    if (traits_of(config_.camera.settings.pixel_format).filter != ColourFilter::none) {
+      return fail(Errc::refused, "refine",
+                  "the model knows no colour filters: measure without, or with a Mono "
+                  "camera.pixel_format in the configuration");
+    }
     const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
     RefineCamera camera = options_.camera;
     const double full_scale_dn = ovws::full_scale_dn(image.format);

@@ -36,8 +36,9 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   const Roi roi{0, 0, like.width, like.height};
   const std::vector<Mode> nothing_shown;
   return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
-                     config.slm.geometry, roi, like.format, nothing_shown, reference, 0, nullptr,
-                     own.banks, mode_operator});
+                     config.slm.geometry, roi, like.format,
+                     lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
+                     nothing_shown, reference, 0, nullptr, own.banks, mode_operator});
 }
 
 /// Null: the slopes.

@@ -113,7 +113,7 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
   const auto own = own_templates(kAsked, spots, &reference).banks;
   const auto per_spot = [&](const TrackingConfig& tracking, const auto& templates) {
     const auto plan = build_plan({1, 1, 1, *lattice, sensor, tracking, optics, slm, roi,
-                                  PixelFormat::mono8, none, no_reference, 0, nullptr, templates});
+                                  PixelFormat::mono8, {}, none, no_reference, 0, nullptr, templates});
     EXPECT_TRUE(plan);
     return (*plan)->tracker->per_spot();
   };
