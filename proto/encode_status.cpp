@@ -85,7 +85,12 @@ json latency_part(const LatencySummary& latency) {
           {"p50_us", latency.p50_us},
           {"p99_us", latency.p99_us},
           {"p999_us", latency.p999_us},
-          {"max_us", latency.max_us}};
+          {"max_us", latency.max_us},
+          {"since_start",
+           {{"count", latency.since_start.count},
+            {"sum_us", latency.since_start.sum_us},
+            {"edges_us", LatencyTotals::edges_us()},
+            {"below", latency.since_start.below}}}};
 }
 
 std::string_view severity_name(Severity severity) {

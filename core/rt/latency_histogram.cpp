@@ -8,8 +8,10 @@
 namespace ovws {
 namespace {
 
-constexpr int kFirstOctaveBit = 6;  // the first bucket begins at 2^6 ns
-constexpr int kSubBits = 4;         // 16 buckets an octave
+constexpr int kFirstOctaveBit = 6;    // the first bucket begins at 2^6 ns
+constexpr int kSubBits = 4;           // 16 buckets an octave
+constexpr int kFirstEdgeBit = 13;     // the totals' first edge is 2^13 ns
+constexpr std::size_t kEdgeStep = 8;  // and they have every eighth bucket's
 
 std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   const auto ns = std::uint64_t(std::max<std::int64_t>(latency_ns, 1 << kFirstOctaveBit));
@@ -26,10 +28,31 @@ double bucket_middle_us(std::size_t bucket) {
   return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
 }
 
+/// The first bucket that is not below the edge.
+constexpr std::size_t bucket_at(std::size_t edge) {
+  return (std::size_t(kFirstEdgeBit - kFirstOctaveBit) << kSubBits) + edge * kEdgeStep;
+}
+
+double bucket_begin_us(std::size_t bucket) {
+  const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
+  const double sub = double(bucket & ((1U << kSubBits) - 1U));
+  return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
+}
+
 }  // namespace
+
+const std::array<double, LatencyTotals::kEdges>& LatencyTotals::edges_us() {
+  static const auto edges = [] {
+    std::array<double, kEdges> made{};
+    for (std::size_t e = 0; e < kEdges; ++e) made[e] = bucket_begin_us(bucket_at(e));
+    return made;
+  }();
+  return edges;
+}
 
 void LatencyHistogram::record(std::int64_t latency_ns) OVWS_NONBLOCKING {
   buckets_[bucket_of(latency_ns, buckets_.size())].fetch_add(1, std::memory_order_relaxed);
+  sum_ns_.fetch_add(std::max<std::int64_t>(latency_ns, 0), std::memory_order_relaxed);
   std::int64_t seen = max_ns_.load(std::memory_order_relaxed);
   while (latency_ns > seen &&
          !max_ns_.compare_exchange_weak(seen, latency_ns, std::memory_order_relaxed)) {
@@ -44,6 +67,14 @@ LatencySummary LatencyHistogram::take() {
     summary.count += counts[b];
   }
   summary.max_us = double(max_ns_.exchange(0, std::memory_order_relaxed)) / 1000.0;
+  totals_.count += summary.count;
+  totals_.sum_us += double(sum_ns_.exchange(0, std::memory_order_relaxed)) / 1000.0;
+  std::uint64_t below = 0;
+  for (std::size_t e = 0, bucket = 0; e < LatencyTotals::kEdges; ++e) {
+    while (bucket < bucket_at(e)) below += counts[bucket++];
+    totals_.below[e] += below;
+  }
+  summary.since_start = totals_;
   if (summary.count == 0) return summary;
 
   const auto percentile_us = [&](double fraction) {

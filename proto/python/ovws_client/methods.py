@@ -1308,6 +1308,17 @@ class Rates(TypedDict):
     images_hz: float
 
 
+class SinceStart(TypedDict):
+    # frames
+    count: int
+    # of all latencies, microseconds
+    sum_us: float
+    # rising, microseconds
+    edges_us: list[float]
+    # how many took less than each edge
+    below: list[int]
+
+
 class Latency(TypedDict):
     # frames
     count: int
@@ -1319,6 +1330,7 @@ class Latency(TypedDict):
     p999_us: float
     # microseconds
     max_us: float
+    since_start: SinceStart
 
 
 class SystemStatusResult(TypedDict):

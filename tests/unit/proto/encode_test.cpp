@@ -210,6 +210,8 @@ TEST(EncodeStatus, IsTheBodyOfSystemStatusAndSchemaAndSeq) {
   EXPECT_EQ(out.at("state"), "run\xef\xbf\xbdning");
   EXPECT_EQ(out.at("counters").at("frames_grabbed"), 12);
   EXPECT_EQ(out.at("latency").at("tracked").at("p999_us"), json());
+  const json& totals = out.at("latency").at("tracked").at("since_start");
+  EXPECT_EQ(totals.at("edges_us").size(), totals.at("below").size());
   EXPECT_EQ(out.at("camera").at("info"), json());
   EXPECT_EQ(out.at("seq"), 5);
   EXPECT_EQ(out.at("failed_job"), json());

@@ -71,6 +71,29 @@ TEST(LatencyHistogram, TakeStartsAnew) {
   EXPECT_EQ(summary.max_us, 2.0);
 }
 
+TEST(LatencyHistogram, TotalsGoOnAndAreExactAtTheirEdges) {
+  const auto& edges = LatencyTotals::edges_us();
+  EXPECT_EQ(edges.front(), 8.192);
+  EXPECT_EQ(edges[1], 12.288);
+  EXPECT_EQ(edges.back(), 134217.728);
+  LatencyHistogram histogram;
+  double sum_us = 0.0;
+  for (int round = 1; round <= 2; ++round) {
+    for (const double edge : edges) {
+      const auto ns = std::int64_t(std::llround(edge * 1000.0));
+      histogram.record(ns - 1);
+      histogram.record(ns);
+      sum_us += double(2 * ns - 1) / 1000.0;
+    }
+    const LatencyTotals totals = histogram.take().since_start;
+    EXPECT_EQ(totals.count, round * 2 * edges.size());
+    EXPECT_NEAR(totals.sum_us, sum_us, 1e-6 * sum_us);
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      EXPECT_EQ(totals.below[e], round * (2 * e + 1)) << edges[e];
+    }
+  }
+}
+
 TEST(LatencyHistogram, NothingIsLostWhileItIsTakenByAnotherThread) {
   LatencyHistogram histogram;
   constexpr int kRecords = 50000;
