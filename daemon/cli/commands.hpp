@@ -43,6 +43,7 @@ void add_status(CLI::App& app, const Common& common, int& status);
 void add_describe(CLI::App& app, const Common& common, int& status);
 void add_call(CLI::App& app, const Common& common, int& status);
 void add_watch(CLI::App& app, const Common& common, int& status);
+void add_metrics(CLI::App& app, const Common& common, int& status);
 void add_snapshot(CLI::App& app, const Common& common, int& status);
 void add_hologram(CLI::App& app, const Common& common, int& status);
 void add_farfield(CLI::App& app, const Common& common, int& status);

@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   add_describe(app, common, status);
   add_call(app, common, status);
   add_watch(app, common, status);
+  add_metrics(app, common, status);
   add_snapshot(app, common, status);
   add_hologram(app, common, status);
   add_farfield(app, common, status);

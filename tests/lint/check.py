@@ -29,6 +29,7 @@ VENDORS = {
     r"systemd/": ("daemon/",),
     r"CLI/": ("daemon/", "drivers/twin/"),
     r"spdlog/": ("daemon/", "drivers/twin/"),
+    r"prometheus/": ("daemon/metrics/",),
 }
 # Threads are made in one place a program.
 THREAD_OWNERS = ("daemon/thread_plan.", "daemon/study/parallel.", "drivers/twin/")

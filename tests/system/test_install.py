@@ -8,7 +8,9 @@ import tempfile
 import unittest
 
 UNIT = "usr/lib/systemd/system/ovwsd.service"
-FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, "usr/lib/sysusers.d/ovws.conf",
+METRICS_UNIT = "usr/lib/systemd/system/ovws-metrics.service"
+FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, METRICS_UNIT, "usr/share/doc/ovws/config/grafana/ovws.json",
+         "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
          "usr/share/ovws/python/ovws_client/py.typed")
@@ -62,6 +64,14 @@ class Install(unittest.TestCase):
         self.assertGreater(len(left), 10)
         for name in left:
             self.assertTrue(set(re.findall(r"[@\w]+", name)) & set(reasons), f"{name} has no reason in the unit")
+
+    def test_the_unit_of_the_metrics_is_right(self):
+        unit = self.root / "ovws-metrics.service"
+        unit.write_text((self.root / METRICS_UNIT).read_text().replace("/usr/bin/ovws", str(self.root / "usr/bin/ovws")))
+        self.assertEqual(run("systemd-analyze", "verify", "--man=no", unit).stderr.strip(), "")
+        exposure = run("systemd-analyze", "security", "--offline=yes", unit).stdout.strip().splitlines()[-1]
+        print("\n ", exposure)
+        self.assertLessEqual(float(exposure.split(":")[1].split()[0]), 2.0)
 
     def test_users_and_folders_are_declared_as_systemd_reads_them(self):
         done = run("systemd-sysusers", "--dry-run", self.root / "usr/lib/sysusers.d/ovws.conf")

@@ -1,0 +1,104 @@
+/// What becomes of a status and a wavefront message, whole ones and such as no daemon should send.
+#include "daemon/metrics/families.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/rt/counters.hpp"
+#include "daemon/metrics/exporter.hpp"
+#include "proto/schemas.hpp"
+
+namespace ovws::metrics {
+namespace {
+
+using nlohmann::json;
+using prometheus::MetricFamily;
+
+/// The example of a stream's schema.
+json example(const char* name) {
+  return json::parse(schema_text(name)).at("examples").at(0);
+}
+
+const MetricFamily* find(const std::vector<MetricFamily>& all, const std::string& name) {
+  const auto at =
+      std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  return at == all.end() ? nullptr : &*at;
+}
+
+TEST(Families, WithoutADaemonSayOnlyThat) {
+  const auto all = families(std::nullopt, example("stream.wavefront"));
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].name, "ovws_up");
+  EXPECT_EQ(all[0].metric[0].gauge.value, 0.0);
+}
+
+TEST(Families, EveryCounterHasItsWords) {
+  json status = example("stream.status");
+  for (std::size_t i = 0; i < std::size_t(Counter::count_); ++i) {
+    const std::string name(counter_name(Counter(i)));
+    EXPECT_FALSE(counter_help(name).empty()) << name;
+    status["counters"][name] = i;
+  }
+  const auto all = families(status, std::nullopt);
+  const auto* published = find(all, "ovws_frames_published_total");
+  ASSERT_NE(published, nullptr);
+  EXPECT_EQ(published->type, prometheus::MetricType::Counter);
+  EXPECT_EQ(published->metric[0].counter.value, double(Counter::frames_published));
+}
+
+TEST(Families, AreInBaseUnits) {
+  const auto all = families(example("stream.status"), example("stream.wavefront"));
+  EXPECT_NEAR(find(all, "ovws_camera_exposure_seconds")->metric[0].gauge.value, 0.002, 1e-12);
+  EXPECT_NEAR(find(all, "ovws_wavefront_wavelength_meters")->metric[0].gauge.value, 632e-9, 1e-15);
+  const auto& latency = find(all, "ovws_frame_latency_seconds")->metric.at(0);
+  EXPECT_EQ(latency.histogram.sample_count, 1250U);
+  EXPECT_NEAR(latency.histogram.sample_sum, 0.1125, 1e-12);
+  EXPECT_EQ(latency.histogram.bucket.at(0).upper_bound, 98.304e-6);
+  EXPECT_EQ(latency.histogram.bucket.at(0).cumulative_count, 1000U);
+}
+
+TEST(Families, LeaveOutWhatIsNotKnown) {
+  json wavefront = example("stream.wavefront");
+  wavefront["valid"] = false;
+  wavefront["rms_waves"] = nullptr;
+  for (json& value : wavefront["coefficients"]) value = nullptr;
+  const auto all = families(example("stream.status"), wavefront);
+  EXPECT_EQ(find(all, "ovws_wavefront_valid")->metric[0].gauge.value, 0.0);
+  EXPECT_EQ(find(all, "ovws_wavefront_rms_waves"), nullptr);
+  EXPECT_EQ(find(all, "ovws_wavefront_coefficient_waves"), nullptr);
+}
+
+TEST(Families, ReadMessagesOfOtherDaemonsWithoutHarm) {
+  EXPECT_GT(families(json::object(), json::object()).size(), 1U);
+  const json whole = example("stream.status");
+  const json wavefront = example("stream.wavefront");
+  for (const json& odd : {json(nullptr), json("x"), json(-1), json(1e300), json::array({"x"}),
+                          json{{"x", {{"since_start", {{"count", 1}}}}}}}) {
+    for (const auto& [key, value] : whole.items()) {
+      json status = whole;
+      status[key] = odd;
+      EXPECT_FALSE(families(status, wavefront).empty()) << key << odd;
+    }
+    for (const auto& [key, value] : wavefront.items()) {
+      json changed = wavefront;
+      changed[key] = odd;
+      EXPECT_FALSE(families(whole, changed).empty()) << key << odd;
+    }
+  }
+}
+
+TEST(Exporter, ListensOnLoopbackAddressesOnly) {
+  for (const char* address : {"127.0.0.1:7704", "127.1.2.3:1", "[::1]:7704"}) {
+    EXPECT_TRUE(check_address(address)) << address;
+  }
+  for (const char* address : {"", "7704", "127.0.0.1", "127.0.0.1:0", "0.0.0.0:7704", "*:7704",
+                              "localhost:7704", "10.0.0.1:7704", "[::]:7704", "127.0.0.1:7704,1"}) {
+    const auto refused = check_address(address);
+    ASSERT_FALSE(refused) << address;
+    EXPECT_EQ(refused.error().field, "--listen");
+  }
+}
+
+}  // namespace
+}  // namespace ovws::metrics
