@@ -1,4 +1,5 @@
-/// ovws watch: a stream's messages, as a table that stays in place or as lines of JSON.
+/// ovws watch: the bench as a page on a terminal, or a stream's messages as tables or lines of
+/// JSON.
 #include <unistd.h>
 
 #include <atomic>
@@ -9,6 +10,7 @@
 
 #include "daemon/cli/client.hpp"
 #include "daemon/cli/commands.hpp"
+#include "daemon/cli/watch_screen.hpp"
 #include "daemon/cli/watch_table.hpp"
 #include "drivers/zmq/client.hpp"
 
@@ -20,6 +22,7 @@ using nlohmann::json;
 struct WatchOptions {
   std::string topic = "wavefront";
   int count = 0;  ///< messages; 0: until Ctrl-C
+  bool plain = false;
 };
 
 std::atomic<bool> stop_requested{false};
@@ -79,7 +82,13 @@ class Watch {
   std::chrono::steady_clock::time_point last_{};
 };
 
+bool is_for_screen(const Common& common, const WatchOptions& options) {
+  return options.topic == "wavefront" && options.count == 0 && !options.plain && !common.json &&
+         can_show_screen();
+}
+
 int watch(const Common& common, const WatchOptions& options) {
+  if (is_for_screen(common, options)) return show_screen(common);
   const bool is_picture = options.topic == "image" || options.topic == "phase";
   const auto endpoint = stream_endpoint(common, is_picture ? "image_endpoint" : "endpoint");
   if (!endpoint) return report_failure(common, endpoint.error());
@@ -100,14 +109,16 @@ int watch(const Common& common, const WatchOptions& options) {
 void add_watch(CLI::App& app, const Common& common, int& status) {
   auto* command =
       app.add_subcommand("watch",
-                         "the wavefront, fast or refined, as a live table; with --json, "
-                         "and always for the other topics, each message's JSON as a line");
+                         "the bench on a full screen (? there says more); piped, with --plain or "
+                         "-n the wavefront, fast or refined, as a table; with --json, and always "
+                         "for the other topics, each message's JSON as a line");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
       ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
       ->capture_default_str();
   command->add_option("-n,--count", options->count, "end after so many messages; 0: never")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+  command->add_flag("--plain", options->plain, "a table on a terminal, too");
   command->callback([&common, &status, options] { status = watch(common, *options); });
 }
 

@@ -30,6 +30,7 @@ VENDORS = {
     r"CLI/": ("daemon/", "drivers/twin/"),
     r"spdlog/": ("daemon/", "drivers/twin/"),
     r"prometheus/": ("daemon/metrics/",),
+    r"n?curses": ("daemon/cli/screen/",),
 }
 # Threads are made in one place a program.
 THREAD_OWNERS = ("daemon/thread_plan.", "daemon/study/parallel.", "drivers/twin/")

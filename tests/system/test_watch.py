@@ -1,0 +1,186 @@
+"""ovws watch on a terminal: what stands on the screen is what the stream says, and the terminal is given back as it was."""
+import os
+import re
+import signal
+import time
+
+from case import BenchCase, Client, main, wait_for
+from terminal import Terminal
+
+LEFT_BY_THE_PAGE = b"\x1b[?1049l"  # xterm: back to what stood there before
+
+
+class Watch(BenchCase):
+    def open(self, *arguments, **more):
+        terminal = Terminal([self.bench.programs / "ovws", "watch", *arguments], **more)
+        self.addCleanup(terminal.close)
+        return terminal
+
+    def wait_for_text(self, terminal, pattern, timeout_s=10.0):
+        try:
+            return wait_for(lambda: re.search(pattern, terminal.text()), timeout_s)
+        except AssertionError:
+            self.fail(f"no {pattern} on\n{terminal.text()}")
+
+    def test_the_numbers_are_those_of_the_stream(self):
+        self.take_reference(30)
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.25}, {"j": 7, "waves": -0.1}]})
+        stream = self.stream("wavefront")
+        self.settled_frames(stream, 5)
+        terminal = self.open()
+        self.wait_for_text(terminal, r"\bvalid\b.*")
+        self.wait_for_text(terminal, r"published +\d+")
+        terminal.press("p")
+        self.wait_for_text(terminal, "PAUSED")
+        shown = terminal.rows()
+        frame_id = int(re.match(r"frame (\d+) ", shown[1])[1])
+        message = wait_for(lambda: (m := stream.next(1.0)) and m["frame_id"] == frame_id and m, 10.0, f"frame {frame_id} in the stream")
+        self.assertIn(f"spots {message['tracked']}/{message['subapertures']}", shown[1])
+        self.assertIn(f"latency {message['latency_us']:.0f} us", shown[1])
+        self.assertIn(f"RMS {message['rms_waves']:.4f} wave", shown[2])
+        self.assertIn(f"residual {message['fit_residual_px']:.3f} px", shown[2])
+        self.check_modes(terminal, message)
+        self.check_map(shown, message)
+        status = self.call("system.status")
+        self.assertIn(f"hologram {status['slm']['hologram_id']}", shown[0])
+        self.assertIn("running", shown[0])
+        terminal.press("p")
+        wait_for(lambda: int(re.match(r"frame (\d+) ", terminal.rows()[1])[1]) > frame_id + 5, what="frames after the pause")
+        self.check_pace(terminal)
+
+    def check_modes(self, terminal, message):
+        """While it is paused, by scrolling: every mode is there, with its bar to the right side."""
+        seen = {}
+        for key in ["\x1b[A"] * 2 + ["\x1b[B"] * 10:
+            for row in terminal.rows()[4:19]:
+                found = re.match(r" *(\d+) (\S.*?) +([-+]\d\.\d{4})(.*?)│(.{0,8})", row)
+                if found:
+                    seen[int(found[1])] = (float(found[3]), "█" in found[4] or "▐" in found[4], "█" in found[5][:6] or "▌" in found[5][:6])
+            terminal.press(key)
+            time.sleep(0.1)
+        self.assertEqual(sorted(seen), message["j"])
+        for j, waves in zip(message["j"], message["coefficients"]):
+            value, left, right = seen[j]
+            self.assertAlmostEqual(value, waves, delta=0.0000501)
+            self.assertEqual((left, right), (waves < -0.04, waves > 0.04), j)
+
+    def check_map(self, rows, message):
+        signs = "".join(row[45:] for row in rows[4:12])
+        found = sum(sign in "●→↘↓↙←↖↑↗" for sign in signs)
+        self.assertGreaterEqual(found, message["tracked"] - 2, rows)  # two may share a character
+        self.assertIn("↓", signs)
+        self.assertNotIn("✕", signs)
+
+    def check_pace(self, terminal):
+        self.call("camera.set", {"frame_rate_hz": 200})
+        begin = time.monotonic()
+        time.sleep(2.0)
+        came = [t for t in terminal.writes if t >= begin]
+        drawn = 1 + sum(after - before > 0.01 for before, after in zip(came, came[1:]))  # a drawing may come in pieces
+        print(f"\n  drawn {drawn / 2.0:.0f} times a second")
+        self.assertLessEqual(drawn, 2 * 22)
+        self.assertGreaterEqual(drawn, 2 * 8)
+
+    def test_lost_spots_and_losses_are_told(self):
+        self.take_reference(30)
+        terminal = self.open(columns=120, lines=40)
+        self.wait_for_text(terminal, r"\bvalid\b")
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        twin.call("twin.set", {"read_noise_e": 500.0})
+        self.call("camera.set", {"exposure_us": 100})
+        self.wait_for_text(terminal, r"NOT VALID: \d+ of 19 spots found")
+        self.wait_for_text(terminal, r"✕.*\n(.*\n)*.*✕(.*\n)*.*latency")
+        self.wait_for_text(terminal, r"spots lost +\d+ +\+\d+")
+        self.wait_for_text(terminal, r"reference stale")
+        self.call("slm.show", {"pattern": "grating"})
+        self.wait_for_text(terminal, r"NOT VALID: a grating stands on the SLM")
+
+    def test_it_follows_the_size(self):
+        self.take_reference(10)
+        terminal = self.open()
+        self.wait_for_text(terminal, r"modes 1-1\d of 18")
+        terminal.resize(140, 50)
+        self.wait_for_text(terminal, r"modes 1-18 of 18")
+        self.assertTrue(wait_for(lambda: len(terminal.rows()[-1].rstrip()) > 0 and "q quit" in terminal.rows()[-1]))
+        terminal.resize(40, 10)
+        self.wait_for_text(terminal, r"40 x 10 is too small")
+        terminal.resize(80, 24)
+        self.wait_for_text(terminal, r"modes 1-1\d of 18")
+        terminal.press("?")
+        self.wait_for_text(terminal, r"scroll the modes")
+        terminal.press("?")
+        self.wait_for_text(terminal, r"oblique astigmatism")
+
+    def test_it_outlives_the_daemon(self):
+        self.take_reference(10)
+        terminal = self.open()
+        self.wait_for_text(terminal, r"\bvalid\b")
+        os.kill(self.bench.process("ovwsd").pid, signal.SIGKILL)
+        self.wait_for_text(terminal, r"no word for \d+ s: waiting for the daemon")
+        self.assertNotRegex(terminal.text(), r"RMS \d|[-+]\d\.\d{4}")
+        self.bench.stop("ovwsd")
+        self.start_daemon()
+        self.wait_for_text(terminal, r"running .*frames/s")
+        self.wait_for_text(terminal, r"frame \d+ ")
+        self.wait_for_text(terminal, r"NOT VALID: no reference")
+        events = terminal.text().split("events")[1]
+        self.assertRegex(events, r"\d\d:\d\d:\d\d  \S+")
+
+    def test_the_terminal_is_given_back(self):
+        ways = [("q", None, 0)] + [(None, s, 0) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)]
+        for key, sent, code in ways:
+            with self.subTest(key or sent):
+                terminal = self.open(TERM="xterm-256color")
+                wait_for(lambda: b"quit" in terminal.raw, what="the page")
+                self.assertNotEqual(terminal.modes(), terminal.modes_before)
+                terminal.press(key) if key else terminal.process.send_signal(sent)
+                self.assertEqual(terminal.process.wait(5.0), code)
+                self.assertEqual(terminal.modes(), terminal.modes_before)
+                wait_for(lambda: LEFT_BY_THE_PAGE in terminal.raw, what="the old page")
+                self.assertIn(b"\x1b[?25h", terminal.raw[terminal.raw.rindex(LEFT_BY_THE_PAGE) - 60:], "the cursor is seen again")
+
+    def test_ctrl_z_and_back(self):
+        shell = Terminal(["bash", "--norc", "-i"], TERM="xterm-256color", PS1="$ ")
+        self.addCleanup(shell.close)
+        shell.press(f"{self.bench.programs / 'ovws'} watch\n")
+        wait_for(lambda: b"q quit" in shell.raw, what="the page")
+        before = len(shell.raw)
+        shell.press("\x1a")
+        wait_for(lambda: re.search(rb"1049l(.|\n)*Stopped", shell.raw[before:]), what="the shell, and the old page")
+        before = len(shell.raw)
+        shell.press("fg\n")
+        wait_for(lambda: b"\x1b[?1049h" in shell.raw[before:] and b"q quit" in shell.raw[before:], what="the page again")
+        before = len(shell.raw)
+        shell.press("q")
+        wait_for(lambda: LEFT_BY_THE_PAGE in shell.raw[before:], what="the old page")
+        shell.press("exit\n")
+        shell.process.wait(5.0)
+
+    def test_colours_only_where_they_are_wanted(self):
+        self.take_reference(10)
+        terminal = self.open()
+        self.wait_for_text(terminal, r"\bvalid\b")
+        wait_for(lambda: {"cyan"} <= terminal.colours(), what="colours")
+        self.assertLessEqual(terminal.colours(), {"default", "cyan", "brown"})
+        plain = self.open(NO_COLOR="1")
+        self.wait_for_text(plain, r"\bvalid\b")
+        self.assertEqual(plain.colours(), {"default"})
+        ascii_only = self.open(LC_ALL="C")
+        self.wait_for_text(ascii_only, r"\bvalid\b")
+        self.assertTrue(ascii_only.text().isascii(), ascii_only.text())
+
+    def test_plain_where_no_page_can_or_shall_be(self):
+        for arguments, environment in ((("--plain",), {}), ((), {"TERM": "dumb"}), (("-n", "3"), {})):
+            with self.subTest(arguments or environment):
+                terminal = self.open(*arguments, **environment)
+                self.wait_for_text(terminal, r"frame \d+  hologram \d+")
+                self.assertEqual(terminal.modes(), terminal.modes_before)
+        self.bench.stop("ovwsd")
+        terminal = self.open("--timeout", "0.3", TERM="xterm-256color")
+        self.assertEqual(terminal.process.wait(10.0), 3)
+        self.assertNotIn(b"\x1b[?1049h", terminal.raw, "it never took the terminal")
+
+
+if __name__ == "__main__":
+    main()
