@@ -51,6 +51,7 @@ void add_measure(CLI::App& app, const Common& common, int& status);
 void add_keygen(CLI::App& app, const Common& common, int& status);
 void add_doctor(CLI::App& app, const Common& common, int& status);
 void add_study(CLI::App& app, const Common& common, int& status);
+void add_completion(CLI::App& app);
 
 /// Tells an error on stderr (as JSON on stdout with --json) and returns kError.
 int report(const Common& common, const Error& error);

@@ -98,6 +98,7 @@ int run(int argc, char** argv) {
   add_keygen(app, common, status);
   add_doctor(app, common, status);
   add_study(app, common, status);
+  add_completion(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -10,7 +10,8 @@ import unittest
 UNIT = "usr/lib/systemd/system/ovwsd.service"
 METRICS_UNIT = "usr/lib/systemd/system/ovws-metrics.service"
 FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "etc/ovws/ovwsd.json", UNIT, METRICS_UNIT, "usr/share/doc/ovws/config/grafana/ovws.json",
-         "usr/lib/sysusers.d/ovws.conf",
+         "usr/share/man/man1/ovws.1", "usr/share/man/man1/ovws-twin.1", "usr/share/man/man8/ovwsd.8", "usr/share/man/man5/ovwsd.json.5",
+         "usr/share/bash-completion/completions/ovws", "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
          "usr/share/ovws/python/ovws_client/py.typed")
