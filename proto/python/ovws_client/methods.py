@@ -1309,6 +1309,8 @@ class Rates(TypedDict):
 
 
 class SinceStart(TypedDict):
+    """All since the start: for histograms that are added up over time."""
+
     # frames
     count: int
     # of all latencies, microseconds
@@ -1330,6 +1332,7 @@ class Latency(TypedDict):
     p999_us: float
     # microseconds
     max_us: float
+    # all since the start: for histograms that are added up over time
     since_start: SinceStart
 
 
