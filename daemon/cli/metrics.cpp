@@ -37,7 +37,7 @@ void add_metrics(CLI::App& app, const Common& common, int& status) {
       "metrics",
       "serve the daemon's metrics to Prometheus (http://ADDRESS:PORT/metrics), until Ctrl-C; a "
       "process of its own, which follows the daemon's stream through its restarts");
-  auto address = std::make_shared<std::string>("127.0.0.1:7704");
+  auto address = std::make_shared<std::string>("127.0.0.1:7705");
   command
       ->add_option("--listen", *address,
                    "ADDRESS:PORT, a loopback address in numbers: metrics need no key")

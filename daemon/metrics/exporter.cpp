@@ -81,12 +81,12 @@ Result<void> check_address(const std::string& address) {
   const std::string endpoint = "tcp://" + address;
   if (endpoint_fault(endpoint)) {
     return fail(Errc::invalid, kField,
-                "\"" + address + "\" is not ADDRESS:PORT, e.g. 127.0.0.1:7704");
+                "\"" + address + "\" is not ADDRESS:PORT, e.g. 127.0.0.1:7705");
   }
   if (is_reached_from_here_only(endpoint)) return {};
   return fail(Errc::invalid, kField,
               "other machines could read " + address +
-                  " without a key: take a loopback address in numbers, e.g. 127.0.0.1:7704; for "
+                  " without a key: take a loopback address in numbers, e.g. 127.0.0.1:7705; for "
                   "another machine run ovws --key FILE --endpoint tcp://HOST:7702 metrics there");
 }
 

@@ -11,7 +11,7 @@ import subprocess
 from case import ROOT, BenchCase, main, wait_for
 from prometheus_client.parser import text_string_to_metric_families
 
-ADDRESS = ("127.0.0.1", 7704)
+ADDRESS = ("127.0.0.1", 7705)
 DASHBOARD = ROOT / "config" / "grafana" / "ovws.json"
 UNITS = ("_seconds", "_hertz", "_decibels", "_waves", "_pixels", "_meters", "_ratio", "_info")
 WORDS = ("sum", "rate", "increase", "exp", "histogram_quantile", "by", "le", "stage", "label_values", "instance")
@@ -63,7 +63,7 @@ class Metrics(BenchCase):
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
-        self.assertEqual(process.stdout.readline(), "metrics at http://127.0.0.1:7704/metrics\n")
+        self.assertEqual(process.stdout.readline(), "metrics at http://127.0.0.1:7705/metrics\n")
         return process
 
     def refused_command(self, *arguments):
@@ -154,9 +154,9 @@ class Metrics(BenchCase):
         self.assertIsNone(Scrape().value("ovws_wavefront_rms_waves"), "no reference, no RMS")
 
     def test_addresses_and_hostile_readers(self):
-        for address in ("0.0.0.0:7704", "*:7704", "192.0.2.1:7704", "[::]:7704", "localhost:7704"):
+        for address in ("0.0.0.0:7705", "*:7705", "192.0.2.1:7705", "[::]:7705", "localhost:7705"):
             self.assertIn("other machines could read", self.refused_command("--listen", address))
-        for address in ("7704", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:77040"):
+        for address in ("7705", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:77050"):
             self.assertIn("is not ADDRESS:PORT", self.refused_command("--listen", address))
         process = self.serve()
         self.assertIn("is another program there?", self.refused_command())

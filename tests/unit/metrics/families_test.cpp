@@ -89,11 +89,11 @@ TEST(Families, ReadMessagesOfOtherDaemonsWithoutHarm) {
 }
 
 TEST(Exporter, ListensOnLoopbackAddressesOnly) {
-  for (const char* address : {"127.0.0.1:7704", "127.1.2.3:1", "[::1]:7704"}) {
+  for (const char* address : {"127.0.0.1:7705", "127.1.2.3:1", "[::1]:7705"}) {
     EXPECT_TRUE(check_address(address)) << address;
   }
-  for (const char* address : {"", "7704", "127.0.0.1", "127.0.0.1:0", "0.0.0.0:7704", "*:7704",
-                              "localhost:7704", "10.0.0.1:7704", "[::]:7704", "127.0.0.1:7704,1"}) {
+  for (const char* address : {"", "7705", "127.0.0.1", "127.0.0.1:0", "0.0.0.0:7705", "*:7705",
+                              "localhost:7705", "10.0.0.1:7705", "[::]:7705", "127.0.0.1:7705,1"}) {
     const auto refused = check_address(address);
     ASSERT_FALSE(refused) << address;
     EXPECT_EQ(refused.error().field, "--listen");
