@@ -7,13 +7,14 @@
 namespace ovws::metrics {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kCounters{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounters{{
     {"frames_grabbed", "Complete frames taken from the camera in order."},
     {"frames_lost", "Frame numbers that the camera left out."},
     {"frames_incomplete", "Frames that arrived with packets missing."},
     {"frames_duplicated", "Frames that came a second time."},
     {"frames_out_of_order", "Frames that came after a later one."},
     {"frames_late", "Frames that came too late to be acted on."},
+    {"frames_left_justified", "Frames whose numbers filled their 16 bits from the left."},
     {"frames_unplanned", "Frames that there was nothing to measure with."},
     {"frames_unexpected", "Frames of another size or format than they are measured with."},
     {"frames_dropped", "Frames that found the daemon behind."},
