@@ -51,25 +51,74 @@ std::string as_seen_from_here(const std::string& stream, const std::string& cont
   return "tcp://" + reached + stream.substr(stream.rfind(':'));
 }
 
-}  // namespace
-
-tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
-                                     const json& params) {
+/// A JSON-RPC request's reply, whatever it says.
+tl::expected<json, CallFailure> ask(const Common& common, const json& request) {
   const auto keys = keys_of(common);
   if (!keys) return no_answer(keys.error().reason);
   auto client = ControlClient::connect(common.endpoint, *keys);
   if (!client) return no_answer(client.error().reason);
-  const json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
   const auto reply =
       client->request(request.dump(-1, ' ', false, json::error_handler_t::replace),
                       std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
   if (!reply) return no_answer(reply.error().reason);
-  json answer = json::parse(*reply, nullptr, false);
+  return json::parse(*reply, nullptr, false);
+}
+
+json request_of(int id, const std::string& method, const json& params) {
+  return {{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", params}};
+}
+
+tl::expected<json, CallFailure> result_of(json& answer) {
   if (answer.is_object() && answer.contains("result")) return std::move(answer["result"]);
   if (answer.is_object() && answer.contains("error")) {
     return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
   }
   return tl::make_unexpected(CallFailure{true, {{"message", "the answer is not JSON-RPC"}}});
+}
+
+}  // namespace
+
+tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
+                                     const json& params) {
+  auto answer = ask(common, request_of(1, method, params));
+  if (!answer) return answer;
+  return result_of(*answer);
+}
+
+tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
+                                                      const std::vector<std::string>& methods) {
+  json batch = json::array();
+  for (const auto& method : methods) {
+    batch.push_back(request_of(int(batch.size()), method, json::object()));
+  }
+  auto answers = ask(common, batch);
+  if (!answers) return tl::make_unexpected(answers.error());
+  std::vector<json> results(methods.size());
+  if (!answers->is_array() || answers->size() != methods.size()) {
+    return tl::make_unexpected(CallFailure{true, {{"message", "the answer is no batch"}}});
+  }
+  for (json& answer : *answers) {
+    auto result = result_of(answer);
+    if (!result) return tl::make_unexpected(result.error());
+    const json id = answer.value("id", json());
+    if (!id.is_number_unsigned() || id >= results.size()) {
+      return tl::make_unexpected(CallFailure{true, {{"message", "an answer to no question"}}});
+    }
+    results[id.get<std::size_t>()] = std::move(*result);
+  }
+  return results;
+}
+
+void add_connection_options(CLI::App& app, Common& common) {
+  app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
+      ->capture_default_str();
+  app.add_option("--key", common.key_path,
+                 "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
+                 "keys")
+      ->envname("OVWS_KEY");
+  app.add_option("--server-key", common.server_key,
+                 "public key of that daemon (default: server_key in the key file)")
+      ->envname("OVWS_SERVER_KEY");
 }
 
 int report_failure(const Common& common, const CallFailure& failure) {

@@ -20,6 +20,14 @@ struct CallFailure {
 tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
                                                const nlohmann::json& params);
 
+/// The results of several methods without params, in their order, by one request. A method that is
+/// refused fails them all.
+tl::expected<std::vector<nlohmann::json>, CallFailure> call_all(
+    const Common& common, const std::vector<std::string>& methods);
+
+/// --endpoint, --key and --server-key.
+void add_connection_options(CLI::App& app, Common& common);
+
 /// Tells the failure, and returns kError or kNoDaemon.
 int report_failure(const Common& common, const CallFailure& failure);
 

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <iostream>
 
+#include "daemon/cli/client.hpp"
 #include "daemon/cli/commands.hpp"
 #include "proto/reader.hpp"
 
@@ -66,15 +67,7 @@ void add_common_options(CLI::App& app, Common& common) {
   app.fallthrough();  // --json may also stand after the subcommand
   app.set_version_flag("--version", OVWS_VERSION);
   app.footer(kExitCodes);
-  app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
-      ->capture_default_str();
-  app.add_option("--key", common.key_path,
-                 "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
-                 "keys")
-      ->envname("OVWS_KEY");
-  app.add_option("--server-key", common.server_key,
-                 "public key of that daemon (default: server_key in the key file)")
-      ->envname("OVWS_SERVER_KEY");
+  add_connection_options(app, common);
   app.add_flag("--json", common.json, "machine-readable: one JSON a line");
   app.add_option("--timeout", common.timeout_s, "how long to wait for an answer, s")
       ->capture_default_str()
