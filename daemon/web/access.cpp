@@ -1,0 +1,149 @@
+#include "daemon/web/access.hpp"
+
+#include <sodium.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "daemon/web/page_files.hpp"
+
+namespace ovws::web {
+namespace {
+
+constexpr std::size_t kTokenBytes = 16;
+constexpr std::size_t kMostLogged = 80;
+constexpr std::string_view kBearer = "Bearer ";
+
+struct RefusalRow {
+  std::string_view name;
+  std::string_view reason;
+  int status;
+};
+
+constexpr std::array<RefusalRow, kRefusals> kRows{{
+    {"malformed", "this is no HTTP request that this server understands", 400},
+    {"host", "this server is not known by that name: see ovws-web --allow-host", 421},
+    {"origin", "another site's page may not ask here", 403},
+    {"method", "this path takes another HTTP method", 405},
+    {"path", "there is nothing here", 404},
+    {"size", "a request has a stated length of at most 64 KiB", 413},
+    {"token", "the token is missing or wrong: open the link that ovws-web gave", 401},
+    {"right", "this link may only look: use the control link of ovws-web --control", 403},
+    {"full", "as many browsers as this server takes are connected", 503},
+}};
+
+const RefusalRow& row_of(Refusal refusal) {
+  return kRows[std::size_t(refusal)];
+}
+
+std::string random_token() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  randombytes_buf(bytes.data(), bytes.size());
+  std::array<char, 2 * kTokenBytes + 1> text{};
+  sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
+  return text.data();
+}
+
+/// In a time that tells nothing of the secret.
+bool is_secret(std::string_view given, const std::string& secret) {
+  return !secret.empty() && given.size() == secret.size() &&
+         sodium_memcmp(given.data(), secret.data(), secret.size()) == 0;
+}
+
+/// Cut, and without anything that would make a second line of the log or move a terminal's cursor.
+std::string loggable(std::string_view text) {
+  std::string shown(text.substr(0, kMostLogged));
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.size() > kMostLogged ? shown + "..." : shown;
+}
+
+}  // namespace
+
+std::string_view refusal_name(Refusal refusal) {
+  return row_of(refusal).name;
+}
+
+std::string_view refusal_reason(Refusal refusal) {
+  return row_of(refusal).reason;
+}
+
+int refusal_status(Refusal refusal) {
+  return row_of(refusal).status;
+}
+
+Tokens make_tokens(bool control) {
+  return {random_token(), control ? random_token() : std::string{}};
+}
+
+std::optional<Route> route_of(std::string_view path) {
+  if (path == "/stream" || path == "/hologram.png") return Route{"GET", Right::look};
+  if (path == "/rpc") return Route{"POST", Right::control};
+  if (page_file(path)) return Route{"GET", Right::page};
+  return std::nullopt;
+}
+
+Access::Access(std::vector<std::string> hosts, Tokens tokens)
+    : hosts_(std::move(hosts)), tokens_(std::move(tokens)) {}
+
+Right Access::proven(std::string_view authorization) const {
+  if (!authorization.starts_with(kBearer)) return Right::page;
+  const std::string_view given = authorization.substr(kBearer.size());
+  if (is_secret(given, tokens_.control)) return Right::control;
+  return is_secret(given, tokens_.look) ? Right::look : Right::page;
+}
+
+tl::expected<Right, Refusal> Access::judge(const RequestHead& head) const {
+  const auto refuse = [](Refusal why) { return tl::make_unexpected(why); };
+  if (std::find(hosts_.begin(), hosts_.end(), head.host) == hosts_.end()) {
+    return refuse(Refusal::host);
+  }
+  // A browser names the origin of every page that sends more than a plain GET.
+  if (!head.origin.empty() && head.origin != "http://" + head.host &&
+      head.origin != "https://" + head.host) {
+    return refuse(Refusal::origin);
+  }
+  const bool foreign = head.fetch_site == "cross-site" || head.fetch_site == "same-site";
+  const auto route = route_of(head.target);
+  // A link on another site may lead to the page, which holds no secret.
+  if (foreign && !(route && route->right == Right::page)) return refuse(Refusal::origin);
+  if (!route) return refuse(Refusal::path);
+  if (head.method != route->method) return refuse(Refusal::method);
+  if (head.chunked || head.content_length.value_or(0) > kMostBodyBytes) {
+    return refuse(Refusal::size);
+  }
+  const Right right = proven(head.authorization);
+  if (right < route->right) {
+    return refuse(right == Right::page ? Refusal::token : Refusal::right);
+  }
+  return right;
+}
+
+void RefusalLog::add(Refusal refusal, const RequestHead& head, const std::string& peer) {
+  const auto now = std::chrono::steady_clock::now();
+  std::uint64_t untold = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    Kind& kind = kinds_[std::size_t(refusal)];
+    ++kind.count;
+    if (now - kind.told < std::chrono::seconds(1)) {
+      ++kind.untold;
+      return;
+    }
+    kind.told = now;
+    untold = std::exchange(kind.untold, 0);
+  }
+  spdlog::warn("refused ({}): {} {} from {}, host \"{}\", origin \"{}\"{}", refusal_name(refusal),
+               loggable(head.method), loggable(head.target), peer, loggable(head.host),
+               loggable(head.origin),
+               untold == 0 ? "" : fmt::format("; and {} more like it", untold));
+}
+
+nlohmann::json RefusalLog::counts() const {
+  nlohmann::json counts = nlohmann::json::object();
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < kRefusals; ++i) counts[std::string(kRows[i].name)] = kinds_[i].count;
+  return counts;
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,110 @@
+#include "daemon/web/bench_view.hpp"
+
+#include "config/config.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/tracking/spot_geometry.hpp"
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+
+namespace ovws::web {
+namespace {
+
+using nlohmann::json;
+
+/// While the loop is closed there are ten new holograms a second: nobody needs each of them.
+constexpr std::chrono::milliseconds kDrawPeriod{500};
+
+/// Radius of the bright ring, or of the bright spot, on the camera.
+double ring_px(const Config& config) {
+  const SpotGeometry shape = spot_geometry(config.sensor.charge);
+  const double lambdas = config.sensor.charge == 0 ? shape.ring_outer : shape.ring;
+  return lambdas * lambda_d_px(config.optics, config.slm.geometry, config.sensor);
+}
+
+json sensor_of(const json& sensor, const json& config_json) {
+  json view = sensor;
+  view["mode_names"] = json::array();
+  for (const json& j : sensor["modes_j"]) {
+    const ZernikeIndex index = zernike_index(j.get<int>());
+    view["mode_names"].push_back(
+        {{"j", j}, {"n", index.n}, {"m", index.m}, {"name", zernike_name(j.get<int>())}});
+  }
+  const auto config = parse_config(config_json.dump());
+  view["ring_px"] = config ? json(ring_px(*config)) : json(nullptr);
+  return view;
+}
+
+/// What the daemon itself refuses beyond; a device may allow less.
+json limits_of_wire() {
+  const auto range = [](const auto& limits) {
+    return json{{"min", limits.min}, {"max", limits.max}};
+  };
+  json trackers = json::array();
+  for (const std::string& name : tracker_names()) {
+    if (name != "lg_contour") trackers.push_back(name);  // for work offline only
+  }
+  return {{"mode_waves", range(limits::kModeWaves)},
+          {"charge", range(limits::kCharge)},
+          {"loop_gain", range(limits::kLoopGain)},
+          {"reference_frames", range(limits::kReferenceFrames)},
+          {"trackers", trackers},
+          {"patterns", showable_pattern_names()}};
+}
+
+json reference_of(json reference) {
+  reference.erase("positions_px");
+  reference.erase("standard_error_px");
+  reference.erase("origin");
+  return reference;
+}
+
+bool same(const HologramSources& a, const HologramSources& b) {
+  return a.sensor == b.sensor && a.aberration == b.aberration && a.correction == b.correction &&
+         a.lut == b.lut && a.flatness == b.flatness && a.pattern == b.pattern &&
+         a.config == b.config;
+}
+
+}  // namespace
+
+HologramPicturePtr BenchView::hologram() const {
+  const std::scoped_lock lock(mutex_);
+  return hologram_;
+}
+
+json BenchView::hologram_of(const HologramSources& sources) {
+  const auto now = Clock::now();
+  if (!same(sources, drawn_) && now - drawn_at_ > kDrawPeriod) {
+    drawn_ = sources;
+    drawn_at_ = now;
+    auto picture = draw_hologram(sources);
+    const std::scoped_lock lock(mutex_);
+    hologram_ = picture ? *picture : nullptr;
+    if (!picture) return {{"hologram_id", nullptr}, {"reason", picture.error().reason}};
+  }
+  const HologramPicturePtr shown = hologram();
+  if (!shown) return last_.value("hologram", json{{"hologram_id", nullptr}, {"reason", nullptr}});
+  return {{"hologram_id", shown->hologram_id}, {"crc32", shown->crc32}, {"reason", nullptr}};
+}
+
+std::optional<json> BenchView::look(const std::string& pattern) {
+  const auto answers = cli::call_all(
+      common_, {"config.get", "camera.get", "sensor.get", "aberration.get", "correction.get",
+                "loop.get", "reference.get", "lut.get", "flatness.get"});
+  if (!answers) return std::nullopt;
+  const std::vector<json>& a = *answers;
+  json view{{"schema", "ovws.web.bench/1"},
+            {"camera", a[1]},
+            {"sensor", sensor_of(a[2], a[0])},
+            {"optics", a[0]["optics"]},
+            {"aberration", a[3]},
+            {"correction", a[4]},
+            {"loop", a[5]},
+            {"reference", reference_of(a[6])},
+            {"limits", limits_of_wire()},
+            {"hologram", hologram_of({a[0], a[2], a[3], a[4], a[7], a[8], pattern})}};
+  if (view == last_) return std::nullopt;
+  last_ = view;
+  return view;
+}
+
+}  // namespace ovws::web

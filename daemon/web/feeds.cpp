@@ -1,0 +1,230 @@
+#include "daemon/web/feeds.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "daemon/web/picture.hpp"
+
+namespace ovws::web {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{100};
+constexpr milliseconds kSilence{3000};  ///< `status` comes once a second
+constexpr milliseconds kHealthPeriod{250};
+constexpr milliseconds kAskPeriod{2000};
+constexpr milliseconds kAskAtOnce{150};  ///< after a change, at most so often
+constexpr int kNumbersQueue = 1000;
+constexpr int kPicturesQueue = 4;
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+double seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+void SpotShelf::add(std::uint64_t frame_id, std::string packet) {
+  const std::scoped_lock lock(mutex_);
+  kept_.emplace_back(frame_id, std::move(packet));
+  if (kept_.size() > kFrames) kept_.pop_front();
+}
+
+std::optional<std::string> SpotShelf::of_frame(std::uint64_t frame_id) const {
+  const std::scoped_lock lock(mutex_);
+  for (auto kept = kept_.rbegin(); kept != kept_.rend(); ++kept) {
+    if (kept->first == frame_id) return kept->second;
+  }
+  return std::nullopt;
+}
+
+bool HeldValid::shows(bool valid) {
+  const auto now = std::chrono::steady_clock::now();
+  if (valid) last_ = now;
+  return valid || now - last_ > hold_;
+}
+
+Feeds::Feeds(const cli::Common& common, Board& board, std::function<ServerFacts()> server_facts)
+    : common_(common),
+      board_(board),
+      server_facts_(std::move(server_facts)),
+      view_(common),
+      numbers_([this] { take_numbers(); }),
+      pictures_([this] { take_pictures(); }),
+      questions_([this] { ask(); }) {}
+
+Feeds::~Feeds() {
+  stop_ = true;
+  for (std::thread* thread : {&numbers_, &pictures_, &questions_}) thread->join();
+}
+
+void Feeds::rest(milliseconds time) const {
+  const auto end = Clock::now() + time;
+  while (!stop_ && Clock::now() < end) std::this_thread::sleep_for(milliseconds(20));
+}
+
+/// Subscribes anew when the daemon is silent: it may be another one, with other endpoints.
+void Feeds::take_numbers() {
+  while (!stop_) {
+    tell_health();
+    const auto endpoint = cli::stream_endpoint(common_, "endpoint");
+    auto stream =
+        cli::subscribe(common_, endpoint.value_or(std::string{}),
+                       {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
+    if (!endpoint || !stream) {
+      rest(kHealthPeriod);
+      continue;
+    }
+    auto heard = Clock::now();
+    while (!stop_ && Clock::now() - heard < kSilence) {
+      if (const auto message = stream->receive(kPoll)) {
+        heard = Clock::now();
+        take(*message);
+      }
+      tell_health();
+    }
+  }
+}
+
+/// While somebody looks. Silence is nothing unusual here: the image rate may be 0.
+void Feeds::take_pictures() {
+  while (!stop_) {
+    if (!watched()) {
+      rest(kPoll);
+      continue;
+    }
+    const auto endpoint = cli::stream_endpoint(common_, "image_endpoint");
+    auto stream = cli::subscribe(common_, endpoint.value_or(std::string{}), {"image", "phase"},
+                                 kPicturesQueue);
+    if (!endpoint || !stream) {
+      rest(kHealthPeriod);
+      continue;
+    }
+    auto heard = Clock::now();
+    while (!stop_ && watched() && Clock::now() - heard < kSilence) {
+      if (const auto message = stream->receive(kPoll)) {
+        heard = Clock::now();
+        take(*message);
+      }
+    }
+  }
+}
+
+/// Soon after the hologram or the settings changed, and now and then.
+void Feeds::ask() {
+  std::int64_t known = -1;
+  auto asked = Clock::time_point{};
+  while (!stop_) {
+    const std::int64_t change = hologram_change_;
+    const bool due = change != known || Clock::now() - asked > kAskPeriod;
+    if (!due || !watched()) {
+      rest(milliseconds(40));
+      continue;
+    }
+    known = change;
+    asked = Clock::now();
+    std::string pattern;
+    {
+      const std::scoped_lock lock(pattern_mutex_);
+      pattern = pattern_;
+    }
+    try {
+      if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(view->dump()));
+    } catch (const json::exception& error) {
+      spdlog::warn("an answer of the daemon is not understood: {}", error.what());
+      rest(kAskPeriod);
+    }
+    rest(kAskAtOnce);
+  }
+}
+
+void Feeds::take(const StreamMessage& message) {
+  try {
+    if (message.topic == "wavefront") take_wavefront(message);
+    if (message.topic == "status") take_status(message);
+    if (message.topic == "spots") take_spots(message);
+    if (message.topic == "image" || message.topic == "phase") take_picture(message);
+    if (message.topic == "refined") board_.put(Slot::refined, framed(message.json));
+    if (message.topic == "event") board_.append(Series::event, framed(message.json));
+  } catch (const json::exception& error) {
+    spdlog::warn("a message \"{}\" is not understood: {}", message.topic, error.what());
+  }
+}
+
+void Feeds::take_wavefront(const StreamMessage& message) {
+  json wavefront = json::parse(message.json);
+  if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(bin->dump()));
+  wavefront_at_ = Clock::now();
+  if (!valid_wavefront_.shows(wavefront["valid"].get<bool>())) return;
+  board_.put(Slot::wavefront, framed(message.json));
+  facts_.wavefront = std::move(wavefront);
+}
+
+void Feeds::take_status(const StreamMessage& message) {
+  json status = json::parse(message.json);
+  const double t_s = seconds(Clock::now().time_since_epoch());
+  lost_.add(t_s, status["counters"]["frames_lost"].get<std::int64_t>());
+  missed_.add(t_s, status["counters"]["deadline_missed"].get<std::int64_t>());
+  for (const char* part : {"slm", "camera", "sensor", "loop"}) {
+    if (facts_.status.is_null() || facts_.status[part] != status[part]) ++hologram_change_;
+  }
+  {
+    const std::scoped_lock lock(pattern_mutex_);
+    pattern_ = status["slm"]["pattern"].get<std::string>();
+  }
+  board_.put(Slot::status, framed(message.json));
+  facts_.status = std::move(status);
+  status_at_ = Clock::now();
+}
+
+void Feeds::take_spots(const StreamMessage& message) {
+  const auto frame_id = json::parse(message.json)["frame_id"].get<std::uint64_t>();
+  std::string packet = framed(message.json, message.binary);
+  const Clock::duration last_picture(last_picture_.load());
+  if (Clock::now().time_since_epoch() - last_picture > kSilence) board_.put(Slot::spots, packet);
+  spots_.add(frame_id, std::move(packet));
+}
+
+void Feeds::take_picture(const StreamMessage& message) {
+  if (message.topic == "phase") {
+    const bool valid = json::parse(message.json)["valid"].get<bool>();
+    if (valid_phase_.shows(valid)) board_.put(Slot::phase, framed(message.json, message.binary));
+    return;
+  }
+  const auto image = reduced_image(message);
+  if (!image) return;
+  const auto frame_id = json::parse(image->json)["frame_id"].get<std::uint64_t>();
+  if (auto spots = spots_.of_frame(frame_id)) board_.put(Slot::spots, std::move(*spots));
+  board_.put(Slot::image, framed(image->json, image->binary));
+  last_picture_ = Clock::now().time_since_epoch().count();
+}
+
+void Feeds::tell_health() {
+  const auto now = Clock::now();
+  if (now - health_at_ < kHealthPeriod) return;
+  health_at_ = now;
+  facts_.status_age_s = seconds(now - status_at_);
+  facts_.wavefront_age_s = seconds(now - wavefront_at_);
+  facts_.lost_lately = lost_.rise();
+  facts_.missed_lately = missed_.rise();
+  const ServerFacts server = server_facts_();
+  json health{{"schema", "ovws.web.health/1"},
+              {"t_ns", now_ns()},
+              {"findings", json::array()},
+              {"browsers", server.browsers},
+              {"refused", server.refused}};
+  try {
+    health["findings"] = findings_json(examine_bench(facts_));
+  } catch (const json::exception& error) {
+    spdlog::warn("a status of the daemon is not understood: {}", error.what());
+  }
+  board_.put(Slot::health, framed(health.dump()));
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,139 @@
+#include "daemon/web/health.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "daemon/cli/client.hpp"
+
+namespace ovws::web {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSilentS = 3.0;  // status comes once a second
+constexpr double kNoFramesS = 1.5;
+constexpr double kLatelyS = 10.0;
+constexpr double kMuchSaturated = 0.1;  // reference.take refuses beyond
+constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
+
+class Findings {
+ public:
+  void bad(std::string text) { add(Wellness::bad, std::move(text)); }
+  void warning(std::string text) { add(Wellness::warning, std::move(text)); }
+  void note(std::string text) { add(Wellness::note, std::move(text)); }
+  std::vector<HealthFinding> sorted() {
+    if (found_.empty()) add(Wellness::good, "The bench is well");
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const auto& a, const auto& b) { return a.wellness > b.wellness; });
+    return std::move(found_);
+  }
+
+ private:
+  void add(Wellness wellness, std::string text) { found_.push_back({wellness, std::move(text)}); }
+  std::vector<HealthFinding> found_;
+};
+
+/// Whether the device works; if not, why.
+bool check_device(const json& device, const char* title, Findings& findings) {
+  if (device["fault"].is_string()) {
+    findings.bad(fmt::format("{}: {}", title, device["fault"].get<std::string>()));
+    return false;
+  }
+  if (device["connected"].get<bool>()) return true;
+  findings.bad(fmt::format("{}: not connected; the daemon is looking for it", title));
+  return false;
+}
+
+void check_state(const json& status, Findings& findings) {
+  const auto state = status["state"].get<std::string>();
+  if (state == "job_running") findings.note("A job is running");
+  if (state == "starting") findings.note("The daemon is starting");
+  if (state == "stopping") findings.bad("The daemon is stopping");
+  if (state == "fault" && status["fault"].is_string()) {
+    findings.bad("Fault: " + status["fault"].get<std::string>());
+  }
+}
+
+/// The sensor's numbers, when both devices work.
+void check_wavefront(const BenchFacts& facts, Findings& findings) {
+  const json& wavefront = facts.wavefront;
+  if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {
+    findings.bad("No frames come from the camera");
+    return;
+  }
+  const json& status = facts.status;
+  const auto pattern = status["slm"]["pattern"].get<std::string>();
+  const bool referenced = status["sensor"]["referenced"].get<bool>();
+  if (pattern == "sensor" && !referenced) {
+    findings.warning("No reference: take one, and coefficients are numbers");
+  } else if (!wavefront["valid"].get<bool>()) {
+    const std::string why = cli::why_not_valid(wavefront, referenced, pattern);
+    const bool passing = !wavefront["settled"].get<bool>();
+    passing || pattern != "sensor" ? findings.note("No wavefront now: " + why)
+                                   : findings.bad("No wavefront: " + why);
+  }
+  const double saturated = wavefront["saturated"].get<double>();
+  if (saturated > 0.0) {
+    const auto spots = std::lround(saturated * wavefront["subapertures"].get<double>());
+    const std::string text = fmt::format("{} of {} spots saturated: lower exposure or gain", spots,
+                                         wavefront["subapertures"].get<int>());
+    saturated > kMuchSaturated ? findings.warning(text) : findings.note(text);
+  }
+  const int lost = wavefront["subapertures"].get<int>() - wavefront["tracked"].get<int>();
+  if (pattern == "sensor" && lost > 0 && wavefront["valid"].get<bool>()) {
+    findings.warning(
+        fmt::format("{} of {} spots lost", lost, wavefront["subapertures"].get<int>()));
+  }
+}
+
+void check_counts(const BenchFacts& facts, Findings& findings) {
+  if (facts.status["sensor"]["reference"] == "stale") {
+    findings.note("The reference was taken with another gain, exposure or pixel format");
+  }
+  if (facts.lost_lately > 0) {
+    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kLatelyS));
+  }
+  if (facts.missed_lately > 0) {
+    findings.warning(fmt::format("{} frames took longer than a frame period in {} s",
+                                 facts.missed_lately, kLatelyS));
+  }
+}
+
+}  // namespace
+
+std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
+  Findings findings;
+  if (facts.status.is_null() || facts.status_age_s > kSilentS) {
+    findings.bad("The daemon is silent: does ovwsd run?");
+    return findings.sorted();
+  }
+  check_state(facts.status, findings);
+  const bool camera = check_device(facts.status["camera"], "Camera", findings);
+  const bool slm = check_device(facts.status["slm"], "SLM", findings);
+  if (camera && slm) check_wavefront(facts, findings);
+  check_counts(facts, findings);
+  return findings.sorted();
+}
+
+json findings_json(const std::vector<HealthFinding>& findings) {
+  json list = json::array();
+  for (const HealthFinding& finding : findings) {
+    list.push_back({{"wellness", kNames[std::size_t(finding.wellness)]}, {"text", finding.text}});
+  }
+  return list;
+}
+
+void RiseLately::add(double t_s, std::int64_t count) {
+  if (!samples_.empty() && count < samples_.back().count) samples_.clear();
+  samples_.push_back({t_s, count});
+  while (samples_.size() > 2 && t_s - samples_[1].t_s > kLatelyS) samples_.pop_front();
+}
+
+std::int64_t RiseLately::rise() const {
+  return samples_.empty() ? 0 : samples_.back().count - samples_.front().count;
+}
+
+}  // namespace ovws::web

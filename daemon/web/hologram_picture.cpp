@@ -1,0 +1,103 @@
+#include "daemon/web/hologram_picture.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+
+#include "config/config.hpp"
+#include "core/optics/hologram.hpp"
+#include "daemon/slm_files.hpp"
+#include "daemon/slm_measured.hpp"
+#include "proto/names.hpp"
+
+namespace ovws::web {
+namespace {
+
+using nlohmann::json;
+
+std::vector<Mode> modes_of(const json& list) {
+  std::vector<Mode> modes;
+  for (const json& mode : list) {
+    modes.push_back({mode["j"].get<int>(), mode["waves"].get<double>()});
+  }
+  return modes;
+}
+
+/// The aberration less the correction; the corrected beam has no aberration of ours.
+std::vector<Mode> shown_modes(const HologramSources& sources, HologramKind kind) {
+  std::vector<Mode> modes;
+  if (kind == HologramKind::sensor) modes = modes_of(sources.aberration["modes"]);
+  for (const Mode& correction : modes_of(sources.correction["modes"])) {
+    const auto same = std::find_if(modes.begin(), modes.end(),
+                                   [&](const Mode& mode) { return mode.j == correction.j; });
+    if (same == modes.end()) {
+      modes.push_back({correction.j, -correction.waves});
+    } else {
+      same->waves -= correction.waves;
+    }
+  }
+  return modes;
+}
+
+Result<HologramConfig> ingredients(const HologramSources& sources, const Config& config) {
+  HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr};
+  configured.lut = sources.lut["grey_levels"].get<PhaseLut>();
+  if (config.slm.flatness) {
+    auto map = load_flatness(*config.slm.flatness, config.slm.geometry.width_px,
+                             config.slm.geometry.height_px);
+    if (!map) {
+      return fail(Errc::unavailable, "", "its flatness map is a file on the daemon's machine");
+    }
+    configured.flatness_waves = std::move(*map);
+  }
+  if (!sources.flatness["measured"].get<bool>()) return configured;
+  auto measured = std::make_shared<MeasuredFlatness>();
+  measured->modes = modes_of(sources.flatness["modes"]);
+  measured->pupil_diameter_px = sources.flatness["pupil_diameter_px"].get<double>();
+  HologramConfig flattened = slm_in_force(config, configured, nullptr, measured)->hologram;
+  flattened.sensor = config.sensor;
+  return flattened;
+}
+
+/// Whether all answers are of one hologram.
+bool agree(const HologramSources& sources) {
+  const json& id = sources.sensor["hologram_id"];
+  return sources.aberration["hologram_id"] == id && sources.correction["hologram_id"] == id;
+}
+
+Result<std::string> png_of(Image<std::uint8_t>& grey) {
+  const cv::Mat mat(grey.height, grey.width, CV_8UC1, grey.pixels.data());
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", mat, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+    return fail(Errc::internal, "", "it cannot be written as PNG");
+  }
+  return std::string(bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
+  const auto& names = showable_pattern_names();
+  const auto name = std::find(names.begin(), names.end(), sources.pattern);
+  if (name == names.end()) return fail(Errc::unavailable, "", "a job shows pictures of its own");
+  if (!agree(sources)) return fail(Errc::unavailable, "", "it is changing");
+  const auto config = parse_config(sources.config.dump());
+  if (!config) return fail(config.error());
+  const auto hologram = ingredients(sources, *config);
+  if (!hologram) return fail(hologram.error());
+  const auto renderer = HologramRenderer::make(*hologram);
+  if (!renderer) return fail(renderer.error());
+  const auto kind = HologramKind(name - names.begin());
+  Image<std::uint8_t> grey;
+  renderer->render(kind, shown_modes(sources, kind), grey);
+  auto png = png_of(grey);
+  if (!png) return fail(png.error());
+  HologramPicture picture;
+  picture.hologram_id = sources.sensor["hologram_id"].get<std::uint64_t>();
+  picture.crc32 = std::uint32_t(::crc32(0, grey.pixels.data(), uInt(grey.pixels.size())));
+  picture.png = std::move(*png);
+  return std::make_shared<const HologramPicture>(std::move(picture));
+}
+
+}  // namespace ovws::web

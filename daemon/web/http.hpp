@@ -1,0 +1,24 @@
+/// Boost's HTTP and coroutines under short names; nothing outside server.cpp and session.cpp knows
+/// them.
+#pragma once
+
+#include <utility>  // Boost 1.74 uses it in its coroutines and does not include it
+
+#include <boost/asio.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+
+namespace ovws::web {
+
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace net = boost::asio;
+using tcp = net::ip::tcp;
+template <class T>
+using Task = net::awaitable<T>;
+
+}  // namespace ovws::web

@@ -1,0 +1,73 @@
+/// ovws-web: the bench in a browser.
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+
+#include "daemon/cli/client.hpp"
+#include "daemon/log.hpp"
+#include "daemon/service_notify.hpp"
+#include "daemon/web/feeds.hpp"
+#include "daemon/web/links.hpp"
+#include "daemon/web/options.hpp"
+#include "daemon/web/server.hpp"
+
+namespace ovws::web {
+namespace {
+
+constexpr double kQuestionTimeoutS = 2.0;  ///< a daemon that is gone holds up the end no longer
+
+int complain(const Error& error) {
+  spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
+  return cli::kError;
+}
+
+Result<Tokens> tokens_of(const Options& options) {
+  if (options.links_path.empty()) return make_tokens(options.control);
+  return keep_links(options.links_path, options.host(), options.control);
+}
+
+int serve(Options options) {
+  if (auto usable = check_options(options); !usable) return complain(usable.error());
+  const auto tokens = tokens_of(options);
+  if (!tokens) return complain(tokens.error());
+  const Access access(options.hosts(), *tokens);
+  RefusalLog refusals;
+  Board board;
+  std::atomic<int> browsers{0};
+  Feeds* feeds = nullptr;
+  auto server = Server::listen(
+      options.address, options.port,
+      {options.common, access, refusals, board, [&feeds] { return feeds->hologram(); }, browsers});
+  if (!server) return complain(server.error());
+  cli::Common questions = options.common;
+  questions.timeout_s = kQuestionTimeoutS;
+  Feeds running(questions, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
+  feeds = &running;
+  if (options.links_path.empty()) std::printf("%s", links_text(options.host(), *tokens).c_str());
+  std::printf("ready http://%s/\n", options.host().c_str());
+  std::fflush(stdout);
+  service::notify_ready();
+  (*server)->run();
+  service::notify_stopping();
+  return cli::kOk;
+}
+
+}  // namespace
+}  // namespace ovws::web
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  ::umask(S_IRWXG | S_IRWXO);
+  CLI::App app{"The live page of an Optical Vortex Wavefront Sensor"};
+  ovws::web::Options options;
+  ovws::web::add_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ovws::cli::kOk : ovws::cli::kUsage;
+  }
+  ovws::start_log("info");
+  return ovws::web::serve(options);
+}

@@ -1,0 +1,69 @@
+#include "daemon/web/options.hpp"
+
+#include <charconv>
+
+namespace ovws::web {
+namespace {
+
+constexpr double kAnswerTimeoutS = 10.0;  ///< a camera may take seconds to change
+
+/// [::1] and 127.x.x.x, as they are written in a URL.
+bool is_loopback(const std::string& address) {
+  return address == "[::1]" || address.starts_with("127.");
+}
+
+std::string without_brackets(const std::string& address) {
+  return address.starts_with('[') ? address.substr(1, address.size() - 2) : address;
+}
+
+}  // namespace
+
+std::string Options::host() const {
+  return listen;
+}
+
+std::vector<std::string> Options::hosts() const {
+  std::vector<std::string> hosts{listen, "localhost:" + std::to_string(port)};
+  hosts.insert(hosts.end(), more_hosts.begin(), more_hosts.end());
+  return hosts;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", OVWS_VERSION);
+  options.common.timeout_s = kAnswerTimeoutS;
+  cli::add_connection_options(app, options.common);
+  app.add_option("--listen", options.listen, "address and port of the page")->capture_default_str();
+  app.add_flag("--control", options.control,
+               "make a second link, whose page may change things; else pages only look");
+  app.add_option("--links", options.links_path,
+                 "file (mode 0600) that keeps the links over a restart; without it new ones are "
+                 "made and printed");
+  app.add_option("--allow-host", options.more_hosts,
+                 "HOST or HOST:PORT that browsers may reach this page by: a proxy's name");
+  app.add_flag("--cleartext", options.cleartext,
+               "listen on an address that other machines reach, though whoever is on the way can "
+               "read the links' tokens");
+}
+
+Result<void> check_options(Options& options) {
+  const auto colon = options.listen.rfind(':');
+  const std::string number = options.listen.substr(colon == std::string::npos ? 0 : colon + 1);
+  const auto [end, error] =
+      std::from_chars(number.data(), number.data() + number.size(), options.port);
+  if (colon == std::string::npos || colon == 0 || error != std::errc{} ||
+      end != number.data() + number.size() || options.port == 0) {
+    return fail(Errc::invalid, "--listen", "must be ADDRESS:PORT, as 127.0.0.1:7704");
+  }
+  const std::string address = options.listen.substr(0, colon);
+  if (!is_loopback(address) && !options.cleartext) {
+    return fail(Errc::invalid, "--listen",
+                address +
+                    " is reached by other machines, and whoever is on the way could read the "
+                    "page's token: listen on 127.0.0.1 and come through ssh -L or a proxy "
+                    "with TLS (--allow-host), or accept it with --cleartext");
+  }
+  options.address = without_brackets(address);
+  return {};
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,94 @@
+// The aberration that is introduced: a slider a mode. Modes that the sensor does not read are left as they are.
+import { brief, byId, element, say, signed } from "./format.js";
+import { button, NumberControl, reasonOf, Sender } from "./widgets.js";
+import { showFacts } from "./bench.js";
+
+const RANGES = [0.1, 0.5, 1, 2, 5, 20];
+let sliders = new Map(); // j -> NumberControl
+let waves = new Map(); // j -> what is wished, or in force
+let range = 0.5;
+let shownModes = "";
+let limits = { min: -1000, max: 1000 };
+
+const show = (force) => sliders.forEach((slider, j) => slider.show(waves.get(j) ?? 0, force));
+
+const sender = new Sender("aberration.set", (reply) => {
+  say(byId("aberration-error"), reasonOf(reply));
+  const modes = reply.result?.modes ?? inForce;
+  waves = new Map(modes.map((mode) => [mode.j, mode.waves]));
+  if (reply.error) show(true);
+});
+let inForce = [];
+
+function wish(j, value) {
+  if (value === 0) waves.delete(j);
+  else waves.set(j, value);
+  sender.send({ modes: [...waves].map(([index, amount]) => ({ j: index, waves: amount })) });
+}
+
+function buildSliders(names) {
+  const parent = document.querySelector("#aberration .sliders");
+  parent.replaceChildren();
+  sliders = new Map(
+    names.map(({ j, name }) => {
+      const slider = new NumberControl(parent, `Z${j} ${name}`, "wave", { onChange: (value) => wish(j, value), help: false });
+      slider.limits(-range, range, range / 100);
+      return [j, slider];
+    }),
+  );
+  show(true);
+}
+
+function setRange(wide) {
+  range = wide;
+  byId("aberration-range").value = String(wide);
+  sliders.forEach((slider) => slider.limits(-range, range, range / 100));
+  show(true);
+}
+
+/** Who may only look sees what is introduced, in words. */
+export function build(mayControl) {
+  const toolbar = document.querySelector("#aberration .toolbar");
+  toolbar.replaceChildren();
+  document.querySelector("#aberration .sliders").replaceChildren();
+  sliders = new Map();
+  shownModes = mayControl ? "" : null;
+  if (!mayControl) {
+    toolbar.append(Object.assign(element("dl", "facts"), { id: "aberration-facts" }));
+    return;
+  }
+  const label = element("label", "", "Sliders reach \u00b1 ");
+  const select = element("select");
+  select.append(...RANGES.map((wide) => new Option(`${wide} wave`, String(wide), wide === range, wide === range)));
+  select.id = "aberration-range";
+  select.addEventListener("change", () => setRange(Number(select.value)));
+  label.append(select);
+  toolbar.append(label);
+  button(toolbar, "Clear all", () => {
+    waves.clear();
+    show(true);
+    sender.send({ modes: [] });
+  });
+}
+
+export function takeBench({ aberration, sensor, limits: wire }) {
+  inForce = aberration.modes;
+  limits = wire.mode_waves;
+  if (!sender.busy) waves = new Map(inForce.map((mode) => [mode.j, mode.waves]));
+  const rms = Math.hypot(...inForce.filter((mode) => mode.j > 2).map((mode) => mode.waves));
+  say(byId("aberration-sub"), inForce.length ? `${brief(rms)} wave RMS without tilts` : "none");
+  if (shownModes === null) {
+    const facts = inForce.map((mode) => [`Z${mode.j} ${mode.name}`, `${signed(mode.waves, 4)} wave`]);
+    return showFacts(byId("aberration-facts"), facts.length ? facts : [["Modes", "none"]]);
+  }
+  const key = sensor.modes_j.join();
+  if (key !== shownModes) {
+    shownModes = key;
+    buildSliders(sensor.mode_names);
+  }
+  const hint = `Numbers from ${limits.min} to ${limits.max} wave are taken as far as the SLM can show them.`;
+  document.querySelector("#aberration .toolbar").title = hint;
+  const most = Math.max(0, ...inForce.map((mode) => Math.abs(mode.waves)));
+  if (most > range) setRange(RANGES.find((wide) => wide >= most) ?? RANGES.at(-1));
+  return show(false);
+}

@@ -1,0 +1,150 @@
+// Exposure, gain, charge, tracker, reference and loop: what is in force, and, for who may, the means to change it.
+import { brief, byId, element, grouped, NONE, say, timeOfDay } from "./format.js";
+import { call } from "./link.js";
+import { button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
+
+let controls = null;
+let view = null; // the newest bench message
+const REFERENCE_FRAMES = 100;
+const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
+
+function buildCamera(parent) {
+  const errors = (reply) => {
+    const at = reply.error?.data?.field ?? "";
+    exposure.error(at.endsWith("gain_db") ? "" : reasonOf(reply));
+    gain.error(at.endsWith("gain_db") ? reasonOf(reply) : "");
+    const applied = reply.result?.applied ?? view.camera.settings;
+    exposure.show(applied.exposure_us, true);
+    gain.show(applied.gain_db, true);
+  };
+  const sender = new Sender("camera.set", errors);
+  const exposure = new NumberControl(parent, "Exposure", "\u00b5s", { map: LOG, onChange: (value) => sender.send({ exposure_us: value }) });
+  const gain = new NumberControl(parent, "Gain", "dB", { onChange: (value) => sender.send({ gain_db: value }) });
+  return { exposure, gain };
+}
+
+function buildSensor(parent) {
+  const charge = new ChoiceControl(parent, "Charge", (value) => set("charge", Number(value), charge));
+  const tracker = new ChoiceControl(parent, "Tracker", (value) => set("tracker", value, tracker));
+  async function set(key, value, control) {
+    control.error(reasonOf(await call("sensor.set", { [key]: value })));
+  }
+  return { charge, tracker };
+}
+
+async function follow(job, bar) {
+  for (;;) {
+    const { result } = await call("job.get", { job });
+    if (!result || result.state !== "running") return result;
+    bar.value = result.progress;
+    await new Promise((done) => setTimeout(done, 100));
+  }
+}
+
+function buildReference(parent) {
+  const frame = field(parent, "Reference");
+  const bar = element("progress");
+  bar.id = frame.id;
+  bar.max = 1;
+  bar.hidden = true;
+  const take = button(frame.body, `Take ${REFERENCE_FRAMES} frames`, async () => {
+    take.disabled = true;
+    bar.hidden = false;
+    bar.value = 0;
+    const reply = await call("reference.take", { frames: REFERENCE_FRAMES });
+    frame.error(reasonOf(reply));
+    const ended = reply.result ? await follow(reply.result.job, bar) : null;
+    if (ended && ended.state !== "done") frame.error(ended.error?.data?.reason || ended.error?.message || ended.state);
+    bar.hidden = true;
+    take.disabled = false;
+  });
+  button(frame.body, "Clear", async () => frame.error(reasonOf(await call("reference.clear"))));
+  frame.body.append(bar);
+  return { reference: frame };
+}
+
+function buildLoop(parent) {
+  const frame = field(parent, "Loop gain");
+  const gain = element("input");
+  gain.type = "number";
+  gain.id = frame.id;
+  gain.value = "0.3";
+  gain.step = "0.05";
+  gain.setAttribute("aria-describedby", frame.describedBy);
+  frame.body.append(gain);
+  button(frame.body, "Close", async () => frame.error(reasonOf(await call("loop.close", { gain: Number(gain.value) }))));
+  button(frame.body, "Open", async () => frame.error(reasonOf(await call("loop.open"))));
+  button(frame.body, "Clear correction", async () => frame.error(reasonOf(await call("correction.clear"))));
+  return { loop: frame };
+}
+
+export function build(mayControl) {
+  const parent = document.querySelector("#bench .controls");
+  parent.replaceChildren();
+  controls = null;
+  if (!mayControl) {
+    parent.append(Object.assign(element("dl", "facts"), { id: "bench-facts" }));
+    return;
+  }
+  controls = { ...buildCamera(parent), ...buildSensor(parent), ...buildReference(parent), ...buildLoop(parent) };
+}
+
+function referenceText(reference) {
+  if (!reference.taken) return reference.source === "model" ? "of the model" : "none";
+  const stale = reference.stale?.length ? `; since then changed: ${reference.stale.map((s) => s.field).join(", ")}` : "";
+  return `${reference.frames} frames, ${timeOfDay(reference.t_taken_ns)}${stale}`;
+}
+
+function loopText(loop) {
+  const residual = loop.residual_rms_waves === null ? "" : `, residual ${brief(loop.residual_rms_waves)} wave RMS`;
+  if (loop.closed) return `closed, ${grouped(loop.steps)} steps${residual}`;
+  return loop.opened_because ? `open: ${loop.opened_because}` : `open, correction ${brief(loop.correction_rms_waves)} wave RMS`;
+}
+
+function showControls({ camera, sensor, limits, reference, loop }) {
+  const { settings } = camera;
+  if (camera.limits) {
+    const { exposure_us: e, gain_db: g } = camera.limits;
+    controls.exposure.limits(e.min, e.max);
+    controls.gain.limits(g.min, g.max, 0.1);
+    controls.exposure.help(`${brief(e.min)} to ${grouped(e.max)} \u00b5s`);
+    controls.gain.help(`${brief(g.min)} to ${brief(g.max)} dB`);
+  }
+  controls.exposure.show(settings.exposure_us);
+  controls.gain.show(settings.gain_db);
+  const { min, max } = limits.charge;
+  controls.charge.show(sensor.charge, Array.from({ length: max - min + 1 }, (_, i) => min + i));
+  controls.tracker.show(sensor.tracker, limits.trackers);
+  controls.reference.help(`In force: ${referenceText(reference)}`);
+  controls.loop.help(`${loopText(loop)}; gain ${limits.loop_gain.min} to ${limits.loop_gain.max}`);
+}
+
+/** Pairs of a title and a text, in a list that is rebuilt only if its length changes. */
+export function showFacts(list, facts) {
+  if (list.children.length !== 2 * facts.length) {
+    list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));
+  }
+  facts.forEach(([title, text], i) => {
+    say(list.children[2 * i], title);
+    say(list.children[2 * i + 1], text);
+  });
+}
+
+export function takeBench(message) {
+  view = message;
+  const { camera, sensor, reference, loop } = message;
+  const info = camera.info ? `${camera.info.vendor} ${camera.info.model}` : "no camera";
+  say(byId("bench-sub"), `${info}, ${sensor.subapertures} subapertures`);
+  if (controls) return showControls(message);
+  const { settings } = camera;
+  return showFacts(byId("bench-facts"), [
+    ["Exposure", `${grouped(settings.exposure_us)} \u00b5s`],
+    ["Gain", `${brief(settings.gain_db)} dB`],
+    ["Frame rate asked for", `${brief(settings.frame_rate_hz)} frames/s`],
+    ["Charge", String(sensor.charge)],
+    ["Tracker", sensor.tracker],
+    ["Operator in force", sensor.operator_in_force ?? NONE],
+    ["Reference", referenceText(reference)],
+    ["Loop", loopText(loop)],
+  ]);
+}

@@ -1,0 +1,33 @@
+// Canvases as sharp as the screen.
+
+/** Makes the canvas' pixels those of the screen; returns its context in CSS pixels, and its size in them. */
+export function begin(canvas) {
+  const ratio = window.devicePixelRatio || 1;
+  const width = canvas.clientWidth;
+  const height = canvas.clientHeight;
+  const pixels = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return { context, width, height };
+}
+
+/** A picture of `width` x `height` pixels that `fill(abgr)` paints, kept in `store` from call to call. */
+export function paint(store, width, height, fill) {
+  if (!store.canvas || store.canvas.width !== width || store.canvas.height !== height) {
+    store.canvas = new OffscreenCanvas(width, height);
+    store.context = store.canvas.getContext("2d");
+    store.data = store.context.createImageData(width, height);
+    store.abgr = new Uint32Array(store.data.data.buffer);
+  }
+  fill(store.abgr);
+  store.context.putImageData(store.data, 0, 0);
+  return store.canvas;
+}
+
+/** The font of the page, `size` times its text. */
+export function font(size = 0.8) {
+  const base = parseFloat(getComputedStyle(document.documentElement).fontSize);
+  return { css: `${size * base}px system-ui, sans-serif`, px: size * base };
+}

@@ -1,0 +1,45 @@
+// The numbers that one looks at first.
+import { brief, byId, element, fixed, NONE, say, strehl } from "./format.js";
+
+const FIGURES = [
+  ["rms", "RMS without tilts", "wave"],
+  ["strehl", "Strehl, estimated", ""],
+  ["spots", "Spots found", "spots"],
+  ["rate", "Frame rate", "frames/s"],
+  ["latency", "Latency", "\u00b5s"],
+  ["saturated", "Saturated spots", "%"],
+  ["screen", "Age on screen", "ms"],
+];
+const values = new Map();
+
+export function build() {
+  for (const [key, title, unit] of FIGURES) {
+    const box = element("div");
+    const value = element("span", "value", NONE);
+    const dd = element("dd");
+    dd.append(value, element("span", "unit", unit));
+    box.append(element("dt", "", title), dd);
+    byId("figures").append(box);
+    values.set(key, value);
+  }
+  values.get("strehl").parentElement.title = "Mar\u00e9chal: exp(\u2212(2\u03c0 RMS)\u00b2), good for small aberrations";
+}
+
+const put = (key, text) => say(values.get(key), text);
+
+export function takeWavefront(message) {
+  put("rms", fixed(message.rms_waves, 4));
+  put("strehl", fixed(strehl(message.rms_waves), 3));
+  put("spots", `${message.tracked}\u2009/\u2009${message.subapertures}`);
+  put("latency", fixed(message.latency_us, 0));
+  put("saturated", fixed(100 * message.saturated, 0));
+}
+
+export function takeTrend(bin) {
+  if (bin.span_s > 0.2) put("rate", brief(bin.frames / bin.span_s));
+}
+
+/** From the frame's arrival in the daemon until now, by both clocks. */
+export function takeAge(ms) {
+  put("screen", ms === null ? NONE : fixed(ms, 0));
+}

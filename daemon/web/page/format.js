@@ -1,0 +1,66 @@
+// Numbers as a person reads them: with a sign where it means something, never wider than they must be.
+
+const MINUS = "\u2212";
+export const NONE = "\u2013";
+
+/** With `digits` after the point; "–" for what is not known. */
+export function fixed(value, digits) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", MINUS);
+}
+
+/** The same, with a sign whatever it is. */
+export function signed(value, digits) {
+  const text = fixed(value, digits);
+  return text === NONE || text.startsWith(MINUS) || Number(text) === 0 ? text : `+${text}`;
+}
+
+/** With three figures, or all before the point. */
+export function brief(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  const size = Math.abs(value);
+  if (size === 0) return "0";
+  return fixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
+}
+
+/** A number of an axis: as short as it is. */
+export function tick(value) {
+  return String(Number(value.toPrecision(3))).replace("-", MINUS);
+}
+
+/** 20000 as "20 000". */
+export function grouped(value) {
+  return String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}
+
+/** Nanoseconds since 1970 as a local time of day. */
+export function timeOfDay(ns) {
+  return new Date(ns / 1e6).toLocaleTimeString([], { hour12: false });
+}
+
+/** The smallest of these steps times a power of ten that is at least `value`. */
+export function roundUp(value, steps = [1, 2, 5, 10]) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return steps.map((step) => step * power).find((step) => step >= value * 0.9999);
+}
+
+/** Maréchal's estimate from the RMS without tilts, waves. */
+export function strehl(rmsWaves) {
+  return rmsWaves === null || rmsWaves === undefined ? null : Math.exp(-((2 * Math.PI * rmsWaves) ** 2));
+}
+
+/** An element with a class and text. */
+export function element(name, className = "", text = "") {
+  const made = document.createElement(name);
+  if (className) made.className = className;
+  if (text) made.textContent = text;
+  return made;
+}
+
+export const byId = (id) => document.getElementById(id);
+
+/** Sets a text only if it changes: the page is looked at, not rebuilt. */
+export function say(target, text) {
+  if (target.textContent !== text) target.textContent = text;
+}

@@ -1,0 +1,112 @@
+// The connection to ovws-web: one stream down, commands up, the token on both.
+
+const token = () => location.hash.slice(1);
+const headers = () => ({ Authorization: `Bearer ${token()}` });
+const HEAD_BYTES = 8;
+const MOST_LAG_MS = 2000;
+
+/** Calls a method of the daemon. Resolves to {result} or {error: {message, data: {field, reason}}}; never rejects. */
+export async function call(method, params = {}) {
+  const failed = (message) => ({ error: { message, data: { field: "", reason: message } } });
+  try {
+    const reply = await fetch("/rpc", { method: "POST", headers: headers(), body: JSON.stringify({ method, params }) });
+    const body = await reply.json();
+    if (!reply.ok) return failed(body.reason);
+    if (body.error && !body.error.data) return failed(body.error.message);
+    return body;
+  } catch {
+    return failed("ovws-web does not answer");
+  }
+}
+
+/** A picture of this server as a blob; null if there is none. */
+export async function picture(path) {
+  try {
+    const reply = await fetch(path, { headers: headers() });
+    return reply.status === 200 ? await reply.blob() : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Bytes as they come, taken out as messages. */
+class Inbox {
+  #parts = [];
+  #size = 0;
+
+  add(bytes) {
+    this.#parts.push(bytes);
+    this.#size += bytes.length;
+  }
+
+  #joined() {
+    if (this.#parts.length > 1) {
+      const all = new Uint8Array(this.#size);
+      let at = 0;
+      for (const part of this.#parts) {
+        all.set(part, at);
+        at += part.length;
+      }
+      this.#parts = [all];
+    }
+    return this.#parts[0];
+  }
+
+  /** The next whole message, or null. */
+  next() {
+    if (this.#size < HEAD_BYTES) return null;
+    if (this.#parts[0].length < HEAD_BYTES) this.#joined();
+    const head = new DataView(this.#parts[0].buffer, this.#parts[0].byteOffset);
+    const jsonSize = head.getUint32(0, true);
+    const size = HEAD_BYTES + jsonSize + head.getUint32(4, true);
+    if (this.#size < size) return null;
+    const all = this.#joined();
+    const json = JSON.parse(new TextDecoder().decode(all.subarray(HEAD_BYTES, HEAD_BYTES + jsonSize)));
+    const binary = all.slice(HEAD_BYTES + jsonSize, size).buffer;
+    this.#parts = [all.subarray(size)];
+    this.#size -= size;
+    return { json, binary };
+  }
+}
+
+let leastLag = Infinity; // ms: how far the clocks differ, and the way's own time
+
+/** What waits on the way for a browser that was held up is old: one that fell behind begins anew, with what is newest. */
+function isBehind(json) {
+  if (json.schema !== "ovws.web.health/1") return false;
+  const lag = Date.now() - json.t_ns / 1e6;
+  leastLag = Math.min(leastLag, lag);
+  return lag - leastLag > MOST_LAG_MS;
+}
+
+async function readOnce(onMessage, onState) {
+  const reply = await fetch("/stream", { headers: headers(), cache: "no-store" });
+  if (!reply.ok) {
+    onState((await reply.json()).reason);
+    return undefined;
+  }
+  onState("");
+  const inbox = new Inbox();
+  const reader = reply.body.getReader();
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return undefined;
+    inbox.add(value);
+    for (let message = inbox.next(); message; message = inbox.next()) {
+      onMessage(message.json, message.binary);
+      if (isBehind(message.json)) return reader.cancel();
+    }
+  }
+}
+
+/** Reads the stream for ever, connecting anew whenever it ends. onState: "" when connected, else why not. */
+export async function listen(onMessage, onState) {
+  for (;;) {
+    try {
+      await readOnce(onMessage, onState);
+    } catch {
+      onState("No connection to ovws-web: trying again");
+    }
+    await new Promise((done) => setTimeout(done, 1000));
+  }
+}

@@ -1,0 +1,65 @@
+// The SLM: what stands on it, and whether that is what the daemon means.
+import { byId, element, NONE, say } from "./format.js";
+import { call, picture } from "./link.js";
+import { button, ChoiceControl, field, reasonOf } from "./widgets.js";
+import { showFacts } from "./bench.js";
+
+let drawn = null; // hologram id and checksum of the picture shown
+let checksum = null;
+let pattern = null;
+let url = null;
+const veil = () => document.querySelector("#slm .veil");
+
+async function compare(frame) {
+  const { result, error } = await call("slm.verify");
+  frame.error(error ? reasonOf({ error }) : result.equal ? "" : `${result.differing_pixels} pixels of the output differ from hologram ${result.hologram_id}`);
+  if (error || !result.equal) return frame.help("");
+  const same = result.crc32 === checksum ? ", pixel for pixel the picture above" : "";
+  return frame.help(`The output shows hologram ${result.hologram_id}${same} (CRC-32 ${result.crc32.toString(16)}).`);
+}
+
+export function build(mayControl) {
+  const parent = document.querySelector("#slm .controls");
+  parent.replaceChildren();
+  pattern = null;
+  if (!mayControl) return;
+  const choice = new ChoiceControl(parent, "Pattern", async (value) => choice.error(reasonOf(await call("slm.show", { pattern: value }))));
+  pattern = choice;
+  const frame = field(parent, "Output");
+  button(frame.body, "Compare with the output", () => compare(frame)).id = frame.id;
+}
+
+async function load() {
+  const blob = await picture("/hologram.png");
+  if (!blob) return;
+  if (url) URL.revokeObjectURL(url);
+  url = URL.createObjectURL(blob);
+  byId("hologram").src = url;
+}
+
+export function takeBench({ hologram, limits }, shownPattern) {
+  const none = hologram.hologram_id === null;
+  byId("hologram").hidden = none;
+  veil().hidden = !none;
+  if (none) say(veil(), hologram.reason ? `No picture: ${hologram.reason}` : "No picture yet");
+  const key = `${hologram.hologram_id} ${hologram.crc32}`;
+  if (!none && key !== drawn) {
+    drawn = key;
+    checksum = hologram.crc32;
+    byId("hologram").alt = `Hologram ${hologram.hologram_id} as it is on the SLM`;
+    say(byId("slm-sub"), `picture of hologram ${hologram.hologram_id}`);
+    load();
+  }
+  pattern?.show(shownPattern, limits.patterns);
+}
+
+export function takeStatus({ slm }) {
+  const { info } = slm;
+  showFacts(byId("slm-facts"), [
+    ["Output", info ? `${info.output}, ${info.driver}` : NONE],
+    ["Mode", info ? `${info.width} \u00d7 ${info.height} px at ${Math.round(info.refresh_hz)} Hz` : NONE],
+    ["Pattern", slm.pattern],
+    ["Hologram", `${slm.hologram_id}, ${slm.settled ? "settled" : "changing"}`],
+    ["State", slm.fault ?? (slm.connected ? "connected" : "not connected")],
+  ]);
+}

@@ -1,0 +1,21 @@
+// Light, dark, or as the system has it.
+import { byId, say } from "./format.js";
+
+const NAMES = { auto: ["Auto", "as the system"], light: ["Light", "light"], dark: ["Dark", "dark"] };
+const ORDER = Object.keys(NAMES);
+
+/** The button goes through the three; `onChange` draws the canvases anew. */
+export function chooseTheme(onChange) {
+  const button = byId("theme");
+  const set = (theme) => {
+    document.documentElement.dataset.theme = theme;
+    localStorage.setItem("theme", theme);
+    say(button, NAMES[theme][0]);
+    button.setAttribute("aria-label", `Colours: ${NAMES[theme][1]}`);
+    onChange();
+  };
+  const stored = localStorage.getItem("theme");
+  set(ORDER.includes(stored) ? stored : "auto");
+  button.addEventListener("click", () => set(ORDER[(ORDER.indexOf(document.documentElement.dataset.theme) + 1) % ORDER.length]));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", onChange);
+}

@@ -1,0 +1,77 @@
+#include "daemon/web/server.hpp"
+
+#include "daemon/web/session.hpp"
+
+namespace ovws::web {
+namespace {
+
+constexpr std::chrono::milliseconds kNoDescriptors{100};
+
+}  // namespace
+
+struct Server::Impl {
+  ServerParts parts;
+  net::thread_pool callers{4};  ///< wait for the daemon
+  net::io_context io{1};
+  tcp::acceptor acceptor{io};
+  int connections = 0;
+
+  explicit Impl(ServerParts given) : parts(std::move(given)) {}
+
+  Task<void> serve(tcp::socket socket) {
+    ++connections;
+    Session session(std::move(socket), parts, callers);
+    co_await session.run();
+    --connections;
+  }
+
+  /// One connection too many is closed at once: who made the others has to wait.
+  Task<void> accept() {
+    for (;;) {
+      boost::system::error_code error;
+      tcp::socket socket =
+          co_await acceptor.async_accept(net::redirect_error(net::use_awaitable, error));
+      if (error) {
+        net::steady_timer pause(io, kNoDescriptors);
+        co_await pause.async_wait(net::use_awaitable);
+        continue;
+      }
+      if (connections >= kMostConnections) {
+        parts.refusals.add(Refusal::full, {}, "a connection too many");
+        continue;
+      }
+      net::co_spawn(io, serve(std::move(socket)), net::detached);
+    }
+  }
+};
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() = default;
+
+Result<std::unique_ptr<Server>> Server::listen(const std::string& address, unsigned short port,
+                                               ServerParts parts) {
+  boost::system::error_code error;
+  const auto host = net::ip::make_address(address, error);
+  if (error) return fail(Errc::invalid, "--listen", "the address must be in numbers: " + address);
+  auto impl = std::make_unique<Impl>(std::move(parts));
+  const tcp::endpoint endpoint(host, port);
+  impl->acceptor.open(endpoint.protocol(), error);
+  if (!error) impl->acceptor.set_option(net::socket_base::reuse_address(true), error);
+  if (!error) impl->acceptor.bind(endpoint, error);
+  if (!error) impl->acceptor.listen(net::socket_base::max_listen_connections, error);
+  if (error) {
+    return fail(Errc::unavailable, "--listen",
+                address + ":" + std::to_string(port) + ": " + error.message());
+  }
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+void Server::run() {
+  net::signal_set signals(impl_->io, SIGINT, SIGTERM);
+  signals.async_wait([this](const boost::system::error_code&, int) { impl_->io.stop(); });
+  net::co_spawn(impl_->io, impl_->accept(), net::detached);
+  impl_->io.run();
+  impl_->callers.join();
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,213 @@
+#include "daemon/web/session.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <limits>
+
+#include "daemon/web/commands.hpp"
+#include "daemon/web/page_files.hpp"
+
+namespace ovws::web {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t kMostHeadBytes = 8 * 1024;
+constexpr milliseconds kRequestPatience{5000};
+constexpr milliseconds kWritePatience{10'000};
+constexpr milliseconds kLook{5};     ///< how often the board is looked at
+constexpr milliseconds kRhythm{33};  ///< a browser is sent something at most so often
+/// What the kernel keeps for a browser that does not read is old when it reads on.
+constexpr int kSendBufferBytes = 256 * 1024;
+
+/// Everything from here, nothing from elsewhere, and nobody may put the page into a frame.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+// In what follows a co_await gets locals, never temporaries that own something: g++ 12 destroys
+// some of these twice.
+
+template <class Body>
+void prepare(http::response<Body>& response, std::string_view type) {
+  response.version(11);
+  response.keep_alive(false);
+  response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  response.set("Content-Security-Policy", kContentPolicy);
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set(http::field::cache_control, "no-store");
+}
+
+RequestHead head_of(const http::request_parser<http::string_body>& parser) {
+  const auto& request = parser.get();
+  const auto text = [](beast::string_view view) { return std::string(view.data(), view.size()); };
+  RequestHead head;
+  head.method = text(request.method_string());
+  head.target = text(request.target());
+  head.host = text(request[http::field::host]);
+  head.origin = text(request[http::field::origin]);
+  head.fetch_site = text(request["Sec-Fetch-Site"]);
+  head.authorization = text(request[http::field::authorization]);
+  head.chunked = request.chunked();
+  if (const auto length = parser.content_length()) head.content_length = *length;
+  return head;
+}
+
+/// Counts one more as long as it lives.
+class Counted {
+ public:
+  explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~Counted() { --count_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
+
+}  // namespace
+
+Session::Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers)
+    : parts_(parts),
+      callers_(callers),
+      connection_(std::move(socket)),
+      buffer_(kMostHeadBytes + kMostBodyBytes) {
+  boost::system::error_code ignored;
+  const auto peer = connection_.socket().remote_endpoint(ignored);
+  peer_ = peer.address().to_string();
+  connection_.socket().set_option(tcp::no_delay(true), ignored);
+  connection_.socket().set_option(net::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+}
+
+Task<void> Session::run() {
+  try {
+    co_await serve();
+    boost::system::error_code ignored;
+    connection_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  } catch (const boost::system::system_error&) {
+    connection_.close();
+  } catch (const std::exception& error) {
+    spdlog::error("a request of {} ended with an error of this program: {}", peer_, error.what());
+    connection_.close();
+  }
+}
+
+Task<bool> Session::read_head(Request& parser) {
+  parser.header_limit(kMostHeadBytes);
+  // The head is judged first, and says how long the body is.
+  parser.body_limit(std::numeric_limits<std::uint64_t>::max());
+  boost::system::error_code error;
+  connection_.expires_after(kRequestPatience);
+  co_await http::async_read_header(connection_, buffer_, parser,
+                                   net::redirect_error(net::use_awaitable, error));
+  if (!error) co_return true;
+  const bool is_request =
+      error.category() == http::make_error_code(http::error::bad_target).category();
+  if (is_request && error != http::error::end_of_stream && error != http::error::partial_message) {
+    const RequestHead unknown;
+    co_await refuse(Refusal::malformed, unknown);
+  }
+  co_return false;
+}
+
+Task<void> Session::serve() {
+  Request parser;
+  if (!co_await read_head(parser)) co_return;
+  const RequestHead head = head_of(parser);
+  const auto right = parts_.access.judge(head);
+  connection_.expires_after(kWritePatience);
+  if (!right) {
+    co_await refuse(right.error(), head);
+  } else if (head.target == "/stream") {
+    co_await stream(head, *right);
+  } else if (head.target == "/hologram.png") {
+    co_await hologram();
+  } else if (head.target == "/rpc") {
+    co_await rpc(parser, head);
+  } else {
+    const auto file = page_file(head.target);
+    std::string text(file->text);
+    co_await answer(http::status::ok, file->type, std::move(text));
+  }
+}
+
+Task<void> Session::answer(http::status status, std::string_view type, std::string body) {
+  http::response<http::string_body> response;
+  prepare(response, type);
+  response.result(status);
+  response.body() = std::move(body);
+  response.prepare_payload();
+  co_await http::async_write(connection_, response, net::use_awaitable);
+}
+
+Task<void> Session::refuse(Refusal why, const RequestHead& head) {
+  parts_.refusals.add(why, head, peer_);
+  const nlohmann::json body{{"refused", refusal_name(why)}, {"reason", refusal_reason(why)}};
+  std::string text = body.dump();
+  co_await answer(http::int_to_status(unsigned(refusal_status(why))), "application/json",
+                  std::move(text));
+}
+
+Task<void> Session::stream(const RequestHead& head, Right right) {
+  if (parts_.browsers >= kMostBrowsers) co_return co_await refuse(Refusal::full, head);
+  const Counted counted(parts_.browsers);
+  http::response<http::empty_body> response;
+  prepare(response, "application/octet-stream");
+  response.chunked(true);
+  http::response_serializer<http::empty_body> serializer(response);
+  co_await http::async_write_header(connection_, serializer, net::use_awaitable);
+  co_await pump(right);
+}
+
+/// What is newer than what was sent, again and again. While a slow browser takes its time the board
+/// goes on, and the next look finds what is newest then.
+Task<void> Session::pump(Right right) {
+  net::steady_timer timer(co_await net::this_coro::executor);
+  const nlohmann::json hello{{"schema", "ovws.web.hello/1"},
+                             {"right", right == Right::control ? "control" : "look"}};
+  const std::string first = framed(hello.dump());
+  co_await net::async_write(connection_, http::make_chunk(net::buffer(first)), net::use_awaitable);
+  std::uint64_t seen = 0;
+  for (;;) {
+    const auto packets = parts_.board.newer(seen);
+    timer.expires_after(packets.empty() ? kLook : kRhythm);
+    if (!packets.empty()) {
+      std::vector<net::const_buffer> buffers;
+      for (const PacketPtr& packet : packets) buffers.emplace_back(net::buffer(packet->bytes));
+      connection_.expires_after(kWritePatience);
+      co_await net::async_write(connection_, http::make_chunk(buffers), net::use_awaitable);
+    }
+    co_await timer.async_wait(net::use_awaitable);
+  }
+}
+
+Task<void> Session::rpc(Request& parser, const RequestHead& head) {
+  connection_.expires_after(kRequestPatience);
+  co_await http::async_read(connection_, buffer_, parser, net::use_awaitable);
+  const auto request = parse_command(parser.get().body());
+  if (!request) co_return co_await refuse(request.error(), head);
+  connection_.expires_never();
+  const cli::Common& common = parts_.common;
+  std::string reply = co_await net::co_spawn(
+      callers_.get_executor(),
+      [&]() -> Task<std::string> { co_return carry_out(common, *request); }, net::use_awaitable);
+  connection_.expires_after(kWritePatience);
+  co_await answer(http::status::ok, "application/json", std::move(reply));
+}
+
+Task<void> Session::hologram() {
+  const HologramPicturePtr picture = parts_.hologram();
+  auto status = http::status::no_content;
+  std::string png;
+  if (picture) {
+    status = http::status::ok;
+    png = picture->png;
+  }
+  co_await answer(status, "image/png", std::move(png));
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,39 @@
+/// One connection: a request, its answer, and the end.
+#pragma once
+
+#include <string>
+
+#include "daemon/web/http.hpp"
+#include "daemon/web/server.hpp"
+
+namespace ovws::web {
+
+/// Of one connection; it lives as long as its coroutine.
+class Session {
+ public:
+  Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers);
+
+  /// Errors of the connection end it, and are nobody's concern.
+  Task<void> run();
+
+ private:
+  using Request = http::request_parser<http::string_body>;
+
+  Task<void> serve();
+  /// The head; false if it was none, which has been answered.
+  Task<bool> read_head(Request& parser);
+  Task<void> answer(http::status status, std::string_view type, std::string body);
+  Task<void> refuse(Refusal why, const RequestHead& head);
+  Task<void> stream(const RequestHead& head, Right right);
+  Task<void> pump(Right right);
+  Task<void> rpc(Request& parser, const RequestHead& head);
+  Task<void> hologram();
+
+  ServerParts parts_;
+  net::thread_pool& callers_;
+  beast::tcp_stream connection_;
+  beast::flat_buffer buffer_;
+  std::string peer_;
+};
+
+}  // namespace ovws::web

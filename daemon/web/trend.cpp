@@ -1,0 +1,72 @@
+#include "daemon/web/trend.hpp"
+
+#include <algorithm>
+
+namespace ovws::web {
+
+using nlohmann::json;
+
+std::optional<json> Trend::add(const json& wavefront) {
+  const auto t_ns = wavefront["t_arrival_ns"].get<std::int64_t>();
+  std::optional<json> done;
+  // A clock that was set back begins anew, too.
+  if (t_ns - begin_ns_ >= kTrendBinNs || t_ns < begin_ns_) {
+    if (frames_ > 0) done = ended(std::clamp(t_ns, begin_ns_, begin_ns_ + kTrendBinNs));
+    begin(t_ns);
+  }
+  ++frames_;
+  gap_ += wavefront["gap"].get<std::int64_t>();
+  lost_max_ =
+      std::max(lost_max_, wavefront["subapertures"].get<int>() - wavefront["tracked"].get<int>());
+  latencies_us_.push_back(wavefront["latency_us"].get<double>());
+  if (wavefront["valid"].get<bool>()) add_valid(wavefront);
+  return done;
+}
+
+void Trend::begin(std::int64_t t_ns) {
+  *this = Trend{};
+  begin_ns_ = t_ns;
+}
+
+void Trend::add_valid(const json& wavefront) {
+  auto j = wavefront["j"].get<std::vector<int>>();
+  if (j != j_) {
+    j_ = std::move(j);
+    sums_.assign(j_.size(), 0.0);
+    valid_ = 0;
+    rms_sum_ = 0.0;
+  }
+  ++valid_;
+  const double rms = wavefront["rms_waves"].get<double>();
+  rms_sum_ += rms;
+  rms_max_ = std::max(rms_max_, rms);
+  const json& coefficients = wavefront["coefficients"];
+  for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += coefficients[i].get<double>();
+}
+
+json Trend::ended(std::int64_t t_ns) const {
+  std::vector<double> sorted = latencies_us_;
+  std::sort(sorted.begin(), sorted.end());
+  json bin{{"schema", "ovws.web.trend/1"},
+           {"t_ns", t_ns},
+           {"span_s", double(t_ns - begin_ns_) * 1e-9},
+           {"frames", frames_},
+           {"valid", valid_},
+           {"gap", gap_},
+           {"lost_max", lost_max_},
+           {"latency_median_us", sorted[sorted.size() / 2]},
+           {"latency_max_us", sorted.back()},
+           {"rms_waves", nullptr},
+           {"rms_max_waves", nullptr},
+           {"j", j_},
+           {"coefficients", nullptr}};
+  if (valid_ == 0) return bin;
+  bin["rms_waves"] = rms_sum_ / valid_;
+  bin["rms_max_waves"] = rms_max_;
+  std::vector<double> means = sums_;
+  for (double& mean : means) mean /= valid_;
+  bin["coefficients"] = means;
+  return bin;
+}
+
+}  // namespace ovws::web

@@ -1,0 +1,40 @@
+#include "daemon/web/commands.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws::web {
+namespace {
+
+TEST(CommandsTest, TakesWhatThePageNeeds) {
+  const auto command = parse_command(R"({"method": "camera.set", "params": {"gain_db": 3}})");
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->method, "camera.set");
+  EXPECT_EQ(command->params["gain_db"], 3);
+  EXPECT_TRUE(parse_command(R"({"method": "aberration.clear"})"));
+}
+
+TEST(CommandsTest, RefusesEveryOtherMethod) {
+  for (const char* method :
+       {"config.save", "flatness.clear", "system.describe", "camera.get ", ""}) {
+    const nlohmann::json body{{"method", method}};
+    const auto command = parse_command(body.dump());
+    ASSERT_FALSE(command) << method;
+    EXPECT_EQ(command.error(), Refusal::right);
+  }
+}
+
+TEST(CommandsTest, RefusesWhatIsNoCommand) {
+  const std::string deep = R"({"method":"camera.set","params":)" + std::string(5000, '[');
+  for (const std::string& body :
+       {std::string{}, std::string{"[]"}, std::string{"{}"}, std::string{R"({"method": 3})"},
+        std::string{R"({"method": "camera.set", "params": []})"},
+        std::string{R"({"method": "camera.set", "method": "slm.show"})"}, deep,
+        std::string("\xff\xfe\0", 3)}) {
+    const auto command = parse_command(body);
+    ASSERT_FALSE(command) << body.substr(0, 60);
+    EXPECT_EQ(command.error(), Refusal::malformed);
+  }
+}
+
+}  // namespace
+}  // namespace ovws::web

@@ -1,0 +1,118 @@
+#include "daemon/web/health.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws::web {
+namespace {
+
+using nlohmann::json;
+
+class HealthTest : public testing::Test {
+ protected:
+  BenchFacts facts;
+
+  HealthTest() {
+    const json device{{"connected", true}, {"fault", nullptr}};
+    facts.status = {{"state", "running"},
+                    {"fault", nullptr},
+                    {"camera", device},
+                    {"slm", device},
+                    {"sensor", {{"referenced", true}, {"reference", "in_force"}}}};
+    facts.status["slm"]["pattern"] = "sensor";
+    facts.wavefront = {{"valid", true},      {"settled", true}, {"saturated", 0.0},
+                       {"subapertures", 19}, {"tracked", 19},   {"fit_residual_px", 0.02}};
+  }
+
+  void expect_worst(Wellness wellness, const std::string& text) const {
+    const auto found = examine_bench(facts);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().wellness, wellness) << found.front().text;
+    EXPECT_NE(found.front().text.find(text), std::string::npos) << found.front().text;
+  }
+};
+
+TEST_F(HealthTest, IsWellWhenNothingIsWrong) {
+  expect_worst(Wellness::good, "well");
+  EXPECT_EQ(examine_bench(facts).size(), 1U);
+}
+
+TEST_F(HealthTest, SilenceIsBad) {
+  facts.status_age_s = 4.0;
+  expect_worst(Wellness::bad, "silent");
+  expect_worst(Wellness::bad, "ovwsd");
+  EXPECT_EQ(examine_bench({}).front().wellness, Wellness::bad);
+}
+
+TEST_F(HealthTest, ADeviceThatIsNotThereIsBad) {
+  facts.status["camera"]["connected"] = false;
+  expect_worst(Wellness::bad, "Camera");
+  facts.status["slm"]["fault"] = "the output has another mode";
+  expect_worst(Wellness::bad, "Camera");
+  EXPECT_EQ(examine_bench(facts).size(), 2U);
+}
+
+TEST_F(HealthTest, FramesThatStoppedAreBad) {
+  facts.wavefront_age_s = 2.0;
+  expect_worst(Wellness::bad, "frames");
+}
+
+TEST_F(HealthTest, AFaultOfTheDaemonIsTold) {
+  facts.status["state"] = "fault";
+  facts.status["fault"] = "gain_db: refused";
+  expect_worst(Wellness::bad, "gain_db: refused");
+}
+
+TEST_F(HealthTest, SaysWhatToDoWithoutAReference) {
+  facts.status["sensor"]["referenced"] = false;
+  facts.wavefront["valid"] = false;
+  expect_worst(Wellness::warning, "No reference");
+}
+
+TEST_F(HealthTest, AHologramThatIsChangingIsNoFault) {
+  facts.wavefront["valid"] = false;
+  facts.wavefront["settled"] = false;
+  expect_worst(Wellness::note, "changing");
+  facts.wavefront["settled"] = true;
+  expect_worst(Wellness::bad, "explains");
+}
+
+TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
+  facts.wavefront["saturated"] = 1.0 / 19.0;
+  expect_worst(Wellness::note, "1 of 19 spots saturated");
+  facts.wavefront["saturated"] = 4.0 / 19.0;
+  expect_worst(Wellness::warning, "4 of 19 spots saturated");
+  facts.wavefront["saturated"] = 0.0;
+  facts.wavefront["tracked"] = 17;
+  expect_worst(Wellness::warning, "2 of 19 spots lost");
+}
+
+TEST_F(HealthTest, TellsLostAndLateFrames) {
+  facts.lost_lately = 3;
+  expect_worst(Wellness::warning, "3 frames");
+  facts.lost_lately = 0;
+  facts.missed_lately = 5;
+  expect_worst(Wellness::warning, "5 frames");
+}
+
+TEST_F(HealthTest, AnotherPatternIsNoFault) {
+  facts.status["slm"]["pattern"] = "grating";
+  facts.wavefront["valid"] = false;
+  facts.wavefront["tracked"] = 0;
+  expect_worst(Wellness::note, "grating");
+}
+
+TEST(RiseLatelyTest, ForgetsWhatIsLongAgoAndAnOlderDaemon) {
+  RiseLately rise;
+  EXPECT_EQ(rise.rise(), 0);
+  rise.add(0.0, 100);
+  EXPECT_EQ(rise.rise(), 0);
+  rise.add(1.0, 107);
+  EXPECT_EQ(rise.rise(), 7);
+  for (int t = 2; t < 20; ++t) rise.add(t, 107);
+  EXPECT_EQ(rise.rise(), 0);
+  rise.add(20.0, 3);
+  EXPECT_EQ(rise.rise(), 0);
+}
+
+}  // namespace
+}  // namespace ovws::web
