@@ -1,0 +1,217 @@
+"""ovws-web without a browser: who gets in, how old its numbers are, what a slow reader and a daemon that goes cost."""
+import json
+import os
+import socket
+import time
+import zlib
+from io import BytesIO
+from pathlib import Path
+
+import numpy
+from PIL import Image
+
+from case import main, wait_for
+from web_case import ADDRESS, HOST, PORT, Refused, WebCase
+
+CURRENT_MS = 100
+
+
+def age_ms(message):
+    return (time.time_ns() - message["t_arrival_ns"]) / 1e6
+
+
+def cpu_s(pid):
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+class Web(WebCase):
+    def wavefronts(self, count):
+        """That many wavefront messages of the stream, and how old each was when it was here."""
+        found = []
+        for message, _ in self.messages():
+            if message["schema"] == "ovws.wavefront/1":
+                found.append((message, age_ms(message)))
+            if len(found) == count:
+                return found
+        return found
+
+    def test_what_is_refused_is_counted_and_logged(self):
+        look, control = self.tokens["look"], self.tokens["control"]
+        body = json.dumps({"method": "camera.set", "params": {"gain_db": 1}}).encode()
+        attempts = [  # refused as, status, the request
+            ("origin", 403, dict(method="POST", path="/rpc", body=body, token=control, headers={"Origin": "http://evil.example"})),
+            ("origin", 403, dict(method="GET", path="/stream", token=look, headers={"Sec-Fetch-Site": "cross-site"})),
+            ("token", 401, dict(method="POST", path="/rpc", body=body)),
+            ("token", 401, dict(method="GET", path="/stream", token=look[:-1])),
+            ("right", 403, dict(method="POST", path="/rpc", body=body, token=look)),
+            ("right", 403, dict(method="POST", path="/rpc", body=b'{"method": "config.save"}', token=control)),
+            ("path", 404, dict(method="GET", path="/../../etc/passwd", token=look)),
+            ("path", 404, dict(method="GET", path="/page/%2e%2e/main.cpp")),
+            ("method", 405, dict(method="DELETE", path="/", token=control)),
+            ("host", 421, dict(method="GET", path="/", host="evil.example:7704")),
+            ("host", 421, dict(method="POST", path="/rpc", body=body, token=control, host="rebound.example")),
+            ("size", 413, dict(method="POST", path="/rpc", token=control, headers={"Content-Length": str(10 << 20)})),
+            ("size", 413, dict(method="POST", path="/rpc", token=control, headers={"Transfer-Encoding": "chunked"})),
+            ("malformed", 400, dict(method="POST", path="/rpc", body=b"[" * 60000, token=control)),
+        ]
+        wanted = {}
+        for kind, status, request in attempts:
+            with self.subTest(request=str(request)[:120]):
+                got, headers, text = self.ask(**request)
+                self.assertEqual((got, json.loads(text)["refused"]), (status, kind))
+                self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
+            wanted[kind] = wanted.get(kind, 0) + 1
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 0.0)
+        counted = self.health(lambda m: sum(m["refused"].values()) == len(attempts))["refused"]
+        self.assertEqual({kind: count for kind, count in counted.items() if count}, wanted)
+        for kind in wanted:
+            self.assertIn(f"refused ({kind})", self.bench.log("ovws-web"))
+        self.assertNotIn(control, self.bench.log("ovws-web"))
+
+    def test_noise_and_greed_end_nothing(self):
+        for noise in (b"\x00\xff" * 5000, b"GET / HTTP/1.1\r\n" + b"x: y\r\n" * 100000, b"GET " + b"/" * 100000, b"\r\n" * 10):
+            with socket.create_connection((HOST, PORT), timeout=10) as raw:
+                try:
+                    raw.sendall(noise)
+                    raw.shutdown(socket.SHUT_WR)
+                    raw.recv(4096)
+                except OSError:
+                    pass  # it was cut off: fine
+        silent = [socket.create_connection((HOST, PORT)) for _ in range(70)]
+        for connection in silent:
+            connection.close()
+        sent = 0
+        with socket.create_connection((HOST, PORT), timeout=10) as raw:  # a body of 10 MiB that is really sent
+            raw.sendall(b"POST /rpc HTTP/1.1\r\nHost: %s\r\nContent-Length: %d\r\n\r\n" % (ADDRESS.encode(), 10 << 20))
+            try:
+                while sent < 10 << 20:
+                    sent += raw.send(b"x" * 65536)
+            except OSError:
+                pass
+        self.assertLess(sent, 10 << 20)
+        wait_for(lambda: self.ask("GET", "/")[0] == 200, 5.0, "an answer after all that")
+        self.assertTrue(self.web.alive())
+
+    def test_numbers_are_those_of_the_stream_and_of_now(self):
+        self.take_reference()
+        frames = self.stream("wavefront")
+        found = self.wavefronts(60)[20:]
+        direct = {}
+        while (message := frames.next(0.1)) is not None and message["seq"] <= found[-1][0]["seq"]:
+            direct[message["seq"]] = message
+        self.assertEqual(direct[found[-1][0]["seq"]], found[-1][0] | {"topic": "wavefront"})
+        ages = sorted(age for _, age in found)
+        print(f"\n  age of a wavefront in a client: median {ages[len(ages) // 2]:.0f} ms, 95 % {ages[int(0.95 * len(ages))]:.0f} ms")
+        self.assertLess(ages[int(0.95 * len(ages))], CURRENT_MS)
+        pair = {}
+        for message, binary in self.messages():
+            if message["schema"] in ("ovws.image/1", "ovws.spots/1"):
+                pair[message["schema"]] = message, binary
+            if len(pair) == 2 and len({m["frame_id"] for m, _ in pair.values()}) == 1:
+                break
+        image, pixels = pair["ovws.image/1"]
+        self.assertEqual(len(pixels), image["shape"][0] * image["shape"][1])
+
+    def test_a_browser_that_was_not_there_gets_what_was(self):
+        self.take_reference()
+        time.sleep(1.6)
+        began = time.monotonic()
+        bins, events = [], []
+        for message, _ in self.messages():
+            bins += [message] if message["schema"] == "ovws.web.trend/1" else []
+            events += [message] if message["schema"] == "ovws.event/1" else []
+            if message["schema"] == "ovws.web.health/1":
+                break
+        self.assertLess(time.monotonic() - began, 1.0)
+        self.assertGreaterEqual(len(bins), 3)
+        self.assertTrue(any("reference.take" in event["text"] for event in events))
+
+    def test_one_slow_browser_harms_nobody(self):
+        slow = socket.create_connection((HOST, PORT))
+        self.addCleanup(slow.close)
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16384)
+        slow.sendall(f"GET /stream HTTP/1.1\r\nHost: {ADDRESS}\r\nAuthorization: Bearer {self.tokens['look']}\r\n\r\n".encode())
+        time.sleep(1.5)  # megabytes of pictures
+        ages = sorted(age for _, age in self.wavefronts(40)[10:])
+        self.assertLess(ages[-3], CURRENT_MS)
+        kept = 0
+        slow.settimeout(0.05)
+        try:
+            while kept < 50 << 20:
+                kept += len(slow.recv(1 << 16))
+        except TimeoutError:
+            pass
+        # What waited for it is a buffer's worth, not what was sent to others meanwhile.
+        self.assertLess(kept, 8 << 20)
+        self.assertEqual(self.call("system.status")["counters"]["messages_dropped"], 0)
+
+    def test_the_daemon_hardly_notices_a_browser(self):
+        daemon = self.bench.process("ovwsd").pid
+        spent = {}
+        for name in ("alone", "watched"):
+            stream = self.messages() if name == "watched" else None
+            before, end = cpu_s(daemon), time.monotonic() + 2.0
+            while time.monotonic() < end:
+                next(stream) if stream else time.sleep(0.1)
+            spent[name] = (cpu_s(daemon) - before) / 2.0
+        cost = spent["watched"] - spent["alone"]
+        print(f"\n  the daemon: {100 * spent['alone']:.1f} % of a core alone, {100 * spent['watched']:.1f} % with a browser")
+        self.assertLess(cost, 0.05)
+
+    def test_commands_and_the_daemons_own_refusals(self):
+        applied = self.command("camera.set", {"gain_db": 6})["result"]["applied"]
+        self.assertEqual(applied["gain_db"], 6.0)
+        error = self.command("camera.set", {"gain_db": 1000})["error"]
+        self.assertEqual((error["data"]["field"], error["data"]["max"]), ("gain_db", 100.0))
+        with self.assertRaises(Refused):
+            self.command("camera.set", {"gain_db": 6}, right="look")
+        bench, _ = self.message("ovws.web.bench/1", lambda m: m["camera"]["settings"]["gain_db"] == 6.0)
+        self.assertEqual(bench["camera"]["limits"], self.call("camera.get")["limits"])
+
+    def test_the_holograms_picture_is_the_hologram(self):
+        shown = [("aberration.set", {"modes": [{"j": 3, "waves": 0.37}, {"j": 7, "waves": -0.11}]}), ("correction.set", {"modes": [{"j": 3, "waves": 0.2}]}),
+                 ("slm.show", {"pattern": "grating"}), ("slm.show", {"pattern": "identify"})]
+        for method, params in shown:
+            with self.subTest(method=method, params=params):
+                hologram_id = self.call(method, params)["hologram_id"]
+                bench, _ = self.message("ovws.web.bench/1", lambda m: m["hologram"]["hologram_id"] == hologram_id)
+                verdict = self.call("slm.verify")
+                self.assertTrue(verdict["equal"])
+                self.assertEqual(bench["hologram"]["crc32"], verdict["crc32_shown"])
+                status, _, png = self.ask("GET", "/hologram.png", token=self.tokens["look"])
+                self.assertEqual(status, 200)
+                grey = numpy.asarray(Image.open(BytesIO(png)))
+                self.assertEqual((grey.shape, zlib.crc32(grey.tobytes())), ((768, 1280), verdict["crc32"]))
+
+    def test_a_daemon_that_goes_and_comes_again(self):
+        self.take_reference()
+        self.health(lambda m: m["findings"][0]["wellness"] == "good")
+        self.bench.stop("ovwsd")
+        silent = self.health(lambda m: m["findings"][0]["wellness"] == "bad")
+        self.assertIn("daemon", silent["findings"][0]["text"])
+        self.start_daemon()
+        self.wait_until("running")
+        self.health(lambda m: "No reference" in m["findings"][0]["text"])
+        self.assertTrue(self.wavefronts(3))
+
+    def test_links_are_kept_in_a_file(self):
+        self.bench.stop("ovws-web")
+        path = self.bench.directory / "links"
+        self.bench.start("ovws-web", [self.bench.programs / "ovws-web", "--links", path]).wait_for_line("ready", 5.0)
+        name, link = path.read_text().split()
+        self.assertEqual((name, path.stat().st_mode & 0o777), ("look", 0o600))
+        self.assertNotIn(link, (self.bench.directory / "ovws-web.out").read_text())
+        self.assertEqual(self.ask("GET", "/hologram.png", token=link.partition("#")[2])[0] // 100, 2)
+        self.assertEqual(self.bench.stop("ovws-web"), 0)
+
+    def test_a_wrong_command_line(self):
+        self.bench.stop("ovws-web")
+        for arguments in (["--listen", "0.0.0.0:7704"], ["--listen", "nonsense"], ["--listen", "127.0.0.1:7702"]):
+            process = self.bench.start("wrong", [self.bench.programs / "ovws-web", *arguments])
+            self.assertEqual(process.popen.wait(5.0), 1, arguments)
+            self.assertIn("--listen", process.log_path.read_text())
+
+
+if __name__ == "__main__":
+    main()
