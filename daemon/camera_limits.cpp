@@ -67,6 +67,7 @@ Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraL
   judge.number("roi.y", roi.y, 0, std::max(0, limits.sensor_height - roi.height),
                "px for this roi.height");
   if (judge.error()) return fail(*judge.error());
+  if (clamp) roi.width -= roi.width % pixels_per_group(settings.pixel_format);
   return settings;
 }
 

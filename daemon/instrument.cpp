@@ -126,6 +126,15 @@ void Instrument::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
   });
 }
 
+Result<void> Instrument::can_measure(PixelFormat format) const {
+  if (traits_of(format).filter == ColourFilter::none) return {};
+  const SensorSnapshot now = snapshot();
+  const auto tracker =
+      make_tracker(now.tracking, spot_model(now.sensor, now.optics, slm_geometry_, format));
+  if (!tracker) return fail(Errc::refused, "pixel_format", tracker.error().reason);
+  return {};
+}
+
 void Instrument::camera_changed(const CameraSettings& camera,
                                 const std::optional<CameraInfo>& info) {
   mailbox_.post([this, camera, info] {
@@ -146,6 +155,8 @@ void Instrument::camera_changed(const CameraSettings& camera,
     torn_.reset();
     auto plan = plan_for(next, shown_hologram_id_);
     if (!plan) {
+      state_.roi = next.roi;  // so that what is changed next is planned for this image
+      state_.format = next.format;
       return deps_.events.emit("sensor", Severity::error,
                                "no plan for the camera's image: " + plan.error().reason);
     }

@@ -165,6 +165,10 @@ class Instrument : public Agent {
 
   SensorSnapshot snapshot() const { return snapshot_.get(); }
 
+  /// Any thread. Errc::refused (field pixel_format) if the spots are too small for the lit pixels
+  /// of a colour camera.
+  Result<void> can_measure(PixelFormat format) const;
+
  private:
   /// All that decides what is shown and how a frame is measured.
   struct State {

@@ -132,6 +132,7 @@ Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat for
   auto changed = settings_.change([&](RefineSetup& settings) -> Result<RefineSetup> {
     RefineSetup next = change.applied_to(in_format(settings, format));
     if (auto whole = check_refine(next); !whole) return fail(of_given(whole.error(), change, next));
+    if (auto can = check_refinable(next); !can) return fail(can.error());
     settings = next;
     return next;
   });

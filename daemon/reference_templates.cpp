@@ -44,6 +44,10 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
   }
   if (reference == nullptr) return none("there is no reference: take one");
   if (!reference->picture) return none(fmt::format("the reference: {}", kNoPicture));
+  if (!shows(reference->picture->format, spots.lit)) {
+    return none(fmt::format("the reference's picture was taken in {}: take it anew",
+                            pixel_format_name(reference->picture->format)));
+  }
   const double needed_mib = bank_mib(spots) * double(reference->positions_px.size());
   if (needed_mib > kMostMiB) {
     return none(fmt::format("they would take {:.0f} MiB of memory, more than {:.0f}: use \"model\"",

@@ -123,6 +123,11 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
     return fail(Errc::refused, "reference", kNoPicture);
   }
   const ReferencePicture& picture = *reference.picture;
+  if (!shows(picture.format, {})) {
+    return fail(Errc::refused, "reference",
+                "its picture was taken in " + std::string(pixel_format_name(picture.format)) +
+                    ", and the model knows no colour filters: take it anew");
+  }
   std::vector<SpotFix> spots(reference.positions_px.size());
   for (std::size_t i = 0; i < spots.size(); ++i) {
     spots[i].x = float(reference.positions_px[i].x);

@@ -109,4 +109,8 @@ struct LitPixels {
 /// curves of the usual filters cross). The pattern counts from the image's first pixel.
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm);
 
+/// Whether a picture in this format shows light where `lit` says: pictures without filters always
+/// do.
+bool shows(PixelFormat format, const LitPixels& lit);
+
 }  // namespace ovws

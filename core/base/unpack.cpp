@@ -87,7 +87,7 @@ struct Avx2 {
       put<kLayout, kStep>(row, from + i * kStep, out + i);
     }
     const int last = count - 8;  // may overlap the block before
-    if (last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
+    if (i < count && last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
       return put<kLayout, kStep>(row, from + last * kStep, out + last);
     }
     for (; i < count; ++i) out[i] = pixel_at<kLayout>(row, from + std::ptrdiff_t(i) * kStep);

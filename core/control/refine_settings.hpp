@@ -47,6 +47,15 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
   return settings;
 }
 
+/// Errc::refused (field enabled) for what cannot be refined in this camera's format.
+inline Result<void> check_refinable(const RefineSettings& settings) {
+  if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
+  return fail(Errc::refused, "enabled",
+              "the camera's " + std::string(pixel_format_name(settings.format)) +
+                  " cannot be refined: the model knows no colour filters; set the camera's "
+                  "pixel_format to a Mono one first");
+}
+
 /// Errors (Errc::invalid, field as the key): what each number alone does not show.
 inline Result<void> check_refine(const RefineSettings& settings) {
   if (settings.enabled && !settings.electrons_per_dn) {
@@ -54,12 +63,6 @@ inline Result<void> check_refine(const RefineSettings& settings) {
                 "must be known to refine: state how many electrons make one DN at a gain of 0 dB");
   }
   const std::string format(pixel_format_name(settings.format));
-  if (settings.enabled && traits_of(settings.format).filter != ColourFilter::none) {
-    return fail(Errc::invalid, "enabled",
-                "the camera's " + format +
-                    " cannot be refined: the model knows no colour filters; "
-                    "set camera.pixel_format to a Mono format, or leave it false");
-  }
   const double full = full_scale_dn(settings.format);
   const double saturation = settings.saturation_dn.value_or(full);
   if (saturation > full) {

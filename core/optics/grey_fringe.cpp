@@ -41,10 +41,12 @@ void darken(const SlmGeometry& slm, Image<std::uint8_t>& grey) {
 
 }  // namespace
 
-FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share) {
+FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share,
+                             const LitPixels& lit) {
   FringePatches patches;
+  const int apart = lit.diagonal ? 1 : lit.lattice.step;
   patches.distance_px =
-      std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / kLeastFringePx);
+      std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / (kLeastFringePx * apart));
   patches.diameter_px = std::min(share * sensor.pupil_diameter_px / sensor.subapertures_across,
                                  0.5 * patches.distance_px);
   return patches;

@@ -26,9 +26,10 @@ struct FringePatches {
   double distance_px = 0.0;  ///< of their middles
 };
 
-/// As wide apart as the pupil and the camera allow: half a pupil, or a fringe of four camera
+/// As wide apart as the pupil and the camera allow: half a pupil, or a fringe of four `lit` camera
 /// pixels. `share` of a subaperture's diameter, 0 .. 1, but no more than half the distance.
-FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share);
+FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share,
+                             const LitPixels& lit = {});
 
 /// Grey levels of slm.width_px x slm.height_px: 0 outside the patches.
 void draw_fringe_patches(const FringePatches& patches, const SensorConfig& sensor,

@@ -1,17 +1,26 @@
 #include "core/pipeline/justification.hpp"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <numeric>
 
 namespace ovws {
 namespace {
 
-constexpr int kPixelsPerFrame = 32768;
+constexpr int kPixelsAtFirst = 1 << 18;  // a frame: some ten microseconds
+constexpr int kLooksAtFirst = 2;         // at every row
+constexpr int kBlock = 16;               // a constant number a turn becomes vector instructions
 
 /// All bits that any pixel of the row has.
-std::uint16_t bits_of(const std::uint16_t* row, int width) {
-  std::uint16_t bits = 0;
-  for (int x = 0; x < width; ++x) bits = std::uint16_t(bits | row[x]);
-  return bits;
+std::uint16_t bits_of(const std::uint16_t* __restrict row, int width) {
+  std::array<std::uint16_t, kBlock> bits{};
+  int x = 0;
+  for (; x + kBlock <= width; x += kBlock) {
+    for (int i = 0; i < kBlock; ++i) bits[i] = std::uint16_t(bits[i] | row[x + i]);
+  }
+  for (; x < width; ++x) bits[0] = std::uint16_t(bits[0] | row[x]);
+  return std::accumulate(bits.begin(), bits.end(), std::uint16_t(0), std::bit_or<>());
 }
 
 }  // namespace
@@ -25,12 +34,16 @@ int Justification::bits_to_shift(const ImageView& image) OVWS_NONBLOCKING {
   }
   if (known_bits_) return *known_bits_;
   std::uint16_t seen = 0;
-  const int rows = std::clamp(kPixelsPerFrame / std::max(1, image.width), 1, image.height);
-  for (int k = 0; k < rows; ++k) {
-    next_row_ = (next_row_ + 1) % image.height;
-    seen = std::uint16_t(seen | bits_of(image.row<std::uint16_t>(next_row_), image.width));
-  }
   const int empty = 16 - format.bits;
+  const bool first = rows_seen_ < kLooksAtFirst * image.height;
+  const int rows =
+      first ? std::clamp(kPixelsAtFirst / std::max(1, image.width), 1, image.height) : 1;
+  for (int k = 0; k < rows && (seen & ((1 << empty) - 1)) == 0; ++k) {
+    seen = std::uint16_t(seen |
+                         bits_of(image.row<std::uint16_t>(rows_seen_ % image.height), image.width));
+    rows_seen_ =
+        first ? rows_seen_ + 1 : kLooksAtFirst * image.height + (rows_seen_ + 1) % image.height;
+  }
   if ((seen & ((1 << empty) - 1)) != 0) {
     known_bits_ = 0;
   } else if ((seen >> format.bits) != 0) {

@@ -15,7 +15,8 @@ class Justification {
  public:
   /// Bits by which the pixels are to be shifted right: 0 until a pixel is above the format's full
   /// scale while none had any of the low bits that left-justified numbers leave empty. Looks at
-  /// some rows of each frame, others each time, until it knows. RT-safe.
+  /// some rows of each frame, others each time, until it knows; at one row a frame once it has seen
+  /// all rows twice. RT-safe.
   int bits_to_shift(const ImageView& image) OVWS_NONBLOCKING;
 
   /// Another stream begins.
@@ -24,7 +25,7 @@ class Justification {
  private:
   PixelFormat format_ = PixelFormat::mono8;
   std::optional<int> known_bits_;
-  int next_row_ = 0;
+  int rows_seen_ = 0;
 };
 
 }  // namespace ovws

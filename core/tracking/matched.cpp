@@ -168,9 +168,17 @@ MatchedTracker::MatchedTracker(const SpotModel& spots,
 
 TrackScratch MatchedTracker::make_scratch() const {
   const double reach_px = kSearch * spots_.lambda_d_px;
-  const auto columns = std::size_t(model_->columns()), rows = std::size_t(model_->rows());
-  return {std::vector<float>(std::max(columns * rows, coarse_samples(*model_, reach_px))),
-          std::vector<float>(std::max(columns, coarse_sums(*model_, reach_px)))};
+  std::size_t samples = 0, sums = 0;
+  const auto make_room = [&](const TemplateBank& bank) {
+    const auto columns = std::size_t(bank.columns()), rows = std::size_t(bank.rows());
+    samples = std::max({samples, columns * rows, coarse_samples(bank, reach_px)});
+    sums = std::max({sums, columns, coarse_sums(bank, reach_px)});
+  };
+  make_room(*model_);
+  for (const auto& bank : own_) {
+    if (bank) make_room(*bank);
+  }
+  return {std::vector<float>(samples), std::vector<float>(sums)};
 }
 
 const TemplateBank& MatchedTracker::bank_of(int spot) const {

@@ -86,14 +86,15 @@ float load_patch_pixels(const ImageView& image, const Target& to) {
   return bytes == 1 ? patch_kernels().load8(rect, to.out) : patch_kernels().load16(rect, to.out);
 }
 
-/// Less the value of the first pixel, in one go.
+// Less the value of the first pixel, in one go. The compiler believes __restrict of parameters
+// only.
 template <class T>
-void load_rectangle(const ImageView& image, const Target& to) {
-  const float offset = float(image.row<T>(to.top)[to.left]);
-  float* __restrict out = to.out;
-  for (int k = 0; k < to.rows; ++k, out += to.columns) {
-    const T* __restrict row = image.row<T>(to.top + k) + to.left;
-    for (int x = 0; x < to.columns; x += kBlock) {
+void load_rectangle(const ImageView& image, int left, int top, int columns, int rows,
+                    float* __restrict out) {
+  const float offset = float(image.row<T>(top)[left]);
+  for (int k = 0; k < rows; ++k, out += columns) {
+    const T* __restrict row = image.row<T>(top + k) + left;
+    for (int x = 0; x < columns; x += kBlock) {
       for (int i = 0; i < kBlock; ++i) out[x + i] = float(row[x + i]) - offset;
     }
   }
@@ -130,8 +131,9 @@ float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
 void load_window(const ImageView& image, int left, int top, int columns, int rows, float* out) {
   const Target to{left, top, columns, rows, out};
   if (in_place(image) && to.inside(image)) {
-    return bytes_in_place(image) == 1 ? load_rectangle<std::uint8_t>(image, to)
-                                      : load_rectangle<std::uint16_t>(image, to);
+    return bytes_in_place(image) == 1
+               ? load_rectangle<std::uint8_t>(image, left, top, columns, rows, out)
+               : load_rectangle<std::uint16_t>(image, left, top, columns, rows, out);
   }
   load(image, to);
   const float offset = out[0];

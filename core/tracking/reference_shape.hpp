@@ -40,8 +40,7 @@ class ReferenceShape final : public SpotShape {
 /// A template for each reference position, for MatchedTracker; null where the position is not a
 /// number, shows no spot, or has a pixel about it that is none. `average`: mean of the reference
 /// frames, DN, of the whole region of interest, NaN where it is not known; only its lit pixels are
-/// read. About 20 ms and (charge
-/// 1, 12.55 px) 0.9 MB a spot: off the frame path.
+/// read. About 20 ms and (charge 1, 12.55 px) 0.9 MB a spot: off the frame path.
 std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
     const SpotModel& spots, const Image<float>& average, std::span<const Vec2> reference_px);
 

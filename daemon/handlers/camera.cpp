@@ -13,6 +13,10 @@ void get(Services& services, const nlohmann::json& params, RpcReply reply) {
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto change = decode_camera_set(params);
   if (!change) return reply(failed(change.error()));
+  if (change->pixel_format) {
+    const auto suits = services.instrument.can_measure(*change->pixel_format);
+    if (!suits) return reply(failed(suits.error()));
+  }
   services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
     if (!applied) return reply(failed(applied.error()));
     services.instrument.after_changes([params, reply, camera = *applied] {

@@ -91,7 +91,9 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
 
 /// False: something is saturated.
 Result<bool> LutBench::try_share(double share) {
-  patches_ = fringe_patches(now_.sensor, map_, share);
+  patches_ =
+      fringe_patches(now_.sensor, map_, share,
+                     lit_pixels(bench_.camera().settings.pixel_format, now_.optics.wavelength_nm));
   const auto dark = read(0, 0);
   if (!dark) return fail(dark.error());
   double most = 0.0;

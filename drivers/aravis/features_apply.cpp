@@ -32,7 +32,7 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   auto roi = fit_roi(wanted.roi, *now, *steps);
   if (!roi) return fail(roi.error());
   fitted.roi = *roi;
-  if (auto whole = check_rows_fill_bytes(fitted.pixel_format, fitted.roi); !whole)
+  if (auto whole = check_region_suits_format(fitted.pixel_format, fitted.roi); !whole)
     return fail(whole.error());
   auto gain = fit_value("camera.gain_db", "a gain", wanted.gain_db, now->gain_db);
   if (!gain) return fail(gain.error());

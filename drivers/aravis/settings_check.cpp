@@ -88,8 +88,15 @@ Result<void> check_pixel_format(PixelFormat wanted, const CameraLimits& limits) 
               "this camera has no " + std::string(pixel_format_name(wanted)) + "; it has " + names);
 }
 
-Result<void> check_rows_fill_bytes(PixelFormat format, const Roi& roi) {
+Result<void> check_region_suits_format(PixelFormat format, const Roi& roi) {
   const int group = pixels_per_group(format);
+  const bool filtered = traits_of(format).filter != ColourFilter::none;
+  if (filtered && (roi.x % 2 != 0 || roi.y % 2 != 0)) {
+    return fail(Errc::invalid, "camera.roi",
+                "under a region that begins at an odd x or y " +
+                    std::string(pixel_format_name(format)) +
+                    " would name other filters than there are: both must be even");
+  }
   if (roi.width % group == 0) return {};
   return fail(Errc::invalid, "camera.roi",
               "rows of " + std::string(pixel_format_name(format)) +

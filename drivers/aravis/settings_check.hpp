@@ -24,8 +24,9 @@ Result<Roi> fit_roi(const Roi& wanted, const CameraLimits& limits, RoiSteps step
 /// Errc::invalid, naming the formats that there are.
 Result<void> check_pixel_format(PixelFormat wanted, const CameraLimits& limits);
 
-/// Errc::invalid if rows of packed pixels would not end at whole bytes.
-Result<void> check_rows_fill_bytes(PixelFormat format, const Roi& roi);
+/// Errc::invalid if rows of packed pixels would not end at whole bytes, or a colour filter's square
+/// not begin with the region.
+Result<void> check_region_suits_format(PixelFormat format, const Roi& roi);
 
 /// Errc::invalid if an exposure is longer than the frame period: cameras then silently lower the
 /// rate, and nobody would know. The field is the one of the two that is to change.

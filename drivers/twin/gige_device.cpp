@@ -190,7 +190,8 @@ FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) 
 FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto format = pixel_format_from_code(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
   const std::span<std::byte> out = pixels_of(buffer, settings);
-  if (!format || !inside(settings.roi, config_) || out.empty()) {
+  const bool whole_bytes = format && settings.roi.width % pixels_per_group(*format) == 0;
+  if (!whole_bytes || !inside(settings.roi, config_) || out.empty()) {
     ++tally_.refused;
     return FrameFate::drop;
   }

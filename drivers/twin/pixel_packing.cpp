@@ -25,7 +25,7 @@ void put_in_three(std::vector<std::byte>& bytes, std::size_t pixel, int bits, un
 
 std::size_t frame_bytes(PixelFormat format, int width, int height) {
   const std::size_t bits = traits_of(format).code >> 16 & 0xFFU;  // so says PFNC
-  return std::size_t(width) * std::size_t(height) * bits / 8;
+  return (std::size_t(width) * std::size_t(height) * bits + 7) / 8;
 }
 
 std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format,

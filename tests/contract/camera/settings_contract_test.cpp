@@ -263,21 +263,28 @@ TEST_P(CameraContract, APixelFormatThatItLacksIsRefusedWithThoseThatItHas) {
 }
 
 TEST(PackedRows, MustEndAtAWholeByte) {
-  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono8, {0, 0, 511, 100}));
-  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono12, {0, 0, 511, 100}));
-  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono12p, {0, 0, 510, 99}));
-  EXPECT_TRUE(check_rows_fill_bytes(PixelFormat::mono10p, {0, 0, 508, 99}));
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::mono8, {0, 0, 511, 100}));
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::mono12, {0, 0, 511, 100}));
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::mono12p, {0, 0, 510, 99}));
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::mono10p, {0, 0, 508, 99}));
   for (const auto& [format, width, multiple] : {std::tuple{PixelFormat::mono12p, 511, "2"},
                                                 {PixelFormat::bayer_rg12p, 511, "2"},
                                                 {PixelFormat::mono12_packed, 511, "2"},
                                                 {PixelFormat::mono10_packed, 511, "2"},
                                                 {PixelFormat::mono10p, 510, "4"}}) {
-    const auto refused = check_rows_fill_bytes(format, {0, 0, width, 100});
+    const auto refused = check_region_suits_format(format, {0, 0, width, 100});
     ASSERT_FALSE(refused) << pixel_format_name(format);
     EXPECT_EQ(refused.error().field, "camera.roi");
     EXPECT_NE(refused.error().reason.find(std::string("multiple of ") + multiple),
               std::string::npos);
   }
+}
+
+TEST(ColourFilters, MustBeginWithTheRegion) {
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::bayer_rg8, {2, 4, 128, 128}));
+  EXPECT_TRUE(check_region_suits_format(PixelFormat::mono8, {1, 3, 128, 128}));
+  EXPECT_FALSE(check_region_suits_format(PixelFormat::bayer_rg8, {1, 4, 128, 128}));
+  EXPECT_FALSE(check_region_suits_format(PixelFormat::bayer_gb12p, {2, 3, 128, 128}));
 }
 
 }  // namespace

@@ -35,10 +35,12 @@ TEST(RefineSettings, WhatOnlyTogetherIsWrongIsRefused) {
 TEST(RefineSettings, AColourCameraIsNotRefined) {
   RefineSettings settings;
   settings.format = PixelFormat::bayer_rg12;
-  EXPECT_EQ(fault_of(settings), "");
+  EXPECT_TRUE(check_refinable(settings));
   settings.enabled = true;
   settings.electrons_per_dn = 2.0;
-  EXPECT_EQ(fault_of(settings), "enabled");
+  EXPECT_EQ(fault_of(settings), "");  // so that it can stay on while the camera changes
+  ASSERT_FALSE(check_refinable(settings));
+  EXPECT_EQ(check_refinable(settings).error().field, "enabled");
 }
 
 TEST(RefineSettings, FollowTheFormatThereAndBack) {

@@ -47,6 +47,16 @@ TEST(CameraLimits, ClampBringsNumbersIntoRange) {
   EXPECT_EQ(checked->roi, (Roi{512, 256, 512, 512}));
 }
 
+TEST(CameraLimits, ClampEndsPackedRowsAtAWholeByte) {
+  CameraLimits packed = limits();
+  packed.pixel_formats = {PixelFormat::mono10p};
+  CameraSettings wanted;
+  wanted.pixel_format = PixelFormat::mono10p;
+  wanted.roi.width = 510;
+  EXPECT_EQ(within_limits(wanted, packed, true)->roi.width, 508);
+  EXPECT_EQ(within_limits(wanted, packed, false)->roi.width, 510);  // the camera then says why not
+}
+
 TEST(CameraLimits, ARegionMustLieOnTheSensor) {
   CameraSettings wanted;
   wanted.roi = {513, 0, 512, 512};

@@ -74,6 +74,22 @@ TEST(OwnTemplates, SayWhyThereAreNone) {
   EXPECT_NE(reason(kAsked, &reference).find("no picture"), std::string::npos);
 }
 
+TEST(OwnTemplates, AreNotMadeOfAPictureThroughOtherFilters) {
+  const LitPixels red = lit_pixels(PixelFormat::bayer_rg12, 632.0);
+  Reference reference = reference_of({});
+  auto picture = std::make_shared<ReferencePicture>(*reference.picture);
+  picture->format = PixelFormat::bayer_rg12;
+  reference.picture = picture;
+  const OwnTemplates plain = own_templates(kAsked, {}, &reference);
+  EXPECT_TRUE(plain.banks.empty());
+  EXPECT_NE(plain.report.reason.find("BayerRG12"), std::string::npos);
+  EXPECT_FALSE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
+  picture->format = PixelFormat::bayer_gr12;  // red is elsewhere
+  EXPECT_TRUE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
+  picture->format = PixelFormat::mono12;  // light is everywhere
+  EXPECT_FALSE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
+}
+
 TEST(OwnTemplates, ThatAreTooLargeAreNotMade) {
   Reference reference = reference_of({});
   reference.positions_px.resize(703);
@@ -112,8 +128,22 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
   const Reference reference = reference_of(spots);
   const auto own = own_templates(kAsked, spots, &reference).banks;
   const auto per_spot = [&](const TrackingConfig& tracking, const auto& templates) {
-    const auto plan = build_plan({1, 1, 1, *lattice, sensor, tracking, optics, slm, roi,
-                                  PixelFormat::mono8, {}, none, no_reference, 0, nullptr, templates});
+    const auto plan = build_plan({1,
+                                  1,
+                                  1,
+                                  *lattice,
+                                  sensor,
+                                  tracking,
+                                  optics,
+                                  slm,
+                                  roi,
+                                  PixelFormat::mono8,
+                                  {},
+                                  none,
+                                  no_reference,
+                                  0,
+                                  nullptr,
+                                  templates});
     EXPECT_TRUE(plan);
     return (*plan)->tracker->per_spot();
   };
