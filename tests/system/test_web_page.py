@@ -158,7 +158,7 @@ class Page(WebCase):
         with Client("tcp://127.0.0.1:7790") as twin:
             twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
             wait_text(self.driver, "#camera .veil", lambda text: text.startswith("Nothing new for"))
-            self.assertTrue(self.script("return document.querySelector('#figures').classList.contains('stale')"))
+            wait_for(lambda: self.script("return document.querySelector('#figures').classList.contains('stale')"), what="the figures to look old")
             wait_text(self.driver, "#verdict p", lambda text: "amera" in text)
             twin.call("twin.fault", {"kind": "none"})
             wait_text(self.driver, "#verdict p", lambda text: text == "The bench is well", 20.0)
