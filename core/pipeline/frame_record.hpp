@@ -44,6 +44,12 @@ struct AppliedSettings {
   std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival, by configuration
 };
 
+/// Where to look for one spot.
+struct SpotStart {
+  Vec2 at_px;          ///< NaN: it was never found
+  bool fresh = false;  ///< it was found in the last settled frame; else the position is only a hint
+};
+
 /// Preallocated and reused: vectors are sized for kMaxSubapertures and kMaxModes once, `…_count`
 /// says how much is used.
 struct FrameRecord {
@@ -59,6 +65,10 @@ struct FrameRecord {
   bool settings_known = false;  ///< gain and exposure are of this very frame
   double gain_db = 0.0, exposure_us = 0.0;
 
+  std::uint64_t number = 0;    ///< of published records, from 1
+  bool pixels_missed = false;  ///< its pixels were to be recorded, and too many were lent already
+
+  std::vector<SpotStart> starts;  ///< where each spot was looked for at first
   std::vector<SpotFix> spots;
   int spot_count = 0;
   int tracked = 0;

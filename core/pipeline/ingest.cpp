@@ -134,6 +134,7 @@ Entry* Ingest::measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   if (image_wanted) image_requested_.store(false, std::memory_order_relaxed);
   entry->measurement = measurement;
   entry->stream = stream_;
+  deps_.tap.offer(*entry, deps_.cameras.camera()->buffer_count());
   return entry;
 }
 

@@ -12,6 +12,7 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan_exchange.hpp"
 #include "core/pipeline/record_pool.hpp"
+#include "core/pipeline/record_tap.hpp"
 
 namespace ovws {
 
@@ -25,6 +26,7 @@ class Ingest {
     CameraExchange& cameras;
     PlanExchange& plans;
     RecordPool& pool;
+    RecordTap& tap;
     LatencyHistogram& arrived;  ///< how much later than it could have: of cameras with stamps only
   };
 

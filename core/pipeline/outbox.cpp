@@ -7,9 +7,10 @@
 
 namespace ovws {
 
-Outbox::Outbox(int records, Counters& counters)
+Outbox::Outbox(int records, Counters& counters, RecordTap& tap)
     : most_published_(records - records / 4),
       counters_(counters),
+      tap_(tap),
       published_(std::size_t(records)),
       images_(std::size_t(records)) {}
 
@@ -23,6 +24,7 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
   // The rings hold as many as there are records: neither push can fail. This stage's own hold
   // keeps the entry while the image thread may already be done with it.
   if (entry.image_wanted && !images_.try_push(&entry)) release_image(entry);
+  tap_.put(entry, publish);
   if (!publish) {
     counters_.add(Counter::frames_dropped);
     entry.release();
@@ -32,6 +34,7 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
 }
 
 void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
+  entry.number = ++published_count_;
   const std::uint64_t id = entry.frame.frame_id;
   const bool goes_on = entry.stream == last_stream_ && id > last_frame_id_;
   entry.gap = goes_on ? id - last_frame_id_ - 1 : gap_between_streams(entry);

@@ -6,6 +6,7 @@
 
 #include "core/base/realtime.hpp"
 #include "core/pipeline/record_pool.hpp"
+#include "core/pipeline/record_tap.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/spsc_ring.hpp"
 
@@ -15,7 +16,7 @@ class Outbox {
  public:
   /// The publisher may hold three quarters of all records and no more, so that frames can still be
   /// tracked, and history goes on, while it is behind.
-  Outbox(int records, Counters& counters);
+  Outbox(int records, Counters& counters, RecordTap& tap);
 
   /// Thread of the last stage: hands the record on, or drops it and counts. Not to be touched
   /// after.
@@ -34,9 +35,11 @@ class Outbox {
 
   const int most_published_;
   Counters& counters_;
+  RecordTap& tap_;
   SpscRing<Entry*> published_;
   SpscRing<Entry*> images_;
   std::atomic<int> with_publisher_{0};
+  std::uint64_t published_count_ = 0;      ///< last stage's thread
   std::uint64_t last_stream_ = 0;          ///< last stage's thread
   std::uint64_t last_frame_id_ = 0;        ///< last stage's thread
   std::int64_t last_arrival_mono_ns_ = 0;  ///< last stage's thread; 0: none yet

@@ -94,11 +94,13 @@ struct Pipeline::Impl {
         records(std::max(config.records, kFewestRecords)),
         pool(records),
         plans(pool, workers),
-        ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool, arrived_latency}),
+        tap(records),
+        ingest(
+            {deps.counters, deps.shown, deps.settings, cameras, plans, pool, tap, arrived_latency}),
         track({std::max(workers, 1)}, {deps.counters, tracked_latency}),
         tracked(std::size_t(records)),
         crew({workers, records}, {track, tracked}),
-        outbox(records, deps.counters),
+        outbox(records, deps.counters, tap),
         reconstruct({reconstructed_latency, outbox}),
         reconstruction(tracked, reconstruct) {
     if (workers == 0) {
@@ -116,6 +118,7 @@ struct Pipeline::Impl {
   LatencyHistogram reconstructed_latency;
   RecordPool pool;
   PlanExchange plans;
+  RecordTap tap;
   CameraExchange cameras;
   Ingest ingest;
   TrackStage track;
@@ -178,6 +181,26 @@ FrameRecord* Pipeline::next_image(int timeout_us) {
 }
 void Pipeline::release_image(FrameRecord* record) {
   impl_->outbox.release_image(static_cast<Entry&>(*record));
+}
+
+void Pipeline::record(int pixels_every) {
+  impl_->tap.open(pixels_every);
+}
+void Pipeline::stop_recording() {
+  impl_->tap.close();
+}
+FrameRecord* Pipeline::next_recorded(int timeout_us) {
+  return impl_->tap.next(timeout_us);
+}
+bool Pipeline::has_recorded_pixels(const FrameRecord& record) {
+  return static_cast<const Entry&>(record).pixels_recorded;
+}
+void Pipeline::release_recorded(FrameRecord* record) {
+  impl_->tap.release(static_cast<Entry&>(*record));
+}
+
+void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
+  impl_->track.resume(plan, starts);
 }
 
 LatencyHistogram& Pipeline::arrived_latency() {

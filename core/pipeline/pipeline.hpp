@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -71,6 +72,21 @@ class Pipeline {
   void request_image();
   FrameRecord* next_image(int timeout_us);
   void release_image(FrameRecord* record);
+
+  /// Every record from the next frame on, with the pixels of every n-th; 0: of none. Any thread.
+  void record(int pixels_every);
+  void stop_recording();
+  // Recording thread: the next of them, in frame order, or nullptr after `timeout_us`; those that
+  // were measured before stop_recording still come. Who is behind misses some: `number` tells.
+  FrameRecord* next_recorded(int timeout_us);
+  /// Whether the record's pixels are lent with it.
+  static bool has_recorded_pixels(const FrameRecord& record);
+  /// Soon: a buffer of the camera may wait.
+  void release_recorded(FrameRecord* record);
+
+  /// For a replay, before the agents turn: as if the next frame were looked for there. `plan` is
+  /// the one in use, and `starts` are as many as its subapertures.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
 
   // One histogram a stage; read and reset by the status thread.
   /// The frame's arrival, since it could have arrived had nothing held it up (ArrivalClock).

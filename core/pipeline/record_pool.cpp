@@ -10,6 +10,7 @@ namespace ovws {
 RecordPool::RecordPool(int records) : size_(records), entries_(new Entry[std::size_t(records)]) {
   free_.reserve(std::size_t(records));
   for (int i = 0; i < records; ++i) {
+    entries_[i].starts.resize(kMaxSubapertures);
     entries_[i].spots.resize(kMaxSubapertures);
     entries_[i].coefficients.resize(kMaxModes);
     free_.push_back(&entries_[i]);

@@ -22,7 +22,14 @@ struct Entry : FrameRecord {
                                ///< the next
   std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: not known
   bool image_wanted = false;
+  bool recorded = false;         ///< RecordTap holds it
+  bool pixels_recorded = false;  ///< and its pixels
 
+  /// Acquisition thread, before any other has seen the entry.
+  void hold(bool pixels) OVWS_NONBLOCKING {
+    holds_.fetch_add(1, std::memory_order_relaxed);
+    if (pixels) pixel_holds_.fetch_add(1, std::memory_order_relaxed);
+  }
   /// Let go of from any thread, seen by the acquisition thread on its next turn.
   void release_pixels() OVWS_NONBLOCKING { pixel_holds_.fetch_sub(1, std::memory_order_release); }
   void release() OVWS_NONBLOCKING { holds_.fetch_sub(1, std::memory_order_release); }

@@ -1,6 +1,7 @@
 /// History is kept as positions under one hologram and what was expected under it.
 #include "core/pipeline/spot_history.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "core/optics/lattice.hpp"
@@ -36,6 +37,17 @@ void SpotHistory::starts(const FrameRecord& record,
   for (int i = 0; i < count_; ++i) {
     const Track& track = tracks_[i];
     starts[i] = live_ ? SpotStart{moved(track, i, record), track.last.fresh} : kUnknown;
+  }
+}
+
+void SpotHistory::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
+  fit_to(plan);
+  live_ = false;
+  hologram_id_ = plan.hologram_id;
+  plan_id_ = plan.id;
+  for (int i = 0; i < count_; ++i) {
+    tracks_[i] = {starts[i], plan.predicted_px[i]};
+    live_ = live_ || !std::isnan(starts[i].at_px.x);
   }
 }
 

@@ -10,12 +10,6 @@
 
 namespace ovws {
 
-/// Where to look for one spot.
-struct SpotStart {
-  Vec2 at_px;          ///< NaN: it was never found
-  bool fresh = false;  ///< it was found in the last settled frame; else the position is only a hint
-};
-
 /// Learns from settled frames only. One thread at a time; allocates in the constructor only.
 class SpotHistory {
  public:
@@ -31,6 +25,10 @@ class SpotHistory {
   /// Where to look for each spot in `record`: its last settled position, moved by what the plan
   /// predicts of a change of hologram.
   void starts(const FrameRecord& record, std::span<SpotStart> starts) const OVWS_NONBLOCKING;
+
+  /// From now on as if the next record with `plan` were to be looked for at `starts`, under the
+  /// hologram that the plan predicts for. NaN everywhere: nothing is known.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
 
   /// Takes over what was found in a settled frame.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;

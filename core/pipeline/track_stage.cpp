@@ -23,16 +23,16 @@ int count_found(std::span<const SpotFix> spots) {
 }  // namespace
 
 TrackStage::TrackStage(const Config& config, const Deps& deps)
-    : config_(config),
-      deps_(deps),
-      starts_(kMaxSubapertures),
-      doubled_(kMaxSubapertures),
-      searched_(kMaxSubapertures) {}
+    : config_(config), deps_(deps), doubled_(kMaxSubapertures), searched_(kMaxSubapertures) {}
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
   if (history_.fit_to(*entry.plan)) search_back_off_.reset();
-  history_.starts(entry, starts_);
+  history_.starts(entry, entry.starts);
+}
+
+void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
+  history_.resume(plan, starts);
 }
 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
@@ -41,7 +41,7 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
   const SpotTracker& tracker = *entry.plan->tracker;
   TrackScratch& scratch = entry.measurement->track_scratch[k];
   for (int i = begin; i < end; ++i) {
-    const SpotStart& start = starts_[i];
+    const SpotStart& start = entry.starts[i];
     entry.spots[i] =
         start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch, i) : SpotFix{};
   }
@@ -89,9 +89,9 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   TrackScratch& scratch = entry.measurement->track_scratch[0];
   const std::span<SpotFix> spots = spots_of(entry);
-  const Vec2 remembered_px = starts_[i].at_px;
+  const Vec2 remembered_px = entry.starts[i].at_px;
   const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
-  if (!starts_[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
+  if (!entry.starts[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
     spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch, i);
     if (spots[i].found() && !neighbourhood.doubled(i, spots)) return spots[i];
   }

@@ -1,6 +1,7 @@
 /// The second stage: finds every spot of a frame, from history or from a whole-image search.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/base/realtime.hpp"
@@ -35,6 +36,9 @@ class TrackStage {
   /// Retries lost spots, searches if need be, keeps history. The frame's pixels are let go of.
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
+  /// See SpotHistory::resume.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
+
   /// How many spots may be lost without a whole-image search.
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
@@ -50,7 +54,6 @@ class TrackStage {
   Deps deps_;
   SpotHistory history_;
   BackOff search_back_off_;
-  std::vector<SpotStart> starts_;
   std::vector<char> doubled_;
   std::vector<SpotFix> searched_;
 };

@@ -46,6 +46,9 @@ class Reconstructor {
                 std::vector<Vec2> reference_px);
 
   const std::vector<int>& modes_j() const { return modes_j_; }
+  /// As given, but for spots without a reference, whose rows are 0; a Reconstructor made of them is
+  /// the same.
+  const Eigen::MatrixXd& slopes() const { return slopes_; }
   Scratch make_scratch() const;
 
   /// Writes modes_j().size() coefficients, RMS-normalised waves; all NaN if not determined. With
