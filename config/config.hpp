@@ -46,6 +46,12 @@ struct StateConfig {
   std::optional<std::string> directory;
 };
 
+struct RecordConfig {
+  /// Where recordings go; none: the folder `recordings` where the state is kept, if it is.
+  std::optional<std::string> directory;
+  int buffer_mib = 256;  ///< for pictures that wait for the disk, while it is recorded
+};
+
 struct SecurityConfig {
   std::optional<std::string> secret_key;  ///< file of ovws keygen; with it every client needs a key
   std::optional<std::string> clients;     ///< file: who may connect, and what each may
@@ -71,6 +77,7 @@ struct Config {
   ControlConfig control;
   SecurityConfig security;
   StateConfig state;
+  RecordConfig record;
   RealtimePolicy realtime = RealtimePolicy::ignore;
   PipelineConfig pipeline;
   std::vector<int>

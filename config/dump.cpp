@@ -97,6 +97,8 @@ std::string dump_config(const Config& config) {
   out["security"] = {{"secret_key", or_null(config.security.secret_key)},
                      {"clients", or_null(config.security.clients)}};
   out["state"] = {{"directory", or_null(config.state.directory)}};
+  out["record"] = {{"directory", or_null(config.record.directory)},
+                   {"buffer_mib", config.record.buffer_mib}};
   out["realtime"] = config.realtime == RealtimePolicy::enforce ? "enforce" : "ignore";
   out["pipeline"] = {{"workers", config.pipeline.workers},
                      {"records", config.pipeline.records},

@@ -150,6 +150,12 @@ void read_state(ObjectReader& r, StateConfig& state) {
   if (state.directory && state.directory->empty()) r.fault("directory", "must not be empty");
 }
 
+void read_record(ObjectReader& r, RecordConfig& record) {
+  r.optional_string("directory", record.directory);
+  if (record.directory && record.directory->empty()) r.fault("directory", "must not be empty");
+  integer(r, "buffer_mib", record.buffer_mib, limits::kRecordBufferMib);
+}
+
 void read_security(ObjectReader& r, SecurityConfig& security) {
   r.optional_string("secret_key", security.secret_key);
   r.optional_string("clients", security.clients);
@@ -213,6 +219,7 @@ Result<Config> read_config(const nlohmann::json& json) {
   r.object("control", [&](ObjectReader& o) { endpoint(o, "endpoint", config.control.endpoint); });
   r.object("security", [&config](ObjectReader& o) { read_security(o, config.security); });
   r.object("state", [&config](ObjectReader& o) { read_state(o, config.state); });
+  r.object("record", [&config](ObjectReader& o) { read_record(o, config.record); });
   choice(r, "realtime", config.realtime, {"enforce", "ignore"});
   r.object("pipeline", [&config](ObjectReader& o) {
     read_pipeline(o, config.pipeline);

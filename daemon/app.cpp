@@ -14,6 +14,7 @@
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
+#include "daemon/record/recorder.hpp"
 #include "daemon/reload.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/slm_loop.hpp"
@@ -51,6 +52,7 @@ struct App::Parts {
   LatestValue<AppliedSettings> settings;
   LatencyHistogram published_latency;
   Pipeline pipeline;
+  Recorder recorder;
   ReferenceCollector collector;
   ReferencePictureTaker pictures;
   FrameSeriesTaker series;
@@ -77,6 +79,7 @@ struct App::Parts {
         config_in_force(c),
         config_path(std::move(path)),
         pipeline(config.pipeline, {counters, shown, settings}),
+        recorder(config, pipeline, events),
         operators(config.slm.geometry),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
@@ -89,6 +92,7 @@ struct App::Parts {
     if (now.connected) {
       instrument->camera_changed(now.settings, now.info);
     }
+    recorder.camera_changed(now.settings, now.info);
     state.set_fault("camera", now.at_fault ? now.fault : "");
     state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
   }
@@ -108,6 +112,7 @@ Result<void> App::Parts::make_instrument() {
   auto made = Instrument::make(
       config,
       {pipeline, slm, collector, pictures, operators, jobs, events, store,
+       [this](const MeasurementPlan& plan, const SensorSnapshot& now) { recorder.know(plan, now); },
        [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   if (!made) return fail(made.error());
   instrument = std::move(*made);
@@ -150,16 +155,16 @@ Result<void> App::Parts::bind_streams() {
                                             counters, takers);
   reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
                                                    *instrument, *refiner, *images, events});
-  status = std::make_unique<StatusReporter>(
-      StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, jobs, pipeline,
-                 published_latency, counters, events, store, queue, threads, *reloader, *clients});
+  status = std::make_unique<StatusReporter>(StatusDeps{
+      state, camera, slm, *instrument, *images, *loop, *refiner, recorder, jobs, pipeline,
+      published_latency, counters, events, store, queue, threads, *reloader, *clients});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
       Services{config, config_in_force, config_path, state, camera, *instrument, jobs, *procedures,
-               experiments, *loop, *refiner, *status, slm, counters, *clients});
+               experiments, *loop, *refiner, recorder, *status, slm, counters, *clients});
   const ControlHandler handle = [this](std::string_view request, const std::string& key,
                                        std::function<void(std::string)> reply) {
     const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
@@ -184,10 +189,12 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
-  std::vector<Start> starts{{ThreadRole::refine, *refiner},     {ThreadRole::search, *finder},
-                            {ThreadRole::model, operators},     {ThreadRole::publish, *stream},
-                            {ThreadRole::images, *images},      {ThreadRole::control, *control},
-                            {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
+  std::vector<Start> starts{
+      {ThreadRole::refine, *refiner},     {ThreadRole::search, *finder},
+      {ThreadRole::model, operators},     {ThreadRole::publish, *stream},
+      {ThreadRole::write, recorder},      {ThreadRole::record, recorder.taker()},
+      {ThreadRole::images, *images},      {ThreadRole::control, *control},
+      {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {

@@ -312,6 +312,7 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   const SensorSnapshot before = snapshot_.get();
   tell_torn(before.torn, now.torn);
   tell_operator(before.mode_operator.in_force, now.mode_operator.in_force);
+  deps_.on_plan(*plan, now);
   snapshot_.set(std::move(now));
   deps_.pipeline.use_plan(plan.get());
   plans_.push_back(std::move(plan));

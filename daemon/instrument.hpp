@@ -74,6 +74,8 @@ struct InstrumentDeps {
   Jobs& jobs;
   Events& events;
   DaemonStore& store;
+  /// Before frames are measured with it; in the prepare thread, but for the first.
+  std::function<void(const MeasurementPlan&, const SensorSnapshot&)> on_plan;
   /// Prepare thread: a job began (true) or ended (false).
   std::function<void(bool)> on_job;
 };

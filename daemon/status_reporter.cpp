@@ -113,6 +113,7 @@ StatusMessage StatusReporter::current() const {
   }
   status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
   status.refine = deps_.refiner.report();
+  status.record = deps_.recorder.report();
   if (const auto job = deps_.jobs.last_failed()) {
     status.failed_job = {job->job, job->kind, job->error->field, job->error->reason};
   }

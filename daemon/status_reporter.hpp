@@ -16,6 +16,7 @@
 #include "daemon/jobs.hpp"
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
+#include "daemon/record/recorder.hpp"
 #include "daemon/reload.hpp"
 #include "daemon/slm_loop.hpp"
 #include "daemon/state_keeper.hpp"
@@ -33,6 +34,7 @@ struct StatusDeps {
   const ImagePublisher& images;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;
+  const Recorder& recorder;
   const Jobs& jobs;
   Pipeline& pipeline;
   LatencyHistogram& published_latency;

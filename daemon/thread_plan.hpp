@@ -28,6 +28,8 @@ enum class ThreadRole {
   loop,
   control,
   images,
+  record,
+  write,
   search,
   refine,
   model,
@@ -51,7 +53,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 15> kThreadTable{{
+constexpr std::array<ThreadRow, 17> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -68,6 +70,9 @@ constexpr std::array<ThreadRow, 15> kThreadTable{{
      OnHang::restart},
     {ThreadRole::images, "images", 0, "the next lent frame, its socket being bound anew", 5.0,
      OnHang::restart},
+    {ThreadRole::record, "record", 50, "the next recorded frame, a recording's begin and end", 5.0,
+     OnHang::restart},
+    {ThreadRole::write, "write", 0, "the disk", 60.0, OnHang::report, 5},
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,
      OnHang::report, 10},
     {ThreadRole::refine, "refine", 0, "the next lent frame; a fit takes seconds", 120.0,

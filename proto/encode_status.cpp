@@ -116,6 +116,7 @@ json status_body(const StatusMessage& message) {
            {"slm", slm_part(message.slm)},
            {"sensor", sensor_part(message.sensor)},
            {"refine", refine_part(message.refine)},
+           {"record", record_result(message.record)},
            {"store",
             {{"directory", or_null(message.store.directory)},
              {"reason", or_null(message.store.reason)}}},

@@ -139,6 +139,8 @@ struct StatusMessage {
     std::optional<std::string> reason;  ///< why there is no refinement now
   } refine;
 
+  RecordReport record;
+
   struct StorePart {
     std::optional<std::string> directory;  ///< what is kept over a restart is there
     std::optional<std::string> reason;     ///< why something is not kept

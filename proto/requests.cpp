@@ -92,6 +92,16 @@ int read_mode_index(ObjectReader& reader) {
   return index.value_or(0);
 }
 
+/// No path, no hidden file, no option of a program.
+bool is_plain_name(const std::string& name) {
+  const auto is_letter = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  };
+  return !name.empty() && name.size() <= limits::kRecordName && is_letter(name[0]) &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return is_letter(c) || c == '.' || c == '_' || c == '-'; });
+}
+
 }  // namespace
 
 CameraSettings CameraSet::applied_to(CameraSettings settings) const {
@@ -327,6 +337,25 @@ Result<bool> decode_loop_open(const json& params) {
   reader.boolean("keep", keep);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return keep;
+}
+
+Result<RecordStart> decode_record_start(const json& params) {
+  RecordStart start;
+  ObjectReader reader(params, "");
+  reader.require("name");
+  reader.string("name", start.name);
+  reader.integer("pictures_every", start.pictures_every, limits::kPicturesEvery.min,
+                 limits::kPicturesEvery.max);
+  reader.optional_number("limit_s", start.limit_s, limits::kRecordS.min, limits::kRecordS.max);
+  reader.optional_number("limit_mib", start.limit_mib, limits::kRecordMib.min,
+                         limits::kRecordMib.max);
+  if (reader.has("name") && !is_plain_name(start.name)) {
+    reader.fault("name",
+                 "must be a plain name: letters, digits, '.', '_' and '-', at most 100 of them, "
+                 "the first a letter or a digit; the folder is record.directory");
+  }
+  if (auto done = reader.finish(); !done) return fail(done.error());
+  return start;
 }
 
 Result<int> decode_job(const json& params) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -70,6 +71,13 @@ struct CalibrationRun {
   std::optional<std::vector<int>> modes_j;  ///< key "modes": OSA indices; none: all
 };
 
+/// `record.start`.
+struct RecordStart {
+  std::string name;        ///< of the file, without folder and ending
+  int pictures_every = 1;  ///< the picture of every n-th frame; 0: of none
+  std::optional<double> limit_s, limit_mib;
+};
+
 Result<CameraSet> decode_camera_set(const nlohmann::json& params);
 Result<SensorSet> decode_sensor_set(const nlohmann::json& params);
 Result<RefineSet> decode_refine_set(const nlohmann::json& params);
@@ -103,6 +111,7 @@ Result<HologramKind> decode_slm_show(const nlohmann::json& params);
 Result<LoopSettings> decode_loop_close(const nlohmann::json& params);
 /// `loop.open`: whether the correction is kept.
 Result<bool> decode_loop_open(const nlohmann::json& params);
+Result<RecordStart> decode_record_start(const nlohmann::json& params);
 /// `job.get` and `job.cancel`: the job's number.
 Result<int> decode_job(const nlohmann::json& params);
 /// Methods that take no params: an error for any key.

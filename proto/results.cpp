@@ -243,6 +243,21 @@ json slm_show_result(HologramKind pattern, std::uint64_t hologram_id) {
   return {{"pattern", pattern_name(pattern)}, {"hologram_id", hologram_id}};
 }
 
+json record_result(const RecordReport& report) {
+  const auto or_null = [](const std::optional<std::string>& text) {
+    return text ? json(*text) : json();
+  };
+  return {{"state", report.state},
+          {"file", or_null(report.file)},
+          {"duration_s", report.duration_s},
+          {"frames", report.frames},
+          {"frames_dropped", report.frames_dropped},
+          {"pictures", report.pictures},
+          {"pictures_dropped", report.pictures_dropped},
+          {"bytes", report.bytes},
+          {"reason", or_null(report.reason)}};
+}
+
 json to_json(const JobReport& job) {
   json error = nullptr;
   if (job.error) {

@@ -110,6 +110,19 @@ struct LoopReport {
 };
 nlohmann::json loop_result(const LoopReport& report);
 
+/// `record.start`, `.stop` and `.get`, and the `record` part of `status`: of the recording that is
+/// on, or of the last one.
+struct RecordReport {
+  std::string state = "off";        ///< "off": none since the start; "recording", "ended"
+  std::optional<std::string> file;  ///< its path
+  double duration_s = 0.0;
+  std::uint64_t frames = 0, frames_dropped = 0;
+  std::uint64_t pictures = 0, pictures_dropped = 0;
+  std::uint64_t bytes = 0;            ///< of the file
+  std::optional<std::string> reason;  ///< why it ended
+};
+nlohmann::json record_result(const RecordReport& report);
+
 enum class JobState { running, done, failed, cancelled };
 struct JobReport {
   int job = 0;

@@ -54,6 +54,7 @@ enum class Action : std::uint8_t {
   open_loop,
   set_correction,
   reload_config,
+  record,
   count,
 };
 
@@ -151,6 +152,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, false, false, false, false}},  // open_loop
     {{true, true, false, true, true, true}},     // set_correction
     {{true, true, false, false, true, true}},    // reload_config
+    {{true, true, false, false, false, false}},  // record
 }};
 
 }  // namespace control

@@ -5,10 +5,10 @@
 namespace ovws {
 namespace {
 
-std::array<std::span<const Method>, 10> all_methods() {
-  return {system_methods(),      camera_methods(),    sensor_methods(), reference_methods(),
-          calibration_methods(), slm_methods(),       loop_methods(),   refine_methods(),
-          config_methods(),      experiment_methods()};
+std::array<std::span<const Method>, 11> all_methods() {
+  return {system_methods(),      camera_methods(),     sensor_methods(), reference_methods(),
+          calibration_methods(), slm_methods(),        loop_methods(),   refine_methods(),
+          config_methods(),      experiment_methods(), record_methods()};
 }
 
 const Method* find_method(const std::string& name) {

@@ -32,6 +32,7 @@ std::span<const Method> calibration_methods();
 std::span<const Method> reference_methods();
 std::span<const Method> slm_methods();
 std::span<const Method> refine_methods();
+std::span<const Method> record_methods();
 std::span<const Method> config_methods();
 std::span<const Method> experiment_methods();
 

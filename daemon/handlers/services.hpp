@@ -14,6 +14,7 @@
 #include "daemon/live_refiner.hpp"
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
+#include "daemon/record/recorder.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
 
@@ -31,6 +32,7 @@ struct Services {
   ExperimentArchive& experiments;
   ClosedLoop& loop;
   LiveRefiner& refiner;
+  Recorder& recorder;
   StatusReporter& status;
   SlmLoop& slm;
   Counters& counters;

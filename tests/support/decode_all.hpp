@@ -23,6 +23,7 @@ inline void decode_all(const Json& params) {
   (void)decode_gain_sweep(params);
   (void)decode_experiment_cell(params);
   (void)decode_slm_show(params);
+  (void)decode_record_start(params);
   (void)decode_job(params);
   (void)decode_nothing(params);
 }

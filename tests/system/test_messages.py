@@ -9,6 +9,8 @@ PICTURES = "tcp://127.0.0.1:7703"
 
 
 class Messages(BenchCase):
+    daemon_config = {"record": {"directory": "recordings"}}
+
     def setUp(self):
         super().setUp()
         self.description = self.call("system.describe")
@@ -108,6 +110,9 @@ class Messages(BenchCase):
         call("refine.set", {"enabled": True, "electrons_per_dn": 39.2, "saturation_dn": None})
         call("system.status")
         call("refine.set", {"enabled": False})
+        call("record.get")
+        call("record.start", {"name": "all", "limit_s": 60})
+        call("record.stop")
         call("config.get")
         call("config.save")
         self.assertEqual(called, set(self.description["methods"]), "each method was called")

@@ -34,6 +34,8 @@ def blocks(language):
 class Scripts(BenchCase):
     """Programs of their own, as a user runs them."""
 
+    daemon_config = {"record": {"directory": "recordings"}}
+
     def run_here(self, command, path=PYTHON, **more):
         print("\n  $", shlex.join(map(str, command))[:120])
         env = os.environ | {"PYTHONPATH": str(path), "HOME": str(self.bench.directory), "MPLBACKEND": "Agg"}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import NotUnderstood
-from .methods import FailedJob, Latency, Rates, StatusCamera, StatusRefine, StatusSensor, StatusSlm, Store
+from .methods import FailedJob, Latency, Rates, RecordResult, StatusCamera, StatusRefine, StatusSensor, StatusSlm, Store
 from .wire import IMAGES, NUMBERS
 from .zernike import phase_map_waves
 
@@ -220,6 +220,7 @@ class Status(Message):
     slm: StatusSlm
     sensor: StatusSensor
     refine: StatusRefine
+    record: RecordResult
     store: Store
     loop: Literal["open", "closed"]
     failed_job: FailedJob | None

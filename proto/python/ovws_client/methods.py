@@ -496,6 +496,15 @@ class State(TypedDict):
     directory: str | None
 
 
+class Record(TypedDict):
+    """Recordings."""
+
+    # folder; null: recordings in the state's folder
+    directory: str | None
+    # memory for pictures that wait for the disk, MiB; from 8 to 16384
+    buffer_mib: int
+
+
 class Pipeline(TypedDict):
     """The frame path."""
 
@@ -535,6 +544,8 @@ class ConfigGetResult(TypedDict):
     security: Security
     # what is kept over a restart
     state: State
+    # recordings
+    record: Record
     # what a missing real-time privilege is: an error or a warning
     realtime: Literal["enforce", "ignore"]
     # the frame path
@@ -922,6 +933,29 @@ class LutResult(TypedDict):
     reason: str | None
     # what it was measured with
     origin: Origin | None
+
+
+class RecordResult(TypedDict):
+    """The recording that is on, or the last one."""
+
+    # off: nothing was recorded since the start; recording; ended: the last one has, and this is of it
+    state: Literal["off", "recording", "ended"]
+    # path on the daemon's machine; null: there was none
+    file: str | None
+    # since its begin, or as long as it was, seconds
+    duration_s: float
+    # in the file
+    frames: int
+    # published meanwhile and not in the file: the recorder was behind
+    frames_dropped: int
+    # in the file
+    pictures: int
+    # frames in the file that lack the picture they were to have: the disk could not follow
+    pictures_dropped: int
+    # size of the file
+    bytes: int
+    # why it ended; null: it has not
+    reason: str | None
 
 
 class Stale(TypedDict):
@@ -1353,6 +1387,8 @@ class SystemStatusResult(TypedDict):
     sensor: StatusSensor
     # the refinement of frames beside the fast estimate
     refine: StatusRefine
+    # the recording that is on, or the last one
+    record: RecordResult
     # what is kept over a restart
     store: Store
     # whether the correction follows the measurement
@@ -1513,8 +1549,8 @@ class Methods:
 
         Result: camera: the camera; slm: the spatial light modulator; optics: lens and camera; sensor: the sensor shown; tracking: how spots
                 are found; refine: every pixel against the diffraction model, beside the fast estimate; stream: what is published; control:
-                commands; security: who may connect; both files, or none; state: what is kept over a restart; realtime: what a missing
-                real-time privilege is: an error or a warning; pipeline: the frame path; log: the log
+                commands; security: who may connect; both files, or none; state: what is kept over a restart; record: recordings; realtime:
+                what a missing real-time privilege is: an error or a warning; pipeline: the frame path; log: the log
         """
         result: ConfigGetResult = self.call("config.get")
         return result
@@ -1802,6 +1838,56 @@ class Methods:
         result: JobStarted = self.call("lut.run", _given(levels=levels, frames=frames))
         return result
 
+    def record_get(self) -> RecordResult:
+        """`record.get`. What is being recorded, or was last.
+
+        Result: state: off: nothing was recorded since the start; recording; ended: the last one has, and this is of it; file: path on the
+                daemon's machine; null: there was none; duration_s: since its begin, or as long as it was, seconds; frames: in the file;
+                frames_dropped: published meanwhile and not in the file: the recorder was behind; pictures: in the file; pictures_dropped:
+                frames in the file that lack the picture they were to have: the disk could not follow; bytes: size of the file; reason: why
+                it ended; null: it has not
+        """
+        result: RecordResult = self.call("record.get")
+        return result
+
+    def record_start(
+        self,
+        name: str,
+        *,
+        pictures_every: int | LeftOut = LEFT_OUT,
+        limit_s: float | None | LeftOut = LEFT_OUT,
+        limit_mib: float | None | LeftOut = LEFT_OUT,
+    ) -> RecordResult:
+        """`record.start`. Writes every frame from now on into a file: what was measured of it, its stamps, all that was in force, and its
+        picture.
+
+        name: of the file, which gets the ending .h5; no file may have it yet
+        pictures_every: the camera's picture of every n-th frame; 0: none; from 0 to 1000000; default 1
+        limit_s: the recording ends by itself after so many seconds; null: it does not; from 0.1 to 10000000; default null
+        limit_mib: it ends when the file has become so many MiB large; null: it does not; from 1 to 1000000000; default null
+        Result: state: off: nothing was recorded since the start; recording; ended: the last one has, and this is of it; file: path on the
+                daemon's machine; null: there was none; duration_s: since its begin, or as long as it was, seconds; frames: in the file;
+                frames_dropped: published meanwhile and not in the file: the recorder was behind; pictures: in the file; pictures_dropped:
+                frames in the file that lack the picture they were to have: the disk could not follow; bytes: size of the file; reason: why
+                it ended; null: it has not
+        """
+        result: RecordResult = self.call("record.start", _given(
+            name=name, pictures_every=pictures_every, limit_s=limit_s, limit_mib=limit_mib
+        ))
+        return result
+
+    def record_stop(self) -> RecordResult:
+        """`record.stop`. Ends the recording; the file is whole when this answers.
+
+        Result: state: off: nothing was recorded since the start; recording; ended: the last one has, and this is of it; file: path on the
+                daemon's machine; null: there was none; duration_s: since its begin, or as long as it was, seconds; frames: in the file;
+                frames_dropped: published meanwhile and not in the file: the recorder was behind; pictures: in the file; pictures_dropped:
+                frames in the file that lack the picture they were to have: the disk could not follow; bytes: size of the file; reason: why
+                it ended; null: it has not
+        """
+        result: RecordResult = self.call("record.stop")
+        return result
+
     def reference_clear(self) -> ReferenceResult:
         """`reference.clear`. Forgets the reference; the stream is not valid until a new one is taken. It is forgotten on the disk, too; if
         that fails, nothing changes.
@@ -2047,11 +2133,11 @@ class Methods:
         Result: t_ns: UNIX epoch UTC, nanoseconds; uptime_s: since the start, seconds; state: what the daemon is doing: starting,
                 waiting_for_camera, waiting_for_display, running, job_running, fault, stopping; fault: what is wrong and the way out; null:
                 nothing; camera: the camera; slm: the spatial light modulator; sensor: the sensor shown; refine: the refinement of frames
-                beside the fast estimate; store: what is kept over a restart; loop: whether the correction follows the measurement;
-                failed_job: the job that failed last, since the start; null: none; rates: since the last status; counters: every counter,
-                since the start; latency: by stage, since the last status: tracked, reconstructed and published from the frame's arrival;
-                arrived from when it would have arrived had nothing held it up, of a camera with device stamps; versions: of the daemon and
-                its libraries
+                beside the fast estimate; record: the recording that is on, or the last one; store: what is kept over a restart; loop:
+                whether the correction follows the measurement; failed_job: the job that failed last, since the start; null: none; rates:
+                since the last status; counters: every counter, since the start; latency: by stage, since the last status: tracked,
+                reconstructed and published from the frame's arrival; arrived from when it would have arrived had nothing held it up, of a
+                camera with device stamps; versions: of the daemon and its libraries
         """
         result: SystemStatusResult = self.call("system.status")
         return result
@@ -2345,6 +2431,40 @@ class AsyncMethods:
         Params and result: `Methods.lut_run`.
         """
         result: JobStarted = await self.call("lut.run", _given(levels=levels, frames=frames))
+        return result
+
+    async def record_get(self) -> RecordResult:
+        """`record.get`. What is being recorded, or was last.
+
+        Params and result: `Methods.record_get`.
+        """
+        result: RecordResult = await self.call("record.get")
+        return result
+
+    async def record_start(
+        self,
+        name: str,
+        *,
+        pictures_every: int | LeftOut = LEFT_OUT,
+        limit_s: float | None | LeftOut = LEFT_OUT,
+        limit_mib: float | None | LeftOut = LEFT_OUT,
+    ) -> RecordResult:
+        """`record.start`. Writes every frame from now on into a file: what was measured of it, its stamps, all that was in force, and its
+        picture.
+
+        Params and result: `Methods.record_start`.
+        """
+        result: RecordResult = await self.call("record.start", _given(
+            name=name, pictures_every=pictures_every, limit_s=limit_s, limit_mib=limit_mib
+        ))
+        return result
+
+    async def record_stop(self) -> RecordResult:
+        """`record.stop`. Ends the recording; the file is whole when this answers.
+
+        Params and result: `Methods.record_stop`.
+        """
+        result: RecordResult = await self.call("record.stop")
         return result
 
     async def reference_clear(self) -> ReferenceResult:

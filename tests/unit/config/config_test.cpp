@@ -96,6 +96,8 @@ Config random_config(unsigned seed) {
   c.stream = {"tcp://*:1", "ipc:///tmp/" + std::to_string(seed), dice.number(limits::kImageRateHz)};
   c.control.endpoint = "tcp://[::1]:2";
   if (dice.coin()) c.state.directory = dice.text();
+  if (dice.coin()) c.record.directory = dice.text();
+  c.record.buffer_mib = dice.integer(limits::kRecordBufferMib);
   c.realtime = dice.coin() ? RealtimePolicy::enforce : RealtimePolicy::ignore;
   c.pipeline = {dice.integer(limits::kWorkers), 1 << dice.integer({3, 12})};
   if (dice.coin()) c.frame_path_cpus = {3, dice.integer({4, limits::kCpu.max})};
@@ -105,6 +107,8 @@ Config random_config(unsigned seed) {
 
 void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.state.directory, b.state.directory);
+  EXPECT_EQ(a.record.directory, b.record.directory);
+  EXPECT_EQ(a.record.buffer_mib, b.record.buffer_mib);
   EXPECT_EQ(a.camera.driver, b.camera.driver);
   EXPECT_EQ(a.camera.id, b.camera.id);
   EXPECT_EQ(a.camera.settings, b.camera.settings);

@@ -106,6 +106,10 @@ void print_status() {
       status.store = {"/var/lib/ovws", "the disk is full"};
       status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright"};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
+      status.record = {"ended", "/var/lib/run.h5", 1.5, 700, 1, 699, 2, 1 << 20, "record.stop"};
+      for (const char* method : {"record.start", "record.stop", "record.get"}) {
+        print_result(method, record_result(status.record));
+      }
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
       status.versions = {{"ovws", "0"}};
@@ -337,6 +341,8 @@ void print_all_params() {
                {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn",
                 "saturation_dn", "spot_amplitudes"},
                decode_refine_set);
+  print_params("record.start", {"name", "name", "pictures_every", "limit_s", "limit_mib"},
+               decode_record_start, 2000);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
   print_params("reference.take", {"frames", "frame"}, decode_reference_take);
   print_params("loop.close", {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"},

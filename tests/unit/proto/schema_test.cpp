@@ -35,6 +35,7 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
                        "flatness.run",       "job.cancel",       "job.get",
                        "loop.close",         "loop.get",         "loop.open",
                        "lut.clear",          "lut.get",          "lut.run",
+                       "record.get",         "record.start",     "record.stop",
                        "reference.clear",    "reference.get",    "reference.set",
                        "reference.take",     "refine.get",       "refine.set",
                        "registration.clear", "registration.get", "registration.run",
@@ -161,6 +162,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("flatness.run")) EXPECT_TRUE(decode_flatness_run(e)) << e;
   for (const json& e : examples("slm.settle")) EXPECT_TRUE(decode_slm_settle(e)) << e;
   for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
+  for (const json& e : examples("record.start")) EXPECT_TRUE(decode_record_start(e)) << e;
   for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
 }
 

@@ -1,0 +1,50 @@
+/// Frames on their way from the pipeline to the file: copies in memory that is taken once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/pipeline/frame_record.hpp"
+#include "core/rt/spsc_ring.hpp"
+#include "proto/recording.hpp"
+
+namespace ovws {
+
+struct TakenFrame {
+  RecordedFrame row;  ///< but for where its parts are in the file
+  std::uint64_t number = 0;
+  std::vector<RecordedSpot> spots;
+  std::vector<float> coefficients;
+  std::vector<std::byte>* pixels = nullptr;  ///< without padding; null: no picture
+  PixelFormat format = PixelFormat::mono8;   ///< of the picture
+  int width = 0, height = 0;
+};
+
+/// One taking thread and one writing thread.
+class FrameStore {
+ public:
+  /// Room for `pictures` pictures of so many bytes, and for four thousand frames without.
+  FrameStore(std::size_t pictures, std::size_t picture_bytes);
+
+  /// Taking thread. A frame that finds no room is left out, or its picture is.
+  void take(const FrameRecord& record, bool with_picture);
+
+  // Writing thread.
+  TakenFrame* next(int timeout_us);  ///< nullptr: none came
+  void give_back(TakenFrame* frame);
+  /// Whether pictures come faster than they are written.
+  bool behind() const { return free_pictures_.size_approx() < pictures_.size() / 2; }
+
+ private:
+  void copy_picture(const ImageView& image, TakenFrame& to);
+
+  std::vector<TakenFrame> frames_;
+  std::vector<std::vector<std::byte>> pictures_;
+  SpscRing<TakenFrame*> free_frames_, full_;
+  SpscRing<std::vector<std::byte>*> free_pictures_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,323 @@
+#include "daemon/record/recorder.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include "core/port/clock.hpp"
+#include "daemon/daemon_store.hpp"
+#include "daemon/store/encoding.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kTurnUs = 20'000;
+constexpr std::chrono::milliseconds kIdle{50};
+constexpr std::int64_t kFlushNs = 250'000'000;
+constexpr std::size_t kMostFacts = 256;         // of plans: some seconds of the closed loop
+constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
+
+std::optional<std::string> directory_of(const Config& config) {
+  if (config.record.directory) return config.record.directory;
+  const auto state = state_directory_of(config.state);
+  return state ? std::optional(*state + "/recordings") : std::nullopt;
+}
+
+bool disk_is_full(const std::string& path) {
+  struct statvfs disk {};
+  return ::statvfs(path.c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < kRoomBytes;
+}
+
+nlohmann::json camera_content(const CameraSettings& settings,
+                              const std::optional<CameraInfo>& info) {
+  return {{"settings", to_json(settings)}, {"info", info ? to_json(*info) : nlohmann::json()}};
+}
+
+RecordingHeader header_of(const Recorder::Begin& begin) {
+  RecordingHeader header;
+  header.t_begin_ns = utc_ns();
+  header.program = begin.program;
+  header.format = begin.camera.pixel_format;
+  const CameraInfo info = begin.camera_info.value_or(CameraInfo{});
+  header.vendor = info.vendor;
+  header.model = info.model;
+  header.serial = info.serial;
+  header.frame_rate_hz = begin.camera.frame_rate_hz;
+  header.x = begin.camera.roi.x;
+  header.y = begin.camera.roi.y;
+  header.width = begin.camera.roi.width;
+  header.height = begin.camera.roi.height;
+  header.pictures_every = begin.asked.pictures_every;
+  return header;
+}
+
+Result<void> add(RecordFile& file, const Document& document) {
+  return file.add_document(document.kind, document.sha256, document.text);
+}
+
+}  // namespace
+
+bool RecordTaker::do_work() {
+  FrameRecord* const record = pipeline_.next_recorded(kTurnUs);
+  if (record == nullptr) return false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (store_) store_->take(*record, Pipeline::has_recorded_pixels(*record));
+  }
+  pipeline_.release_recorded(record);
+  return true;
+}
+
+std::unique_ptr<FrameStore> RecordTaker::exchange(std::unique_ptr<FrameStore> store) {
+  const std::lock_guard lock(mutex_);
+  store_.swap(store);
+  return store;
+}
+
+struct Recorder::Running {
+  std::string path;
+  RecordStart asked;
+  RecordingHeader header;
+  std::unique_ptr<RecordFile> file;
+  PlanDocuments documents;
+  std::int64_t t_begin_mono_ns = monotonic_ns();
+  std::int64_t next_flush_ns = 0;
+  std::uint64_t last_number = 0;  ///< 0: no frame yet
+  std::uint64_t last_plan_id = 0;
+  std::uint64_t frames_dropped = 0, pictures_dropped = 0;
+};
+
+Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
+    : directory_(directory_of(config)),
+      buffer_bytes_(std::size_t(config.record.buffer_mib) << 20),
+      wavelength_nm_(config.optics.wavelength_nm),
+      pipeline_(pipeline),
+      events_(events),
+      taker_(pipeline) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::know(const MeasurementPlan& plan, const SensorSnapshot& sensor) {
+  auto facts = std::make_shared<const PlanFacts>(plan, sensor);
+  const std::lock_guard lock(facts_mutex_);
+  facts_.push_back(std::move(facts));
+  if (facts_.size() > kMostFacts) facts_.pop_front();
+}
+
+std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
+  const std::lock_guard lock(facts_mutex_);
+  const auto found = std::find_if(facts_.begin(), facts_.end(),
+                                  [&](const auto& one) { return one->id == plan_id; });
+  return found == facts_.end() ? nullptr : *found;
+}
+
+void Recorder::camera_changed(const CameraSettings& settings,
+                              const std::optional<CameraInfo>& info) {
+  mailbox_.post([this, settings, info] {
+    if (!running_) return;
+    const auto added =
+        add(*running_->file, make_document("camera", camera_content(settings, info)));
+    if (!added) end(added.error().reason);
+  });
+}
+
+void Recorder::start(Begin asked, Done done) {
+  mailbox_.post([this, asked = std::move(asked), done = std::move(done)] {
+    if (auto begun = begin(asked); !begun) return done(fail(begun.error()));
+    done(report());
+  });
+}
+
+void Recorder::stop(Done done) {
+  mailbox_.post([this, done = std::move(done)] {
+    if (!running_) {
+      return done(fail(Errc::refused, "", "nothing is being recorded; record.get says why"));
+    }
+    end("record.stop");
+    done(report());
+  });
+}
+
+Result<std::string> Recorder::path_of(const std::string& name) const {
+  if (!directory_) {
+    return fail(Errc::refused, "record.directory",
+                "no folder is named for recordings: set record.directory, or state.directory, in "
+                "the configuration");
+  }
+  std::error_code failed;
+  fs::create_directories(*directory_, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "record.directory",
+                *directory_ + " cannot be made: " + failed.message());
+  }
+  const std::string path = fs::absolute(*directory_ + "/" + name + ".h5", failed).string();
+  if (fs::exists(path, failed)) {
+    return fail(Errc::refused, "name", path + " is there already: choose another name");
+  }
+  return path;
+}
+
+Result<void> Recorder::begin(const Begin& begin) {
+  if (running_) {
+    return fail(Errc::refused, "",
+                running_->path + " is being recorded: end it with record.stop first");
+  }
+  const auto path = path_of(begin.asked.name);
+  if (!path) return fail(path.error());
+  if (disk_is_full(*directory_)) {
+    return fail(Errc::unavailable, "record.directory",
+                *directory_ + " has less than 64 MiB of room: make some");
+  }
+  auto running = std::make_unique<Running>();
+  running->path = *path;
+  running->asked = begin.asked;
+  running->header = header_of(begin);
+  running->header.wavelength_nm = wavelength_nm_;
+  auto file = RecordFile::create(*path, running->header);
+  if (!file) return fail(file.error());
+  running->file = std::move(*file);
+  const Document config{"configuration", begin.config, sha256_hex(begin.config)};
+  if (auto added = add(*running->file, config); !added) return added;
+  const auto camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
+  if (auto added = add(*running->file, camera); !added) return added;
+  const std::size_t picture_bytes = row_bytes(running->header.format, running->header.width) *
+                                    std::size_t(begin.camera.roi.height);
+  const std::size_t pictures =
+      begin.asked.pictures_every == 0 ? 0 : std::max<std::size_t>(4, buffer_bytes_ / picture_bytes);
+  taker_.exchange(std::make_unique<FrameStore>(pictures, picture_bytes));
+  running_ = std::move(running);
+  pipeline_.record(begin.asked.pictures_every);
+  events_.emit("record", Severity::info, running_->path + " is being recorded",
+               {{"file", running_->path}, {"state", "recording"}});
+  tell();
+  return {};
+}
+
+bool Recorder::do_work() {
+  if (!running_) return mailbox_.run_one(kIdle);
+  const bool asked = mailbox_.run_one(std::chrono::milliseconds(0));
+  if (running_) turn();
+  return asked || running_ != nullptr;
+}
+
+void Recorder::on_close() {
+  mailbox_.close();
+  if (running_) end("the daemon stops");
+}
+
+void Recorder::turn() {
+  if (TakenFrame* const frame = taker_.store()->next(kTurnUs)) {
+    const auto written = write(*frame);
+    taker_.store()->give_back(frame);
+    if (!written) return end(written.error().reason);
+  }
+  if (monotonic_ns() < running_->next_flush_ns) return;
+  running_->next_flush_ns = monotonic_ns() + kFlushNs;
+  if (auto flushed = flush(); !flushed) end(flushed.error().reason);
+}
+
+Result<void> Recorder::flush() {
+  Running& r = *running_;
+  if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) return flushed;
+  tell();
+  const RecordReport now = report();
+  if (disk_is_full(r.path)) {
+    return fail(Errc::unavailable, "", "the disk is full: less than 64 MiB are left");
+  }
+  if (r.asked.limit_s && now.duration_s >= *r.asked.limit_s) {
+    return fail(Errc::refused, "", fmt::format("limit_s: {} s", *r.asked.limit_s));
+  }
+  if (r.asked.limit_mib && double(now.bytes) >= *r.asked.limit_mib * (1 << 20)) {
+    return fail(Errc::refused, "", fmt::format("limit_mib: {} MiB", *r.asked.limit_mib));
+  }
+  return {};
+}
+
+Result<void> Recorder::write(const TakenFrame& frame) {
+  const RecordingHeader& header = running_->header;
+  if (frame.pixels != nullptr && (frame.format != header.format || frame.width != header.width ||
+                                  frame.height != header.height)) {
+    return fail(
+        Errc::refused, "",
+        "the camera's image changed: it is now " +
+            fmt::format("{} x {} {}", frame.width, frame.height, pixel_format_name(frame.format)));
+  }
+  if (frame.row.plan_id != running_->last_plan_id) {
+    if (auto written = write_plan(frame.row.plan_id); !written) return written;
+    running_->last_plan_id = frame.row.plan_id;
+  }
+  return write_frame(frame);
+}
+
+Result<void> Recorder::write_plan(std::uint64_t plan_id) {
+  const auto facts = facts_of(plan_id);
+  if (!facts) return {};  // a reader sees that the plan is missing
+  for (const Document& document : running_->documents.of(*facts)) {
+    if (auto added = add(*running_->file, document); !added) return added;
+  }
+  return {};
+}
+
+Result<void> Recorder::write_frame(const TakenFrame& frame) {
+  Running& r = *running_;
+  RecordedFrame row = frame.row;
+  if (r.last_number != 0) row.dropped_before = frame.number - r.last_number - 1;
+  r.last_number = frame.number;
+  r.frames_dropped += row.dropped_before;
+  r.pictures_dropped += row.picture_dropped;
+  if (frame.pixels != nullptr) {
+    const auto picture = r.file->add_picture(*frame.pixels, !taker_.store()->behind());
+    if (!picture) return fail(picture.error());
+    row.picture = *picture;
+  }
+  r.file->add_frame(row, frame.spots, frame.coefficients);
+  return {};
+}
+
+/// What is still in memory is written, too; a file that cannot be written stays as it is.
+void Recorder::end(const std::string& reason) {
+  pipeline_.stop_recording();
+  std::string why = reason;
+  while (TakenFrame* const frame = taker_.store()->next(0)) {
+    const auto written = write(*frame);
+    taker_.store()->give_back(frame);
+    if (!written) break;
+  }
+  Running& r = *running_;
+  if (auto closed = r.file->close(r.frames_dropped, r.pictures_dropped); !closed) {
+    why += "; " + closed.error().reason;
+  }
+  tell();
+  RecordReport last = report();
+  last.state = "ended";
+  last.reason = why;
+  report_.set(last);
+  const bool asked_for = reason == "record.stop" || reason.starts_with("limit_");
+  events_.emit("record", asked_for ? Severity::info : Severity::warning,
+               fmt::format("{} has ended with {} frames: {}", r.path, last.frames, why),
+               {{"file", r.path}, {"state", "ended"}, {"reason", why}});
+  taker_.exchange(nullptr);
+  running_.reset();
+}
+
+void Recorder::tell() {
+  const Running& r = *running_;
+  RecordReport now;
+  now.state = "recording";
+  now.file = r.path;
+  now.duration_s = 1e-9 * double(monotonic_ns() - r.t_begin_mono_ns);
+  now.frames = r.file->frames();
+  now.frames_dropped = r.frames_dropped;
+  now.pictures = r.file->pictures();
+  now.pictures_dropped = r.pictures_dropped;
+  now.bytes = r.file->bytes();
+  report_.set(now);
+}
+
+}  // namespace ovws

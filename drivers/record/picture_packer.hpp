@@ -1,0 +1,29 @@
+/// Pictures as the bytes that stand in the file: deflated, as every reader of HDF5 can inflate
+/// them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+struct libdeflate_compressor;
+
+namespace ovws {
+
+class PicturePacker {
+ public:
+  explicit PicturePacker(std::size_t picture_bytes);
+
+  /// Lossless. Empty if the picture would not become smaller. Valid until the next call.
+  std::span<const std::byte> pack(std::span<const std::byte> picture);
+
+ private:
+  struct Free {
+    void operator()(libdeflate_compressor* compressor) const;
+  };
+  std::unique_ptr<libdeflate_compressor, Free> compressor_;
+  std::vector<std::byte> packed_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,274 @@
+/// HDF5 in its SWMR way: no number in the file refers to what is not written yet.
+#include "drivers/record/record_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/port/clock.hpp"
+#include "drivers/hdf5/types.hpp"
+#include "drivers/record/picture_packer.hpp"
+#include "drivers/record/table.hpp"
+
+namespace ovws {
+namespace {
+
+using hdf5::Handle;
+using hdf5::Table;
+
+constexpr hsize_t kTableChunk = 1024;   // rows
+constexpr hsize_t kNumberChunk = 8192;  // rows of spots, and of coefficients
+constexpr hsize_t kTextChunk = 1 << 16;
+constexpr unsigned kDeflated = 0;  // of H5Dwrite_chunk: no filter is left out
+constexpr unsigned kAsItIs = 1;    // the first one is
+
+tl::unexpected<Error> failed(const std::string& path, const std::string& what) {
+  const std::string why = errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
+  return fail(Errc::unavailable, "path",
+              path + ": " + what + why + "; look at the disk's room and the folder's permissions");
+}
+
+bool write_attribute(hid_t on, const std::string& name, hid_t type, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(on, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  return attribute && H5Awrite(attribute, type, value) >= 0;
+}
+
+bool write_attribute(hid_t on, const std::string& name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, std::max<std::size_t>(text.size(), 1));
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return write_attribute(on, name, type, text.c_str());
+}
+
+bool write_header(hid_t file, const RecordingHeader& header) {
+  return write_attribute(file, "schema", kRecordingSchema) &&
+         write_attribute(file, "program", header.program) &&
+         write_attribute(file, "pixel_format", std::string(pixel_format_name(header.format))) &&
+         write_attribute(file, "basis", "zernike-osa-rms") &&
+         write_attribute(file, "orientation", "x-right-y-down") &&
+         write_attribute(file, "t_begin_ns", H5T_NATIVE_INT64, &header.t_begin_ns) &&
+         write_attribute(file, "camera_vendor", header.vendor) &&
+         write_attribute(file, "camera_model", header.model) &&
+         write_attribute(file, "camera_serial", header.serial) &&
+         write_attribute(file, "frame_rate_hz", H5T_NATIVE_DOUBLE, &header.frame_rate_hz) &&
+         write_attribute(file, "roi_x", H5T_NATIVE_INT, &header.x) &&
+         write_attribute(file, "roi_y", H5T_NATIVE_INT, &header.y) &&
+         write_attribute(file, "width", H5T_NATIVE_INT, &header.width) &&
+         write_attribute(file, "height", H5T_NATIVE_INT, &header.height) &&
+         write_attribute(file, "pictures_every", H5T_NATIVE_INT, &header.pictures_every) &&
+         write_attribute(file, "wavelength_nm", H5T_NATIVE_DOUBLE, &header.wavelength_nm);
+}
+
+bool write_units(hid_t file, const char* table, std::span<const RecordedField> fields) {
+  const Handle set(H5Dopen2(file, table, H5P_DEFAULT), H5Dclose);
+  if (!set) return false;
+  for (const RecordedField& field : fields) {
+    if (*field.unit == '\0') continue;
+    if (!write_attribute(set, std::string("unit.") + field.name, field.unit)) return false;
+  }
+  return true;
+}
+
+bool create_pictures(hid_t file, const RecordingHeader& header) {
+  const std::array<hsize_t, 3> none{0, hsize_t(header.height),
+                                    hsize_t(picture_columns(header.format, header.width))};
+  const std::array<hsize_t, 3> most{H5S_UNLIMITED, none[1], none[2]};
+  const std::array<hsize_t, 3> chunk{1, none[1], none[2]};
+  const Handle space(H5Screate_simple(3, none.data(), most.data()), H5Sclose);
+  const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (H5Pset_chunk(layout, 3, chunk.data()) < 0 || H5Pset_deflate(layout, 1) < 0) return false;
+  const hid_t type = picture_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
+  const Handle set(H5Dcreate2(file, "pictures", type, space, H5P_DEFAULT, layout, H5P_DEFAULT),
+                   H5Dclose);
+  return set && write_attribute(set, "unit", "DN");
+}
+
+Handle row_of_one() {
+  const hsize_t one = 1;
+  return {H5Screate_simple(1, &one, nullptr), H5Sclose};
+}
+
+}  // namespace
+
+struct RecordFile::Impl {
+  std::string path;
+  Handle frame_type = hdf5::row_type(kFrameFields, sizeof(RecordedFrame));
+  Handle spot_type = hdf5::row_type(kSpotFields, sizeof(RecordedSpot));
+  Handle document_type = hdf5::row_type(kDocumentFields, sizeof(RecordedDocument));
+  Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
+  Handle file;  // after the types, before the datasets: closed in this order, reversed
+  Handle pictures, summary;
+  Table frames, spots, coefficients, documents, text;
+  PicturePacker packer;
+  hsize_t picture_count = 0;
+  hsize_t height = 0, columns = 0;
+  std::uint64_t first_spot = 0, first_coefficient = 0;
+  std::vector<RecordedFrame> new_frames;
+  std::vector<RecordedSpot> new_spots;
+  std::vector<float> new_coefficients;
+  std::vector<RecordedDocument> new_documents;
+
+  Impl(std::string file_path, const RecordingHeader& header)
+      : path(std::move(file_path)),
+        packer(row_bytes(header.format, header.width) * std::size_t(header.height)),
+        height(hsize_t(header.height)),
+        columns(hsize_t(picture_columns(header.format, header.width))) {}
+
+  bool create(const RecordingHeader& header);
+  bool create_tables(const RecordingHeader& header);
+  bool begin_swmr();
+  bool write_summary(const RecordedSummary& now);
+};
+
+bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
+  const Handle one = row_of_one();
+  const Handle made(
+      H5Dcreate2(file, "summary", summary_type, one, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  const RecordedSummary nothing;
+  return made && H5Dwrite(made, summary_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &nothing) >= 0 &&
+         create_pictures(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
+         Table::create(file, "spots", spot_type, kNumberChunk) &&
+         Table::create(file, "coefficients", H5T_IEEE_F32LE, kNumberChunk) &&
+         Table::create(file, "documents", document_type, kTableChunk) &&
+         Table::create(file, "text", H5T_STD_U8LE, kTextChunk) &&
+         write_units(file, "frames", kFrameFields) && write_units(file, "spots", kSpotFields) &&
+         write_units(file, "summary", kSummaryFields);
+}
+
+/// From here on the library writes what is referred to before what refers to it.
+bool RecordFile::Impl::begin_swmr() {
+  if (H5Fstart_swmr_write(file) < 0) return false;
+  pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
+  summary = Handle(H5Dopen2(file, "summary", H5P_DEFAULT), H5Dclose);
+  return pictures && summary && frames.open(file, "frames") && spots.open(file, "spots") &&
+         coefficients.open(file, "coefficients") && documents.open(file, "documents") &&
+         text.open(file, "text");
+}
+
+bool RecordFile::Impl::create(const RecordingHeader& header) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  errno = 0;
+  file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
+  return file && write_header(file, header) && create_tables(header) && begin_swmr();
+}
+
+bool RecordFile::Impl::write_summary(const RecordedSummary& now) {
+  return H5Dwrite(summary, summary_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &now) >= 0 &&
+         H5Dflush(summary) >= 0;
+}
+
+RecordFile::RecordFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RecordFile::~RecordFile() = default;
+
+Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
+                                                       const RecordingHeader& header) {
+  hdf5::be_quiet();
+  auto impl = std::make_unique<Impl>(path, header);
+  if (!impl->create(header)) return failed(path, "the recording cannot be begun");
+  return std::unique_ptr<RecordFile>(new RecordFile(std::move(impl)));
+}
+
+Result<std::int64_t> RecordFile::add_picture(std::span<const std::byte> pixels, bool compress) {
+  Impl& m = *impl_;
+  const auto packed = compress ? m.packer.pack(pixels) : std::span<const std::byte>{};
+  const auto chunk = packed.empty() ? pixels : packed;
+  const std::array<hsize_t, 3> extent{m.picture_count + 1, m.height, m.columns};
+  const std::array<hsize_t, 3> at{m.picture_count, 0, 0};
+  errno = 0;
+  if (H5Dset_extent(m.pictures, extent.data()) < 0 ||
+      H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kAsItIs : kDeflated, at.data(),
+                     chunk.size(), chunk.data()) < 0) {
+    return failed(m.path, "a picture cannot be written");
+  }
+  return std::int64_t(m.picture_count++);
+}
+
+void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
+                           std::span<const float> coefficients) {
+  Impl& m = *impl_;
+  frame.first_spot = m.first_spot;
+  frame.first_coefficient = m.first_coefficient;
+  frame.spots = std::uint32_t(spots.size());
+  frame.coefficients = std::uint32_t(coefficients.size());
+  m.first_spot += spots.size();
+  m.first_coefficient += coefficients.size();
+  m.new_frames.push_back(frame);
+  m.new_spots.insert(m.new_spots.end(), spots.begin(), spots.end());
+  m.new_coefficients.insert(m.new_coefficients.end(), coefficients.begin(), coefficients.end());
+}
+
+Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,
+                                      std::string_view text) {
+  Impl& m = *impl_;
+  RecordedDocument row;
+  kind.copy(row.kind.data(), row.kind.size() - 1);
+  sha256.copy(row.sha256.data(), row.sha256.size());
+  row.from_frame = frames();
+  row.first_byte = m.text.rows();
+  row.bytes = text.size();
+  errno = 0;
+  if (!m.text.append(std::span(text.data(), text.size()), H5T_STD_U8LE)) {
+    return failed(m.path, "a document cannot be written");
+  }
+  m.new_documents.push_back(row);
+  return {};
+}
+
+std::uint64_t RecordFile::frames() const {
+  return impl_->frames.rows() + impl_->new_frames.size();
+}
+std::uint64_t RecordFile::pictures() const {
+  return impl_->picture_count;
+}
+std::uint64_t RecordFile::bytes() const {
+  std::error_code failed;  // also of the file that was closed
+  const std::uintmax_t size = std::filesystem::file_size(impl_->path, failed);
+  return failed ? 0 : size;
+}
+
+/// The rows of frames come last: what they name is there by then.
+Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
+  Impl& m = *impl_;
+  errno = 0;
+  const bool added =
+      m.text.flush() &&
+      m.documents.append(std::span<const RecordedDocument>(m.new_documents), m.document_type) &&
+      m.documents.flush() && H5Dflush(m.pictures) >= 0 &&
+      m.spots.append(std::span<const RecordedSpot>(m.new_spots), m.spot_type) && m.spots.flush() &&
+      m.coefficients.append(std::span<const float>(m.new_coefficients), H5T_IEEE_F32LE) &&
+      m.coefficients.flush() &&
+      m.frames.append(std::span<const RecordedFrame>(m.new_frames), m.frame_type) &&
+      m.frames.flush();
+  if (!added) return failed(m.path, "the recording cannot be written");
+  m.new_documents.clear();
+  m.new_spots.clear();
+  m.new_coefficients.clear();
+  m.new_frames.clear();
+  RecordedSummary now{m.frames.rows(), frames_dropped, m.picture_count, pictures_dropped, utc_ns()};
+  if (!m.write_summary(now)) return failed(m.path, "the recording cannot be written");
+  return {};
+}
+
+Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
+  if (auto flushed = flush(frames_dropped, pictures_dropped); !flushed) return flushed;
+  Impl& m = *impl_;
+  RecordedSummary last{m.frames.rows(),  frames_dropped, m.picture_count,
+                       pictures_dropped, utc_ns(),       1};
+  errno = 0;
+  const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
+                      m.frames.close() && m.spots.close() && m.coefficients.close() &&
+                      m.documents.close() && m.text.close() && m.file.close();
+  if (!closed) return failed(m.path, "the recording cannot be closed");
+  return {};
+}
+
+}  // namespace ovws

@@ -1,0 +1,151 @@
+"""Recordings: what is in the file is what was published, whatever ends the recording.
+
+    OVWS_RECORD_KILLS=50   of the daemon while it records
+"""
+import hashlib
+import json
+import os
+import random
+import time
+
+import numpy
+from case import BenchCase, main, wait_for
+from ovws_client.recording import Recording
+
+KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
+
+
+class Record(BenchCase):
+    daemon_config = {"camera": {"frame_rate_hz": 100}, "record": {"directory": "recordings"}}
+    twin_config = {"noise": "pool"}
+
+    def record(self, name, seconds, **more):
+        self.call("record.start", {"name": name} | more)
+        time.sleep(seconds)
+        return self.call("record.stop")
+
+    def open(self, name):
+        recording = Recording(self.bench.directory / "recordings" / f"{name}.h5")
+        self.addCleanup(recording.close)
+        return recording
+
+    def check_whole(self, recording):
+        """Everything that a row names is there, and every document is the one of its checksum."""
+        frames = recording.frames
+        self.assertTrue((numpy.diff(frames["frame_id"].astype(int)) - 1 == frames["gap"][1:] + frames["dropped_before"][1:]).all())
+        self.assertTrue((frames["picture"] < len(recording.file["pictures"])).all())
+        self.assertEqual(int(frames["first_spot"][-1] + frames["spots"][-1]) <= len(recording.file["spots"]), True)
+        for row in recording.file["documents"][:]:
+            text = recording._text(row)
+            self.assertEqual(hashlib.sha256(text).hexdigest().encode(), row["sha256"])
+            json.loads(text)
+        for plan_id in numpy.unique(frames["plan_id"]):
+            self.assertEqual(recording.plan(int(numpy.argmax(frames["plan_id"] == plan_id)))["plan_id"], plan_id)
+
+    def test_what_was_published_is_in_the_file(self):
+        self.take_reference(20)
+        numbers = self.stream("wavefront")
+        pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
+        self.settled_frames(numbers, 1)
+        self.call("record.start", {"name": "run"})
+        published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
+        shown = {}
+        while len(shown) < 5:
+            message = pictures.next(2.0)
+            shown[message["frame_id"]] = message["binary"]
+        report = self.call("record.stop")
+        self.assertEqual((report["state"], report["reason"], report["frames_dropped"], report["pictures_dropped"]), ("ended", "record.stop", 0, 0))
+        run = self.open("run")
+        self.check_whole(run)
+        self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": 0, "pictures": len(run.frames),
+                                                            "pictures_dropped": 0, "t_written_ns": 0, "ended": 1})
+        ids = list(run.frames["frame_id"])
+        coefficients = run.coefficients()
+        compared = 0
+        for frame_id, message in published.items():
+            if frame_id not in ids:
+                continue  # before the first, or after the last
+            row = ids.index(frame_id)
+            self.assertEqual([numpy.float32(c) for c in message["coefficients"]], list(coefficients[row]))
+            self.assertEqual(int(run.frames["t_arrival_ns"][row]), message["t_arrival_ns"])
+            self.assertEqual(run.frames["gain_db"][row], message["gain_db"])
+            compared += 1
+        self.assertGreater(compared, 100)
+        held = [frame_id for frame_id in shown if frame_id in ids]
+        self.assertTrue(held)
+        for frame_id in held:
+            self.assertEqual(run.picture(ids.index(frame_id)).tobytes(), bytes(shown[frame_id]))
+        self.assertEqual(run.modes(0), next(iter(published.values()))["j"])
+        self.assertEqual(run.plan(0)["reference_px"], self.call("reference.get")["positions_px"])
+        self.assertEqual(next(run.documents("configuration")), self.call("config.get"))
+        self.assertEqual(run.file["frames"].attrs["unit.exposure_us"], b"us")
+        print(f"\n  {len(ids)} frames, {report['bytes'] / len(ids) / 1024:.0f} KiB each; {compared} compared with the stream")
+
+    def test_it_ends_as_asked_and_only_plain_names_are_taken(self):
+        for name in ("../x", "a/b", "", ".hidden", "-x", "x" * 101, "a\n"):
+            self.assertEqual(self.refused("record.start", {"name": name}).data["field"], "name", name)
+        self.assertIn("nothing is being recorded", str(self.refused("record.stop")))
+        self.call("record.start", {"name": "short", "limit_s": 0.5, "pictures_every": 10})
+        self.assertIn("is being recorded", str(self.refused("record.start", {"name": "other"})))
+        ended = wait_for(lambda: (now := self.call("system.status")["record"])["state"] == "ended" and now, what="the limit")
+        self.assertEqual(ended["reason"], "limit_s: 0.5 s")
+        self.assertEqual(self.refused("record.start", {"name": "short"}).data["field"], "name")
+        short = self.open("short")
+        self.check_whole(short)
+        with_picture = numpy.flatnonzero(short.frames["picture"] >= 0)
+        self.assertTrue((numpy.diff(with_picture) == 10).all(), with_picture)
+        self.assertEqual(self.record("bare", 0.3, pictures_every=0)["pictures"], 0)
+        self.assertGreater(len(self.open("bare").frames), 10)
+
+    def test_another_image_ends_it_and_changes_of_the_sensor_do_not(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "changes"})
+        hologram_id = self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})["hologram_id"]
+        self.settled_frames(self.stream("wavefront"), 2, hologram_id)
+        self.call("sensor.set", {"subapertures_across": 7})
+        self.settled_frames_of(37)
+        self.call("camera.set", {"gain_db": 3.0})
+        time.sleep(0.3)
+        self.call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}})
+        ended = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, what="the end")
+        self.assertIn("the camera's image changed: it is now 480 x 480 Mono8", ended["reason"])
+        changes = self.open("changes")
+        self.check_whole(changes)
+        self.assertEqual(set(changes.frames["spots"]), {19, 37}, changes.summary)
+        self.assertEqual(list(changes.documents("camera"))[-1]["settings"]["gain_db"], 3.0)
+        self.assertIn([{"j": 3, "waves": 0.1}], [plan["aberration"] for plan in changes.documents("plan")])
+
+    def settled_frames_of(self, subapertures):
+        stream = self.stream("wavefront")
+        wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["subapertures"] == subapertures, what="the new sensor")
+
+    def test_a_kill_leaves_all_but_the_last_second(self):
+        random.seed(5)
+        worst_s, frames = 0.0, 0
+        for k in range(KILLS):
+            self.call("record.start", {"name": f"killed-{k}"})
+            begun = time.time()
+            time.sleep(random.uniform(0.3, 2.5))
+            self.bench.process("ovwsd").popen.kill()
+            killed = time.time()
+            self.bench.stop("ovwsd")
+            run = self.open(f"killed-{k}")
+            self.assertEqual(run.summary["ended"], 0)
+            if len(run.frames):
+                self.check_whole(run)
+                for row in (0, len(run.frames) // 2, len(run.frames) - 1):
+                    self.assertEqual(run.picture(row).shape, (512, 512))
+                frames += len(run.frames)
+                last = int(run.frames["t_arrival_ns"][-1]) * 1e-9
+            else:
+                last = begun
+            worst_s = max(worst_s, killed - last)
+            self.client.close()
+            self.start_daemon()
+            self.wait_until("running")
+        print(f"\n  {KILLS} kills: at most {worst_s:.2f} s are lacking, {frames} frames are there")
+        self.assertLess(worst_s, 1.0)
+
+
+if __name__ == "__main__":
+    main()
