@@ -3,6 +3,7 @@
 #include <array>
 
 #include "drivers/aravis/aravis_camera.hpp"
+#include "drivers/replay/replay_camera.hpp"
 #include "drivers/sdl/sdl_display.hpp"
 
 namespace ovws {
@@ -21,6 +22,10 @@ Result<std::unique_ptr<Camera>> open_aravis(const CameraConfig& config) {
   return open_aravis_camera(aravis);
 }
 
+Result<std::unique_ptr<Camera>> open_replay(const CameraConfig& config) {
+  return open_replay_camera(config.id);
+}
+
 Result<std::unique_ptr<Display>> open_sdl(const SlmConfig& config) {
   SdlConfig sdl;
   sdl.output = config.display;
@@ -30,7 +35,8 @@ Result<std::unique_ptr<Display>> open_sdl(const SlmConfig& config) {
   return open_sdl_display(sdl);
 }
 
-constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis}};
+constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis},
+                              Row<CameraConfig, Camera>{"replay", open_replay}};
 constexpr std::array kDisplays{Row<SlmConfig, Display>{"sdl", open_sdl}};
 
 template <class Table>

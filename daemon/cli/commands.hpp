@@ -50,6 +50,7 @@ void add_farfield(CLI::App& app, const Common& common, int& status);
 void add_measure(CLI::App& app, const Common& common, int& status);
 void add_keygen(CLI::App& app, const Common& common, int& status);
 void add_doctor(CLI::App& app, const Common& common, int& status);
+void add_replay(CLI::App& app, const Common& common, int& status);
 void add_study(CLI::App& app, const Common& common, int& status);
 void add_completion(CLI::App& app);
 

@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   add_measure(app, common, status);
   add_keygen(app, common, status);
   add_doctor(app, common, status);
+  add_replay(app, common, status);
   add_study(app, common, status);
   add_completion(app);
   try {

@@ -1,0 +1,246 @@
+/// A frame's measurement depends on its pixels, its plan, where its spots were looked for, and what
+/// was known of its hologram and settings: all of that stands in the file.
+#include "daemon/record/player.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <mutex>
+
+#include "core/pipeline/pipeline.hpp"
+#include "daemon/record/recorded_plan.hpp"
+#include "daemon/thread_plan.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
+constexpr int kPatienceUs = 5'000'000;
+
+/// Gives one frame when it is told to.
+class SteppedCamera final : public Camera {
+ public:
+  explicit SteppedCamera(RecordingReader& reader)
+      : header_(reader.header()), pixels_(reader.picture_bytes()) {}
+
+  std::span<std::byte> pixels() { return pixels_; }
+  void give(const RecordedFrame& frame) {
+    const std::lock_guard lock(mutex_);
+    next_ = frame;
+    given_.notify_one();
+  }
+
+  const CameraInfo& info() const override { return info_; }
+  Result<CameraLimits> limits() override { return CameraLimits{}; }
+  Result<CameraSettings> apply(const CameraSettings& wanted) override { return wanted; }
+  Result<void> start() override { return {}; }
+  void stop() override {}
+  bool alive() const override { return true; }
+  int buffer_count() const override { return 1; }
+  void release(int) OVWS_NONBLOCKING override {}
+
+  GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) override {
+    std::unique_lock lock(mutex_);
+    if (!given_.wait_for(lock, timeout, [this] { return next_.has_value(); })) {
+      return GrabStatus::timeout;
+    }
+    out.image = {pixels_.data(), header_.width, header_.height,
+                 std::ptrdiff_t(row_bytes(header_.format, header_.width)), header_.format};
+    // Counted anew: a camera that has been opened again may count from 0.
+    out.frame_id = ++count_;
+    out.t_device_ns = 0;
+    out.t_arrival_ns = next_->t_arrival_ns;
+    out.t_arrival_mono_ns = next_->t_arrival_mono_ns;
+    out.slot = 0;
+    next_.reset();
+    return GrabStatus::frame;
+  }
+
+ private:
+  const RecordingHeader& header_;
+  CameraInfo info_;
+  std::vector<std::byte> pixels_;
+  std::mutex mutex_;
+  std::condition_variable given_;
+  std::optional<RecordedFrame> next_;
+  std::uint64_t count_ = 0;
+};
+
+bool same_bits(float a, float b) {
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+/// Left-justified words as the frame path would have seen them.
+void justify(std::span<std::byte> pixels, int bits) {
+  for (std::size_t i = 0; bits > 0 && i + 1 < pixels.size(); i += 2) {
+    std::uint16_t word = 0;
+    std::memcpy(&word, &pixels[i], sizeof(word));
+    word = std::uint16_t(word >> bits);
+    std::memcpy(&pixels[i], &word, sizeof(word));
+  }
+}
+
+bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
+          std::span<const float> coefficients) {
+  if (now.spot_count != int(spots.size()) || now.mode_count != int(coefficients.size()) ||
+      now.settled != (then.settled != 0) || now.valid != (then.valid != 0) ||
+      now.explained != (then.explained != 0)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const SpotFix& spot = now.spots[i];
+    if (!same_bits(spot.x, spots[i].x) || !same_bits(spot.y, spots[i].y) ||
+        !same_bits(spot.quality, spots[i].quality)) {
+      return false;
+    }
+  }
+  return std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(), same_bits);
+}
+
+}  // namespace
+
+struct Player::Impl {
+  std::unique_ptr<RecordingReader> reader;
+  RecordedPlans plans;
+  SteppedCamera camera;
+  Counters counters;
+  LatestValue<ShownHologram> shown;
+  LatestValue<AppliedSettings> settings;
+  Pipeline pipeline{{0, 8}, {counters, shown, settings}};
+  ThreadPlan threads{RealtimePolicy::ignore};
+  std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;  ///< by the recording's number
+  const MeasurementPlan* plan = nullptr;                           ///< in use
+  std::uint64_t plan_id = 0;                                       ///< its number in the recording
+  std::uint64_t next_plan_id = 1;
+  std::string why_no_plan;
+  std::size_t next = 0;
+  bool goes_on = false;  ///< the frame before was replayed
+
+  Impl(std::unique_ptr<RecordingReader> opened, RecordedPlans found)
+      : reader(std::move(opened)), plans(std::move(found)), camera(*reader) {}
+
+  void use_plan(std::uint64_t id);
+  void tell(const RecordedFrame& frame);
+  Result<void> measure(PlayedFrame& frame);
+};
+
+/// A loop goes from plan to plan: the pipeline wants numbers that rise, so none is used twice.
+void Player::Impl::use_plan(std::uint64_t id) {
+  if (plan != nullptr && id == plan_id) return;
+  auto built = plans.make(id);
+  plan_id = id;
+  plan = nullptr;
+  why_no_plan.clear();
+  if (!built) {
+    why_no_plan = built.error().reason;
+    return;
+  }
+  (*built)->id = next_plan_id++;
+  pipeline.use_plan(built->get());
+  plan = built->get();
+  made[plan->id] = std::move(*built);
+  std::erase_if(made, [&](const auto& one) {
+    return one.first < pipeline.oldest_plan_in_use() && one.second.get() != plan;
+  });
+}
+
+/// The frame path's own rules come to the verdicts that stand in the file.
+void Player::Impl::tell(const RecordedFrame& frame) {
+  AppliedSettings applied;
+  applied.gain_db = applied.previous_gain_db = frame.gain_db;
+  applied.exposure_us = applied.previous_exposure_us = frame.exposure_us;
+  applied.roi = plan->roi;
+  applied.t_previous_end_mono_ns = ShownHologram::kNever;
+  applied.t_write_begin_mono_ns = kLongAgo;
+  applied.t_write_end_mono_ns = frame.settings_known != 0 ? kLongAgo : ShownHologram::kNever;
+  settings.write(applied);
+  ShownHologram now;
+  now.healthy = true;
+  now.current.hologram_id = frame.hologram_id;
+  now.current.sensor_epoch = frame.settled != 0 ? plan->sensor_epoch : 0;
+  now.current.t_begin_mono_ns = kLongAgo;
+  now.current.t_settled_mono_ns = frame.still != 0 ? kLongAgo : ShownHologram::kNever;
+  shown.write(now);
+}
+
+Result<void> Player::Impl::measure(PlayedFrame& frame) {
+  auto spots = reader->spots(frame.recorded);
+  if (!spots) return fail(spots.error());
+  const auto coefficients = reader->coefficients(frame.recorded);
+  if (!coefficients) return fail(coefficients.error());
+  if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
+  justify(camera.pixels(), frame.recorded.left_justified_bits);
+  if (spots->size() != plan->predicted_px.size()) {
+    frame.reason = "it has not the spots of its plan";
+    return {};
+  }
+  if (!goes_on || frame.recorded.dropped_before > 0) {
+    std::vector<SpotStart> starts;
+    for (const RecordedSpot& spot : *spots) {
+      starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
+    }
+    pipeline.resume(*plan, starts);
+  }
+  tell(frame.recorded);
+  camera.give(frame.recorded);
+  FrameRecord* const record = pipeline.next(kPatienceUs);
+  if (record == nullptr) {
+    frame.reason = "its picture is not that of its plan";
+    return {};
+  }
+  frame.replayed = true;
+  frame.same = same(*record, frame.recorded, *spots, *coefficients);
+  frame.valid = record->valid;
+  frame.modes_j = plan->reconstructor->modes_j();
+  frame.coefficients.assign(record->coefficients.begin(),
+                            record->coefficients.begin() + record->mode_count);
+  pipeline.release(record);
+  return {};
+}
+
+Player::Player(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Player::~Player() {
+  (void)impl_->pipeline.detach();
+  (void)impl_->threads.stop_all(kPatienceUs * 1e-6);
+}
+
+Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
+  auto reader = RecordingReader::open(path);
+  if (!reader) return fail(reader.error());
+  auto plans = RecordedPlans::of(**reader);
+  if (!plans) return fail(plans.error());
+  auto impl = std::make_unique<Impl>(std::move(*reader), std::move(*plans));
+  auto started = impl->threads.start(ThreadRole::acquire, impl->pipeline.acquisition());
+  if (!started) return fail(started.error());
+  auto attached = impl->pipeline.attach(impl->camera);
+  std::unique_ptr<Player> player(new Player(std::move(impl)));
+  if (!attached) return fail(attached.error());
+  return player;
+}
+
+RecordingReader& Player::reader() {
+  return *impl_->reader;
+}
+
+Result<std::optional<PlayedFrame>> Player::step() {
+  Impl& m = *impl_;
+  if (m.next == m.reader->frames().size()) return std::nullopt;
+  PlayedFrame frame;
+  frame.recorded = m.reader->frames()[m.next++];
+  if (frame.recorded.picture < 0) {
+    frame.reason = "it has no picture";
+  } else {
+    m.use_plan(frame.recorded.plan_id);
+    if (m.plan == nullptr) frame.reason = m.why_no_plan;
+  }
+  if (frame.reason.empty()) {
+    if (auto measured = m.measure(frame); !measured) return fail(measured.error());
+  }
+  m.goes_on = frame.replayed;
+  return frame;
+}
+
+}  // namespace ovws

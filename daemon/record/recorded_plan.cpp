@@ -1,0 +1,144 @@
+#include "daemon/record/recorded_plan.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/reference_file.hpp"
+#include "daemon/reference_templates.hpp"
+#include "daemon/store/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMostSide = 1 << 16;
+
+tl::unexpected<Error> unfit(const std::string& reason) {
+  return fail(Errc::invalid, "path", "a plan of the recording " + reason);
+}
+
+std::vector<Vec2> points(const json& all) {
+  std::vector<Vec2> out;
+  for (const json& point : all) {
+    out.push_back({point.at(0).get<double>(), point.at(1).get<double>()});
+  }
+  return out;
+}
+
+Eigen::MatrixXd matrix(const json& rows, std::size_t columns) {
+  Eigen::MatrixXd out(Eigen::Index(rows.size()), Eigen::Index(columns));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      out(Eigen::Index(r), Eigen::Index(c)) = rows.at(r).at(c).get<double>();
+    }
+  }
+  return out;
+}
+
+SpotModel spot_model(const json& plan) {
+  const json& lit = plan.at("lit");
+  return {plan.at("charge").get<int>(),
+          plan.at("lambda_d_px").get<double>(),
+          {{lit.at("step").get<int>(), lit.at("x").get<int>(), lit.at("y").get<int>()},
+           lit.at("diagonal").get<bool>()}};
+}
+
+/// What the parts must have in common, and what later code relies on.
+Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vector<int>& modes_j) {
+  const std::size_t spots = plan.predicted_px.size();
+  const auto as_many = [&](const std::vector<Vec2>& all) {
+    return all.empty() || all.size() == spots;
+  };
+  if (spots == 0 || spots > std::size_t(kMaxSubapertures) || !as_many(plan.search_px) ||
+      !as_many(plan.reference_px) || rows.size() != 2 * spots) {
+    return unfit("has parts of different numbers of spots");
+  }
+  if (modes_j.empty() || modes_j.size() > std::size_t(kMaxZernikeIndex)) {
+    return unfit("has too many modes, or none");
+  }
+  const PixelLattice& lit = plan.spots.lit.lattice;
+  if (plan.roi.width < 1 || plan.roi.width > kMostSide || plan.roi.height < 1 ||
+      plan.roi.height > kMostSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
+      lit.y < 0 || lit.y > 1) {
+    return unfit("is of no image");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
+  auto all = reader.documents();
+  if (!all) return fail(all.error());
+  RecordedPlans plans;
+  for (RecordedText& one : *all) {
+    if (sha256_hex(one.text) != one.sha256) {
+      return fail(Errc::invalid, "path", "a document of the recording is damaged: " + one.kind);
+    }
+    if (one.kind == "plan") {
+      const json plan = json::parse(one.text, nullptr, false);
+      const bool known =
+          plan.is_object() && plan.contains("plan_id") && plan["plan_id"].is_number_unsigned();
+      if (!known) return unfit("has no number");
+      plans.plans_[plan["plan_id"].get<std::uint64_t>()] = one.text;
+    }
+    plans.documents_[one.sha256] = std::move(one.text);
+  }
+  return plans;
+}
+
+/// Strictly what plan_facts.cpp writes: anything else ends in an exception of the JSON library.
+static Result<std::unique_ptr<MeasurementPlan>> read(
+    const json& from, const std::map<std::string, std::string>& documents) {
+  if (!from.at("torn").empty()) {
+    return fail(Errc::refused, "path", "the shapes of torn spots are not in a recording");
+  }
+  auto plan = std::make_unique<MeasurementPlan>();
+  plan->id = from.at("plan_id").get<std::uint64_t>();
+  plan->sensor_epoch = from.at("sensor_epoch").get<std::uint64_t>();
+  plan->hologram_id = from.at("hologram_id").get<std::uint64_t>();
+  plan->charge = from.at("charge").get<int>();
+  const json& roi = from.at("roi");
+  plan->roi = {roi.at("x").get<int>(), roi.at("y").get<int>(), roi.at("width").get<int>(),
+               roi.at("height").get<int>()};
+  const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
+  const auto tracker = tracker_from_name(from.at("tracker").get<std::string>());
+  if (!format || !tracker) return unfit("is of a tracker or format that this program lacks");
+  plan->format = *format;
+  plan->tracker_kind = *tracker;
+  plan->spots = spot_model(from);
+  plan->predicted_px = points(from.at("predicted_px"));
+  plan->search_px = points(from.at("search_px"));
+  plan->reference_px = points(from.at("reference_px"));
+  const json op = json::parse(documents.at(from.at("operator").get<std::string>()));
+  const auto modes_j = op.at("j").get<std::vector<int>>();
+  if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
+  plan->reconstructor = std::make_unique<Reconstructor>(
+      matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px);
+  TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
+  std::vector<std::shared_ptr<const TemplateBank>> own;
+  if (from.at("own_templates").get<int>() > 0) {
+    tracking.templates = TemplateKind::reference;
+    const auto reference =
+        reference_from(json::parse(documents.at(from.at("reference").get<std::string>())));
+    if (!reference) return fail(reference.error());
+    own = own_templates(tracking, plan->spots, &*reference).banks;
+  }
+  auto made = make_tracker(tracking, plan->spots, std::move(own));
+  if (!made) return fail(made.error());
+  plan->tracker = std::move(*made);
+  return plan;
+}
+
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) const {
+  const auto found = plans_.find(plan_id);
+  if (found == plans_.end()) return unfit("is not in it: " + std::to_string(plan_id));
+  try {
+    return read(json::parse(found->second), documents_);
+  } catch (const std::exception& error) {  // of the JSON library, or of a map without the document
+    return unfit(std::string("cannot be read: ") + error.what());
+  }
+}
+
+}  // namespace ovws

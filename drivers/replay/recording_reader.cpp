@@ -1,0 +1,308 @@
+/// Types, shapes and sizes first: HDF5 is asked for nothing that would not fit.
+#include "drivers/replay/recording_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "drivers/hdf5/types.hpp"
+#include "drivers/replay/picture_unpacker.hpp"
+
+namespace ovws {
+namespace {
+
+using hdf5::Handle;
+
+constexpr hsize_t kMostFrames = 1 << 24;  // nine hours at 500 a second
+constexpr hsize_t kMostRows = hsize_t(1) << 34;
+constexpr hsize_t kMostChunkBytes = 64 << 20;
+constexpr hsize_t kMostDocuments = 1 << 20;
+constexpr std::uint64_t kMostTextBytes = 1 << 30;  // of all documents
+constexpr std::uint32_t kMostParts = 4096;         // of a frame: spots, coefficients
+constexpr int kMostSide = 1 << 16;
+constexpr std::size_t kMostAttribute = 256;  // bytes
+
+/// One dataset of one dimension.
+struct Rows {
+  Handle set;
+  hsize_t count = 0;
+};
+
+bool read_attribute(hid_t file, const char* name, hid_t type, void* value) {
+  const Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute) return false;
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  return space && H5Sget_simple_extent_npoints(space) == 1 && stored &&
+         H5Tget_class(stored) == H5Tget_class(type) && H5Aread(attribute, type, value) >= 0;
+}
+
+bool read_attribute(hid_t file, const char* name, std::string& text) {
+  const Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute) return false;
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  if (!space || H5Sget_simple_extent_npoints(space) != 1 || !stored ||
+      H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0) {
+    return false;
+  }
+  const std::size_t size = H5Tget_size(stored);
+  if (size == 0 || size > kMostAttribute) return false;
+  text.assign(size, '\0');
+  if (H5Aread(attribute, stored, text.data()) < 0) return false;
+  text.resize(std::strlen(text.c_str()));
+  return true;
+}
+
+/// False unless it is there, of this very type, and of chunks that fit into memory.
+bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t most,
+               Rows& out) {
+  out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  if (!out.set) return false;
+  const Handle stored(H5Dget_type(out.set), H5Tclose);
+  const Handle space(H5Dget_space(out.set), H5Sclose);
+  const Handle layout(H5Dget_create_plist(out.set), H5Pclose);
+  if (!stored || !space || !layout || H5Tequal(stored, type) <= 0 ||
+      H5Sget_simple_extent_ndims(space) != 1 || H5Pget_nfilters(layout) != 0 ||
+      H5Pget_external_count(layout) != 0) {
+    return false;
+  }
+  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > most) return false;
+  if (H5Pget_layout(layout) != H5D_CHUNKED) return H5Pget_layout(layout) == H5D_CONTIGUOUS;
+  hsize_t chunk = 0;
+  return H5Pget_chunk(layout, 1, &chunk) == 1 && chunk <= kMostChunkBytes / row_bytes;
+}
+
+bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void* out) {
+  if (count == 0) return true;
+  if (first > rows.count || count > rows.count - first) return false;
+  const Handle space(H5Dget_space(rows.set), H5Sclose);
+  const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  return space && memory &&
+         H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &count, nullptr) >= 0 &&
+         H5Dread(rows.set, type, memory, space, H5P_DEFAULT, out) >= 0;
+}
+
+template <std::size_t N>
+std::string text_of(const std::array<char, N>& text) {
+  return {text.begin(), std::find(text.begin(), text.end(), '\0')};
+}
+
+}  // namespace
+
+struct RecordingReader::Impl {
+  std::string path;
+  Handle frame_type = hdf5::row_type(kFrameFields, sizeof(RecordedFrame));
+  Handle spot_type = hdf5::row_type(kSpotFields, sizeof(RecordedSpot));
+  Handle document_type = hdf5::row_type(kDocumentFields, sizeof(RecordedDocument));
+  Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
+  Handle file;
+  Handle pictures;
+  hsize_t picture_count = 0;
+  Rows spots, coefficients, text, documents;
+  RecordingHeader header;
+  RecordedSummary summary;
+  std::vector<RecordedFrame> frames;
+  std::vector<std::byte> packed;
+  PictureUnpacker unpacker;
+
+  tl::unexpected<Error> unfit(const std::string& what) const {
+    return fail(Errc::invalid, "path", path + ": " + what);
+  }
+  bool open_file();
+  bool read_header();
+  bool open_pictures();
+  bool open_tables();
+  bool read_frames();
+  bool is_whole(const RecordedFrame& frame) const;
+};
+
+/// The way of SWMR: the flags that a writer which was killed has left in the file are no obstacle.
+bool RecordingReader::Impl::open_file() {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
+  return bool(file);
+}
+
+bool RecordingReader::Impl::read_header() {
+  std::string schema, format;
+  if (!read_attribute(file, "schema", schema) || schema != kRecordingSchema) return false;
+  const bool read =
+      read_attribute(file, "program", header.program) &&
+      read_attribute(file, "pixel_format", format) &&
+      read_attribute(file, "camera_vendor", header.vendor) &&
+      read_attribute(file, "camera_model", header.model) &&
+      read_attribute(file, "camera_serial", header.serial) &&
+      read_attribute(file, "t_begin_ns", H5T_NATIVE_INT64, &header.t_begin_ns) &&
+      read_attribute(file, "roi_x", H5T_NATIVE_INT, &header.x) &&
+      read_attribute(file, "roi_y", H5T_NATIVE_INT, &header.y) &&
+      read_attribute(file, "width", H5T_NATIVE_INT, &header.width) &&
+      read_attribute(file, "height", H5T_NATIVE_INT, &header.height) &&
+      read_attribute(file, "pictures_every", H5T_NATIVE_INT, &header.pictures_every) &&
+      read_attribute(file, "frame_rate_hz", H5T_NATIVE_DOUBLE, &header.frame_rate_hz) &&
+      read_attribute(file, "wavelength_nm", H5T_NATIVE_DOUBLE, &header.wavelength_nm);
+  const auto known = pixel_format_from_name(format);
+  if (!read || !known) return false;
+  header.format = *known;
+  return header.width > 0 && header.width <= kMostSide && header.height > 0 &&
+         header.height <= kMostSide && header.width % pixels_per_group(header.format) == 0 &&
+         header.frame_rate_hz > 0.0 && header.frame_rate_hz < 1e6;
+}
+
+bool RecordingReader::Impl::open_pictures() {
+  pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
+  if (!pictures) return false;
+  const Handle stored(H5Dget_type(pictures), H5Tclose);
+  const Handle space(H5Dget_space(pictures), H5Sclose);
+  const Handle layout(H5Dget_create_plist(pictures), H5Pclose);
+  const hid_t type = picture_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
+  if (!stored || !space || !layout || H5Tequal(stored, type) <= 0 ||
+      H5Sget_simple_extent_ndims(space) != 3 || H5Pget_layout(layout) != H5D_CHUNKED) {
+    return false;
+  }
+  std::array<hsize_t, 3> size{}, chunk{};
+  if (H5Sget_simple_extent_dims(space, size.data(), nullptr) != 3 ||
+      H5Pget_chunk(layout, 3, chunk.data()) != 3) {
+    return false;
+  }
+  picture_count = size[0];
+  const std::array<hsize_t, 3> one{1, hsize_t(header.height),
+                                   hsize_t(picture_columns(header.format, header.width))};
+  return chunk == one && size[1] == one[1] && size[2] == one[2];
+}
+
+bool RecordingReader::Impl::open_tables() {
+  Rows last;
+  if (!open_rows(file, "summary", summary_type, sizeof(RecordedSummary), 1, last) ||
+      !read_rows(last, summary_type, 0, 1, &summary)) {
+    return false;
+  }
+  return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMostRows, spots) &&
+         open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMostRows, coefficients) &&
+         open_rows(file, "documents", document_type, sizeof(RecordedDocument), kMostDocuments,
+                   documents) &&
+         open_rows(file, "text", H5T_STD_U8LE, 1, kMostTextBytes, text);
+}
+
+bool RecordingReader::Impl::is_whole(const RecordedFrame& frame) const {
+  const auto fits = [](std::uint64_t first, std::uint32_t count, hsize_t all) {
+    return count <= kMostParts && first <= all && count <= all - first;
+  };
+  return fits(frame.first_spot, frame.spots, spots.count) &&
+         fits(frame.first_coefficient, frame.coefficients, coefficients.count) &&
+         frame.picture >= -1 && frame.picture < std::int64_t(picture_count) &&
+         frame.left_justified_bits < 16;
+}
+
+bool RecordingReader::Impl::read_frames() {
+  Rows rows;
+  if (!open_rows(file, "frames", frame_type, sizeof(RecordedFrame), kMostFrames, rows)) {
+    return false;
+  }
+  frames.resize(rows.count);
+  return read_rows(rows, frame_type, 0, rows.count, frames.data());
+}
+
+RecordingReader::RecordingReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RecordingReader::~RecordingReader() = default;
+
+Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
+  hdf5::be_quiet();
+  H5PLset_loading_state(0);  // no filter of a file's choice
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  if (!impl->open_file()) {
+    return fail(Errc::unavailable, "path",
+                path + ": cannot be opened as HDF5; is the path right, and is it a recording?");
+  }
+  if (!impl->read_header()) {
+    return impl->unfit(std::string("is no recording of schema ") + kRecordingSchema);
+  }
+  // Frames first: of a recording that goes on, all that these name is there by now.
+  if (!impl->read_frames()) return impl->unfit("its frames are not as they should be");
+  if (!impl->open_pictures()) return impl->unfit("its pictures are not as they should be");
+  if (!impl->open_tables()) return impl->unfit("its tables are not as they should be");
+  const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
+                                 [&](const RecordedFrame& one) { return impl->is_whole(one); });
+  if (!whole) return impl->unfit("a frame names what is not there");
+  return std::unique_ptr<RecordingReader>(new RecordingReader(std::move(impl)));
+}
+
+const RecordingHeader& RecordingReader::header() const {
+  return impl_->header;
+}
+const RecordedSummary& RecordingReader::summary() const {
+  return impl_->summary;
+}
+const std::vector<RecordedFrame>& RecordingReader::frames() const {
+  return impl_->frames;
+}
+std::size_t RecordingReader::picture_bytes() const {
+  return row_bytes(impl_->header.format, impl_->header.width) * std::size_t(impl_->header.height);
+}
+
+Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& frame) {
+  std::vector<RecordedSpot> all(frame.spots);
+  if (!read_rows(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
+    return impl_->unfit("spots of a frame cannot be read");
+  }
+  return all;
+}
+
+Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& frame) {
+  std::vector<float> all(frame.coefficients);
+  if (!read_rows(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
+                 all.data())) {
+    return impl_->unfit("coefficients of a frame cannot be read");
+  }
+  return all;
+}
+
+Result<void> RecordingReader::picture(const RecordedFrame& frame, std::span<std::byte> out) {
+  Impl& m = *impl_;
+  const std::array<hsize_t, 3> at{hsize_t(std::max<std::int64_t>(frame.picture, 0)), 0, 0};
+  hsize_t bytes = 0;
+  std::uint32_t left_out = 0;
+  if (frame.picture < 0 || out.size() != picture_bytes() ||
+      H5Dget_chunk_storage_size(m.pictures, at.data(), &bytes) < 0 || bytes == 0 ||
+      bytes > out.size()) {
+    return m.unfit("a picture is missing");
+  }
+  m.packed.resize(bytes);
+  if (H5Dread_chunk(m.pictures, H5P_DEFAULT, at.data(), &left_out, m.packed.data()) < 0) {
+    return m.unfit("a picture cannot be read");
+  }
+  if (left_out != 0) {
+    if (bytes != out.size()) return m.unfit("a picture is not whole");
+    std::memcpy(out.data(), m.packed.data(), bytes);
+  } else if (!m.unpacker.unpack(m.packed, out)) {
+    return m.unfit("a picture is damaged");
+  }
+  return {};
+}
+
+Result<std::vector<RecordedText>> RecordingReader::documents() {
+  Impl& m = *impl_;
+  std::vector<RecordedDocument> rows(m.documents.count);
+  if (!read_rows(m.documents, m.document_type, 0, m.documents.count, rows.data())) {
+    return m.unfit("documents cannot be read");
+  }
+  std::vector<RecordedText> all;
+  std::uint64_t bytes = 0;
+  for (const RecordedDocument& row : rows) {
+    bytes += std::min(row.bytes, kMostTextBytes);
+    if (bytes > kMostTextBytes || row.bytes > m.text.count)
+      return m.unfit("a document is too long");
+    RecordedText one{text_of(row.kind), text_of(row.sha256), row.from_frame,
+                     std::string(row.bytes, '\0')};
+    if (!read_rows(m.text, H5T_STD_U8LE, row.first_byte, row.bytes, one.text.data())) {
+      return m.unfit("a document cannot be read");
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+}  // namespace ovws

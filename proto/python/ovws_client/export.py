@@ -1,0 +1,144 @@
+"""Recordings for other programs: FITS, CSV and NumPy.
+
+    python3 -m ovws_client.export run-1.h5 --csv run-1.csv --npz run-1.npz --fits run-1.fits [--pictures]
+
+FITS (needs astropy; Debian: python3-astropy) follows the layout of the Adaptive Optics Telemetry standard (AOT 1.0) as far as it
+applies: AOT_TIME, AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to; the other mandatory tables are there
+and have no rows, for a bench has no telescope, sky or stars. What AOT has no place for is in images of their own: COEFFICIENTS.
+"""
+import argparse
+import datetime
+
+import numpy
+
+from .recording import Recording
+
+FRAME_COLUMNS = ("frame_id", "t_arrival_ns", "hologram_id", "valid", "settled", "tracked", "gain_db", "exposure_us", "rms_waves", "fit_residual_px")
+EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES", "AOT_SCORING_CAMERAS", "AOT_WAVEFRONT_CORRECTORS", "AOT_LOOPS")
+
+
+def good_coefficients(run):
+    """frames x modes, waves; NaN in frames that are not valid."""
+    coefficients = run.coefficients().copy()
+    coefficients[run.frames["valid"] == 0] = numpy.nan
+    return coefficients
+
+
+def to_csv(run, path):
+    """One line a frame: its stamps and settings, then j1, j2, … in waves; empty where they are not valid."""
+    names = [f"j{j}" for j in run.modes(0)] if len(run.frames) else []
+    with open(path, "w", encoding="ascii") as out:
+        print(*FRAME_COLUMNS, *names, sep=",", file=out)
+        for row, coefficients in zip(run.frames, good_coefficients(run)):
+            print(*(row[name] for name in FRAME_COLUMNS), *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
+
+
+def to_npz(run, path):
+    """Arrays `frames`, `spots`, `coefficients`, `j`."""
+    numpy.savez_compressed(path, frames=run.frames, spots=run.spots(), coefficients=good_coefficients(run), j=numpy.array(run.modes(0)))
+
+
+def _table(fits, name, columns):
+    return fits.BinTableHDU.from_columns([fits.Column(name=key, format=form, unit=unit, array=value) for key, form, unit, value in columns], name=name)
+
+
+def _one(value):
+    """An array of variable length as the only row."""
+    rows = numpy.empty(1, dtype=object)
+    rows[0] = value
+    return rows
+
+
+def _time(ns):
+    return datetime.datetime.fromtimestamp(ns * 1e-9, datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%S.%f")[:-3]
+
+
+def _tables(fits, run, pictures):
+    frames, attributes, plan = run.frames, run.attributes, run.plan(0)
+    text = lambda value: numpy.array([value])
+    yield _table(fits, "AOT_TIME", [
+        ("UID", "16A", None, text("frames")),
+        ("TIMESTAMPS", "QD()", "s", _one(frames["t_arrival_ns"] * 1e-9)),
+        ("FRAME_NUMBERS", "QK()", "count", _one(frames["frame_id"].astype(numpy.int64)))])
+    for name in EMPTY_TABLES:
+        yield _table(fits, name, [("UID", "16A", None, numpy.array([], dtype="U16"))])
+    yield _table(fits, "AOT_SOURCES", [("UID", "16A", None, text("laser")), ("TYPE", "32A", None, text("Natural Guide Star"))])
+    yield _table(fits, "AOT_DETECTORS", [
+        ("UID", "16A", None, text("camera")),
+        ("TYPE", "64A", None, text(f"{attributes['camera_vendor']} {attributes['camera_model']}")),
+        ("PIXEL_INTENSITIES", "32A", None, text("INTREF<PICTURES>" if pictures else "")),
+        ("INTEGRATION_TIME", "D", "s", numpy.array([frames["exposure_us"][0] * 1e-6])),
+        ("FRAME_RATE", "D", "Hz", numpy.array([attributes["frame_rate_hz"]]))])
+    yield _table(fits, "AOT_WAVEFRONT_SENSORS", [
+        ("UID", "16A", None, text("sensor")),
+        ("TYPE", "32A", None, text("Shack-Hartmann")),
+        ("SOURCE_UID", "32A", None, text("ROWREF<laser>")),
+        ("DIMENSIONS", "K", "count", numpy.array([2])),
+        ("N_VALID_SUBAPERTURES", "K", "count", numpy.array([len(plan["predicted_px"])])),
+        ("MEASUREMENTS", "32A", None, text("INTREF<SPOTS>")),
+        ("REF_MEASUREMENTS", "32A", None, text("INTREF<REFERENCE>" if plan["reference_px"] else "")),
+        ("SUBAPERTURE_INTENSITIES", "32A", None, text("INTREF<LEVELS>")),
+        ("WAVELENGTH", "D", "m", numpy.array([attributes["wavelength_nm"] * 1e-9])),
+        ("DETECTOR_UID", "32A", None, text("ROWREF<camera>"))])
+    yield _table(fits, "AOT_WAVEFRONT_SENSORS_SHACK_HARTMANN", [
+        ("UID", "16A", None, text("sensor")),
+        ("CENTROIDING_ALGORITHM", "64A", None, text(f"{plan['tracker']}, vortices of charge {plan['charge']}"))])
+
+
+def _images(fits, run, pictures):
+    def image(name, data, unit):
+        hdu = fits.ImageHDU(numpy.ascontiguousarray(data), name=name)
+        hdu.header["BUNIT"] = unit
+        hdu.header["TIME_UID"] = "ROWREF<frames>"
+        return hdu
+
+    spots, plan = run.spots(), run.plan(0)
+    yield image("SPOTS", numpy.stack([spots["x"], spots["y"]], axis=1), "pix")
+    yield image("LEVELS", spots["level"], "count")
+    if plan["reference_px"]:
+        reference = image("REFERENCE", numpy.array(plan["reference_px"]).T, "pix")
+        del reference.header["TIME_UID"]
+        yield reference
+    coefficients = image("COEFFICIENTS", good_coefficients(run), "")
+    coefficients.header["BASIS"] = ("zernike-osa-rms", "waves of WAVELENGTH, RMS-normalised")
+    coefficients.header["MODES"] = " ".join(str(j) for j in run.modes(0))
+    yield coefficients
+    if pictures:
+        yield image("PICTURES", numpy.stack([run.picture(frame) for frame in numpy.flatnonzero(run.frames["picture"] >= 0)]), "count")
+
+
+def to_fits(run, path, pictures=False):
+    """A ValueError if the number of subapertures or modes changed during the recording: AOT has one sensor of one size."""
+    from astropy.io import fits
+    header = fits.Header()
+    header["AOT-VERS"] = "1.0.0"
+    header["AO-MODE"] = "SCAO"
+    header["TIMESYS"] = "UTC"
+    header["DATE-BEG"] = _time(int(run.frames["t_arrival_ns"][0]))
+    header["DATE-END"] = _time(int(run.frames["t_arrival_ns"][-1]))
+    header["SYS-NAME"] = run.attributes["program"]
+    header["CONFIG"] = "optical vortex wavefront sensor"
+    fits.HDUList([fits.PrimaryHDU(header=header), *_tables(fits, run, pictures), *_images(fits, run, pictures)]).writeto(path)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m ovws_client.export", description="Recordings for other programs.")
+    parser.add_argument("recording")
+    parser.add_argument("--csv", metavar="FILE", help="one line a frame")
+    parser.add_argument("--npz", metavar="FILE", help="NumPy arrays")
+    parser.add_argument("--fits", metavar="FILE", help="Adaptive Optics Telemetry")
+    parser.add_argument("--pictures", action="store_true", help="the camera's pictures, too, in FITS")
+    options = parser.parse_args(arguments)
+    with Recording(options.recording) as run:
+        if not len(run.frames):
+            parser.exit(1, f"{options.recording}: holds no frames\n")
+        if options.csv:
+            to_csv(run, options.csv)
+        if options.npz:
+            to_npz(run, options.npz)
+        if options.fits:
+            to_fits(run, options.fits, options.pictures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""Replay and export: a recording gives the same numbers again, through the pipeline and in other programs' files."""
+import csv
+import json
+import subprocess
+import sys
+import time
+
+import numpy
+from astropy.io import fits
+from case import ROOT, BenchCase, main, wait_for
+from ovws_client.recording import Recording
+
+
+class Replay(BenchCase):
+    daemon_config = {"camera": {"frame_rate_hz": 100}, "record": {"directory": "recordings"}, "state": {"directory": "state"}}
+    twin_config = {"noise": "pool", "aberration": [{"n": 2, "m": 2, "waves": 0.2}]}
+
+    def path(self, name):
+        return self.bench.directory / "recordings" / f"{name}.h5"
+
+    def open(self, name):
+        recording = Recording(self.path(name))
+        self.addCleanup(recording.close)
+        return recording
+
+    def replay(self, path, *arguments, **more):
+        return subprocess.run([self.bench.programs / "ovws", "--json", "replay", path, *arguments], capture_output=True, text=True, timeout=60, **more)
+
+    def replayed(self, name, *arguments):
+        done = self.replay(self.path(name), *arguments)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout[-300:])
+        return json.loads(done.stdout.splitlines()[-1])
+
+    def test_the_same_numbers_come_out_bit_for_bit(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "still"})
+        time.sleep(1.0)
+        self.call("record.stop")
+        self.assertGreater(self.replayed("still")["frames"], 50)
+        self.assertEqual(len(set(self.replayed("still").values())), 1)  # frames, replayed, same, valid
+        begun = time.monotonic()
+        self.replayed("still", "--speed", "1")
+        self.assertGreater(time.monotonic() - begun, 0.7)
+        stepped = self.replay(self.path("still"), "--step", input="\n\n")
+        self.assertEqual(len(stepped.stdout.splitlines()), 4)  # three frames, and what they come to
+
+        self.call("record.start", {"name": "changes"})
+        stream = self.stream("wavefront")
+        hologram_id = self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.15}]})["hologram_id"]
+        self.settled_frames(stream, 10, hologram_id)
+        self.call("camera.set", {"exposure_us": 1500.0})
+        self.take_reference(20)
+        self.call("sensor.set", {"tracker": "matched"})
+        self.take_reference(10)
+        self.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
+        self.call("camera.set", {"exposure_us": 500.0})
+        self.take_reference(10)
+        self.settled_frames(stream, 10)
+        self.call("record.stop")
+        changes = self.replayed("changes")
+        print("\n ", changes, len(list(self.open("changes").documents("plan"))), "plans")
+        self.assertEqual(changes["same"], changes["frames"])
+        self.assertGreater(changes["frames"], changes["valid"])
+
+    def test_the_daemon_measures_it_as_a_camera(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "camera"})
+        time.sleep(1.5)
+        self.call("record.stop")
+        self.bench.stop("ovwsd")
+        self.client.close()
+        run = self.open("camera")
+        then = {int(row["frame_id"]): coefficients for row, coefficients in zip(run.frames, run.coefficients())}
+        config = json.loads(json.dumps(self.daemon_config))
+        config["camera"] |= {"driver": "replay", "id": str(self.path("camera"))}
+        self.daemon_config = config
+        self.start_daemon()
+        stream = self.stream("wavefront")
+        self.wait_until("running")
+        self.assertEqual(self.call("camera.get")["info"]["serial"], "TWIN0001")
+        same = []
+        for message in self.settled_frames(stream, 60, timeout_s=20.0):
+            if message["frame_id"] in then:
+                same.append(list(then[message["frame_id"]]) == [numpy.float32(c) for c in message["coefficients"]])
+        print(f"\n  {sum(same)} of {len(same)} the same bit for bit")
+        self.assertGreater(len(same), 20)
+        self.assertTrue(all(same[5:]), same)  # the first are where a search has found the spots
+        self.call("camera.set", {"frame_rate_hz": 300})
+        wait_for(lambda: self.call("system.status")["rates"]["grabbed_hz"] > 150, what="a faster pace")
+        self.assertIn("roi.width", str(self.refused("camera.set", {"roi": {"width": 256}})))
+
+    def test_other_programs_read_it(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "out"})
+        time.sleep(0.5)
+        self.call("record.stop")
+        run, folder = self.open("out"), self.bench.directory
+        subprocess.run([sys.executable, "-m", "ovws_client.export", self.path("out"), "--csv", folder / "out.csv", "--npz", folder / "out.npz",
+                        "--fits", folder / "out.fits", "--pictures"], check=True, cwd=ROOT / "proto" / "python")
+        coefficients = run.coefficients()
+        with open(folder / "out.csv", newline="") as file:
+            lines = list(csv.DictReader(file))
+        self.assertEqual([float(line["j3"]) for line in lines], [float(c) for c in coefficients[:, 2]])
+        with numpy.load(folder / "out.npz") as arrays:
+            self.assertTrue((arrays["coefficients"] == coefficients).all())
+            self.assertEqual(list(arrays["frames"]["frame_id"]), list(run.frames["frame_id"]))
+        with fits.open(folder / "out.fits") as hdus:
+            hdus.verify("exception")
+            sensor = hdus["AOT_WAVEFRONT_SENSORS"].data[0]
+            self.assertEqual((sensor["TYPE"], sensor["MEASUREMENTS"], sensor["N_VALID_SUBAPERTURES"]), ("Shack-Hartmann", "INTREF<SPOTS>", 19))
+            self.assertEqual(hdus["SPOTS"].data.shape, (len(run.frames), 2, 19))
+            self.assertTrue((hdus["COEFFICIENTS"].data == coefficients).all())
+            self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
+            self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
+
+    def test_what_is_no_recording_is_told(self):
+        self.call("record.start", {"name": "short"})
+        time.sleep(0.3)
+        self.call("record.stop")
+        whole = self.path("short").read_bytes()
+        broken = self.bench.directory / "broken.h5"
+        for content in (b"", b"not HDF5", whole[:len(whole) // 2], whole[:100], whole[:48] + b"\xff" * 64 + whole[112:]):
+            broken.write_bytes(content)
+            done = self.replay(broken)
+            self.assertEqual(done.returncode, 1, done)
+            self.assertIn("broken.h5", done.stdout)
+        self.assertEqual(self.replay("/nowhere.h5").returncode, 1)
+
+
+if __name__ == "__main__":
+    main()
