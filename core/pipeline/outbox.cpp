@@ -24,13 +24,14 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
   // The rings hold as many as there are records: neither push can fail. This stage's own hold
   // keeps the entry while the image thread may already be done with it.
   if (entry.image_wanted && !images_.try_push(&entry)) release_image(entry);
-  tap_.put(entry, publish);
+  const bool recorded = entry.recorded;  // else the entry may be another frame's by then
   if (!publish) {
     counters_.add(Counter::frames_dropped);
     entry.release();
   } else if (!published_.try_push(&entry)) {
     release(entry);
   }
+  if (recorded) tap_.put(entry, publish);
 }
 
 void Outbox::link(Entry& entry) OVWS_NONBLOCKING {

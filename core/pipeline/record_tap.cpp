@@ -25,7 +25,6 @@ void RecordTap::offer(Entry& entry, int buffers) OVWS_NONBLOCKING {
 }
 
 void RecordTap::put(Entry& entry, bool published) OVWS_NONBLOCKING {
-  if (!entry.recorded) return;
   // The ring holds as many as there are records: the push cannot fail.
   if (published && ring_.try_push(&entry)) return;
   release(entry);

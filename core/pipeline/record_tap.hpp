@@ -29,7 +29,7 @@ class RecordTap {
   /// Acquisition thread, of an entry that no other has seen. At most half of the camera's
   /// `buffers` are kept.
   void offer(Entry& entry, int buffers) OVWS_NONBLOCKING;
-  /// Thread of the last stage, of an entry that was published, or not.
+  /// Thread of the last stage, of a recorded entry that was published, or not.
   void put(Entry& entry, bool published) OVWS_NONBLOCKING;
 
   // The taker's thread.

@@ -11,7 +11,7 @@ namespace ovws {
 struct AravisConfig {
   std::string id;                ///< IP address, or Aravis device id, or serial number
   int packet_size_bytes = 9000;  ///< GigE: capped by what the device accepts; 0: leave as it is
-  int buffers = 16;
+  int buffers = 32;              ///< half of them may wait for a recorder
   /// GigE without CAP_NET_RAW: receive buffer to ask the kernel for.
   int socket_buffer_bytes = 4 << 20;
 };
