@@ -36,7 +36,7 @@ class ReplayCamera final : public Camera {
   Result<CameraLimits> limits() override;
   Result<CameraSettings> apply(const CameraSettings& wanted) override;
   Result<void> start() override;
-  void stop() override {}
+  void stop() override { streaming_ = false; }
   bool alive() const override { return alive_.load(); }
   int buffer_count() const override { return kBuffers; }
   GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) override;
@@ -54,6 +54,7 @@ class ReplayCamera final : public Camera {
   std::atomic<bool> alive_{true};
   std::atomic<std::int64_t> period_ns_{10'000'000};
   // Acquisition thread, or whoever starts.
+  bool streaming_ = false;
   std::size_t next_ = 0;
   std::uint64_t round_ids_ = 0;  ///< what the numbers of this round lie above those of the first
   int prepared_ = -1;            ///< buffer that holds the next picture; -1: none
@@ -95,6 +96,8 @@ Result<CameraSettings> ReplayCamera::apply(const CameraSettings& wanted) {
 }
 
 Result<void> ReplayCamera::start() {
+  if (streaming_) return fail(Errc::refused, "camera", "it is streaming already: stop it first");
+  streaming_ = true;
   prepared_ = -1;
   due_mono_ns_ = monotonic_ns();
   for (auto& lent : lent_) lent.store(false);
@@ -117,7 +120,7 @@ bool ReplayCamera::prepare() {
 
 GrabStatus ReplayCamera::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
-  if (!alive_ || !prepare() || due_mono_ns_ > until) {
+  if (!alive_ || !streaming_ || !prepare() || due_mono_ns_ > until) {
     std::this_thread::sleep_for(
         std::chrono::nanoseconds(std::max<std::int64_t>(until - monotonic_ns(), 0)));
     return GrabStatus::timeout;

@@ -9,7 +9,7 @@
 namespace ovws {
 
 inline std::string own_folder(const std::string& name) {
-  return testing::TempDir() + "ovws_" + name + "_" + std::to_string(::getpid());
+  return ::testing::TempDir() + "ovws_" + name + "_" + std::to_string(::getpid());
 }
 
 }  // namespace ovws
