@@ -19,6 +19,9 @@ constexpr hsize_t kMostChunkBytes = 64 << 20;
 constexpr hsize_t kMostDocuments = 1 << 20;
 constexpr std::uint64_t kMostTextBytes = 1 << 30;  // of all documents
 constexpr std::uint32_t kMostParts = 4096;         // of a frame: spots, coefficients
+// A part that a living writer is just replacing is whole in microseconds; HDF5 waits twice as long
+// before each attempt, and by itself makes a hundred: on a damaged file, for ever.
+constexpr unsigned kReadAttempts = 20;
 constexpr int kMostSide = 1 << 16;
 constexpr std::size_t kMostAttribute = 256;  // bytes
 
@@ -54,6 +57,12 @@ bool read_attribute(hid_t file, const char* name, std::string& text) {
   return true;
 }
 
+/// Rows are stored as they are: there are no more than the file has bytes for.
+bool fits_the_file(hid_t file, hsize_t rows, std::size_t row_bytes) {
+  hsize_t bytes = 0;
+  return H5Fget_filesize(file, &bytes) >= 0 && rows <= bytes / row_bytes;
+}
+
 /// False unless it is there, of this very type, and of chunks that fit into memory.
 bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t most,
                Rows& out) {
@@ -67,7 +76,10 @@ bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, 
       H5Pget_external_count(layout) != 0) {
     return false;
   }
-  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > most) return false;
+  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > most ||
+      !fits_the_file(file, out.count, row_bytes)) {
+    return false;
+  }
   if (H5Pget_layout(layout) != H5D_CHUNKED) return H5Pget_layout(layout) == H5D_CONTIGUOUS;
   hsize_t chunk = 0;
   return H5Pget_chunk(layout, 1, &chunk) == 1 && chunk <= kMostChunkBytes / row_bytes;
@@ -122,6 +134,7 @@ bool RecordingReader::Impl::open_file() {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  H5Pset_metadata_read_attempts(access, kReadAttempts);
   file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
   return bool(file);
 }
