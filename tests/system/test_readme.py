@@ -44,6 +44,16 @@ class Readme(BenchCase):
         for link in re.findall(r"\]\(([^)#:]+)\)", TEXT):
             self.assertTrue((ROOT / link).exists(), link)
 
+    def test_the_documents_about_faults_and_accuracy_name_what_exists(self):
+        faults, accuracy = ((ROOT / "daemon" / name).read_text() for name in ("FAULTS.md", "ACCURACY.md"))
+        named = re.findall(r"`system_(\w+)`", faults)
+        self.assertGreater(len(named), 15)
+        for name in named:
+            self.assertTrue((ROOT / "tests" / "system" / f"test_{name}.py").exists(), name)
+        told = self.run_here([self.bench.programs / "ovws", "study", "--help"])
+        for name in re.findall(r"`ovws study (\w+)`", accuracy):
+            self.assertIn(name, told)
+
 
 if __name__ == "__main__":
     main()
