@@ -11,11 +11,11 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxDepth = 16;
-constexpr std::array<std::string_view, 16> kMethods{
-    "aberration.clear", "aberration.set",  "camera.set",    "correction.clear",
-    "job.cancel",       "job.get",         "loop.close",    "loop.get",
-    "loop.open",        "reference.clear", "reference.get", "reference.set",
-    "reference.take",   "sensor.set",      "slm.show",      "slm.verify"};
+constexpr std::array<std::string_view, 18> kMethods{
+    "aberration.clear", "aberration.set",  "camera.set",    "correction.clear", "job.cancel",
+    "job.get",          "loop.close",      "loop.get",      "loop.open",        "record.start",
+    "record.stop",      "reference.clear", "reference.get", "reference.set",    "reference.take",
+    "sensor.set",       "slm.show",        "slm.verify"};
 
 }  // namespace
 

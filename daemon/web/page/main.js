@@ -9,6 +9,7 @@ import * as history from "./history.js";
 import { listen } from "./link.js";
 import * as map from "./map.js";
 import * as modes from "./modes.js";
+import * as record from "./record.js";
 import * as slm from "./slm.js";
 import { chooseTheme } from "./theme.js";
 import * as trends from "./trends.js";
@@ -47,6 +48,7 @@ const takers = {
   "ovws.status/1": (message) => {
     status = message;
     slm.takeStatus(message);
+    record.takeStatus(message);
   },
   "ovws.event/1": events.takeEvent,
   "ovws.web.hello/1": takeHello,
@@ -147,7 +149,7 @@ function takeHello({ right: given }) {
 
 function build(mayControl) {
   say(byId("role"), mayControl ? "may control" : "looking only");
-  for (const view of [bench, aberration, slm]) view.build(mayControl);
+  for (const view of [bench, aberration, slm, record]) view.build(mayControl);
 }
 
 figures.build();
