@@ -1,11 +1,15 @@
 """A bench with its live page, and a browser without a window that looks at it."""
 import http.client
 import json
+import os
+import pathlib
+import subprocess
 
 from case import BenchCase, wait_for
 
 HOST, PORT = "127.0.0.1", 7704
 ADDRESS = f"{HOST}:{PORT}"
+PACKAGES = ("playwright-core@1.65.1", "axe-core@4.10.2")
 
 
 class Refused(Exception):
@@ -70,35 +74,60 @@ class WebCase(BenchCase):
         return self.message("ovws.web.health/1", condition)[0]
 
 
-def open_browser(case, width=1440, height=1000, link="control", dark=False):
-    """A Chromium of this test's own, with the page of that link. Its X server is none: it is headless."""
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
+class Browser:
+    """A Chromium without a window, driven by Playwright, with one page."""
 
-    options = webdriver.ChromeOptions()
-    options.binary_location = "/usr/bin/chromium"
-    profile = case.bench.directory / "chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--user-data-dir={profile}",
-                     f"--window-size={width},{height}", "--disable-background-networking", "--no-first-run"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
-    case.addCleanup(driver.quit)
-    resize(driver, width, height)
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
-    driver.get(case.links[link])
-    return driver
+    def __init__(self, packages):
+        script = pathlib.Path(__file__).with_name("browser.mjs")
+        self.process = subprocess.Popen(["node", script, packages], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ask(self, what, **given):
+        self.process.stdin.write(json.dumps({"what": what, **given}) + "\n")
+        self.process.stdin.flush()
+        answer = json.loads(self.process.stdout.readline())
+        if "error" in answer:
+            raise AssertionError(f"{what}: {answer['error']}")
+        return answer["result"]
+
+    def open(self, url):
+        self.ask("open", url=url)
+
+    def run(self, body, *values):
+        """What a function of this body, with these arguments, returns in the page."""
+        return self.ask("run", body=body, values=values)
+
+    def resize(self, width, height):
+        self.ask("resize", width=width, height=height)
+
+    def press(self, key):
+        self.ask("press", key=key)
+
+    def click(self, selector):
+        self.ask("click", selector=selector)
+
+    def fill(self, selector, text):
+        self.ask("fill", selector=selector, text=text)
+
+    def text(self, selector):
+        return self.run("return document.querySelector(arguments[0]).textContent", selector)
+
+    def wait_text(self, selector, condition, timeout_s=30.0):
+        """The text of the element once it fulfils the condition."""
+        return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait(10.0)
+        self.process.stdout.close()
 
 
-def resize(driver, width, height):
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                           {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-
-
-def text_of(driver, selector):
-    return driver.execute_script("return document.querySelector(arguments[0]).textContent", selector)
-
-
-def wait_text(driver, selector, condition, timeout_s=30.0):
-    """The text of the element once it fulfils the condition."""
-    return wait_for(lambda: (text := text_of(driver, selector)) is not None and condition(text) and text, timeout_s, selector)
+def browser_packages():
+    """The folder with Playwright and axe-core of the npm registry, kept beside the build; none where there is no npm or no network."""
+    folder = pathlib.Path(os.environ["OVWS_BUILD"]) / "browser"
+    if not all((folder / "node_modules" / package.split("@")[0]).exists() for package in PACKAGES):
+        folder.mkdir(exist_ok=True)
+        try:
+            subprocess.run(["npm", "install", "--prefix", folder, "--ignore-scripts", "--no-audit", "--no-fund", *PACKAGES], check=True, capture_output=True, timeout=60)
+        except (OSError, subprocess.SubprocessError):
+            return None
+    return folder
