@@ -124,10 +124,10 @@ TEST(DoctorCamera, TheKernelGivesItsSocketRoom) {
 }
 
 TEST(DoctorCamera, TheKernelGivesUsbRoom) {
-  auto facts = usb();  // 16 frames of 256 KiB, and one MiB
-  facts.usbfs_mb = 5;
+  auto facts = usb();  // 32 frames of 256 KiB, and one MiB
+  facts.usbfs_mb = 9;
   expect(facts, "camera.usb_memory", Verdict::ok);
-  facts.usbfs_mb = 4;
+  facts.usbfs_mb = 8;
   expect(facts, "camera.usb_memory", Verdict::fault, "echo 1000 | sudo tee /sys/module/usbcore/");
   facts.usbfs_mb = 0;  // no limit
   expect(facts, "camera.usb_memory", Verdict::ok);
