@@ -10,7 +10,16 @@ namespace {
 thread_local std::uint64_t allocations_of_this_thread = 0;
 }  // namespace
 
+// GCC says it by a macro, Clang by a feature.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define OVWS_SANITIZED 1
+#elif defined(__has_feature)
+#define OVWS_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#else
+#define OVWS_SANITIZED 0
+#endif
+
+#if OVWS_SANITIZED
 
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
                                                                            std::size_t),

@@ -127,7 +127,7 @@ void print_luts() {
   print_result("lut.get", lut_result(lut));
   lut.path = "lut.txt";
   print_result("lut.clear", lut_result(lut));
-  lut.measured.emplace();
+  lut.measured = LutReport::Measured{};
   lut.measured->frames = 3;
   lut.measured->response.levels = 33;
   lut.measured->origin =
@@ -148,7 +148,7 @@ void print_flatnesses() {
   print_result("flatness.get", flatness_result(flatness));
   flatness.path = "flat.png";
   print_result("flatness.clear", flatness_result(flatness));
-  flatness.measured.emplace();
+  flatness.measured = FlatnessReport::Measured{};
   flatness.measured->frames = 30;
   flatness.measured->iterations = 4;
   flatness.measured->pupil_diameter_px = 768.0;
