@@ -49,6 +49,23 @@ class Install(unittest.TestCase):
                 with self.subTest(document=name, link=link):
                     self.assertTrue((document.parent / link).exists())
 
+    def test_the_package_is_whole(self):
+        """That it installs on a clean Debian is what tests/package tries."""
+        built = run("cpack", "--config", pathlib.Path(os.environ["OVWS_BUILD"]) / "CPackConfig.cmake", "-B", self.root / "package")
+        self.assertEqual(built.returncode, 0, built.stdout + built.stderr)
+        (package,) = (self.root / "package").glob("ovws_*.deb")
+        needs = run("dpkg-deb", "-f", package, "Depends").stdout
+        for library in ("libaravis-0.8-0", "libsdl2-2.0-0", "libzmq5", "libhdf5-103-1", "systemd", "procps"):
+            self.assertIn(library, needs)
+        held = {line.split(maxsplit=5)[5].removeprefix("./") for line in run("dpkg-deb", "-c", package).stdout.splitlines()}
+        self.assertEqual(set(FILES) - held, set())
+        scripts = self.root / "control"
+        self.assertEqual(run("dpkg-deb", "-e", package, scripts).returncode, 0)
+        self.assertEqual((scripts / "conffiles").read_text(), "/etc/ovws/ovwsd.json\n")
+        for name in ("postinst", "prerm", "postrm"):
+            self.assertEqual(run("sh", "-n", scripts / name).returncode, 0, name)
+            self.assertTrue((scripts / name).stat().st_mode & 0o111, name)
+
     def check_unit(self, name, most_exposure):
         # systemd-analyze verify exits 0 even on bad keys: what it says is what counts.
         unit = self.root / f"{name}.service"
