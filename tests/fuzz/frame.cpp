@@ -75,18 +75,34 @@ void unpack_alike(const ImageView& image, Bytes& from) {
   }
 }
 
+/// Kept: to make templates takes longer than all the rest.
+const SpotTracker& tracker_of(TrackerKind kind, const SpotModel& spots) {
+  struct Kept {
+    TrackerKind kind;
+    LitPixels lit;
+    std::unique_ptr<const SpotTracker> tracker;
+  };
+  static std::vector<Kept> all;
+  for (const Kept& one : all) {
+    if (one.kind == kind && one.lit == spots.lit) return *one.tracker;
+  }
+  auto made = make_tracker({kind, 0.3}, spots);
+  demand(made.has_value());
+  all.push_back({kind, spots.lit, std::move(*made)});
+  return *all.back().tracker;
+}
+
 void track(const ImageView& frame, const SpotModel& spots, Bytes& from) {
   const auto kind = from.below(2) == 0 ? TrackerKind::lg : TrackerKind::matched;
-  const auto tracker = make_tracker({kind, 0.3}, spots);
-  demand(tracker.has_value());
-  TrackScratch scratch = (*tracker)->make_scratch();
+  const SpotTracker& tracker = tracker_of(kind, spots);
+  TrackScratch scratch = tracker.make_scratch();
   const Vec2 start{from.below(frame.width + 20) - 10.0, from.below(frame.height + 20) - 10.0};
-  const SpotFix fix = (*tracker)->track(frame, start, scratch);
+  const SpotFix fix = tracker.track(frame, start, scratch);
   demand(!fix.found() || (std::isfinite(fix.x) && std::isfinite(fix.y)));
   Acquisition acquisition(spots, {{20.0, 20.0}, {60.0, 20.0}, {40.0, 50.0}}, frame.width,
                           frame.height);
   std::vector<SpotFix> fixes(3);
-  acquisition.acquire(frame, **tracker, scratch, fixes);
+  acquisition.acquire(frame, tracker, scratch, fixes);
 }
 
 }  // namespace
