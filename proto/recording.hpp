@@ -11,6 +11,8 @@
 namespace ovws {
 
 constexpr const char* kRecordingSchema = "ovws.recording/1";
+/// A reader takes memory for pictures by what the file says of their size.
+constexpr std::size_t kMostRecordedPictureBytes = 128 << 20;
 
 /// One row of `frames`. Times in ns, `…_mono_ns` by CLOCK_MONOTONIC of the recording machine.
 struct RecordedFrame {

@@ -57,6 +57,16 @@ RecordingHeader header_of(const Recorder::Begin& begin) {
   return header;
 }
 
+Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
+  const std::size_t bytes =
+      row_bytes(camera.pixel_format, camera.roi.width) * std::size_t(camera.roi.height);
+  if (bytes <= kMostRecordedPictureBytes) return bytes;
+  return fail(Errc::refused, "",
+              fmt::format("a picture has {} MiB, and a recording takes at most {}: make the "
+                          "camera's region smaller (camera.set, roi)",
+                          bytes >> 20, kMostRecordedPictureBytes >> 20));
+}
+
 Result<void> add(RecordFile& file, const Document& document) {
   return file.add_document(document.kind, document.sha256, document.text);
 }
@@ -174,6 +184,8 @@ Result<void> Recorder::begin(const Begin& begin) {
     return fail(Errc::unavailable, "record.directory",
                 *directory_ + " has less than 64 MiB of room: make some");
   }
+  const auto picture_bytes = picture_bytes_of(begin.camera);
+  if (!picture_bytes) return fail(picture_bytes.error());
   auto running = std::make_unique<Running>();
   running->path = *path;
   running->asked = begin.asked;
@@ -186,11 +198,10 @@ Result<void> Recorder::begin(const Begin& begin) {
   if (auto added = add(*running->file, config); !added) return added;
   const auto camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
   if (auto added = add(*running->file, camera); !added) return added;
-  const std::size_t picture_bytes = row_bytes(running->header.format, running->header.width) *
-                                    std::size_t(begin.camera.roi.height);
-  const std::size_t pictures =
-      begin.asked.pictures_every == 0 ? 0 : std::max<std::size_t>(4, buffer_bytes_ / picture_bytes);
-  taker_.exchange(std::make_unique<FrameStore>(pictures, picture_bytes));
+  const std::size_t pictures = begin.asked.pictures_every == 0
+                                   ? 0
+                                   : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
+  taker_.exchange(std::make_unique<FrameStore>(pictures, *picture_bytes));
   running_ = std::move(running);
   pipeline_.record(begin.asked.pictures_every);
   events_.emit("record", Severity::info, running_->path + " is being recorded",

@@ -161,6 +161,8 @@ bool RecordingReader::Impl::read_header() {
   header.format = *known;
   return header.width > 0 && header.width <= kMostSide && header.height > 0 &&
          header.height <= kMostSide && header.width % pixels_per_group(header.format) == 0 &&
+         row_bytes(header.format, header.width) * std::size_t(header.height) <=
+             kMostRecordedPictureBytes &&
          header.frame_rate_hz > 0.0 && header.frame_rate_hz < 1e6;
 }
 
