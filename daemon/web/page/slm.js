@@ -8,20 +8,29 @@ let drawn = null; // hologram id and checksum of the picture shown
 let checksum = null;
 let pattern = null;
 let url = null;
+let compared = null; // where the last comparison is told, and what it found
 const veil = () => document.querySelector("#slm .veil");
+
+/** The picture above may be drawn only after the comparison: what is said follows both. */
+function tell() {
+  if (!compared) return;
+  const { frame, result } = compared;
+  const same = result.crc32 === checksum ? ", pixel for pixel the picture above" : "";
+  frame.help(`The output showed hologram ${result.hologram_id}${same} (CRC-32 ${result.crc32.toString(16)}).`);
+}
 
 async function compare(frame) {
   const { result, error } = await call("slm.verify");
   frame.error(error ? reasonOf({ error }) : result.equal ? "" : `${result.differing_pixels} pixels of the output differ from hologram ${result.hologram_id}`);
-  if (error || !result.equal) return frame.help("");
-  const same = result.crc32 === checksum ? ", pixel for pixel the picture above" : "";
-  return frame.help(`The output shows hologram ${result.hologram_id}${same} (CRC-32 ${result.crc32.toString(16)}).`);
+  frame.help("");
+  compared = error || !result.equal ? null : { frame, result };
+  tell();
 }
 
 export function build(mayControl) {
   const parent = document.querySelector("#slm .controls");
   parent.replaceChildren();
-  pattern = null;
+  pattern = compared = null;
   if (!mayControl) return;
   const choice = new ChoiceControl(parent, "Pattern", async (value) => choice.error(reasonOf(await call("slm.show", { pattern: value }))));
   pattern = choice;
@@ -49,6 +58,7 @@ export function takeBench({ hologram, limits }, shownPattern) {
     byId("hologram").alt = `Hologram ${hologram.hologram_id} as it is on the SLM`;
     say(byId("slm-sub"), `picture of hologram ${hologram.hologram_id}`);
     load();
+    tell();
   }
   pattern?.show(shownPattern, limits.patterns);
 }
