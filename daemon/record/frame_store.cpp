@@ -42,12 +42,16 @@ RecordedFrame row_of(const FrameRecord& record) {
 
 FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
     : frames_(kFrames),
-      pictures_(pictures, std::vector<std::byte>(picture_bytes)),
+      pictures_(pictures),
+      picture_bytes_(picture_bytes),
+      memory_(pictures * picture_bytes),
       free_frames_(kFrames),
       full_(kFrames),
       free_pictures_(std::max<std::size_t>(pictures, 1)) {
   for (TakenFrame& frame : frames_) (void)free_frames_.try_push(&frame);
-  for (auto& picture : pictures_) (void)free_pictures_.try_push(&picture);
+  for (std::size_t p = 0; p < pictures; ++p) {
+    (void)free_pictures_.try_push(memory_.data() + p * picture_bytes);
+  }
 }
 
 void FrameStore::take(const FrameRecord& record, bool with_picture) {
@@ -64,25 +68,25 @@ void FrameStore::take(const FrameRecord& record, bool with_picture) {
   }
   frame->coefficients.assign(record.coefficients.begin(),
                              record.coefficients.begin() + record.mode_count);
-  frame->pixels = nullptr;
+  frame->pixels = {};
   if (with_picture) copy_picture(record.frame.image, *frame);
   frame->row.picture_dropped =
-      record.pixels_missed || (with_picture && frame->pixels == nullptr) ? 1 : 0;
+      record.pixels_missed || (with_picture && frame->pixels.empty()) ? 1 : 0;
   (void)full_.try_push(frame);  // as large as there are frames
 }
 
 void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
   const std::size_t bytes = row_bytes(image.format, image.width);
-  std::vector<std::byte>* picture = nullptr;
+  std::byte* picture = nullptr;
   if (!free_pictures_.try_pop(picture)) return;
-  to.pixels = picture;
+  to.pixels = {picture, picture_bytes_};
   to.format = image.format;
   to.width = image.width;
   to.height = image.height;
   // Of another size: who writes sees that it does not fit the file.
-  if (bytes * std::size_t(image.height) != picture->size()) return;
+  if (bytes * std::size_t(image.height) != picture_bytes_) return;
   for (int y = 0; y < image.height; ++y) {
-    std::memcpy(picture->data() + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
+    std::memcpy(picture + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
   }
 }
 
@@ -92,7 +96,7 @@ TakenFrame* FrameStore::next(int timeout_us) {
 }
 
 void FrameStore::give_back(TakenFrame* frame) {
-  if (frame->pixels != nullptr) (void)free_pictures_.try_push(frame->pixels);
+  if (!frame->pixels.empty()) (void)free_pictures_.try_push(frame->pixels.data());
   (void)free_frames_.try_push(frame);
 }
 

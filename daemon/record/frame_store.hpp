@@ -18,8 +18,8 @@ struct TakenFrame {
   std::uint64_t number = 0;
   std::vector<RecordedSpot> spots;
   std::vector<float> coefficients;
-  std::vector<std::byte>* pixels = nullptr;  ///< without padding; null: no picture
-  PixelFormat format = PixelFormat::mono8;   ///< of the picture
+  std::span<std::byte> pixels;              ///< without padding; empty: no picture
+  PixelFormat format = PixelFormat::mono8;  ///< of the picture
   int width = 0, height = 0;
 };
 
@@ -36,15 +36,16 @@ class FrameStore {
   TakenFrame* next(int timeout_us);  ///< nullptr: none came
   void give_back(TakenFrame* frame);
   /// Whether pictures come faster than they are written.
-  bool behind() const { return free_pictures_.size_approx() < pictures_.size() / 2; }
+  bool behind() const { return free_pictures_.size_approx() < pictures_ / 2; }
 
  private:
   void copy_picture(const ImageView& image, TakenFrame& to);
 
   std::vector<TakenFrame> frames_;
-  std::vector<std::vector<std::byte>> pictures_;
+  const std::size_t pictures_, picture_bytes_;
+  std::vector<std::byte> memory_;  ///< of all pictures: one piece goes back to the system at once
   SpscRing<TakenFrame*> free_frames_, full_;
-  SpscRing<std::vector<std::byte>*> free_pictures_;
+  SpscRing<std::byte*> free_pictures_;
 };
 
 }  // namespace ovws

@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 constexpr int kTurnUs = 20'000;
 constexpr std::chrono::milliseconds kIdle{50};
 constexpr std::int64_t kFlushNs = 250'000'000;
-constexpr std::size_t kMostFacts = 256;         // of plans: some seconds of the closed loop
+// Of plans: a reference's picture may hang on each, so no more than frames under way can be of.
+constexpr std::size_t kIdleFacts = 4;
+constexpr std::size_t kMostFacts = 256;         // while it records: what it can be behind, and more
 constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
 
 std::optional<std::string> directory_of(const Config& config) {
@@ -109,7 +111,8 @@ Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
       wavelength_nm_(config.optics.wavelength_nm),
       pipeline_(pipeline),
       events_(events),
-      taker_(pipeline) {}
+      taker_(pipeline),
+      most_facts_(kIdleFacts) {}
 
 Recorder::~Recorder() = default;
 
@@ -117,14 +120,22 @@ void Recorder::know(const MeasurementPlan& plan, const SensorSnapshot& sensor) {
   auto facts = std::make_shared<const PlanFacts>(plan, sensor);
   const std::lock_guard lock(facts_mutex_);
   facts_.push_back(std::move(facts));
-  if (facts_.size() > kMostFacts) facts_.pop_front();
+  while (facts_.size() > most_facts_) facts_.pop_front();
+}
+
+void Recorder::keep_facts(std::size_t most) {
+  const std::lock_guard lock(facts_mutex_);
+  most_facts_ = most;
+  while (facts_.size() > most_facts_) facts_.pop_front();
 }
 
 std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   const std::lock_guard lock(facts_mutex_);
   const auto found = std::find_if(facts_.begin(), facts_.end(),
                                   [&](const auto& one) { return one->id == plan_id; });
-  return found == facts_.end() ? nullptr : *found;
+  if (found == facts_.end()) return nullptr;
+  facts_.erase(facts_.begin(), found);  // frames come in the order of their plans
+  return facts_.front();
 }
 
 void Recorder::camera_changed(const CameraSettings& settings,
@@ -186,6 +197,10 @@ Result<void> Recorder::begin(const Begin& begin) {
   }
   const auto picture_bytes = picture_bytes_of(begin.camera);
   if (!picture_bytes) return fail(picture_bytes.error());
+  const std::size_t pictures = begin.asked.pictures_every == 0
+                                   ? 0
+                                   : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
+  auto store = std::make_unique<FrameStore>(pictures, *picture_bytes);  // takes up to a second
   auto running = std::make_unique<Running>();
   running->path = *path;
   running->asked = begin.asked;
@@ -198,11 +213,9 @@ Result<void> Recorder::begin(const Begin& begin) {
   if (auto added = add(*running->file, config); !added) return added;
   const auto camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
   if (auto added = add(*running->file, camera); !added) return added;
-  const std::size_t pictures = begin.asked.pictures_every == 0
-                                   ? 0
-                                   : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
-  taker_.exchange(std::make_unique<FrameStore>(pictures, *picture_bytes));
+  taker_.exchange(std::move(store));
   running_ = std::move(running);
+  keep_facts(kMostFacts);
   pipeline_.record(begin.asked.pictures_every);
   events_.emit("record", Severity::info, running_->path + " is being recorded",
                {{"file", running_->path}, {"state", "recording"}});
@@ -252,8 +265,8 @@ Result<void> Recorder::flush() {
 
 Result<void> Recorder::write(const TakenFrame& frame) {
   const RecordingHeader& header = running_->header;
-  if (frame.pixels != nullptr && (frame.format != header.format || frame.width != header.width ||
-                                  frame.height != header.height)) {
+  if (!frame.pixels.empty() && (frame.format != header.format || frame.width != header.width ||
+                                frame.height != header.height)) {
     return fail(
         Errc::refused, "",
         "the camera's image changed: it is now " +
@@ -282,8 +295,8 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   r.last_number = frame.number;
   r.frames_dropped += row.dropped_before;
   r.pictures_dropped += row.picture_dropped;
-  if (frame.pixels != nullptr) {
-    const auto picture = r.file->add_picture(*frame.pixels, !taker_.store()->behind());
+  if (!frame.pixels.empty()) {
+    const auto picture = r.file->add_picture(frame.pixels, !taker_.store()->behind());
     if (!picture) return fail(picture.error());
     row.picture = *picture;
   }
@@ -314,6 +327,7 @@ void Recorder::end(const std::string& reason) {
                fmt::format("{} has ended with {} frames: {}", r.path, last.frames, why),
                {{"file", r.path}, {"state", "ended"}, {"reason", why}});
   taker_.exchange(nullptr);
+  keep_facts(kIdleFacts);
   running_.reset();
 }
 

@@ -83,6 +83,7 @@ class Recorder : public Agent {
   Result<void> flush();
   void end(const std::string& reason);
   void tell();
+  void keep_facts(std::size_t most);
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
 
   const std::optional<std::string> directory_;
@@ -95,6 +96,7 @@ class Recorder : public Agent {
   std::unique_ptr<Running> running_;  ///< write thread
   Guarded<RecordReport> report_;
   std::mutex facts_mutex_;
+  std::size_t most_facts_;  ///< guarded by facts_mutex_
   std::deque<std::shared_ptr<const PlanFacts>> facts_;
 };
 

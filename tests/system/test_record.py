@@ -7,6 +7,7 @@ import json
 import os
 import random
 import time
+from pathlib import Path
 
 import numpy
 from case import BenchCase, main, wait_for
@@ -42,12 +43,29 @@ class Record(BenchCase):
         for plan_id in numpy.unique(frames["plan_id"]):
             self.assertEqual(recording.plan(int(numpy.argmax(frames["plan_id"] == plan_id)))["plan_id"], plan_id)
 
+    def resident_mib(self):
+        return int(Path(f"/proc/{self.bench.process('ovwsd').pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def test_references_of_the_past_take_no_memory(self):
+        """A megabyte each, were their pictures kept for a recording that needs them no more."""
+        for recording in (False, True):
+            if recording:
+                self.call("record.start", {"name": "references", "pictures_every": 0})
+            for _ in range(12):
+                self.take_reference(10)
+            before_mib = self.resident_mib()
+            for _ in range(40):
+                self.take_reference(10)
+            self.assertLess(self.resident_mib() - before_mib, 15.0, f"recording: {recording}")
+
     def test_what_was_published_is_in_the_file(self):
         self.take_reference(20)
         numbers = self.stream("wavefront")
         pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
         self.settled_frames(numbers, 1)
         self.call("record.start", {"name": "run"})
+        while numbers.next(0.0):  # from before it
+            pass
         published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
         shown = {}
         while len(shown) < 5:
