@@ -63,7 +63,9 @@ void BenchClient::show(const SensorConfig& sensor, const std::vector<Mode>& mode
 
 TakenFrame BenchClient::grab() {
   GrabbedFrame frame;
-  for (int i = 0; i < 30; ++i) {
+  // Frames that come incomplete or twice, however many, are no reason to give up.
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  while (std::chrono::steady_clock::now() < give_up) {
     if (camera_->grab(frame, std::chrono::milliseconds(100)) != GrabStatus::frame) continue;
     TakenFrame taken{{frame.image.width, frame.image.height}, frame.frame_id, frame.t_device_ns};
     visit_rows(frame.image, 0, 0, frame.image.width, frame.image.height,
