@@ -13,6 +13,10 @@ namespace ovws {
 constexpr const char* kRecordingSchema = "ovws.recording/1";
 /// A reader takes memory for pictures by what the file says of their size.
 constexpr std::size_t kMostRecordedPictureBytes = 128 << 20;
+/// More than these a recording does not take, and a reader not read.
+constexpr std::uint64_t kMostRecordedFrames = 1 << 24;  // nine hours at 500 a second
+constexpr std::uint64_t kMostRecordedDocuments = 1 << 20;
+constexpr std::uint64_t kMostRecordedTextBytes = 1 << 30;  // of all documents
 
 /// One row of `frames`. Times in ns, `…_mono_ns` by CLOCK_MONOTONIC of the recording machine.
 struct RecordedFrame {

@@ -55,6 +55,8 @@ FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
 }
 
 void FrameStore::take(const FrameRecord& record, bool with_picture) {
+  if (first_number_ == 0) first_number_ = record.number;
+  last_number_ = record.number;
   TakenFrame* frame = nullptr;
   if (!free_frames_.try_pop(frame)) return;
   frame->row = row_of(record);
@@ -93,6 +95,11 @@ void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
 TakenFrame* FrameStore::next(int timeout_us) {
   TakenFrame* frame = nullptr;
   return full_.pop(frame, std::chrono::microseconds(timeout_us)) ? frame : nullptr;
+}
+
+std::uint64_t FrameStore::taken_after(std::uint64_t number) const {
+  if (last_number_ == 0) return 0;
+  return number == 0 ? last_number_ - first_number_ + 1 : last_number_ - number;
 }
 
 void FrameStore::give_back(TakenFrame* frame) {

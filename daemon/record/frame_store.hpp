@@ -1,6 +1,7 @@
 /// Frames on their way from the pipeline to the file: copies in memory that is taken once.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,12 +30,15 @@ class FrameStore {
   /// Room for `pictures` pictures of so many bytes, and for four thousand frames without.
   FrameStore(std::size_t pictures, std::size_t picture_bytes);
 
-  /// Taking thread. A frame that finds no room is left out, or its picture is.
+  /// Taking thread, frames in the order of their numbers. A frame that finds no room is left out,
+  /// or its picture is.
   void take(const FrameRecord& record, bool with_picture);
 
   // Writing thread.
   TakenFrame* next(int timeout_us);  ///< nullptr: none came
   void give_back(TakenFrame* frame);
+  /// How many frames came after the one of that number, taken or left out; 0: of all.
+  std::uint64_t taken_after(std::uint64_t number) const;
   /// Whether pictures come faster than they are written.
   bool behind() const { return free_pictures_.size_approx() < pictures_ / 2; }
 
@@ -46,6 +50,7 @@ class FrameStore {
   std::vector<std::byte> memory_;  ///< of all pictures: one piece goes back to the system at once
   SpscRing<TakenFrame*> free_frames_, full_;
   SpscRing<std::byte*> free_pictures_;
+  std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: none came yet
 };
 
 }  // namespace ovws

@@ -106,7 +106,9 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot)
       sensor(std::move(snapshot)) {}
 
 Document make_document(std::string kind, const json& content) {
-  Document document{std::move(kind), content.dump(), {}};
+  // A camera's name may hold bytes that are no UTF-8.
+  Document document{
+      std::move(kind), content.dump(-1, ' ', false, json::error_handler_t::replace), {}};
   document.sha256 = sha256_hex(document.text);
   return document;
 }

@@ -1,5 +1,6 @@
 #include "daemon/record/recorded_plan.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/optics/lattice.hpp"
@@ -56,6 +57,10 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
   }
   if (modes_j.empty() || modes_j.size() > std::size_t(kMaxZernikeIndex)) {
     return unfit("has too many modes, or none");
+  }
+  if (std::any_of(modes_j.begin(), modes_j.end(),
+                  [](int j) { return j < 0 || j > kMaxZernikeIndex; })) {
+    return unfit("has modes that there are not");
   }
   const PixelLattice& lit = plan.spots.lit.lattice;
   if (plan.roi.width < 1 || plan.roi.width > kMostSide || plan.roi.height < 1 ||

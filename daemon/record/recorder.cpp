@@ -2,10 +2,11 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
+#include <new>
 
 #include "core/port/clock.hpp"
 #include "daemon/daemon_store.hpp"
@@ -24,6 +25,8 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMostFacts = 256;         // while it records: what it can be behind, and more
 constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
+
+constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
 
 std::optional<std::string> directory_of(const Config& config) {
   if (config.record.directory) return config.record.directory;
@@ -69,8 +72,25 @@ Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
                           bytes >> 20, kMostRecordedPictureBytes >> 20));
 }
 
+/// Takes up to a second.
+Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t picture_bytes) {
+  try {
+    return std::make_unique<FrameStore>(pictures, picture_bytes);
+  } catch (const std::bad_alloc&) {
+    return fail(
+        Errc::unavailable, "record.buffer_mib",
+        fmt::format("there is no memory for {} pictures that wait: make it less", pictures));
+  }
+}
+
 Result<void> add(RecordFile& file, const Document& document) {
   return file.add_document(document.kind, document.sha256, document.text);
+}
+
+Result<void> add_first_documents(RecordFile& file, const Recorder::Begin& begin) {
+  const Document config{"configuration", begin.config, sha256_hex(begin.config)};
+  if (auto added = add(file, config); !added) return added;
+  return add(file, make_document("camera", camera_content(begin.camera, begin.camera_info)));
 }
 
 }  // namespace
@@ -98,6 +118,7 @@ struct Recorder::Running {
   RecordingHeader header;
   std::unique_ptr<RecordFile> file;
   PlanDocuments documents;
+  std::deque<std::pair<std::int64_t, Document>> camera_documents;  ///< that frames are behind of
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
   std::uint64_t last_number = 0;  ///< 0: no frame yet
@@ -140,11 +161,10 @@ std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
 
 void Recorder::camera_changed(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
-  mailbox_.post([this, settings, info] {
+  mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
     if (!running_) return;
-    const auto added =
-        add(*running_->file, make_document("camera", camera_content(settings, info)));
-    if (!added) end(added.error().reason);
+    running_->camera_documents.emplace_back(
+        changed_ns, make_document("camera", camera_content(settings, info)));
   });
 }
 
@@ -160,7 +180,7 @@ void Recorder::stop(Done done) {
     if (!running_) {
       return done(fail(Errc::refused, "", "nothing is being recorded; record.get says why"));
     }
-    end("record.stop");
+    end({"record.stop", Rest::write});
     done(report());
   });
 }
@@ -200,7 +220,8 @@ Result<void> Recorder::begin(const Begin& begin) {
   const std::size_t pictures = begin.asked.pictures_every == 0
                                    ? 0
                                    : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
-  auto store = std::make_unique<FrameStore>(pictures, *picture_bytes);  // takes up to a second
+  auto store = store_for(pictures, *picture_bytes);
+  if (!store) return fail(store.error());
   auto running = std::make_unique<Running>();
   running->path = *path;
   running->asked = begin.asked;
@@ -209,11 +230,12 @@ Result<void> Recorder::begin(const Begin& begin) {
   auto file = RecordFile::create(*path, running->header);
   if (!file) return fail(file.error());
   running->file = std::move(*file);
-  const Document config{"configuration", begin.config, sha256_hex(begin.config)};
-  if (auto added = add(*running->file, config); !added) return added;
-  const auto camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
-  if (auto added = add(*running->file, camera); !added) return added;
-  taker_.exchange(std::move(store));
+  if (auto added = add_first_documents(*running->file, begin); !added) {
+    running->file.reset();
+    ::unlink(path->c_str());  // or its name would be taken when there is room again
+    return added;
+  }
+  taker_.exchange(std::move(*store));
   running_ = std::move(running);
   keep_facts(kMostFacts);
   pipeline_.record(begin.asked.pictures_every);
@@ -232,60 +254,73 @@ bool Recorder::do_work() {
 
 void Recorder::on_close() {
   mailbox_.close();
-  if (running_) end("the daemon stops");
+  if (running_) end({"the daemon stops", Rest::write});
 }
 
 void Recorder::turn() {
   if (TakenFrame* const frame = taker_.store()->next(kTurnUs)) {
-    const auto written = write(*frame);
+    const auto ending = write(*frame);
     taker_.store()->give_back(frame);
-    if (!written) return end(written.error().reason);
+    if (ending) return end(*ending);
   }
   if (monotonic_ns() < running_->next_flush_ns) return;
   running_->next_flush_ns = monotonic_ns() + kFlushNs;
-  if (auto flushed = flush(); !flushed) end(flushed.error().reason);
+  if (const auto ending = flush()) end(*ending);
 }
 
-Result<void> Recorder::flush() {
+std::optional<Recorder::Ending> Recorder::flush() {
   Running& r = *running_;
-  if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) return flushed;
+  if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) {
+    return Ending{flushed.error().reason};
+  }
   tell();
   const RecordReport now = report();
-  if (disk_is_full(r.path)) {
-    return fail(Errc::unavailable, "", "the disk is full: less than 64 MiB are left");
-  }
+  if (disk_is_full(r.path)) return Ending{kDiskFull};
   if (r.asked.limit_s && now.duration_s >= *r.asked.limit_s) {
-    return fail(Errc::refused, "", fmt::format("limit_s: {} s", *r.asked.limit_s));
+    return Ending{fmt::format("limit_s: {} s", *r.asked.limit_s), Rest::write};
   }
   if (r.asked.limit_mib && double(now.bytes) >= *r.asked.limit_mib * (1 << 20)) {
-    return fail(Errc::refused, "", fmt::format("limit_mib: {} MiB", *r.asked.limit_mib));
+    return Ending{fmt::format("limit_mib: {} MiB", *r.asked.limit_mib), Rest::after};
   }
-  return {};
+  return std::nullopt;
 }
 
-Result<void> Recorder::write(const TakenFrame& frame) {
-  const RecordingHeader& header = running_->header;
-  if (!frame.pixels.empty() && (frame.format != header.format || frame.width != header.width ||
-                                frame.height != header.height)) {
-    return fail(
-        Errc::refused, "",
-        "the camera's image changed: it is now " +
-            fmt::format("{} x {} {}", frame.width, frame.height, pixel_format_name(frame.format)));
+std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
+  Running& r = *running_;
+  if (r.file->frames() >= kMostRecordedFrames) {
+    return Ending{"a recording holds no more frames: begin another one", Rest::after};
   }
-  if (frame.row.plan_id != running_->last_plan_id) {
-    if (auto written = write_plan(frame.row.plan_id); !written) return written;
-    running_->last_plan_id = frame.row.plan_id;
+  while (!r.camera_documents.empty() &&
+         r.camera_documents.front().first < frame.row.t_arrival_mono_ns) {
+    const auto added = add(*r.file, r.camera_documents.front().second);
+    if (!added) return Ending{added.error().reason};
+    r.camera_documents.pop_front();
   }
-  return write_frame(frame);
+  if (frame.row.plan_id != r.last_plan_id) {
+    if (auto ending = write_plan(frame.row.plan_id)) return ending;
+    r.last_plan_id = frame.row.plan_id;
+  }
+  if (auto written = write_frame(frame); !written) return Ending{written.error().reason};
+  return std::nullopt;
 }
 
-Result<void> Recorder::write_plan(std::uint64_t plan_id) {
+/// Every frame is of its plan's image, the one with a picture and the one without.
+std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
   const auto facts = facts_of(plan_id);
-  if (!facts) return {};  // a reader sees that the plan is missing
-  for (const Document& document : running_->documents.of(*facts)) {
-    if (auto added = add(*running_->file, document); !added) return added;
+  if (!facts) return std::nullopt;  // a reader sees that the plan is missing
+  const RecordingHeader& header = running_->header;
+  const Roi& roi = facts->roi;
+  const Roi recorded{header.x, header.y, header.width, header.height};
+  if (!(roi == recorded) || facts->format != header.format) {
+    return Ending{
+        fmt::format("the camera's image changed: it is now {} x {} at {}, {}, {}", roi.width,
+                    roi.height, roi.x, roi.y, pixel_format_name(facts->format)),
+        Rest::after};
   }
-  return {};
+  for (const Document& document : running_->documents.of(*facts)) {
+    if (auto added = add(*running_->file, document); !added) return Ending{added.error().reason};
+  }
+  return std::nullopt;
 }
 
 Result<void> Recorder::write_frame(const TakenFrame& frame) {
@@ -304,25 +339,38 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   return {};
 }
 
-/// What is still in memory is written, too; a file that cannot be written stays as it is.
-void Recorder::end(const std::string& reason) {
-  pipeline_.stop_recording();
-  std::string why = reason;
+/// Returns what came in between; empty: nothing.
+std::string Recorder::write_rest() {
+  Running& r = *running_;
   while (TakenFrame* const frame = taker_.store()->next(0)) {
-    const auto written = write(*frame);
+    const auto ending = write(*frame);
     taker_.store()->give_back(frame);
-    if (!written) break;
+    if (ending) return ending->reason;
+    if (monotonic_ns() < r.next_flush_ns) continue;
+    r.next_flush_ns = monotonic_ns() + kFlushNs;
+    const auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped);
+    if (!flushed) return flushed.error().reason;
+    if (disk_is_full(r.path)) return kDiskFull;
+  }
+  return "";
+}
+
+void Recorder::end(const Ending& ending) {
+  pipeline_.stop_recording();
+  std::string why = ending.reason;
+  if (ending.rest == Rest::write) {
+    if (const std::string trouble = write_rest(); !trouble.empty()) why += "; " + trouble;
   }
   Running& r = *running_;
-  if (auto closed = r.file->close(r.frames_dropped, r.pictures_dropped); !closed) {
-    why += "; " + closed.error().reason;
-  }
+  if (ending.rest != Rest::after) r.frames_dropped += taker_.store()->taken_after(r.last_number);
+  const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
+  if (!closed && why == "record.stop") why += "; " + closed.error().reason;
   tell();
   RecordReport last = report();
   last.state = "ended";
   last.reason = why;
   report_.set(last);
-  const bool asked_for = reason == "record.stop" || reason.starts_with("limit_");
+  const bool asked_for = why == "record.stop" || why.starts_with("limit_");
   events_.emit("record", asked_for ? Severity::info : Severity::warning,
                fmt::format("{} has ended with {} frames: {}", r.path, last.frames, why),
                {{"file", r.path}, {"state", "ended"}, {"reason", why}});

@@ -74,14 +74,26 @@ class Recorder : public Agent {
 
  private:
   struct Running;
+  /// Of frames that still wait in memory when a recording ends.
+  enum class Rest {
+    write,  ///< they belong into it
+    drop,   ///< they do, and cannot be written
+    after,  ///< they came after its end
+  };
+  struct Ending {
+    std::string reason;
+    Rest rest = Rest::drop;
+  };
   Result<std::string> path_of(const std::string& name) const;
   Result<void> begin(const Begin& begin);
-  Result<void> write(const TakenFrame& frame);
-  Result<void> write_plan(std::uint64_t plan_id);
+  std::optional<Ending> write(const TakenFrame& frame);
+  std::optional<Ending> write_plan(std::uint64_t plan_id);
+  Result<void> write_camera(std::int64_t until_mono_ns);
   Result<void> write_frame(const TakenFrame& frame);
   void turn();
-  Result<void> flush();
-  void end(const std::string& reason);
+  std::optional<Ending> flush();
+  void end(const Ending& ending);
+  std::string write_rest();
   void tell();
   void keep_facts(std::size_t most);
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);

@@ -1,9 +1,10 @@
 /// HDF5 in its SWMR way: no number in the file refers to what is not written yet.
 #include "drivers/record/record_file.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -98,6 +99,7 @@ Handle row_of_one() {
 
 struct RecordFile::Impl {
   std::string path;
+  bool broken = false;  ///< a write failed: what came after would not fit what is in the file
   Handle frame_type = hdf5::row_type(kFrameFields, sizeof(RecordedFrame));
   Handle spot_type = hdf5::row_type(kSpotFields, sizeof(RecordedSpot));
   Handle document_type = hdf5::row_type(kDocumentFields, sizeof(RecordedDocument));
@@ -124,6 +126,11 @@ struct RecordFile::Impl {
   bool create_tables(const RecordingHeader& header);
   bool begin_swmr();
   bool write_summary(const RecordedSummary& now);
+  bool append_all();
+  tl::unexpected<Error> broke(const std::string& what) {
+    broken = true;
+    return failed(path, what);
+  }
 };
 
 bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
@@ -173,21 +180,28 @@ Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
                                                        const RecordingHeader& header) {
   hdf5::be_quiet();
   auto impl = std::make_unique<Impl>(path, header);
-  if (!impl->create(header)) return failed(path, "the recording cannot be begun");
+  if (!impl->create(header)) {
+    const auto error = failed(path, "the recording cannot be begun");
+    const bool ours = bool(impl->file);
+    impl.reset();
+    if (ours) ::unlink(path.c_str());
+    return error;
+  }
   return std::unique_ptr<RecordFile>(new RecordFile(std::move(impl)));
 }
 
 Result<std::int64_t> RecordFile::add_picture(std::span<const std::byte> pixels, bool compress) {
   Impl& m = *impl_;
+  errno = 0;
+  if (m.broken) return m.broke("an earlier write failed");
   const auto packed = compress ? m.packer.pack(pixels) : std::span<const std::byte>{};
   const auto chunk = packed.empty() ? pixels : packed;
   const std::array<hsize_t, 3> extent{m.picture_count + 1, m.height, m.columns};
   const std::array<hsize_t, 3> at{m.picture_count, 0, 0};
-  errno = 0;
   if (H5Dset_extent(m.pictures, extent.data()) < 0 ||
       H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kAsItIs : kDeflated, at.data(),
                      chunk.size(), chunk.data()) < 0) {
-    return failed(m.path, "a picture cannot be written");
+    return m.broke("a picture cannot be written");
   }
   return std::int64_t(m.picture_count++);
 }
@@ -209,6 +223,11 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
 Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,
                                       std::string_view text) {
   Impl& m = *impl_;
+  if (m.text.rows() + text.size() > kMostRecordedTextBytes ||
+      m.documents.rows() + m.new_documents.size() >= kMostRecordedDocuments) {
+    return fail(Errc::refused, "path",
+                m.path + ": a recording holds no more documents: begin another one");
+  }
   RecordedDocument row;
   kind.copy(row.kind.data(), row.kind.size() - 1);
   sha256.copy(row.sha256.data(), row.sha256.size());
@@ -216,8 +235,8 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
   row.first_byte = m.text.rows();
   row.bytes = text.size();
   errno = 0;
-  if (!m.text.append(std::span(text.data(), text.size()), H5T_STD_U8LE)) {
-    return failed(m.path, "a document cannot be written");
+  if (m.broken || !m.text.append(std::span(text.data(), text.size()), H5T_STD_U8LE)) {
+    return m.broke("a document cannot be written");
   }
   m.new_documents.push_back(row);
   return {};
@@ -236,25 +255,26 @@ std::uint64_t RecordFile::bytes() const {
 }
 
 /// The rows of frames come last: what they name is there by then.
+bool RecordFile::Impl::append_all() {
+  return text.flush() &&
+         documents.append(std::span<const RecordedDocument>(new_documents), document_type) &&
+         documents.flush() && H5Dflush(pictures) >= 0 &&
+         spots.append(std::span<const RecordedSpot>(new_spots), spot_type) && spots.flush() &&
+         coefficients.append(std::span<const float>(new_coefficients), H5T_IEEE_F32LE) &&
+         coefficients.flush() &&
+         frames.append(std::span<const RecordedFrame>(new_frames), frame_type) && frames.flush();
+}
+
 Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
   Impl& m = *impl_;
   errno = 0;
-  const bool added =
-      m.text.flush() &&
-      m.documents.append(std::span<const RecordedDocument>(m.new_documents), m.document_type) &&
-      m.documents.flush() && H5Dflush(m.pictures) >= 0 &&
-      m.spots.append(std::span<const RecordedSpot>(m.new_spots), m.spot_type) && m.spots.flush() &&
-      m.coefficients.append(std::span<const float>(m.new_coefficients), H5T_IEEE_F32LE) &&
-      m.coefficients.flush() &&
-      m.frames.append(std::span<const RecordedFrame>(m.new_frames), m.frame_type) &&
-      m.frames.flush();
-  if (!added) return failed(m.path, "the recording cannot be written");
+  if (m.broken || !m.append_all()) return m.broke("the recording cannot be written");
   m.new_documents.clear();
   m.new_spots.clear();
   m.new_coefficients.clear();
   m.new_frames.clear();
   RecordedSummary now{m.frames.rows(), frames_dropped, m.picture_count, pictures_dropped, utc_ns()};
-  if (!m.write_summary(now)) return failed(m.path, "the recording cannot be written");
+  if (!m.write_summary(now)) return m.broke("the recording cannot be written");
   return {};
 }
 
@@ -267,7 +287,7 @@ Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictu
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
                       m.frames.close() && m.spots.close() && m.coefficients.close() &&
                       m.documents.close() && m.text.close() && m.file.close();
-  if (!closed) return failed(m.path, "the recording cannot be closed");
+  if (!closed) return m.broke("the recording cannot be closed");
   return {};
 }
 

@@ -9,16 +9,15 @@
 #include <string_view>
 
 #include "core/base/result.hpp"
-#include "core/tracking/spot.hpp"
 #include "proto/recording.hpp"
 
 namespace ovws {
 
 /// One thread at a time. Every error is Errc::unavailable, field "path", and says what to do: the
-/// file then holds all up to the last flush, and is only to be destroyed.
+/// file then holds all up to the last flush, nothing more can be added, and each later call fails.
 class RecordFile {
  public:
-  /// Errors: the file is there already, or cannot be made.
+  /// Errors: the file is there already, or cannot be made; then there is none.
   static Result<std::unique_ptr<RecordFile>> create(const std::string& path,
                                                     const RecordingHeader& header);
   ~RecordFile();
@@ -30,7 +29,8 @@ class RecordFile {
   /// Kept until the flush; first_spot and first_coefficient are filled in here.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
                  std::span<const float> coefficients);
-  /// In force from the frame that is added next. At most 15 bytes of `kind`.
+  /// In force from the frame that is added next. At most 15 bytes of `kind`. Errc::refused: the
+  /// file holds as many as a reader takes.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);
 
   std::uint64_t frames() const;

@@ -13,12 +13,9 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr hsize_t kMostFrames = 1 << 24;  // nine hours at 500 a second
 constexpr hsize_t kMostRows = hsize_t(1) << 34;
 constexpr hsize_t kMostChunkBytes = 64 << 20;
-constexpr hsize_t kMostDocuments = 1 << 20;
-constexpr std::uint64_t kMostTextBytes = 1 << 30;  // of all documents
-constexpr std::uint32_t kMostParts = 4096;         // of a frame: spots, coefficients
+constexpr std::uint32_t kMostParts = 4096;  // of a frame: spots, coefficients
 // A part that a living writer is just replacing is whole in microseconds; HDF5 waits twice as long
 // before each attempt, and by itself makes a hundred: on a damaged file, for ever.
 constexpr unsigned kReadAttempts = 20;
@@ -196,9 +193,9 @@ bool RecordingReader::Impl::open_tables() {
   }
   return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMostRows, spots) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMostRows, coefficients) &&
-         open_rows(file, "documents", document_type, sizeof(RecordedDocument), kMostDocuments,
-                   documents) &&
-         open_rows(file, "text", H5T_STD_U8LE, 1, kMostTextBytes, text);
+         open_rows(file, "documents", document_type, sizeof(RecordedDocument),
+                   kMostRecordedDocuments, documents) &&
+         open_rows(file, "text", H5T_STD_U8LE, 1, kMostRecordedTextBytes, text);
 }
 
 bool RecordingReader::Impl::is_whole(const RecordedFrame& frame) const {
@@ -213,7 +210,7 @@ bool RecordingReader::Impl::is_whole(const RecordedFrame& frame) const {
 
 bool RecordingReader::Impl::read_frames() {
   Rows rows;
-  if (!open_rows(file, "frames", frame_type, sizeof(RecordedFrame), kMostFrames, rows)) {
+  if (!open_rows(file, "frames", frame_type, sizeof(RecordedFrame), kMostRecordedFrames, rows)) {
     return false;
   }
   frames.resize(rows.count);
@@ -247,9 +244,6 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
 
 const RecordingHeader& RecordingReader::header() const {
   return impl_->header;
-}
-const RecordedSummary& RecordingReader::summary() const {
-  return impl_->summary;
 }
 const std::vector<RecordedFrame>& RecordingReader::frames() const {
   return impl_->frames;
@@ -307,11 +301,10 @@ Result<std::vector<RecordedText>> RecordingReader::documents() {
   std::vector<RecordedText> all;
   std::uint64_t bytes = 0;
   for (const RecordedDocument& row : rows) {
-    bytes += std::min(row.bytes, kMostTextBytes);
-    if (bytes > kMostTextBytes || row.bytes > m.text.count)
+    bytes += std::min(row.bytes, kMostRecordedTextBytes);
+    if (bytes > kMostRecordedTextBytes || row.bytes > m.text.count)
       return m.unfit("a document is too long");
-    RecordedText one{text_of(row.kind), text_of(row.sha256), row.from_frame,
-                     std::string(row.bytes, '\0')};
+    RecordedText one{text_of(row.kind), text_of(row.sha256), std::string(row.bytes, '\0')};
     if (!read_rows(m.text, H5T_STD_U8LE, row.first_byte, row.bytes, one.text.data())) {
       return m.unfit("a document cannot be read");
     }

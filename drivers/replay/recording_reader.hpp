@@ -14,7 +14,6 @@ namespace ovws {
 
 struct RecordedText {
   std::string kind, sha256;
-  std::uint64_t from_frame = 0;
   std::string text;
 };
 
@@ -30,7 +29,6 @@ class RecordingReader {
   RecordingReader& operator=(const RecordingReader&) = delete;
 
   const RecordingHeader& header() const;
-  const RecordedSummary& summary() const;
   /// What they refer to is there.
   const std::vector<RecordedFrame>& frames() const;
   std::size_t picture_bytes() const;

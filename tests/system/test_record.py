@@ -126,7 +126,7 @@ class Record(BenchCase):
         time.sleep(0.3)
         self.call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}})
         ended = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, what="the end")
-        self.assertIn("the camera's image changed: it is now 480 x 480 Mono8", ended["reason"])
+        self.assertIn("the camera's image changed: it is now 480 x 480 at 16, 16, Mono8", ended["reason"])
         changes = self.open("changes")
         self.check_whole(changes)
         self.assertEqual(set(changes.frames["spots"]), {19, 37}, changes.summary)

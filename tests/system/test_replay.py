@@ -1,14 +1,48 @@
 """Replay and export: a recording gives the same numbers again, through the pipeline and in other programs' files."""
 import csv
+import hashlib
 import json
+import shutil
 import subprocess
 import sys
 import time
 
+import h5py
 import numpy
 from astropy.io import fits
 from case import ROOT, BenchCase, main, wait_for
 from ovws_client.recording import Recording
+
+
+def places(content, path=()):
+    """The path to every value of a document; of a list to its first."""
+    inner = content.items() if isinstance(content, dict) else enumerate(content[:1]) if isinstance(content, list) else ()
+    for key, value in inner:
+        yield (*path, key)
+        yield from places(value, (*path, key))
+
+
+def change_document(path, kind, place, value):
+    """In the first of that kind, and everywhere its checksum stands."""
+    with h5py.File(path, "r+") as file:
+        changed = {}
+        for number, row in enumerate(file["documents"][:]):
+            text = file["text"][int(row["first_byte"]):int(row["first_byte"]) + int(row["bytes"])].tobytes().decode()
+            for old, new in changed.items():
+                text = text.replace(old, new)
+            if row["kind"] == kind.encode():
+                content = json.loads(text)
+                inner = content
+                for key in place[:-1]:
+                    inner = inner[key]
+                inner[place[-1]] = value
+                text = json.dumps(content)
+            sha256 = hashlib.sha256(text.encode()).hexdigest()
+            changed[row["sha256"].decode()] = sha256
+            row["first_byte"], row["bytes"], row["sha256"] = len(file["text"]), len(text.encode()), sha256.encode()
+            file["text"].resize((len(file["text"]) + len(text.encode()),))
+            file["text"][-len(text.encode()):] = numpy.frombuffer(text.encode(), numpy.uint8)
+            file["documents"][number] = row
 
 
 class Replay(BenchCase):
@@ -112,6 +146,28 @@ class Replay(BenchCase):
             self.assertTrue((hdus["COEFFICIENTS"].data == coefficients).all())
             self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
             self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
+
+    def test_plans_with_absurd_numbers_are_told(self):
+        """The checksums are right: only what the numbers say is wrong."""
+        self.take_reference(20)
+        self.call("record.start", {"name": "honest"})
+        time.sleep(0.3)
+        self.call("record.stop")
+        absurd = self.bench.directory / "absurd.h5"
+        tried, statuses = 0, set()
+        for kind in ("plan", "operator"):
+            for place in places(next(self.open("honest").documents(kind))):
+                for value in (-1, 0, 2**31 - 1, 2**63, 1e300, "x", None, [], {}):
+                    if (tried := tried + 1) % 7:  # all of them take minutes
+                        continue
+                    shutil.copy(self.path("honest"), absurd)
+                    change_document(absurd, kind, place, value)
+                    done = self.replay(absurd)
+                    self.assertIn(done.returncode, (0, 1), (kind, place, value, done))
+                    statuses.add(done.returncode)
+                    self.assertTrue(done.stdout.strip(), (kind, place, value))
+        print(f"\n  {tried // 7} changes")
+        self.assertIn(1, statuses)
 
     def test_what_is_no_recording_is_told(self):
         self.call("record.start", {"name": "short"})
