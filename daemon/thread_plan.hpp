@@ -34,6 +34,7 @@ enum class ThreadRole {
   refine,
   model,
   status,
+  replay,
   display,
 };
 
@@ -53,7 +54,7 @@ struct ThreadRow {
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
 };
 
-constexpr std::array<ThreadRow, 17> kThreadTable{{
+constexpr std::array<ThreadRow, 18> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
     {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
@@ -81,6 +82,7 @@ constexpr std::array<ThreadRow, 17> kThreadTable{{
      OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock, the disk (who may connect)", 5.0,
      OnHang::restart},
+    {ThreadRole::replay, "replay", 0, "the next picture of ovws replay", 5.0, OnHang::report},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
 }};
 

@@ -34,6 +34,7 @@ struct RecordedFrame {
   std::uint64_t dropped_before = 0;  ///< published since the row before, and not in this file
   std::uint8_t picture_dropped = 0;  ///< it was to have one, and the disk could not follow
   std::uint8_t still = 0, settled = 0, settings_known = 0, determined = 0, explained = 0, valid = 0;
+  std::uint8_t searched = 0;  ///< its spots were looked for in the whole image, too
   std::uint8_t left_justified_bits = 0;
 };
 
@@ -117,6 +118,7 @@ inline constexpr std::array kFrameFields{
     OVWS_FIELD(RecordedFrame, determined, u8, ""),
     OVWS_FIELD(RecordedFrame, explained, u8, ""),
     OVWS_FIELD(RecordedFrame, valid, u8, ""),
+    OVWS_FIELD(RecordedFrame, searched, u8, ""),
     OVWS_FIELD(RecordedFrame, left_justified_bits, u8, "bits"),
 };
 

@@ -199,8 +199,9 @@ void Pipeline::release_recorded(FrameRecord* record) {
   impl_->tap.release(static_cast<Entry&>(*record));
 }
 
-void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
-  impl_->track.resume(plan, starts);
+void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+                      bool searched) {
+  impl_->track.resume(plan, starts, searched);
 }
 
 LatencyHistogram& Pipeline::arrived_latency() {

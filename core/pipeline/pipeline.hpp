@@ -84,9 +84,10 @@ class Pipeline {
   /// Soon: a buffer of the camera may wait.
   void release_recorded(FrameRecord* record);
 
-  /// For a replay, before the agents turn: as if the next frame were looked for there. `plan` is
-  /// the one in use, and `starts` are as many as its subapertures.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
+  /// For a replay, while no frame is under way: as if the spots of the next frame were looked for
+  /// there, and the whole image searched or not. `plan` is the one in use, and `starts` are as many
+  /// as its subapertures.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
 
   // One histogram a stage; read and reset by the status thread.
   /// The frame's arrival, since it could have arrived had nothing held it up (ArrivalClock).

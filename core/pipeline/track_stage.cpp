@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "core/optics/lattice.hpp"
 #include "core/pipeline/measurement.hpp"
@@ -27,12 +28,15 @@ TrackStage::TrackStage(const Config& config, const Deps& deps)
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
+  entry.searched = false;
   if (history_.fit_to(*entry.plan)) search_back_off_.reset();
   history_.starts(entry, entry.starts);
 }
 
-void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
+void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+                        bool searched) {
   history_.resume(plan, starts);
+  search_told_ = searched;
 }
 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
@@ -101,7 +105,9 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
 
 void TrackStage::search_if_needed(Entry& entry) OVWS_NONBLOCKING {
   const int found = count_found(spots_of(entry));
-  if (history_.live() && entry.spot_count - found <= few(entry.spot_count)) {
+  if (const auto told = std::exchange(search_told_, std::nullopt)) {
+    if (*told) search(entry, found);
+  } else if (history_.live() && entry.spot_count - found <= few(entry.spot_count)) {
     search_back_off_.reset();
   } else if (search_back_off_.try_now()) {
     search(entry, found);
@@ -110,6 +116,7 @@ void TrackStage::search_if_needed(Entry& entry) OVWS_NONBLOCKING {
 
 void TrackStage::search(Entry& entry, int found) OVWS_NONBLOCKING {
   deps_.counters.add(Counter::acquisitions);
+  entry.searched = true;
   const std::span<SpotFix> searched{searched_.data(), std::size_t(entry.spot_count)};
   const int searched_found = entry.measurement->acquisition.acquire(
       entry.frame.image, *entry.plan->tracker, entry.measurement->track_scratch[0], searched);

@@ -1,6 +1,7 @@
 /// The second stage: finds every spot of a frame, from history or from a whole-image search.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,8 +37,8 @@ class TrackStage {
   /// Retries lost spots, searches if need be, keeps history. The frame's pixels are let go of.
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  /// See SpotHistory::resume.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
+  /// See SpotHistory::resume; and the whole image is searched, or is not, as `searched` says.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
 
   /// How many spots may be lost without a whole-image search.
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
@@ -54,6 +55,7 @@ class TrackStage {
   Deps deps_;
   SpotHistory history_;
   BackOff search_back_off_;
+  std::optional<bool> search_told_;  ///< for the next frame
   std::vector<char> doubled_;
   std::vector<SpotFix> searched_;
 };

@@ -69,13 +69,19 @@ bool wait_for_enter() {
   return bool(std::getline(std::cin, line));
 }
 
+json text_or_null(const std::string& text) {
+  return text.empty() ? json(nullptr) : json(text);
+}
+
 int tell(const Common& common, const Options& options, const Tally& tally) {
-  const bool all_same = tally.same == tally.replayed;
+  const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
   if (common.json) {
     print("{}\n", json{{"frames", tally.frames},
                        {"replayed", tally.replayed},
                        {"same", tally.same},
-                       {"valid", tally.valid}}
+                       {"valid", tally.valid},
+                       {"first_not_replayed", text_or_null(tally.first_reason)},
+                       {"first_difference", text_or_null(tally.first_difference)}}
                       .dump());
     return all_same ? kOk : kError;
   }
@@ -113,7 +119,7 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "replay",
       "measure the pictures of a recording again, under the plans of their time, and say whether "
-      "the same comes out (else the exit code is 1)");
+      "the same comes out (else, and if there is nothing to measure, the exit code is 1)");
   auto options = std::make_shared<Options>();
   command->add_option("file", options->path, "a file of record.start")->required();
   command->add_option("--speed", options->speed, "1: as it was; 0 (default): as fast as it goes")

@@ -34,6 +34,7 @@ RecordedFrame row_of(const FrameRecord& record) {
   row.determined = record.reconstruction.determined;
   row.explained = record.explained;
   row.valid = record.valid;
+  row.searched = record.searched;
   row.left_justified_bits = std::uint8_t(record.frame.image.left_justified_bits);
   return row;
 }

@@ -68,7 +68,8 @@ class SteppedCamera final : public Camera {
   std::uint64_t count_ = 0;
 };
 
-bool same_bits(float a, float b) {
+template <typename Number>
+bool same_bits(Number a, Number b) {
   return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
@@ -82,21 +83,30 @@ void justify(std::span<std::byte> pixels, int bits) {
   }
 }
 
+bool same_spot(const SpotFix& now, const RecordedSpot& then) {
+  return same_bits(now.x, then.x) && same_bits(now.y, then.y) && same_bits(now.peak, then.peak) &&
+         same_bits(now.quality, then.quality) && same_bits(now.level, then.level) &&
+         same_bits(now.noise, then.noise);
+}
+
+bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
+  return now.still == (then.still != 0) && now.settled == (then.settled != 0) &&
+         now.searched == (then.searched != 0) && now.explained == (then.explained != 0) &&
+         now.reconstruction.determined == (then.determined != 0) &&
+         now.valid == (then.valid != 0) && now.tracked == int(then.tracked) &&
+         same_bits(now.saturated_fraction, then.saturated) &&
+         same_bits(now.reconstruction.fit_residual_px, then.fit_residual_px) &&
+         same_bits(now.reconstruction.rms_waves, then.rms_waves);
+}
+
 bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
           std::span<const float> coefficients) {
-  if (now.spot_count != int(spots.size()) || now.mode_count != int(coefficients.size()) ||
-      now.settled != (then.settled != 0) || now.valid != (then.valid != 0) ||
-      now.explained != (then.explained != 0)) {
-    return false;
-  }
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const SpotFix& spot = now.spots[i];
-    if (!same_bits(spot.x, spots[i].x) || !same_bits(spot.y, spots[i].y) ||
-        !same_bits(spot.quality, spots[i].quality)) {
-      return false;
-    }
-  }
-  return std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(), same_bits);
+  return now.spot_count == int(spots.size()) && now.mode_count == int(coefficients.size()) &&
+         same_verdicts(now, then) &&
+         std::equal(spots.begin(), spots.end(), now.spots.begin(),
+                    [](const RecordedSpot& a, const SpotFix& b) { return same_spot(b, a); }) &&
+         std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(),
+                    same_bits<float>);
 }
 
 }  // namespace
@@ -116,7 +126,6 @@ struct Player::Impl {
   std::uint64_t next_plan_id = 1;
   std::string why_no_plan;
   std::size_t next = 0;
-  bool goes_on = false;  ///< the frame before was replayed
 
   Impl(std::unique_ptr<RecordingReader> opened, RecordedPlans found)
       : reader(std::move(opened)), plans(std::move(found)), camera(*reader) {}
@@ -176,13 +185,11 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     frame.reason = "it has not the spots of its plan";
     return {};
   }
-  if (!goes_on || frame.recorded.dropped_before > 0) {
-    std::vector<SpotStart> starts;
-    for (const RecordedSpot& spot : *spots) {
-      starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
-    }
-    pipeline.resume(*plan, starts);
+  std::vector<SpotStart> starts;
+  for (const RecordedSpot& spot : *spots) {
+    starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
   }
+  pipeline.resume(*plan, starts, frame.recorded.searched != 0);
   tell(frame.recorded);
   camera.give(frame.recorded);
   FrameRecord* const record = pipeline.next(kPatienceUs);
@@ -213,7 +220,7 @@ Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
   auto plans = RecordedPlans::of(**reader);
   if (!plans) return fail(plans.error());
   auto impl = std::make_unique<Impl>(std::move(*reader), std::move(*plans));
-  auto started = impl->threads.start(ThreadRole::acquire, impl->pipeline.acquisition());
+  auto started = impl->threads.start(ThreadRole::replay, impl->pipeline.acquisition());
   if (!started) return fail(started.error());
   auto attached = impl->pipeline.attach(impl->camera);
   std::unique_ptr<Player> player(new Player(std::move(impl)));
@@ -239,7 +246,6 @@ Result<std::optional<PlayedFrame>> Player::step() {
   if (frame.reason.empty()) {
     if (auto measured = m.measure(frame); !measured) return fail(measured.error());
   }
-  m.goes_on = frame.replayed;
   return frame;
 }
 

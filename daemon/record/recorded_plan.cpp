@@ -5,7 +5,6 @@
 
 #include "core/optics/lattice.hpp"
 #include "daemon/reference_file.hpp"
-#include "daemon/reference_templates.hpp"
 #include "daemon/store/encoding.hpp"
 
 namespace ovws {
@@ -93,9 +92,23 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
   return plans;
 }
 
+/// A loop goes from plan to plan with the same reference, and its templates take a second.
+Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::templates(
+    const json& from, TrackingSettings& tracking, const SpotModel& spots) {
+  if (from.at("own_templates").get<int>() <= 0) return {};
+  const auto sha256 = from.at("reference").get<std::string>();
+  if (!reference_ || sha256 != reference_sha256_) {
+    auto reference = reference_from(json::parse(documents_.at(sha256)));
+    if (!reference) return fail(reference.error());
+    reference_ = std::move(*reference);
+    reference_sha256_ = sha256;
+  }
+  tracking.templates = TemplateKind::reference;
+  return shelf_.of(tracking, spots, reference_).banks;
+}
+
 /// Strictly what plan_facts.cpp writes: anything else ends in an exception of the JSON library.
-static Result<std::unique_ptr<MeasurementPlan>> read(
-    const json& from, const std::map<std::string, std::string>& documents) {
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   if (!from.at("torn").empty()) {
     return fail(Errc::refused, "path", "the shapes of torn spots are not in a recording");
   }
@@ -116,31 +129,25 @@ static Result<std::unique_ptr<MeasurementPlan>> read(
   plan->predicted_px = points(from.at("predicted_px"));
   plan->search_px = points(from.at("search_px"));
   plan->reference_px = points(from.at("reference_px"));
-  const json op = json::parse(documents.at(from.at("operator").get<std::string>()));
+  const json op = json::parse(documents_.at(from.at("operator").get<std::string>()));
   const auto modes_j = op.at("j").get<std::vector<int>>();
   if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
   plan->reconstructor = std::make_unique<Reconstructor>(
       matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px);
   TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
-  std::vector<std::shared_ptr<const TemplateBank>> own;
-  if (from.at("own_templates").get<int>() > 0) {
-    tracking.templates = TemplateKind::reference;
-    const auto reference =
-        reference_from(json::parse(documents.at(from.at("reference").get<std::string>())));
-    if (!reference) return fail(reference.error());
-    own = own_templates(tracking, plan->spots, &*reference).banks;
-  }
-  auto made = make_tracker(tracking, plan->spots, std::move(own));
+  auto own = templates(from, tracking, plan->spots);
+  if (!own) return fail(own.error());
+  auto made = make_tracker(tracking, plan->spots, std::move(*own));
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
   return plan;
 }
 
-Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) const {
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) {
   const auto found = plans_.find(plan_id);
   if (found == plans_.end()) return unfit("is not in it: " + std::to_string(plan_id));
   try {
-    return read(json::parse(found->second), documents_);
+    return read(json::parse(found->second));
   } catch (const std::exception& error) {  // of the JSON library, or of a map without the document
     return unfit(std::string("cannot be read: ") + error.what());
   }

@@ -24,8 +24,11 @@ class ReplayCamera final : public Camera {
     for (const RecordedFrame& frame : reader_->frames()) {
       if (frame.picture >= 0) frames_.push_back(frame);
     }
-    settings_ = {frames_.front().gain_db,
-                 frames_.front().exposure_us,
+    const auto known = std::find_if(frames_.begin(), frames_.end(),
+                                    [](const auto& frame) { return frame.settings_known != 0; });
+    const RecordedFrame& first = known == frames_.end() ? frames_.front() : *known;
+    settings_ = {first.gain_db,
+                 first.exposure_us,
                  header.frame_rate_hz,
                  header.format,
                  {header.x, header.y, header.width, header.height}};
