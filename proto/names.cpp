@@ -41,9 +41,7 @@ const std::vector<std::string>& pixel_format_names() {
 const std::vector<std::string>& tracker_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (int k = 0; k <= int(TrackerKind::matched); ++k) {
-      all.emplace_back(tracker_name(TrackerKind(k)));
-    }
+    for (const std::string_view name : all_tracker_names()) all.emplace_back(name);
     return all;
   }();
   return names;

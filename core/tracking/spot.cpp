@@ -5,20 +5,14 @@
 #include <cmath>
 #include <functional>
 #include <string>
-#include <utility>
 
 namespace ovws {
 namespace {
 
 constexpr float kFaint = 0.1F;  // of the median level
 
-constexpr std::array<std::pair<TrackerKind, std::string_view>, 6> kNames{
-    {{TrackerKind::centroid, "centroid"},
-     {TrackerKind::thresholded, "thresholded"},
-     {TrackerKind::weighted, "weighted"},
-     {TrackerKind::lg_contour, "lg_contour"},
-     {TrackerKind::lg, "lg"},
-     {TrackerKind::matched, "matched"}}};
+constexpr std::array<std::string_view, 6> kNames{"centroid",   "thresholded", "weighted",
+                                                 "lg_contour", "lg",          "matched"};
 
 }  // namespace
 
@@ -44,18 +38,18 @@ int drop_faint(std::span<SpotFix> spots, int expected) {
   return remain;
 }
 
+std::span<const std::string_view> all_tracker_names() {
+  return kNames;
+}
+
 std::string_view tracker_name(TrackerKind kind) {
-  for (const auto& [known, name] : kNames) {
-    if (known == kind) return name;
-  }
-  return "";
+  return kNames[std::size_t(kind)];
 }
 
 std::optional<TrackerKind> tracker_from_name(std::string_view name) {
-  for (const auto& [kind, known] : kNames) {
-    if (known == name) return kind;
-  }
-  return std::nullopt;
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return TrackerKind(found - kNames.begin());
 }
 
 double lg_kernel_radius(const TrackingConfig& config, int charge) {

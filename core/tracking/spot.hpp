@@ -33,6 +33,8 @@ int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
 enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg, matched };
 
+/// In the order of the enumeration.
+std::span<const std::string_view> all_tracker_names();
 std::string_view tracker_name(TrackerKind kind);
 std::optional<TrackerKind> tracker_from_name(std::string_view name);
 
