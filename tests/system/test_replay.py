@@ -71,7 +71,9 @@ class Replay(BenchCase):
         time.sleep(1.0)
         self.call("record.stop")
         self.assertGreater(self.replayed("still")["frames"], 50)
-        self.assertEqual(len(set(self.replayed("still").values())), 1)  # frames, replayed, same, valid
+        still = self.replayed("still")
+        self.assertEqual({still[key] for key in ("frames", "replayed", "same", "valid")}, {still["frames"]})
+        self.assertEqual((still["first_not_replayed"], still["first_difference"]), (None, None))
         begun = time.monotonic()
         self.replayed("still", "--speed", "1")
         self.assertGreater(time.monotonic() - begun, 0.7)
@@ -129,8 +131,7 @@ class Replay(BenchCase):
         time.sleep(0.5)
         self.call("record.stop")
         run, folder = self.open("out"), self.bench.directory
-        subprocess.run([sys.executable, "-m", "ovws_client.export", self.path("out"), "--csv", folder / "out.csv", "--npz", folder / "out.npz",
-                        "--fits", folder / "out.fits", "--pictures"], check=True, cwd=ROOT / "proto" / "python")
+        self.export("out", "--csv", folder / "out.csv", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
         coefficients = run.coefficients()
         with open(folder / "out.csv", newline="") as file:
             lines = list(csv.DictReader(file))
@@ -146,6 +147,35 @@ class Replay(BenchCase):
             self.assertTrue((hdus["COEFFICIENTS"].data == coefficients).all())
             self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
             self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
+
+    def test_fits_has_no_place_for_some(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "every_third", "pictures_every": 3})
+        time.sleep(0.3)
+        self.call("record.stop")
+        out = self.bench.directory / "third.fits"
+        self.export("every_third", "--fits", out, "--pictures")
+        with fits.open(out) as hdus:
+            times = hdus["AOT_TIME"].data
+            self.assertEqual(list(times["UID"]), ["frames", "pictures"])
+            run = self.open("every_third")
+            self.assertEqual(list(times["FRAME_NUMBERS"][1]), list(run.frames["frame_id"][run.frames["picture"] >= 0]))
+            self.assertEqual((len(times["FRAME_NUMBERS"][1]), hdus["PICTURES"].header["TIME_UID"]), (len(hdus["PICTURES"].data), "ROWREF<pictures>"))
+        self.call("record.start", {"name": "two"})
+        self.call("sensor.set", {"charge": 2})
+        time.sleep(0.3)
+        self.call("record.stop")
+        self.assertIn("charge: changed", self.export("two", "--fits", out, status=1).stderr)
+        self.call("record.start", {"name": "none", "pictures_every": 0})
+        time.sleep(0.2)
+        self.call("record.stop")
+        self.assertIn("pictures: there are none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
+
+    def export(self, name, *arguments, status=0):
+        done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=ROOT / "proto/python",
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
 
     def test_plans_with_absurd_numbers_are_told(self):
         """The checksums are right: only what the numbers say is wrong."""

@@ -42,10 +42,11 @@ def _table(fits, name, columns):
     return fits.BinTableHDU.from_columns([fits.Column(name=key, format=form, unit=unit, array=value) for key, form, unit, value in columns], name=name)
 
 
-def _one(value):
-    """An array of variable length as the only row."""
-    rows = numpy.empty(1, dtype=object)
-    rows[0] = value
+def _rows(values):
+    """Arrays of different lengths, one a row."""
+    values = list(values)
+    rows = numpy.empty(len(values), dtype=object)
+    rows[:] = values
     return rows
 
 
@@ -56,10 +57,12 @@ def _time(ns):
 def _tables(fits, run, pictures):
     frames, attributes, plan = run.frames, run.attributes, run.plan(0)
     text = lambda value: numpy.array([value])
+    shown = frames[frames["picture"] >= 0]
+    times = {"frames": frames} | ({"pictures": shown} if pictures else {})
     yield _table(fits, "AOT_TIME", [
-        ("UID", "16A", None, text("frames")),
-        ("TIMESTAMPS", "QD()", "s", _one(frames["t_arrival_ns"] * 1e-9)),
-        ("FRAME_NUMBERS", "QK()", "count", _one(frames["frame_id"].astype(numpy.int64)))])
+        ("UID", "16A", None, numpy.array(list(times))),
+        ("TIMESTAMPS", "QD()", "s", _rows(rows["t_arrival_ns"] * 1e-9 for rows in times.values())),
+        ("FRAME_NUMBERS", "QK()", "count", _rows(rows["frame_id"].astype(numpy.int64) for rows in times.values()))])
     for name in EMPTY_TABLES:
         yield _table(fits, name, [("UID", "16A", None, numpy.array([], dtype="U16"))])
     yield _table(fits, "AOT_SOURCES", [("UID", "16A", None, text("laser")), ("TYPE", "32A", None, text("Natural Guide Star"))])
@@ -86,30 +89,47 @@ def _tables(fits, run, pictures):
 
 
 def _images(fits, run, pictures):
-    def image(name, data, unit):
+    def image(name, data, unit, times="frames"):
         hdu = fits.ImageHDU(numpy.ascontiguousarray(data), name=name)
         hdu.header["BUNIT"] = unit
-        hdu.header["TIME_UID"] = "ROWREF<frames>"
+        if times:
+            hdu.header["TIME_UID"] = f"ROWREF<{times}>"
         return hdu
 
     spots, plan = run.spots(), run.plan(0)
     yield image("SPOTS", numpy.stack([spots["x"], spots["y"]], axis=1), "pix")
     yield image("LEVELS", spots["level"], "count")
     if plan["reference_px"]:
-        reference = image("REFERENCE", numpy.array(plan["reference_px"]).T, "pix")
-        del reference.header["TIME_UID"]
-        yield reference
+        yield image("REFERENCE", numpy.array(plan["reference_px"]).T, "pix", times=None)
     coefficients = image("COEFFICIENTS", good_coefficients(run), "")
     coefficients.header["BASIS"] = ("zernike-osa-rms", "waves of WAVELENGTH, RMS-normalised")
     coefficients.header["MODES"] = " ".join(str(j) for j in run.modes(0))
     yield coefficients
     if pictures:
-        yield image("PICTURES", numpy.stack([run.picture(frame) for frame in numpy.flatnonzero(run.frames["picture"] >= 0)]), "count")
+        yield image("PICTURES", numpy.stack([run.picture(frame) for frame in numpy.flatnonzero(run.frames["picture"] >= 0)]), "count", times="pictures")
+
+
+def _check(run, pictures):
+    used = set(run.frames["plan_id"].tolist())
+    plans = [plan for plan in run.documents("plan") if plan["plan_id"] in used]
+    stays = {
+        "subapertures": lambda plan: len(plan["predicted_px"]), "charge": lambda plan: plan["charge"], "tracker": lambda plan: plan["tracker"],
+        "reference": lambda plan: plan["reference_px"], "modes": lambda plan: run.document("operator", plan["operator"])["j"]}
+    for what, of in stays.items():
+        if any(of(plan) != of(plans[0]) for plan in plans):
+            raise ValueError(f"{what}: changed during the recording, and AOT has one sensor that stays as it is")
+    if pictures and not (run.frames["picture"] >= 0).any():
+        raise ValueError("pictures: there are none")
+    packed = run.attributes["pixel_format"].lower()
+    if pictures and packed.endswith(("p", "packed")):
+        raise ValueError(f"pictures: pixels of {run.attributes['pixel_format']} share bytes, which FITS does not know")
 
 
 def to_fits(run, path, pictures=False):
-    """A ValueError if the number of subapertures or modes changed during the recording: AOT has one sensor of one size."""
+    """A ValueError if the sensor or its reference changed during the recording, which AOT has no place for, or if there are no
+    pictures to give, or packed ones."""
     from astropy.io import fits
+    _check(run, pictures)
     header = fits.Header()
     header["AOT-VERS"] = "1.0.0"
     header["AO-MODE"] = "SCAO"
@@ -136,8 +156,11 @@ def main(arguments=None):
             to_csv(run, options.csv)
         if options.npz:
             to_npz(run, options.npz)
-        if options.fits:
-            to_fits(run, options.fits, options.pictures)
+        try:
+            if options.fits:
+                to_fits(run, options.fits, options.pictures)
+        except ValueError as error:
+            parser.exit(1, f"{options.recording}: {error}\n")
 
 
 if __name__ == "__main__":

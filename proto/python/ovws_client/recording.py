@@ -37,7 +37,7 @@ class Recording:
     @property
     def attributes(self):
         """Of the file: `pixel_format`, `wavelength_nm`, `t_begin_ns`, …"""
-        return {key: value.decode() if isinstance(value, bytes) else value for key, value in self.file.attrs.items()}
+        return {key: value.decode(errors="replace") if isinstance(value, bytes) else value for key, value in self.file.attrs.items()}
 
     @property
     def summary(self):
