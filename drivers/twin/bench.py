@@ -12,7 +12,7 @@ daemon `ovwsd`. Standard library only.
         ...                     # b.display, b.programs, b.directory, b.log("ovws-twin")
 
 The camera's port (UDP 3956) is fixed by GigE Vision, so one machine, or one network namespace,
-holds one bench; `own_network()` moves the calling process into a namespace of its own (root only).
+holds one bench; `own_network()` moves the calling process into a namespace of its own.
 """
 
 import ctypes
@@ -48,11 +48,16 @@ def find_programs(build=None):
 
 
 def own_network():
-    """Moves this process, and what it starts from now on, into an empty network namespace."""
-    clone_newnet = 0x40000000
+    """Moves this process, and what it starts from now on, into an empty network namespace; a user who is not root, into a user
+    namespace of his own where he is, if the system lets him."""
+    clone_newnet, clone_newuser = 0x40000000, 0x10000000
     libc = ctypes.CDLL(None, use_errno=True)
-    if libc.unshare(clone_newnet) != 0:
+    user, group = os.geteuid(), os.getegid()
+    if libc.unshare(clone_newnet) != 0 and libc.unshare(clone_newnet | clone_newuser) != 0:
         raise BenchError(f"no network namespace of its own: {os.strerror(ctypes.get_errno())}")
+    if os.geteuid() != user:  # nobody, until it is said who that is
+        for name, text in (("setgroups", "deny"), ("uid_map", f"0 {user} 1"), ("gid_map", f"0 {group} 1")):
+            pathlib.Path("/proc/self", name).write_text(text)
     subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
 
 
