@@ -175,10 +175,11 @@ def main():
         with Bench(arguments.build) as bench:
             bench.start_display()
             bench.start_twin()
-            bench.start_daemon()
+            recordings = arguments.out.resolve() / "recordings"
+            bench.start_daemon({"state": {"directory": "state"}, "record": {"directory": str(recordings)}})
             Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
-                print("\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; Ctrl-C ends it", flush=True)
+                print(f"\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C ends it", flush=True)
                 wait_for_ctrl_c()
     except KeyboardInterrupt:
         print()

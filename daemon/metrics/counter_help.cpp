@@ -17,7 +17,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounter
     {"frames_left_justified", "Frames whose numbers filled their 16 bits from the left."},
     {"frames_unplanned", "Frames that there was nothing to measure with."},
     {"frames_unexpected", "Frames of another size or format than they are measured with."},
-    {"frames_dropped", "Frames that found the daemon behind."},
+    {"frames_dropped", "Frames left out because the daemon was behind."},
     {"frames_unsettled", "Frames published while the hologram was changing."},
     {"frames_invalid", "Frames published without a wavefront that can be stood behind."},
     {"frames_unexplained", "Invalid frames whose spots no wavefront explains."},
