@@ -72,7 +72,7 @@ struct FrameRecord {
   std::vector<SpotFix> spots;
   int spot_count = 0;
   int tracked = 0;
-  bool searched = false;  ///< its spots were looked for in the whole image, too
+  bool searched = false;            ///< its spots were looked for in the whole image, too
   float saturated_fraction = 0.0F;  ///< of the spots
   std::vector<float>
       coefficients;  ///< RMS-normalised waves, order of plan->reconstructor->modes_j()

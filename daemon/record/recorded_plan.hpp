@@ -28,8 +28,9 @@ class RecordedPlans {
 
  private:
   Result<std::unique_ptr<MeasurementPlan>> read(const nlohmann::json& from);
-  Result<std::vector<std::shared_ptr<const TemplateBank>>> templates(
-      const nlohmann::json& from, TrackingSettings& tracking, const SpotModel& spots);
+  Result<std::vector<std::shared_ptr<const TemplateBank>>> templates(const nlohmann::json& from,
+                                                                     TrackingSettings& tracking,
+                                                                     const SpotModel& spots);
 
   std::map<std::uint64_t, std::string> plans_;    ///< text by number
   std::map<std::string, std::string> documents_;  ///< text by checksum
