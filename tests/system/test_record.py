@@ -2,21 +2,23 @@
 
     OVWS_RECORD_KILLS=50   of the daemon while it records
 """
+import contextlib
 import hashlib
 import json
 import os
 import random
+import subprocess
 import time
 from pathlib import Path
 
 import numpy
-from case import BenchCase, main, wait_for
+from case import BenchCase, main, own_mounts, wait_for
 from ovws_client.recording import Recording
 
 KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
 
 
-class Record(BenchCase):
+class RecordCase(BenchCase):
     daemon_config = {"camera": {"frame_rate_hz": 100}, "record": {"directory": "recordings"}}
     twin_config = {"noise": "pool"}
 
@@ -43,6 +45,8 @@ class Record(BenchCase):
         for plan_id in numpy.unique(frames["plan_id"]):
             self.assertEqual(recording.plan(int(numpy.argmax(frames["plan_id"] == plan_id)))["plan_id"], plan_id)
 
+
+class Record(RecordCase):
     def resident_mib(self):
         return int(Path(f"/proc/{self.bench.process('ovwsd').pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
 
@@ -163,6 +167,57 @@ class Record(BenchCase):
             self.wait_until("running")
         print(f"\n  {KILLS} kills: at most {worst_s:.2f} s are lacking, {frames} frames are there")
         self.assertLess(worst_s, 1.0)
+
+
+class RecordDisk(RecordCase):
+    """A disk of 90 MiB, of which a recording leaves 64."""
+
+    def start(self):
+        folder = self.bench.directory / "recordings"
+        folder.mkdir()
+        own_mounts()
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=90m", "none", folder], check=True)
+        self.addCleanup(subprocess.run, ["umount", "-l", folder], check=True)
+        super().start()
+
+    def ended(self, name):
+        """Its report, once it has ended; what it had until then is whole, and frames go on."""
+        report = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, 20.0, "the end")
+        recording = self.open(name)
+        self.check_whole(recording)
+        self.assertEqual(len(recording.frames), report["frames"])
+        recording.close()  # else its room is not free when its name is gone
+        self.assertTrue(self.call("system.status")["record"]["reason"])
+        self.settled_frames(self.stream("wavefront"), 5)
+        return report
+
+    def fill(self):
+        with open(self.bench.directory / "recordings" / "filler", "wb", buffering=0) as file, contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(4096))
+
+    def test_full(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "long"})
+        long = self.ended("long")
+        self.assertIn("the disk is full: less than 64 MiB are left", long["reason"])
+        self.assertGreater(long["frames"], 100)
+        self.assertIn("64 MiB", str(self.refused("record.start", {"name": "another"})))
+        (self.bench.directory / "recordings" / "long.h5").unlink()
+        self.call("record.start", {"name": "sudden"})
+        time.sleep(0.5)
+        self.fill()
+        sudden = self.ended("sudden")
+        print(f"\n  {long['frames']} frames, then {sudden['frames']}: {sudden['reason']}")
+        self.assertRegex(sudden["reason"], "the disk is full|No space left on device")
+        self.assertGreater(sudden["frames"], 20)
+
+    def test_read_only(self):
+        folder = self.bench.directory / "recordings"
+        subprocess.run(["mount", "-o", "remount,ro", folder], check=True)
+        self.assertIn("Read-only file system", str(self.refused("record.start", {"name": "kept"})))
+        subprocess.run(["mount", "-o", "remount,rw", folder], check=True)
+        self.assertGreater(self.record("kept", 0.3)["frames"], 10)
 
 
 if __name__ == "__main__":

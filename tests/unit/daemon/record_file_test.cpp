@@ -1,0 +1,163 @@
+/// A recording whose disk fails it, and frames that find no room.
+#include "drivers/record/record_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "daemon/record/frame_store.hpp"
+#include "drivers/replay/recording_reader.hpp"
+#include "tests/support/own_folder.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kSide = 64;
+
+RecordingHeader small_header() {
+  RecordingHeader header;
+  header.width = header.height = kSide;
+  return header;
+}
+
+/// No file of this process may grow beyond it: writes fail as on a full disk.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    (void)std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+Result<void> add_one(RecordFile& file, int number) {
+  const std::vector<std::byte> pixels(kSide * kSide, std::byte(number));
+  RecordedFrame frame;
+  frame.frame_id = std::uint64_t(number);
+  const auto picture = file.add_picture(pixels, false);
+  if (!picture) return fail(picture.error());
+  frame.picture = *picture;
+  file.add_frame(frame, std::vector<RecordedSpot>(7), std::vector<float>(5));
+  return file.flush(0, 0);
+}
+
+/// Every row that a reader is given names parts that are there.
+void expect_readable(const std::string& path, int flushed) {
+  auto reader = RecordingReader::open(path);
+  ASSERT_TRUE(reader) << reader.error().reason;
+  EXPECT_GE((*reader)->frames().size(), std::size_t(flushed));
+  EXPECT_LE((*reader)->frames().size(), std::size_t(flushed) + 1);
+  std::vector<std::byte> pixels((*reader)->picture_bytes());
+  for (int i = 0; i < flushed; ++i) {
+    const RecordedFrame& frame = (*reader)->frames()[std::size_t(i)];
+    EXPECT_EQ(frame.frame_id, std::uint64_t(i + 1));
+    EXPECT_TRUE((*reader)->spots(frame));
+    EXPECT_TRUE((*reader)->coefficients(frame));
+    ASSERT_TRUE((*reader)->picture(frame, pixels));
+    EXPECT_EQ(pixels[0], std::byte(i + 1));
+  }
+}
+
+/// At that many bytes another write is the one that fails.
+class RecordFileLimit : public ::testing::TestWithParam<int> {};
+
+TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead) {
+  const std::string path = own_folder("record_file") + std::to_string(GetParam()) + ".h5";
+  std::filesystem::remove(path);
+  int flushed = 0;
+  {
+    auto file = RecordFile::create(path, small_header());
+    ASSERT_TRUE(file) << file.error().reason;
+    const FileLimit limit((*file)->bytes() + rlim_t(GetParam()));
+    while (flushed < 100 && add_one(**file, flushed + 1)) ++flushed;
+    ASSERT_LT(flushed, 100);
+    EXPECT_FALSE((*file)->add_document("plan", std::string(64, 'a'), "{}"));
+    const auto picture = (*file)->add_picture(std::vector<std::byte>(kSide * kSide), true);
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, Errc::unavailable);
+    EXPECT_EQ(picture.error().field, "path");
+    EXPECT_FALSE((*file)->flush(0, 0));
+    EXPECT_FALSE((*file)->close(0, 0));
+  }
+  expect_readable(path, flushed);
+  std::filesystem::remove(path);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bytes, RecordFileLimit,
+                         ::testing::Values(1'000, 5'000, 20'000, 33'333, 77'000, 100'001));
+
+TEST(RecordFile, OneThatCannotBeBegunLeavesNothing) {
+  const std::string path = own_folder("record_file_begin") + ".h5";
+  std::filesystem::remove(path);
+  {
+    const FileLimit limit(500);
+    const auto file = RecordFile::create(path, small_header());
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().field, "path");
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+  std::filesystem::remove(path);
+}
+
+TEST(RecordFile, AnotherFileOfThatNameStaysAsItIs) {
+  const std::string path = own_folder("record_file_there") + ".h5";
+  std::filesystem::remove(path);
+  ASSERT_TRUE((*RecordFile::create(path, small_header()))->close(0, 0));
+  EXPECT_FALSE(RecordFile::create(path, small_header()));
+  EXPECT_TRUE(RecordingReader::open(path));
+  std::filesystem::remove(path);
+}
+
+TEST(FrameStore, FramesThatFindNoRoomAreLeftOutAndCounted) {
+  MeasurementPlan plan;
+  FrameRecord record;
+  record.plan = &plan;
+  FrameStore store(0, 0);
+  EXPECT_EQ(store.taken_after(0), 0U);
+  constexpr std::uint64_t kFirst = 11, kCame = 5000;
+  for (record.number = kFirst; record.number < kFirst + kCame; ++record.number) {
+    store.take(record, false);
+  }
+  EXPECT_EQ(store.taken_after(0), kCame);
+  std::uint64_t last = kFirst - 1;
+  while (TakenFrame* const frame = store.next(0)) {
+    EXPECT_EQ(frame->number, last + 1);
+    last = frame->number;
+    store.give_back(frame);
+  }
+  EXPECT_LT(last, kFirst + kCame - 1);
+  EXPECT_EQ(store.taken_after(last), kFirst + kCame - 1 - last);
+}
+
+TEST(FrameStore, APictureThatFindsNoRoomIsLeftOutAndItsFrameSaysSo) {
+  constexpr int kPictures = 4;
+  const std::vector<std::byte> pixels(kSide * kSide, std::byte(7));
+  MeasurementPlan plan;
+  FrameRecord record;
+  record.plan = &plan;
+  record.frame.image = {pixels.data(), kSide, kSide, kSide, PixelFormat::mono8};
+  FrameStore store(kPictures, pixels.size());
+  for (record.number = 1; record.number <= kPictures + 1; ++record.number) store.take(record, true);
+  EXPECT_TRUE(store.behind());
+  for (int i = 0; i <= kPictures; ++i) {
+    TakenFrame* const frame = store.next(0);
+    ASSERT_NE(frame, nullptr);
+    EXPECT_EQ(frame->row.picture_dropped, i == kPictures ? 1 : 0);
+    EXPECT_EQ(frame->pixels.size(), i == kPictures ? 0 : pixels.size());
+    store.give_back(frame);
+  }
+  EXPECT_FALSE(store.behind());
+}
+
+}  // namespace
+}  // namespace ovws
