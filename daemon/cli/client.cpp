@@ -133,7 +133,7 @@ int report_failure(const Common& common, const CallFailure& failure) {
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
-  return as_seen_from_here((*config)["stream"][key].get<std::string>(), common.endpoint);
+  return as_seen_from_here(config->at("stream").at(key).get<std::string>(), common.endpoint);
 }
 
 Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
@@ -148,11 +148,12 @@ std::string why_not_valid(const json& message, bool referenced, const std::strin
     const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
     return what + " stands on the SLM: no wavefront is measured";
   }
-  if (!message["settled"].get<bool>()) return "hologram changing";
+  if (!message.value("settled", false)) return "hologram changing";
   if (!referenced) return "no reference: ovws call reference.take";
-  if (message["fit_residual_px"].is_number()) return "no wavefront explains where the spots are";
-  return fmt::format("{} of {} spots found", message["tracked"].get<int>(),
-                     message["subapertures"].get<int>());
+  if (message.value("fit_residual_px", json()).is_number())
+    return "no wavefront explains where the spots are";
+  return fmt::format("{} of {} spots found", message.value("tracked", 0),
+                     message.value("subapertures", 0));
 }
 
 int report(const Common& common, const Error& error) {

@@ -50,17 +50,17 @@ class Fetched {
   int job() const { return job_; }
   /// Whether that result of experiment.get is of the job's run: the daemon may hold another one's.
   bool is_own(const json& experiment) {
-    if (experiment["job"] == job_) run_ = experiment["run"];
-    return !run_.is_null() && experiment["run"] == run_;
+    if (experiment.at("job") == job_) run_ = experiment.at("run");
+    return !run_.is_null() && experiment.at("run") == run_;
   }
   void know_run(const json& name) { run_ = name; }
   /// Whether that cell, as it was measured then.
   bool has(const json& summary) const {
-    const auto found = cells_.find(summary["cell"].get<int>());
+    const auto found = cells_.find(summary.at("cell").get<int>());
     return found != cells_.end() && is_same(found->second, summary);
   }
   static bool is_same(const json& cell, const json& summary) {
-    return cell["cell"] == summary["cell"] && cell["t_begun_ns"] == summary["t_begun_ns"];
+    return cell.at("cell") == summary["cell"] && cell.at("t_begun_ns") == summary.at("t_begun_ns");
   }
   /// The first cell takes the place of what was in the folder: a job that is refused costs nothing.
   Result<void> add(json cell) {
@@ -70,7 +70,7 @@ class Fetched {
       begin_files();
     }
     const bool written = write(cell);
-    const int number = cell["cell"].get<int>();
+    const int number = cell.at("cell").get<int>();
     cells_[number] = std::move(cell);
     if (!written) return no_csv();
     return {};
@@ -106,12 +106,12 @@ class Fetched {
 void tell_progress(const Common& common, const json& experiment) {
   if (common.json) return;
   std::string left = "";
-  if (experiment["time_left_s"].is_number()) {
-    const int seconds = int(experiment["time_left_s"].get<double>());
+  if (experiment.at("time_left_s").is_number()) {
+    const int seconds = int(experiment.at("time_left_s").get<double>());
     left = fmt::format(", {}:{:02} min left", seconds / 60, seconds % 60);
   }
-  fmt::print(stderr, "\r{} of {} cells{}      ", experiment["cells_done"].get<int>(),
-             experiment["cells_total"].get<int>(), left);
+  fmt::print(stderr, "\r{} of {} cells{}      ", experiment.at("cells_done").get<int>(),
+             experiment.at("cells_total").get<int>(), left);
   std::fflush(stderr);
 }
 
@@ -119,7 +119,7 @@ void tell_progress(const Common& common, const json& experiment) {
 Answer fetch(const Common& common, Fetched& fetched) {
   Answer experiment = call(common, "experiment.get", json::object());
   if (!experiment || !fetched.is_own(*experiment)) return experiment;
-  for (const json& summary : (*experiment)["cells"]) {
+  for (const json& summary : experiment->at("cells")) {
     if (fetched.has(summary) || interrupted != 0) continue;
     Answer cell = call(common, "experiment.cell", {{"cell", summary["cell"]}});
     if (!cell) return cell;
@@ -146,11 +146,11 @@ Answer follow(const Common& common, Fetched& fetched) {
     } else if (!report) {
       return report;
     }
-    if ((*report)["result"].is_object()) fetched.know_run((*report)["result"]["run"]);
+    if (report->at("result").is_object()) fetched.know_run(report->at("result").at("run"));
     if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
       return experiment;
     }
-    if ((*report)["state"] != "running") return report;
+    if (report->at("state") != "running") return report;
     std::this_thread::sleep_for(kLook);
   }
 }
@@ -177,7 +177,7 @@ Result<void> write_findings(const json& experiment, const SweepCells& cells,
     if (auto done = study::write_numbers(figure, folder); !done) return done;
   }
   if (auto done = draw_camera_frames(cells, folder); !done) return done;
-  if (auto done = draw_residuals(experiment["request"], cells, folder); !done) return done;
+  if (auto done = draw_residuals(experiment.at("request"), cells, folder); !done) return done;
   for (const study::Figure& figure : figures) {
     if (auto done = study::draw(figure, folder); !done) return done;
   }
@@ -185,21 +185,21 @@ Result<void> write_findings(const json& experiment, const SweepCells& cells,
 }
 
 void tell_bench(const json& experiment) {
-  const json& bench = experiment["bench"];
-  print("run {} of {}: {} us at every gain, {}, {} x {} px\n", experiment["run"].get<std::string>(),
-        experiment["t_begun"].get<std::string>(), bench["exposure_us"].get<double>(),
-        bench["pixel_format"].get<std::string>(), bench["roi"]["width"].get<int>(),
-        bench["roi"]["height"].get<int>());
-  if (experiment["not_kept_reason"].is_string()) {
+  const json& bench = experiment.at("bench");
+  print("run {} of {}: {} us at every gain, {}, {} x {} px\n",
+        experiment.at("run").get<std::string>(), experiment.at("t_begun").get<std::string>(),
+        bench.at("exposure_us").get<double>(), bench.at("pixel_format").get<std::string>(),
+        bench.at("roi").at("width").get<int>(), bench.at("roi").at("height").get<int>());
+  if (experiment.at("not_kept_reason").is_string()) {
     print("not kept over a restart of the daemon: {}\n",
-          experiment["not_kept_reason"].get<std::string>());
+          experiment.at("not_kept_reason").get<std::string>());
   }
 }
 
 int tell_findings(const Common& common, Fetched& fetched, const std::filesystem::path& folder) {
   const Answer experiment = fetch(common, fetched);
   if (!experiment) return report_failure(common, experiment.error());
-  if (!fetched.is_own(*experiment) || (*experiment)["complete"] != true) {
+  if (!fetched.is_own(*experiment) || experiment->at("complete") != true) {
     return report(common, {Errc::refused, "",
                            "another gain sweep has begun since: the same command fetches this one "
                            "when that has ended"});
@@ -214,9 +214,10 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   } else {
     tell_bench(*experiment);
     print("{}\n", study::sweep_table(*experiment));
-    for (const json& one : summary["comparisons"]) {
-      print("{} is below {} in {} of {} cells\n", one["arm"].get<std::string>(),
-            one["other"].get<std::string>(), one["lower"].get<int>(), one["cells"].get<int>());
+    for (const json& one : summary.at("comparisons")) {
+      print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
+            one.at("other").get<std::string>(), one.at("lower").get<int>(),
+            one.at("cells").get<int>());
     }
     print("see {}\n", folder.string());
   }
@@ -239,11 +240,11 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   std::signal(SIGINT, note_interrupt);
   const Answer started = start(common, params);
   if (!started) return report_failure(common, started.error());
-  Fetched fetched((*started)["job"].get<int>(), folder);
+  Fetched fetched(started->at("job").get<int>(), folder);
   const Answer ended = follow(common, fetched);
   if (!common.json) fmt::print(stderr, "\n");
   if (!ended) return report_failure(common, ended.error());
-  const std::string state = (*ended)["state"].get<std::string>();
+  const std::string state = ended->at("state").get<std::string>();
   if (state == "done") return tell_findings(common, fetched, folder);
   return report(common, {Errc::refused, "", why_it_ended(*ended, fetched.cells().size())});
 }

@@ -76,7 +76,7 @@ std::optional<std::size_t> median_frame(const json& cell) {
 }
 
 std::size_t next_gain(const json& request) {
-  const auto gains = request["gains_db"].get<std::vector<double>>();
+  const auto gains = request.at("gains_db").get<std::vector<double>>();
   const auto next = std::min_element(gains.begin(), gains.end(), [](double a, double b) {
     return std::abs(a - kResidualGainDb) < std::abs(b - kResidualGainDb);
   });
@@ -85,7 +85,7 @@ std::size_t next_gain(const json& request) {
 
 std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
   std::vector<float> waves(modes_j.size(), 0.0F);
-  for (const json& mode : aberration["modes"]) {
+  for (const json& mode : aberration.at("modes")) {
     const auto at = std::find(modes_j.begin(), modes_j.end(), mode["j"].get<int>());
     if (at != modes_j.end()) waves[std::size_t(at - modes_j.begin())] = mode["waves"].get<float>();
   }
@@ -102,7 +102,7 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
                                     const std::vector<float>& introduced) {
   const auto frame = median_frame(cell);
   if (!frame) return std::nullopt;
-  auto left = cell["coefficients_waves"][*frame].get<std::vector<float>>();
+  auto left = cell.at("coefficients_waves")[*frame].get<std::vector<float>>();
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
   Residual residual;
   map.render(left, residual.waves);
@@ -118,7 +118,7 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
 Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::path& folder) {
   std::map<int, Row> rows;
   for (const auto& [number, cell] : cells) {
-    const json& kept = cell["picture"];
+    const json& kept = cell.at("picture");
     if (kept.is_null()) continue;
     const int width = kept["width"].get<int>(), height = kept["height"].get<int>();
     auto bytes = bytes_of(kept["base64"].get_ref<const std::string&>(),
@@ -128,10 +128,11 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
     cv::Mat picture;
     cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
     picture.setTo(cv::Scalar(60, 60, 255), grey == 255);
-    rows[cell["charge"].get<int>()].add(
+    rows[cell.at("charge").get<int>()].add(
         picture,
-        fmt::format("charge {}, {:g} dB", cell["charge"].get<int>(), cell["gain_db"].get<double>()),
-        fmt::format("brightest {:g} DN; red: full scale", cell["peak_dn"].get<double>()));
+        fmt::format("charge {}, {:g} dB", cell.at("charge").get<int>(),
+                    cell.at("gain_db").get<double>()),
+        fmt::format("brightest {:g} DN; red: full scale", cell.at("peak_dn").get<double>()));
   }
   for (const auto& [charge, row] : rows) {
     auto written = write_picture(folder / fmt::format("experiment-images-charge-{}.png", charge),
@@ -146,7 +147,7 @@ Result<void> draw_residuals(const json& request, const SweepCells& cells,
   const std::size_t aberration = std::min<std::size_t>(1, request["aberrations"].size() - 1);
   const std::size_t arms = request["arms"].size(), gain = next_gain(request);
   const std::size_t first = (aberration * request["gains_db"].size() + gain) * arms;
-  const json& introduced = request["aberrations"][aberration];
+  const json& introduced = request.at("aberrations")[aberration];
   Row row;
   for (std::size_t k = 0; k < arms; ++k) {
     const auto cell = cells.find(int(first + k));
@@ -159,7 +160,7 @@ Result<void> draw_residuals(const json& request, const SweepCells& cells,
     const double scale = largest(shown);  // of all panels
     if (row.picture().empty()) {
       row.add(coloured(shown, scale),
-              fmt::format("introduced, {:g} dB", request["gains_db"][gain].get<double>()),
+              fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
               fmt::format("+-{:.3f} wave", scale));
     }
     const auto residual = residual_of(cell->second, map, waves);

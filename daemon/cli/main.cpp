@@ -97,6 +97,12 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return report_parse(app, error);
+  } catch (const nlohmann::json::exception& error) {
+    fmt::print(
+        stderr,
+        "ovws: the daemon's answer is none that this ovws knows; is it of another version? {}\n",
+        error.what());
+    return kError;
   }
   return status;
 }

@@ -168,7 +168,7 @@ int measure(const Common& common, const MeasureOptions& options) {
       continue;
     }
     print_line(common, *line);
-    if ((*line)["tracked"] == 0) {
+    if (line->at("tracked") == 0) {
       status = report(common, {Errc::refused, "image",
                                path + ": no spots are found: check the picture, its exposure, and "
                                       "the configuration's sensor and optics"});

@@ -47,43 +47,44 @@ void print_failed_job(const json& failed) {
 }
 
 void print_status(const json& status, const json& loop) {
-  const json& camera = status["camera"];
-  const json& slm = status["slm"];
-  const json& sensor = status["sensor"];
+  const json& camera = status.at("camera");
+  const json& slm = status.at("slm");
+  const json& sensor = status.at("sensor");
   print("state      {}\n", text_or(status, "state", "?"));
-  if (camera["info"].is_object()) {
-    print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera["info"], "vendor", ""),
-          text_or(camera["info"], "model", ""), text_or(camera["info"], "address", ""),
-          status["rates"]["grabbed_hz"].get<double>());
+  if (camera.at("info").is_object()) {
+    print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera.at("info"), "vendor", ""),
+          text_or(camera.at("info"), "model", ""), text_or(camera.at("info"), "address", ""),
+          status.at("rates").at("grabbed_hz").get<double>());
   }
-  if (camera["fault"].is_string()) print("camera     {}\n", text_or(camera, "fault", ""));
-  if (slm["info"].is_object()) {
-    print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm["info"], "output", ""),
-          slm["info"]["width"].get<int>(), slm["info"]["height"].get<int>(),
-          text_or(slm, "pattern", ""), slm["hologram_id"].get<std::uint64_t>());
+  if (camera.at("fault").is_string()) print("camera     {}\n", text_or(camera, "fault", ""));
+  if (slm.at("info").is_object()) {
+    print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm.at("info"), "output", ""),
+          slm.at("info").at("width").get<int>(), slm.at("info").at("height").get<int>(),
+          text_or(slm, "pattern", ""), slm.at("hologram_id").get<std::uint64_t>());
   }
-  if (slm["fault"].is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
+  if (slm.at("fault").is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
-        sensor["charge"].get<int>(), sensor["subapertures"].get<int>(), sensor["modes"].get<int>(),
-        text_or(sensor, "tracker", ""), reference_text(text_or(sensor, "reference", "none")));
+        sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
+        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""),
+        reference_text(text_or(sensor, "reference", "none")));
   print("loop       {}\n", loop_text(loop));
-  if (status["failed_job"].is_object()) print_failed_job(status["failed_job"]);
-  if (status.contains("store") && status["store"]["reason"].is_string()) {
-    print("store      {}\n", text_or(status["store"], "reason", ""));
+  if (status.at("failed_job").is_object()) print_failed_job(status.at("failed_job"));
+  if (status.contains("store") && status.at("store").at("reason").is_string()) {
+    print("store      {}\n", text_or(status.at("store"), "reason", ""));
   }
-  const json& refine = status["refine"];
+  const json& refine = status.at("refine");
   if (text_or(refine, "state", "off") != "off") {
     print("refine     {}, {} done, {} refused{}\n", text_or(refine, "state", ""),
-          refine["done"].get<std::uint64_t>(), refine["refused"].get<std::uint64_t>(),
-          refine["reason"].is_string() ? ": " + text_or(refine, "reason", "") : "");
+          refine.at("done").get<std::uint64_t>(), refine.at("refused").get<std::uint64_t>(),
+          refine.at("reason").is_string() ? ": " + text_or(refine, "reason", "") : "");
   }
-  for (const auto& [stage, latency] : status["latency"].items()) {
+  for (const auto& [stage, latency] : status.at("latency").items()) {
     if (latency["count"].get<std::uint64_t>() == 0) continue;
     print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
           latency["p50_us"].get<double>(), latency["p99_us"].get<double>(),
           latency["max_us"].get<double>());
   }
-  for (const auto& [name, count] : status["counters"].items()) {
+  for (const auto& [name, count] : status.at("counters").items()) {
     if (count.get<std::uint64_t>() != 0) {
       print("counter    {} {}\n", name, count.get<std::uint64_t>());
     }
@@ -131,9 +132,9 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& sta
     auto report = call(common, "job.get", {{"job", started["job"]}});
     if (!report) return report;
     const std::string state = text_or(*report, "state", "");
-    if (state == "done") return (*report)["result"];
+    if (state == "done") return report->at("result");
     if (state != "running") {
-      json error = (*report)["error"];
+      json error = report->at("error");
       if (!error.is_object()) error = {{"message", "the job was " + state}};
       return tl::make_unexpected(CallFailure{true, std::move(error)});
     }

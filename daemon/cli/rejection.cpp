@@ -68,7 +68,7 @@ class BorrowedLoop {
 Answer common_modes(const Common& common, const LoopSettings& settings) {
   const Answer sensor = call(common, "sensor.get", json::object());
   if (!sensor) return sensor;
-  const auto read = (*sensor)["modes_j"].get<std::vector<int>>();
+  const auto read = sensor->at("modes_j").get<std::vector<int>>();
   const auto holds = [](const std::vector<int>& modes, int j) {
     return std::find(modes.begin(), modes.end(), j) != modes.end();
   };
@@ -90,28 +90,28 @@ Answer common_modes(const Common& common, const LoopSettings& settings) {
 tl::expected<void, CallFailure> check_bench(const Common& common) {
   const Answer status = call(common, "system.status", json::object());
   if (!status) return tl::make_unexpected(status.error());
-  if (const auto state = (*status)["state"].get<std::string>(); state != "running") {
+  if (const auto state = status->at("state").get<std::string>(); state != "running") {
     return tl::make_unexpected(
         failure("the daemon is in state " + state + ", not running: ovws status says why"));
   }
-  if (!(*status)["sensor"]["referenced"].get<bool>()) {
+  if (!status->at("sensor").at("referenced").get<bool>()) {
     return tl::make_unexpected(
         failure("no reference is in force: take one of the good wavefront first, ovws call "
                 "reference.take"));
   }
   const Answer loop = call(common, "loop.get", json::object());
   if (!loop) return tl::make_unexpected(loop.error());
-  if (!(*loop)["closed"].get<bool>()) return {};
+  if (!loop->at("closed").get<bool>()) return {};
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
 /// loop.get of a loop that is closed.
 Answer closed_loop(const Common& common) {
   Answer loop = call(common, "loop.get", json::object());
-  if (!loop || (*loop)["closed"].get<bool>()) return loop;
-  const json& why = (*loop)["opened_because"];
+  if (!loop || loop->at("closed").get<bool>()) return loop;
+  const json& why = loop->at("opened_because");
   return tl::make_unexpected(
-      failure(fmt::format("the loop opened itself after {} steps: {}", (*loop)["steps"].get<int>(),
+      failure(fmt::format("the loop opened itself after {} steps: {}", loop->at("steps").get<int>(),
                           why.is_string() ? why.get<std::string>() : "it does not say why")));
 }
 
@@ -121,13 +121,13 @@ Answer wait_for_steps(const Common& common, double gain) {
   const auto end = Clock::now() + kPatienceForSteps;
   while (true) {
     Answer loop = closed_loop(common);
-    if (!loop || (*loop)["steps"].get<int>() >= needed) return loop;
+    if (!loop || loop->at("steps").get<int>() >= needed) return loop;
     if (interrupted) return tl::make_unexpected(interrupted_failure());
     if (Clock::now() > end) {
       return tl::make_unexpected(failure(
           fmt::format("the loop made only {} of its first {} steps in {} s: settled and valid "
                       "frames are rare, see ovws watch",
-                      (*loop)["steps"].get<int>(), needed, kPatienceForSteps.count())));
+                      loop->at("steps").get<int>(), needed, kPatienceForSteps.count())));
     }
     std::this_thread::sleep_for(kLook);
   }
@@ -145,7 +145,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
   if (!recorded) return tl::make_unexpected(recorded.error());
   measured.closed = std::move(*recorded);
   measured.loop = *after;
-  const int steps = (*after)["steps"].get<int>() - (*before)["steps"].get<int>();
+  const int steps = after->at("steps").get<int>() - before->at("steps").get<int>();
   measured.steps_hz = double(steps) / took_s;
   return {};
 }

@@ -29,24 +29,24 @@ class Recorder {
 
   /// An error says why the recording is worth nothing.
   tl::expected<void, CallFailure> take(const json& message) {
-    if ((message["loop"] == "closed") != task_.loop_closed) {
+    if ((message.at("loop") == "closed") != task_.loop_closed) {
       return tl::make_unexpected(
           failure(task_.loop_closed ? "the loop opened itself" : "somebody closed the loop"));
     }
     count(message);
-    if (!message["valid"].get<bool>() || !message["settled"].get<bool>()) {
+    if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
       recorded_.why_not_valid = why_not_valid(message, true, "sensor");
       return {};
     }
-    const auto modes_j = message["j"].get<std::vector<int>>();
+    const auto modes_j = message.at("j").get<std::vector<int>>();
     if (modes_j != known_modes_j_ && !find_places(modes_j)) {
       return tl::make_unexpected(failure("the sensor's modes changed meanwhile"));
     }
-    stamps_.push_back(
-        {message["t_device_ns"].get<std::int64_t>(), message["t_arrival_ns"].get<std::int64_t>()});
+    stamps_.push_back({message.at("t_device_ns").get<std::int64_t>(),
+                       message.at("t_arrival_ns").get<std::int64_t>()});
     for (std::size_t k = 0; k < places_.size(); ++k) {
       recorded_.recording.modes_waves[k].push_back(
-          message["coefficients"][places_[k]].get<double>());
+          message.at("coefficients").at(places_[k]).get<double>());
     }
     return {};
   }
@@ -81,10 +81,10 @@ class Recorder {
  private:
   /// `gap` is what the daemon lost, a hole in `seq` what we lost.
   void count(const json& message) {
-    const auto seq = message["seq"].get<std::int64_t>();
+    const auto seq = message.at("seq").get<std::int64_t>();
     if (last_seq_) {
       recorded_.lost +=
-          message["gap"].get<int>() + int(std::max<std::int64_t>(0, seq - *last_seq_ - 1));
+          message.at("gap").get<int>() + int(std::max<std::int64_t>(0, seq - *last_seq_ - 1));
     }
     last_seq_ = seq;
     ++recorded_.received;

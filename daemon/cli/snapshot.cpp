@@ -84,9 +84,9 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
 }
 
 cv::Mat grey_picture(const StreamMessage& message, const json& header) {
-  const int rows = header["shape"][0].get<int>();
-  const int cols = header["shape"][1].get<int>();
-  const int bits = header["significant_bits"].get<int>();
+  const int rows = header.at("shape").at(0).get<int>();
+  const int cols = header.at("shape").at(1).get<int>();
+  const int bits = header.at("significant_bits").get<int>();
   cv::Mat raw(rows, cols, bits > 8 ? CV_16UC1 : CV_8UC1);
   std::memcpy(raw.data, message.binary.data(),
               std::min(message.binary.size(), raw.total() * raw.elemSize()));
@@ -106,7 +106,7 @@ std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
 /// "NOT VALID: …"; empty for a valid frame.
 std::string warning_of(const StreamMessage& spots, const std::string& pattern) {
   const json header = json::parse(spots.json);
-  if (header["valid"].get<bool>()) return {};
+  if (header.at("valid").get<bool>()) return {};
   const auto rows = rows_of(spots);
   const bool referenced =
       std::any_of(rows.begin(), rows.end(), [](const auto& row) { return !std::isnan(row[2]); });
@@ -191,7 +191,7 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   const StreamMessage& phase = messages.at("phase");
   const json header = json::parse(phase.json);
   const json spots = json::parse(messages.at("spots").json);
-  cv::Mat waves(header["shape"][0].get<int>(), header["shape"][1].get<int>(), CV_32FC1);
+  cv::Mat waves(header.at("shape").at(0).get<int>(), header.at("shape").at(1).get<int>(), CV_32FC1);
   std::memcpy(waves.data, phase.binary.data(),
               std::min(phase.binary.size(), waves.total() * sizeof(float)));
   double low = 0.0;
@@ -202,7 +202,7 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   cv::resize(colour_map(waves, scale), picture(kMapPlace), kMapPlace.size(), 0, 0,
              cv::INTER_NEAREST);
   write_line(picture, 0,
-             fmt::format("wavefront, frame {}", header["frame_id"].get<std::uint64_t>()));
+             fmt::format("wavefront, frame {}", header.at("frame_id").get<std::uint64_t>()));
   if (spots["rms_waves"].is_number()) {
     write_line(picture, 1,
                fmt::format("RMS {:.4f} wave without tilts", spots["rms_waves"].get<double>()));
@@ -251,7 +251,7 @@ int snapshot(const Common& common, const std::string& prefix) {
   }
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
-  const std::string pattern = (*status)["slm"]["pattern"].get<std::string>();
+  const std::string pattern = status->at("slm").at("pattern").get<std::string>();
   return write_pictures(common, *messages, warning_of(messages->at("spots"), pattern), prefix);
 }
 

@@ -54,8 +54,8 @@ class Watch {
 
  private:
   void note(const json& status) {
-    referenced_ = status["sensor"]["referenced"].get<bool>();
-    pattern_ = status["slm"]["pattern"].get<std::string>();
+    referenced_ = status.at("sensor").at("referenced").get<bool>();
+    pattern_ = status.at("slm").at("pattern").get<std::string>();
   }
 
   /// A table that stays in place is drawn only as often as eyes can follow.

@@ -36,17 +36,17 @@ std::size_t longest_name(const json& modes_j) {
 /// waves.
 double print_modes(const json& message) {
   double full_scale = 0.1;
-  for (const json& value : message["coefficients"]) {
+  for (const json& value : message.at("coefficients")) {
     full_scale = std::max(full_scale, std::abs(value.get<double>()));
   }
-  const std::size_t name_width = longest_name(message["j"]);
+  const std::size_t name_width = longest_name(message.at("j"));
   for (std::size_t i = 0; i < message["j"].size(); ++i) {
-    const int j = message["j"][i].get<int>();
-    const double waves = message["coefficients"][i].get<double>();
+    const int j = message.at("j").at(i).get<int>();
+    const double waves = message.at("coefficients").at(i).get<double>();
     const std::string bar = signed_bar(waves, full_scale);
     if (message.contains("sigma")) {
       print("{:>3} {:<{}} {:+10.5f} +-{:.5f} {}\n", j, zernike_name(j), name_width, waves,
-            message["sigma"][i].get<double>(), bar);
+            message.at("sigma").at(i).get<double>(), bar);
     } else {
       print("{:>3} {:<{}} {:+9.4f} {}\n", j, zernike_name(j), name_width, waves, bar);
     }
@@ -61,37 +61,38 @@ bool has_table(const std::string& topic) {
 }
 
 void print_wavefront(const json& message, bool referenced, const std::string& pattern) {
-  const bool valid = message["valid"].get<bool>();
+  const bool valid = message.at("valid").get<bool>();
   print(
       "frame {}  hologram {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  "
       "{}\n",
-      message["frame_id"].get<std::uint64_t>(), message["hologram_id"].get<std::uint64_t>(),
-      message["charge"].get<int>(), message["tracker"].get<std::string>(),
-      message["tracked"].get<int>(), message["subapertures"].get<int>(),
-      100.0 * message["saturated"].get<double>(), message["latency_us"].get<double>(),
+      message.at("frame_id").get<std::uint64_t>(), message.at("hologram_id").get<std::uint64_t>(),
+      message.at("charge").get<int>(), message.at("tracker").get<std::string>(),
+      message.at("tracked").get<int>(), message.at("subapertures").get<int>(),
+      100.0 * message.at("saturated").get<double>(), message.at("latency_us").get<double>(),
       valid ? "valid" : "NOT VALID: " + why_not_valid(message, referenced, pattern));
   if (!valid) return;
   const double full_scale = print_modes(message);
   print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, bar {:.2f} wave\n",
-        message["rms_waves"].get<double>(), message["fit_residual_px"].get<double>(), full_scale);
+        message.at("rms_waves").get<double>(), message.at("fit_residual_px").get<double>(),
+        full_scale);
 }
 
 void print_refined(const json& message) {
-  const bool valid = message["valid"].get<bool>();
-  const double age_s = 1e-9 * double(message["t_publish_ns"].get<std::int64_t>() -
-                                     message["t_arrival_ns"].get<std::int64_t>());
+  const bool valid = message.at("valid").get<bool>();
+  const double age_s = 1e-9 * double(message.at("t_publish_ns").get<std::int64_t>() -
+                                     message.at("t_arrival_ns").get<std::int64_t>());
   print("frame {}  hologram {}  charge {}  against the {}  {:.1f} s after its frame  {}\n",
-        message["frame_id"].get<std::uint64_t>(), message["hologram_id"].get<std::uint64_t>(),
-        message["charge"].get<int>(), message["against"].get<std::string>(), age_s,
-        valid ? "valid" : "NOT VALID: " + message["reason"].get<std::string>());
+        message.at("frame_id").get<std::uint64_t>(), message.at("hologram_id").get<std::uint64_t>(),
+        message.at("charge").get<int>(), message.at("against").get<std::string>(), age_s,
+        valid ? "valid" : "NOT VALID: " + message.at("reason").get<std::string>());
   if (!valid) return;
   const double full_scale = print_modes(message);
   print(
       "RMS {:.5f} wave without tilts, chi2 per pixel {:.2f}, peak {:.0f} electrons, {} iterations "
       "in {:.0f} ms, bar {:.2f} wave\n",
-      message["rms_waves"].get<double>(), message["chi2_per_pixel"].get<double>(),
-      message["peak_e"].get<double>(), message["iterations"].get<int>(),
-      message["duration_ms"].get<double>(), full_scale);
+      message.at("rms_waves").get<double>(), message.at("chi2_per_pixel").get<double>(),
+      message.at("peak_e").get<double>(), message.at("iterations").get<int>(),
+      message.at("duration_ms").get<double>(), full_scale);
 }
 
 }  // namespace ovws::cli

@@ -24,7 +24,7 @@ double ring_px(const Config& config) {
 json sensor_of(const json& sensor, const json& config_json) {
   json view = sensor;
   view["mode_names"] = json::array();
-  for (const json& j : sensor["modes_j"]) {
+  for (const json& j : sensor.at("modes_j")) {
     const ZernikeIndex index = zernike_index(j.get<int>());
     view["mode_names"].push_back(
         {{"j", j}, {"n", index.n}, {"m", index.m}, {"name", zernike_name(j.get<int>())}});

@@ -161,7 +161,7 @@ void Feeds::take_wavefront(const StreamMessage& message) {
   json wavefront = json::parse(message.json);
   if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(bin->dump()));
   wavefront_at_ = Clock::now();
-  if (!valid_wavefront_.shows(wavefront["valid"].get<bool>())) return;
+  if (!valid_wavefront_.shows(wavefront.at("valid").get<bool>())) return;
   board_.put(Slot::wavefront, framed(message.json));
   facts_.wavefront = std::move(wavefront);
 }
@@ -169,14 +169,14 @@ void Feeds::take_wavefront(const StreamMessage& message) {
 void Feeds::take_status(const StreamMessage& message) {
   json status = json::parse(message.json);
   const double t_s = seconds(Clock::now().time_since_epoch());
-  lost_.add(t_s, status["counters"]["frames_lost"].get<std::int64_t>());
-  missed_.add(t_s, status["counters"]["deadline_missed"].get<std::int64_t>());
+  lost_.add(t_s, status.at("counters").at("frames_lost").get<std::int64_t>());
+  missed_.add(t_s, status.at("counters").at("deadline_missed").get<std::int64_t>());
   for (const char* part : {"slm", "camera", "sensor", "loop"}) {
     if (facts_.status.is_null() || facts_.status[part] != status[part]) ++hologram_change_;
   }
   {
     const std::scoped_lock lock(pattern_mutex_);
-    pattern_ = status["slm"]["pattern"].get<std::string>();
+    pattern_ = status.at("slm").at("pattern").get<std::string>();
   }
   board_.put(Slot::status, framed(message.json));
   facts_.status = std::move(status);

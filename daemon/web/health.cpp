@@ -48,12 +48,12 @@ bool check_device(const json& device, const char* title, Findings& findings) {
 }
 
 void check_state(const json& status, Findings& findings) {
-  const auto state = status["state"].get<std::string>();
+  const auto state = status.at("state").get<std::string>();
   if (state == "job_running") findings.note("A job is running");
   if (state == "starting") findings.note("The daemon is starting");
   if (state == "stopping") findings.bad("The daemon is stopping");
-  if (state == "fault" && status["fault"].is_string()) {
-    findings.bad("Fault: " + status["fault"].get<std::string>());
+  if (state == "fault" && status.at("fault").is_string()) {
+    findings.bad("Fault: " + status.at("fault").get<std::string>());
   }
 }
 
@@ -65,32 +65,32 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
     return;
   }
   const json& status = facts.status;
-  const auto pattern = status["slm"]["pattern"].get<std::string>();
-  const bool referenced = status["sensor"]["referenced"].get<bool>();
+  const auto pattern = status.at("slm").at("pattern").get<std::string>();
+  const bool referenced = status.at("sensor").at("referenced").get<bool>();
   if (pattern == "sensor" && !referenced) {
     findings.warning("No reference: take one, and coefficients are numbers");
-  } else if (!wavefront["valid"].get<bool>()) {
+  } else if (!wavefront.at("valid").get<bool>()) {
     const std::string why = cli::why_not_valid(wavefront, referenced, pattern);
-    const bool passing = !wavefront["settled"].get<bool>();
+    const bool passing = !wavefront.at("settled").get<bool>();
     passing || pattern != "sensor" ? findings.note("No wavefront now: " + why)
                                    : findings.bad("No wavefront: " + why);
   }
-  const double saturated = wavefront["saturated"].get<double>();
+  const double saturated = wavefront.at("saturated").get<double>();
   if (saturated > 0.0) {
-    const auto spots = std::lround(saturated * wavefront["subapertures"].get<double>());
+    const auto spots = std::lround(saturated * wavefront.at("subapertures").get<double>());
     const std::string text = fmt::format("{} of {} spots saturated: lower exposure or gain", spots,
-                                         wavefront["subapertures"].get<int>());
+                                         wavefront.at("subapertures").get<int>());
     saturated > kMuchSaturated ? findings.warning(text) : findings.note(text);
   }
-  const int lost = wavefront["subapertures"].get<int>() - wavefront["tracked"].get<int>();
-  if (pattern == "sensor" && lost > 0 && wavefront["valid"].get<bool>()) {
+  const int lost = wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>();
+  if (pattern == "sensor" && lost > 0 && wavefront.at("valid").get<bool>()) {
     findings.warning(
-        fmt::format("{} of {} spots lost", lost, wavefront["subapertures"].get<int>()));
+        fmt::format("{} of {} spots lost", lost, wavefront.at("subapertures").get<int>()));
   }
 }
 
 void check_counts(const BenchFacts& facts, Findings& findings) {
-  if (facts.status["sensor"]["reference"] == "stale") {
+  if (facts.status.at("sensor").at("reference") == "stale") {
     findings.note("The reference was taken with another gain, exposure or pixel format");
   }
   if (facts.lost_lately > 0) {
@@ -111,8 +111,8 @@ std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
     return findings.sorted();
   }
   check_state(facts.status, findings);
-  const bool camera = check_device(facts.status["camera"], "Camera", findings);
-  const bool slm = check_device(facts.status["slm"], "SLM", findings);
+  const bool camera = check_device(facts.status.at("camera"), "Camera", findings);
+  const bool slm = check_device(facts.status.at("slm"), "SLM", findings);
   if (camera && slm) check_wavefront(facts, findings);
   check_counts(facts, findings);
   return findings.sorted();

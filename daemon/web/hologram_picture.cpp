@@ -62,7 +62,7 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
 
 /// Whether all answers are of one hologram.
 bool agree(const HologramSources& sources) {
-  const json& id = sources.sensor["hologram_id"];
+  const json& id = sources.sensor.at("hologram_id");
   return sources.aberration["hologram_id"] == id && sources.correction["hologram_id"] == id;
 }
 
@@ -94,7 +94,7 @@ Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
   auto png = png_of(grey);
   if (!png) return fail(png.error());
   HologramPicture picture;
-  picture.hologram_id = sources.sensor["hologram_id"].get<std::uint64_t>();
+  picture.hologram_id = sources.sensor.at("hologram_id").get<std::uint64_t>();
   picture.crc32 = std::uint32_t(::crc32(0, grey.pixels.data(), uInt(grey.pixels.size())));
   picture.png = std::move(*png);
   return std::make_shared<const HologramPicture>(std::move(picture));

@@ -41,8 +41,8 @@ std::vector<std::byte> means(const std::vector<std::byte>& from, Size size, int 
 std::optional<StreamMessage> reduced_image(const StreamMessage& image) {
   json header = json::parse(image.json, nullptr, false);
   if (!header.is_object()) return std::nullopt;
-  const Size size{header["shape"][0].get<int>(), header["shape"][1].get<int>()};
-  const bool wide = header["dtype"] == "<u2";
+  const Size size{header.at("shape").at(0).get<int>(), header.at("shape").at(1).get<int>()};
+  const bool wide = header.at("dtype") == "<u2";
   const std::size_t bytes = std::size_t(size.rows) * size.cols * (wide ? 2 : 1);
   if (size.rows < 1 || size.cols < 1 || image.binary.size() != bytes) return std::nullopt;
   const int step = (std::max(size.rows, size.cols) + kMostPictureSide - 1) / kMostPictureSide;

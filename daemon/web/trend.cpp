@@ -7,7 +7,7 @@ namespace ovws::web {
 using nlohmann::json;
 
 std::optional<json> Trend::add(const json& wavefront) {
-  const auto t_ns = wavefront["t_arrival_ns"].get<std::int64_t>();
+  const auto t_ns = wavefront.at("t_arrival_ns").get<std::int64_t>();
   std::optional<json> done;
   // A clock that was set back begins anew, too.
   if (t_ns - begin_ns_ >= kTrendBinNs || t_ns < begin_ns_) {
@@ -15,11 +15,11 @@ std::optional<json> Trend::add(const json& wavefront) {
     begin(t_ns);
   }
   ++frames_;
-  gap_ += wavefront["gap"].get<std::int64_t>();
-  lost_max_ =
-      std::max(lost_max_, wavefront["subapertures"].get<int>() - wavefront["tracked"].get<int>());
-  latencies_us_.push_back(wavefront["latency_us"].get<double>());
-  if (wavefront["valid"].get<bool>()) add_valid(wavefront);
+  gap_ += wavefront.at("gap").get<std::int64_t>();
+  lost_max_ = std::max(
+      lost_max_, wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>());
+  latencies_us_.push_back(wavefront.at("latency_us").get<double>());
+  if (wavefront.at("valid").get<bool>()) add_valid(wavefront);
   return done;
 }
 
@@ -29,7 +29,7 @@ void Trend::begin(std::int64_t t_ns) {
 }
 
 void Trend::add_valid(const json& wavefront) {
-  auto j = wavefront["j"].get<std::vector<int>>();
+  auto j = wavefront.at("j").get<std::vector<int>>();
   if (j != j_) {
     j_ = std::move(j);
     sums_.assign(j_.size(), 0.0);
@@ -37,10 +37,10 @@ void Trend::add_valid(const json& wavefront) {
     rms_sum_ = 0.0;
   }
   ++valid_;
-  const double rms = wavefront["rms_waves"].get<double>();
+  const double rms = wavefront.at("rms_waves").get<double>();
   rms_sum_ += rms;
   rms_max_ = std::max(rms_max_, rms);
-  const json& coefficients = wavefront["coefficients"];
+  const json& coefficients = wavefront.at("coefficients");
   for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += coefficients[i].get<double>();
 }
 

@@ -2,8 +2,10 @@
 import itertools
 import json
 import subprocess
+import threading
 
 import numpy
+import zmq
 from case import BenchCase, main, wait_for
 from PIL import Image
 
@@ -62,6 +64,31 @@ class CommandLine(BenchCase):
             self.assertIn("timeout", self.ovws("--timeout", timeout, "status", code=2))
         self.ovws("--endpoint", "tcp://127.0.0.1:7999", "--timeout", 0.3, "status", code=3)
         self.assertIn("Exit codes: 0", self.ovws("--help"))
+
+    def test_a_peer_that_is_no_daemon(self):
+        """Answers of the right envelope with nothing in it: told, whatever the command."""
+        peer = threading.Thread(target=self.answer_emptily, daemon=True)
+        self.peer_ends = threading.Event()
+        peer.start()
+        self.addCleanup(lambda: (self.peer_ends.set(), peer.join(5.0)))
+        for self.peer_result in ({}, {"stream": {"endpoint": "tcp://127.0.0.1:7997", "image_endpoint": "tcp://127.0.0.1:7997"}}):
+            for command in ("status", "watch -n 1", "watch refined -n 1", "snapshot -o nothing", "study experiment --output nothing"):
+                with self.subTest(command):
+                    said = self.ovws("--endpoint", "tcp://127.0.0.1:7998", "--timeout", 2, *command.split(), code=1)
+                    self.assertRegex(said, "of another version|the daemon's answer")
+
+    def answer_emptily(self):
+        context = zmq.Context()
+        replies, stream = context.socket(zmq.ROUTER), context.socket(zmq.PUB)
+        replies.bind("tcp://127.0.0.1:7998")
+        stream.bind("tcp://127.0.0.1:7997")
+        while not self.peer_ends.is_set():
+            for topic in (b"wavefront", b"refined", b"image", b"phase"):
+                stream.send_multipart([topic, b"{}"])
+            if replies.poll(20):
+                sender, *_, request = replies.recv_multipart()
+                replies.send_multipart([sender, b"", json.dumps({"jsonrpc": "2.0", "id": json.loads(request)["id"], "result": self.peer_result}).encode()])
+        context.destroy(linger=0)
 
     def test_an_unknown_command(self):
         self.assertIn("unknown command statsu; did you mean status?", self.ovws("statsu", code=2))

@@ -53,9 +53,9 @@ void Gatherer::take(const std::string& topic, std::string text, std::vector<std:
 void Gatherer::read_status(json status) {
   view_.status = std::move(status);
   view_.losses.clear();
-  if (!view_.status.contains("counters") || !view_.status["counters"].is_object()) return;
+  if (!view_.status.contains("counters") || !view_.status.at("counters").is_object()) return;
   std::map<std::string, std::uint64_t> counters;
-  for (const auto& [name, count] : view_.status["counters"].items()) {
+  for (const auto& [name, count] : view_.status.at("counters").items()) {
     if (count.is_number_unsigned()) counters[name] = count.get<std::uint64_t>();
   }
   for (const std::string_view loss : kLosses) {
