@@ -60,6 +60,24 @@ class Formats(BenchCase):
     def test_every_kind_puts_the_spots_where_twelve_plain_bits_do(self):
         self.check(FORMATS)
 
+    def test_a_colour_camera_is_registered_and_calibrated(self):
+        """Turned, too: what the paper's camera would be given first."""
+        self.bench.stop("ovws-twin")
+        self.bench.start_twin(STILL | {"camera": {"rotation_deg": 20.0}})
+        self.wait_until("running", 20.0)
+        self.call("camera.set", {"pixel_format": "BayerRG8", "frame_rate_hz": 60.0})
+        self.run_job("registration.run", {}, 60.0)
+        self.assertAlmostEqual(self.call("registration.get")["rotation_deg"], 20.0, delta=0.01)
+        self.take_reference(10)
+        self.run_job("calibration.run", {"modes": list(range(1, 10)), "frames": 5}, 60.0)
+        modes = [{"j": 3, "waves": 0.2}, {"j": 7, "waves": -0.1}]
+        hologram_id = self.call("aberration.set", {"modes": modes})["hologram_id"]
+        frames = self.settled_frames(self.stream("wavefront"), 10, hologram_id)
+        mean = numpy.mean([frame["coefficients"] for frame in frames], axis=0)
+        self.assertEqual(self.call("sensor.get")["operator_in_force"], "measured")
+        for j, waves in zip(frames[-1]["j"], mean):
+            self.assertAlmostEqual(waves, {3: 0.2, 7: -0.1}.get(j, 0.0), delta=0.01, msg=f"j = {j}")
+
     def test_numbers_justified_left_are_known_and_moved(self):
         self.take_reference(4)
         spots, images = self.stream("spots"), self.stream("image", endpoint="tcp://127.0.0.1:7703")
