@@ -38,8 +38,10 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// The library prints its errors unless it is told not to; each thread has to say so.
+/// Before anything else of the library. It prints its errors unless it is told not to, each thread
+/// anew; and at the program's end it would crash on a file that it could not close.
 inline void be_quiet() {
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 

@@ -71,10 +71,16 @@ void expect_readable(const std::string& path, int flushed) {
 /// At that many bytes another write is the one that fails.
 class RecordFileLimit : public ::testing::TestWithParam<int> {};
 
+std::size_t open_descriptors() {
+  using Folder = std::filesystem::directory_iterator;
+  return std::size_t(std::distance(Folder("/proc/self/fd"), Folder()));
+}
+
 TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead) {
   const std::string path = own_folder("record_file") + std::to_string(GetParam()) + ".h5";
   std::filesystem::remove(path);
   int flushed = 0;
+  const std::size_t descriptors = open_descriptors();
   {
     auto file = RecordFile::create(path, small_header());
     ASSERT_TRUE(file) << file.error().reason;
@@ -89,6 +95,7 @@ TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead
     EXPECT_FALSE((*file)->flush(0, 0));
     EXPECT_FALSE((*file)->close(0, 0));
   }
+  EXPECT_EQ(open_descriptors(), descriptors);
   expect_readable(path, flushed);
   std::filesystem::remove(path);
 }
