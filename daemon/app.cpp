@@ -1,7 +1,10 @@
 #include "daemon/app.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/time.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 
 #include "daemon/camera_actor.hpp"
@@ -33,6 +36,20 @@ namespace {
 constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
 constexpr double kStopPatienceS = 1.2;
 constexpr int kImageQueue = 4;  ///< an image is a MiB or more
+constexpr double kLastPatienceS = 1.8;
+
+/// A display that no longer answers may hold the main thread when no other is left to end without
+/// it.
+void end_whatever_holds_after(double patience_s) {
+  std::signal(SIGALRM, [](int /*signal*/) {
+    static constexpr char kWords[] = "<4>the display does not let go: ending without it\n";
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWords, sizeof(kWords) - 1);
+    std::_Exit(0);
+  });
+  const auto whole_s = time_t(patience_s);
+  const itimerval once{{0, 0}, {whole_s, suseconds_t(1e6 * (patience_s - double(whole_s)))}};
+  ::setitimer(ITIMER_REAL, &once, nullptr);
+}
 
 }  // namespace
 
@@ -235,6 +252,7 @@ Result<void> App::run(const std::atomic<bool>& stop) {
     spdlog::info("clients need a key; the daemon's own is {}", parts_->clients->public_key());
   }
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
+  end_whatever_holds_after(kLastPatienceS);
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
   parts_->procedures->end_soon();

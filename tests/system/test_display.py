@@ -1,7 +1,9 @@
 """The SLM's display fails in every way that a desktop knows: told as a fault, nothing valid meanwhile, and all as before when it is back."""
 import ctypes
+import os
 import signal
 import subprocess
+import time
 
 from case import BenchCase, main, wait_for
 
@@ -86,6 +88,23 @@ class DisplayFaults(BenchCase):
         self.check_fault("1024x768", "1280x768")
         self.xrandr("--output", "DUMMY1", "--mode", "1280x768")
         self.check_over()
+
+    def test_it_ends_though_the_server_stops_answering_just_then(self):
+        server = self.bench.process("xorg").pid
+        self.addCleanup(os.kill, server, signal.SIGCONT)
+        for delay_s in (0.0, 0.005, 0.02):
+            daemon = self.bench.process("ovwsd").popen
+            os.kill(server, signal.SIGSTOP)
+            time.sleep(delay_s)
+            begun = time.monotonic()
+            daemon.terminate()
+            self.assertEqual(daemon.wait(10.0), 0)
+            self.assertLess(time.monotonic() - begun, 3.0)  # 1.8 s on a quiet machine
+            os.kill(server, signal.SIGCONT)
+            self.bench.stop("ovwsd")
+            self.client.close()
+            self.start_daemon()
+            self.wait_until("running", 20.0)
 
     def test_a_window_on_top_is_told_and_covered(self):
         before = self.call("system.status")["counters"]["display_faults"]
