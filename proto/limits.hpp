@@ -68,7 +68,7 @@ constexpr Integers kPicturesEvery{0, 1'000'000};  ///< of a recording; 0: none
 constexpr Numbers kRecordS{0.1, 1e7};
 constexpr Numbers kRecordMib{1.0, 1e9};
 constexpr std::size_t kRecordName = 100;  ///< characters, the most
-constexpr Integers kRecordBufferMib{8, 16384};
+constexpr Integers kRecordBufferMib{8, 4096};
 
 constexpr Numbers kImageRateHz{0.0, 1000.0};
 constexpr Integers kWorkers{0, 16};

@@ -10,6 +10,7 @@
 
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/spsc_ring.hpp"
+#include "daemon/record/picture_memory.hpp"
 #include "proto/recording.hpp"
 
 namespace ovws {
@@ -47,7 +48,7 @@ class FrameStore {
 
   std::vector<TakenFrame> frames_;
   const std::size_t pictures_, picture_bytes_;
-  std::vector<std::byte> memory_;  ///< of all pictures: one piece goes back to the system at once
+  PictureMemory memory_;
   SpscRing<TakenFrame*> free_frames_, full_;
   SpscRing<std::byte*> free_pictures_;
   std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: none came yet
