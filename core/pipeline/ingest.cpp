@@ -100,7 +100,7 @@ Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
   last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   last_sign_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   count_lost(frame.frame_id);
-  justify(frame.image);
+  justify(frame);
   Entry* const entry = measurable(frame);
   if (entry == nullptr) {
     deps_.cameras.camera()->release(frame.slot);
@@ -110,8 +110,9 @@ Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
   return entry;
 }
 
-void Ingest::justify(ImageView& image) OVWS_NONBLOCKING {
-  image.left_justified_bits = justification_.bits_to_shift(image);
+void Ingest::justify(GrabbedFrame& frame) OVWS_NONBLOCKING {
+  ImageView& image = frame.image;
+  if (!frame.justification_known) image.left_justified_bits = justification_.bits_to_shift(image);
   if (image.left_justified_bits > 0) deps_.counters.add(Counter::frames_left_justified);
 }
 

@@ -54,7 +54,7 @@ class Ingest {
   Entry* refuse(Counter why) OVWS_NONBLOCKING;
   bool is_next(std::uint64_t frame_id) OVWS_NONBLOCKING;
   Entry* accept(GrabbedFrame& frame) OVWS_NONBLOCKING;
-  void justify(ImageView& image) OVWS_NONBLOCKING;
+  void justify(GrabbedFrame& frame) OVWS_NONBLOCKING;
   Entry* measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
   void stamp(Entry& entry) OVWS_NONBLOCKING;

@@ -50,7 +50,8 @@ struct GrabbedFrame {
   std::int64_t t_device_ns = 0;   ///< as the camera gives it
   std::int64_t t_arrival_ns = 0;  ///< frame complete in this host, UNIX epoch UTC
   std::int64_t t_arrival_mono_ns = 0;
-  int slot = -1;  ///< driver's own buffer number, 0 .. buffer_count()-1
+  int slot = -1;                     ///< driver's own buffer number, 0 .. buffer_count()-1
+  bool justification_known = false;  ///< image.left_justified_bits is right as it is
 };
 
 enum class GrabStatus {

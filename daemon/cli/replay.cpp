@@ -57,7 +57,9 @@ void count(const PlayedFrame& frame, Tally& tally) {
 void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begun_ns,
               double speed) {
   if (speed <= 0.0) return;
-  const double after_ns = double(frame.recorded.t_arrival_mono_ns - first_ns) / speed;
+  constexpr double kLongestNs = 1e18;  // more does not fit the clock
+  const double after_ns =
+      std::min(double(frame.recorded.t_arrival_mono_ns - first_ns) / speed, kLongestNs);
   const double now_ns = double(monotonic_ns() - begun_ns);
   if (after_ns > now_ns)
     std::this_thread::sleep_for(std::chrono::duration<double, std::nano>(after_ns - now_ns));

@@ -46,8 +46,10 @@ class SteppedCamera final : public Camera {
     if (!given_.wait_for(lock, timeout, [this] { return next_.has_value(); })) {
       return GrabStatus::timeout;
     }
-    out.image = {pixels_.data(), header_.width, header_.height,
-                 std::ptrdiff_t(row_bytes(header_.format, header_.width)), header_.format};
+    out.image = {pixels_.data(), header_.width,
+                 header_.height, std::ptrdiff_t(row_bytes(header_.format, header_.width)),
+                 header_.format, next_->left_justified_bits};
+    out.justification_known = true;
     // Counted anew: a camera that has been opened again may count from 0.
     out.frame_id = ++count_;
     out.t_device_ns = 0;
@@ -71,16 +73,6 @@ class SteppedCamera final : public Camera {
 template <typename Number>
 bool same_bits(Number a, Number b) {
   return std::memcmp(&a, &b, sizeof(a)) == 0;
-}
-
-/// Left-justified words as the frame path would have seen them.
-void justify(std::span<std::byte> pixels, int bits) {
-  for (std::size_t i = 0; bits > 0 && i + 1 < pixels.size(); i += 2) {
-    std::uint16_t word = 0;
-    std::memcpy(&word, &pixels[i], sizeof(word));
-    word = std::uint16_t(word >> bits);
-    std::memcpy(&pixels[i], &word, sizeof(word));
-  }
 }
 
 bool same_spot(const SpotFix& now, const RecordedSpot& then) {
@@ -180,7 +172,6 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   const auto coefficients = reader->coefficients(frame.recorded);
   if (!coefficients) return fail(coefficients.error());
   if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
-  justify(camera.pixels(), frame.recorded.left_justified_bits);
   if (spots->size() != plan->predicted_px.size()) {
     frame.reason = "it has not the spots of its plan";
     return {};

@@ -15,6 +15,18 @@ namespace {
 constexpr int kBuffers = 16;
 constexpr Range<double> kPaceHz{0.01, 10'000.0, 0.0};
 
+/// A camera that was opened anew counts anew: what was recorded then follows what was before.
+std::vector<std::uint64_t> rising_ids(const std::vector<RecordedFrame>& frames) {
+  std::vector<std::uint64_t> ids;
+  std::uint64_t moved = 0;
+  for (const RecordedFrame& frame : frames) {
+    if (!ids.empty() && frame.frame_id + moved <= ids.back())
+      moved = ids.back() + 1 - frame.frame_id;
+    ids.push_back(frame.frame_id + moved);
+  }
+  return ids;
+}
+
 class ReplayCamera final : public Camera {
  public:
   ReplayCamera(const std::string& path, std::unique_ptr<RecordingReader> reader)
@@ -24,6 +36,7 @@ class ReplayCamera final : public Camera {
     for (const RecordedFrame& frame : reader_->frames()) {
       if (frame.picture >= 0) frames_.push_back(frame);
     }
+    ids_ = rising_ids(frames_);
     const auto known = std::find_if(frames_.begin(), frames_.end(),
                                     [](const auto& frame) { return frame.settings_known != 0; });
     const RecordedFrame& first = known == frames_.end() ? frames_.front() : *known;
@@ -47,11 +60,14 @@ class ReplayCamera final : public Camera {
 
  private:
   bool prepare();
+  /// By the pace of now, which may have changed since the frame before.
+  std::int64_t due_mono_ns() const { return last_due_mono_ns_ + period_ns_.load(); }
 
   std::unique_ptr<RecordingReader> reader_;
   CameraInfo info_;
   CameraSettings settings_;
   std::vector<RecordedFrame> frames_;  ///< those with pictures; never empty
+  std::vector<std::uint64_t> ids_;     ///< of these
   std::array<std::vector<std::byte>, kBuffers> buffers_;
   std::array<std::atomic<bool>, kBuffers> lent_{};
   std::atomic<bool> alive_{true};
@@ -61,7 +77,7 @@ class ReplayCamera final : public Camera {
   std::size_t next_ = 0;
   std::uint64_t round_ids_ = 0;  ///< what the numbers of this round lie above those of the first
   int prepared_ = -1;            ///< buffer that holds the next picture; -1: none
-  std::int64_t due_mono_ns_ = 0;
+  std::int64_t last_due_mono_ns_ = 0;
 };
 
 Result<CameraLimits> ReplayCamera::limits() {
@@ -102,7 +118,7 @@ Result<void> ReplayCamera::start() {
   if (streaming_) return fail(Errc::refused, "camera", "it is streaming already: stop it first");
   streaming_ = true;
   prepared_ = -1;
-  due_mono_ns_ = monotonic_ns();
+  last_due_mono_ns_ = monotonic_ns() - period_ns_.load();
   for (auto& lent : lent_) lent.store(false);
   return {};
 }
@@ -123,31 +139,37 @@ bool ReplayCamera::prepare() {
 
 GrabStatus ReplayCamera::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
-  if (!alive_ || !streaming_ || !prepare() || due_mono_ns_ > until) {
+  const std::int64_t due_ns = due_mono_ns();
+  if (!alive_ || !streaming_ || !prepare() || due_ns > until) {
     std::this_thread::sleep_for(
         std::chrono::nanoseconds(std::max<std::int64_t>(until - monotonic_ns(), 0)));
     return GrabStatus::timeout;
   }
   std::this_thread::sleep_for(
-      std::chrono::nanoseconds(std::max<std::int64_t>(due_mono_ns_ - monotonic_ns(), 0)));
+      std::chrono::nanoseconds(std::max<std::int64_t>(due_ns - monotonic_ns(), 0)));
   const RecordedFrame& frame = frames_[next_];
   const RecordingHeader& header = reader_->header();
   const std::size_t bytes = row_bytes(header.format, header.width);
-  out.image = {buffers_[std::size_t(prepared_)].data(), header.width, header.height,
-               std::ptrdiff_t(bytes), header.format};
-  out.frame_id = frame.frame_id + round_ids_;
+  out.image = {buffers_[std::size_t(prepared_)].data(),
+               header.width,
+               header.height,
+               std::ptrdiff_t(bytes),
+               header.format,
+               frame.left_justified_bits};
+  out.justification_known = true;
+  out.frame_id = ids_[next_] + round_ids_;
   out.t_arrival_mono_ns = monotonic_ns();
   out.t_arrival_ns = utc_ns();
-  out.t_device_ns = due_mono_ns_;
+  out.t_device_ns = due_ns;
   out.slot = prepared_;
   lent_[std::size_t(prepared_)].store(true);
   prepared_ = -1;
   if (++next_ == frames_.size()) {
-    round_ids_ += frames_.back().frame_id - frames_.front().frame_id + 1;
+    round_ids_ += ids_.back() - ids_.front() + 1;
     next_ = 0;
   }
   // A replay that cannot keep the pace goes on as fast as it can.
-  due_mono_ns_ = std::max(due_mono_ns_ + period_ns_.load(), out.t_arrival_mono_ns);
+  last_due_mono_ns_ = std::max(due_ns, out.t_arrival_mono_ns - period_ns_.load());
   return GrabStatus::frame;
 }
 

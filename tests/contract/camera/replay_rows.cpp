@@ -16,8 +16,9 @@ int pixel_at(int x, int y) {
   return (x + 2 * y) & 0xFF;
 }
 
-/// `skipped`: the frame that is not in it; -1: all are.
-std::string make_recording(const std::string& name, int skipped, bool with_pictures = true) {
+/// `skipped`: the frame that is not in it; -1: all are. `anew`: from there on numbers begin at 1.
+std::string make_recording(const std::string& name, int skipped, bool with_pictures = true,
+                           int anew = kPictures) {
   const std::string path = own_folder(name) + ".h5";
   std::filesystem::remove(path);
   RecordingHeader header;
@@ -40,7 +41,7 @@ std::string make_recording(const std::string& name, int skipped, bool with_pictu
   for (int i = 0; i < kPictures; ++i) {
     if (i == skipped) continue;
     RecordedFrame frame;
-    frame.frame_id = std::uint64_t(100 + i);
+    frame.frame_id = std::uint64_t(i < anew ? 100 + i : 1 + i - anew);
     frame.exposure_us = 2000.0;
     if (with_pictures) frame.picture = *(*file)->add_picture(pixels, i % 2 == 0);
     (*file)->add_frame(frame, {}, {});
@@ -91,6 +92,42 @@ TEST(ReplayCamera, AFrameThatTheRecordingLacksIsAGapAndTheNumbersGoOnOverTheEnd)
     (*camera)->release(frame.slot);
   }
   std::filesystem::remove(path);
+}
+
+TEST(ReplayCamera, NumbersGoOnWhereTheCameraOfThenBeganAnew) {
+  constexpr int kAnew = 40;
+  const std::string path = make_recording("anew", -1, true, kAnew);
+  auto camera = open_replay_camera(path);
+  ASSERT_TRUE(camera) << camera.error().reason;
+  CameraSettings settings = ReplayBench().settings();
+  settings.frame_rate_hz = 10'000.0;
+  ASSERT_TRUE((*camera)->apply(settings));
+  ASSERT_TRUE((*camera)->start());
+  for (std::uint64_t k = 0; k < 3 * kPictures; ++k) {
+    GrabbedFrame frame;
+    while ((*camera)->grab(frame, kPatience) != GrabStatus::frame) {
+    }
+    ASSERT_EQ(frame.frame_id, 100 + k);
+    (*camera)->release(frame.slot);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(ReplayCamera, AFasterPaceCountsAtOnce) {
+  ReplayBench bench;
+  auto camera = bench.open();
+  ASSERT_TRUE(camera);
+  CameraSettings settings = bench.settings();
+  settings.frame_rate_hz = 0.01;
+  ASSERT_TRUE((*camera)->apply(settings));
+  ASSERT_TRUE((*camera)->start());
+  GrabbedFrame frame;
+  ASSERT_EQ((*camera)->grab(frame, kPatience), GrabStatus::frame);
+  (*camera)->release(frame.slot);
+  ASSERT_EQ((*camera)->grab(frame, std::chrono::milliseconds(10)), GrabStatus::timeout);
+  settings.frame_rate_hz = 100.0;
+  ASSERT_TRUE((*camera)->apply(settings));
+  ASSERT_EQ((*camera)->grab(frame, kPatience), GrabStatus::frame);
 }
 
 TEST(ReplayCamera, OtherRegionsAndFormatsAreRefused) {
