@@ -25,17 +25,21 @@ def good_coefficients(run):
 
 
 def to_csv(run, path):
-    """One line a frame: its stamps and settings, then j1, j2, … in waves; empty where they are not valid."""
+    """One line a frame: its stamps and settings, then j1, j2, … in waves; empty what is not known or not valid. A ValueError if the
+    number of modes changed meanwhile; then there is no file."""
     names = [f"j{j}" for j in run.modes(0)] if len(run.frames) else []
+    all_coefficients = good_coefficients(run)
     with open(path, "w", encoding="ascii") as out:
         print(*FRAME_COLUMNS, *names, sep=",", file=out)
-        for row, coefficients in zip(run.frames, good_coefficients(run)):
-            print(*(row[name] for name in FRAME_COLUMNS), *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
+        for row, coefficients in zip(run.frames, all_coefficients):
+            known = ("" if name in ("gain_db", "exposure_us") and not row["settings_known"] else row[name] for name in FRAME_COLUMNS)
+            print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
 
 
 def to_npz(run, path):
     """Arrays `frames`, `spots`, `coefficients`, `j`."""
-    numpy.savez_compressed(path, frames=run.frames, spots=run.spots(), coefficients=good_coefficients(run), j=numpy.array(run.modes(0)))
+    arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good_coefficients(run), "j": numpy.array(run.modes(0))}
+    numpy.savez_compressed(path, **arrays)
 
 
 def _table(fits, name, columns):
@@ -54,6 +58,12 @@ def _time(ns):
     return datetime.datetime.fromtimestamp(ns * 1e-9, datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%S.%f")[:-3]
 
 
+def _exposure_s(frames):
+    """NaN if it is not known, or not the same in all."""
+    known = numpy.unique(frames["exposure_us"][frames["settings_known"] != 0])
+    return known[0] * 1e-6 if len(known) == 1 else numpy.nan
+
+
 def _tables(fits, run, pictures):
     frames, attributes, plan = run.frames, run.attributes, run.plan(0)
     text = lambda value: numpy.array([value])
@@ -70,7 +80,7 @@ def _tables(fits, run, pictures):
         ("UID", "16A", None, text("camera")),
         ("TYPE", "64A", None, text(f"{attributes['camera_vendor']} {attributes['camera_model']}")),
         ("PIXEL_INTENSITIES", "32A", None, text("INTREF<PICTURES>" if pictures else "")),
-        ("INTEGRATION_TIME", "D", "s", numpy.array([frames["exposure_us"][0] * 1e-6])),
+        ("INTEGRATION_TIME", "D", "s", numpy.array([_exposure_s(frames)])),
         ("FRAME_RATE", "D", "Hz", numpy.array([attributes["frame_rate_hz"]]))])
     yield _table(fits, "AOT_WAVEFRONT_SENSORS", [
         ("UID", "16A", None, text("sensor")),
@@ -149,18 +159,20 @@ def main(arguments=None):
     parser.add_argument("--fits", metavar="FILE", help="Adaptive Optics Telemetry")
     parser.add_argument("--pictures", action="store_true", help="the camera's pictures, too, in FITS")
     options = parser.parse_args(arguments)
-    with Recording(options.recording) as run:
-        if not len(run.frames):
-            parser.exit(1, f"{options.recording}: holds no frames\n")
-        if options.csv:
-            to_csv(run, options.csv)
-        if options.npz:
-            to_npz(run, options.npz)
-        try:
+    if not (options.csv or options.npz or options.fits):
+        parser.error("--csv, --npz or --fits says what is wanted")
+    try:
+        with Recording(options.recording) as run:
+            if not len(run.frames):
+                raise ValueError("holds no frames")
+            if options.csv:
+                to_csv(run, options.csv)
+            if options.npz:
+                to_npz(run, options.npz)
             if options.fits:
                 to_fits(run, options.fits, options.pictures)
-        except ValueError as error:
-            parser.exit(1, f"{options.recording}: {error}\n")
+    except (ValueError, OSError) as error:
+        parser.exit(1, f"{options.recording}: {error}\n")
 
 
 if __name__ == "__main__":
