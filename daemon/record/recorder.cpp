@@ -26,6 +26,7 @@ constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMostFacts = 256;         // while it records: what it can be behind, and more
 constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
 
+constexpr const char* kGone = "its file was removed or moved while it was written";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
 
 std::optional<std::string> directory_of(const Config& config) {
@@ -121,7 +122,8 @@ struct Recorder::Running {
   std::deque<std::pair<std::int64_t, Document>> camera_documents;  ///< that frames are behind of
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
-  std::uint64_t last_number = 0;  ///< 0: no frame yet
+  std::uint64_t last_number = 0;   ///< 0: no frame yet
+  std::uint64_t frames_begun = 0;  ///< that were to be written
   std::uint64_t last_plan_id = 0;
   std::uint64_t frames_dropped = 0, pictures_dropped = 0;
 };
@@ -275,6 +277,7 @@ std::optional<Recorder::Ending> Recorder::flush() {
   }
   tell();
   const RecordReport now = report();
+  if (!r.file->in_place()) return Ending{kGone};
   if (disk_is_full(r.path)) return Ending{kDiskFull};
   if (r.asked.limit_s && now.duration_s >= *r.asked.limit_s) {
     return Ending{fmt::format("limit_s: {} s", *r.asked.limit_s), Rest::write};
@@ -328,6 +331,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   RecordedFrame row = frame.row;
   if (r.last_number != 0) row.dropped_before = frame.number - r.last_number - 1;
   r.last_number = frame.number;
+  ++r.frames_begun;
   r.frames_dropped += row.dropped_before;
   r.pictures_dropped += row.picture_dropped;
   if (!frame.pixels.empty()) {
@@ -363,8 +367,12 @@ void Recorder::end(const Ending& ending) {
   }
   Running& r = *running_;
   if (ending.rest != Rest::after) r.frames_dropped += taker_.store()->taken_after(r.last_number);
+  if (why == "record.stop" && !r.file->in_place()) why += std::string("; ") + kGone;
   const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
-  if (!closed && why == "record.stop") why += "; " + closed.error().reason;
+  if (!closed) {
+    r.frames_dropped += r.frames_begun - r.file->frames();
+    if (why == "record.stop") why += "; " + closed.error().reason;
+  }
   tell();
   RecordReport last = report();
   last.state = "ended";

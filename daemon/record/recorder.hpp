@@ -88,7 +88,6 @@ class Recorder : public Agent {
   Result<void> begin(const Begin& begin);
   std::optional<Ending> write(const TakenFrame& frame);
   std::optional<Ending> write_plan(std::uint64_t plan_id);
-  Result<void> write_camera(std::int64_t until_mono_ns);
   Result<void> write_frame(const TakenFrame& frame);
   void turn();
   std::optional<Ending> flush();

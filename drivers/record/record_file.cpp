@@ -1,6 +1,7 @@
 /// HDF5 in its SWMR way: no number in the file refers to what is not written yet.
 #include "drivers/record/record_file.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -109,6 +110,8 @@ struct RecordFile::Impl {
   Table frames, spots, coefficients, documents, text;
   PicturePacker packer;
   hsize_t picture_count = 0;
+  std::uint64_t flushed_frames = 0, flushed_pictures = 0;
+  struct stat created {};
   hsize_t height = 0, columns = 0;
   std::uint64_t first_spot = 0, first_coefficient = 0;
   std::vector<RecordedFrame> new_frames;
@@ -187,6 +190,7 @@ Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
     if (ours) ::unlink(path.c_str());
     return error;
   }
+  (void)::stat(path.c_str(), &impl->created);
   return std::unique_ptr<RecordFile>(new RecordFile(std::move(impl)));
 }
 
@@ -243,15 +247,22 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
 }
 
 std::uint64_t RecordFile::frames() const {
-  return impl_->frames.rows() + impl_->new_frames.size();
+  const Impl& m = *impl_;
+  return m.broken ? m.flushed_frames : m.frames.rows() + m.new_frames.size();
 }
 std::uint64_t RecordFile::pictures() const {
-  return impl_->picture_count;
+  return impl_->broken ? impl_->flushed_pictures : impl_->picture_count;
 }
 std::uint64_t RecordFile::bytes() const {
   std::error_code failed;  // also of the file that was closed
   const std::uintmax_t size = std::filesystem::file_size(impl_->path, failed);
   return failed ? 0 : size;
+}
+
+bool RecordFile::in_place() const {
+  struct stat now {};
+  return ::stat(impl_->path.c_str(), &now) == 0 && now.st_ino == impl_->created.st_ino &&
+         now.st_dev == impl_->created.st_dev;
 }
 
 /// The rows of frames come last: what they name is there by then.
@@ -275,6 +286,8 @@ Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictu
   m.new_frames.clear();
   RecordedSummary now{m.frames.rows(), frames_dropped, m.picture_count, pictures_dropped, utc_ns()};
   if (!m.write_summary(now)) return m.broke("the recording cannot be written");
+  m.flushed_frames = now.frames;
+  m.flushed_pictures = now.pictures;
   return {};
 }
 

@@ -33,9 +33,12 @@ class RecordFile {
   /// file holds as many as a reader takes.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);
 
+  // What was added; after a write that failed, what is sure to be in the file.
   std::uint64_t frames() const;
   std::uint64_t pictures() const;
   std::uint64_t bytes() const;  ///< of the file now
+  /// False: another file has its name, or none.
+  bool in_place() const;
 
   /// Everything added so far is the kernel's from now on.
   Result<void> flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped);

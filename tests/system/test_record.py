@@ -141,6 +141,16 @@ class Record(RecordCase):
         stream = self.stream("wavefront")
         wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["subapertures"] == subapertures, what="the new sensor")
 
+    def test_a_file_that_is_taken_away_ends_it(self):
+        for name, take_away in (("removed", Path.unlink), ("moved", lambda path: path.rename(path.with_suffix(".old")))):
+            self.call("record.start", {"name": name})
+            time.sleep(0.3)
+            take_away(self.bench.directory / "recordings" / f"{name}.h5")
+            ended = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, what="the end")
+            self.assertIn("its file was removed or moved", ended["reason"])
+        self.record("another", 0.3)
+        self.check_whole(self.open("another"))
+
     def test_a_kill_leaves_all_but_the_last_second(self):
         random.seed(5)
         worst_s, frames = 0.0, 0
