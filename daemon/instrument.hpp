@@ -242,6 +242,7 @@ class Instrument : public Agent {
   Reference new_reference(ReferenceSource source) const;
   bool know_camera(const std::optional<CameraInfo>& info);
   void tell_stale();
+  void tell_introduced();
   void limit_pictures();
   Result<SensorSnapshot> keep_reference(Reference reference);
   Result<SensorSnapshot> change_reference(std::optional<Reference> reference);

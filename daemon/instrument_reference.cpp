@@ -1,6 +1,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
@@ -191,7 +192,21 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
                                   listed_spots(saturated)),
                       {{"saturated_spots", saturated}});
   }
+  tell_introduced();
   deps_.jobs.finish(job, {{"frames", average.frames}, {"saturated_spots", saturated}});
+}
+
+/// A reference that was taken under an aberration is right, and seldom what was wanted.
+void Instrument::tell_introduced() {
+  double square = 0.0;
+  for (const Mode& mode : state_.aberration) square += mode.waves * mode.waves;
+  if (square == 0.0) return;
+  deps_.events.emit("reference", Severity::warning,
+                    fmt::format("the reference holds the introduced aberration of {:.4f} wave RMS: "
+                                "coefficients count from it, and the loop keeps it; for one "
+                                "without: aberration.clear, and take it anew",
+                                std::sqrt(square)),
+                    {{"introduced_rms_waves", std::sqrt(square)}});
 }
 
 /// Puts a reference in force, and then on the disk: what cannot be kept is in force all the same.
