@@ -176,10 +176,11 @@ def main():
             bench.start_display()
             bench.start_twin()
             recordings = arguments.out.resolve() / "recordings"
-            bench.start_daemon({"state": {"directory": "state"}, "record": {"directory": str(recordings)}})
+            bench.start_daemon({"state": {"directory": str(bench.directory / "state")}, "record": {"directory": str(recordings)}})
             Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
-                print(f"\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C ends it", flush=True)
+                print(f"\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C ends it\n"
+                      f"what is wrong with it: DISPLAY={bench.display} ovws doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
                 wait_for_ctrl_c()
     except KeyboardInterrupt:
         print()

@@ -1,5 +1,7 @@
 /// ovws status, describe and call: one question to a daemon, one answer.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -46,7 +48,20 @@ void print_failed_job(const json& failed) {
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 
-void print_status(const json& status, const json& loop) {
+/// Of aberration.get; empty: none is introduced.
+std::string aberration_text(const json& aberration) {
+  double square = 0.0;
+  std::string text;
+  for (const json& mode : aberration.at("modes")) {
+    const double waves = mode.at("waves").get<double>();
+    if (waves == 0.0) continue;
+    square += waves * waves;
+    text += fmt::format(", {} {:+.4f}", text_or(mode, "name", "?"), waves);
+  }
+  return text.empty() ? "" : fmt::format("{:.4f} wave RMS introduced{}", std::sqrt(square), text);
+}
+
+void print_status(const json& status, const json& loop, const json& aberration) {
   const json& camera = status.at("camera");
   const json& slm = status.at("slm");
   const json& sensor = status.at("sensor");
@@ -67,6 +82,8 @@ void print_status(const json& status, const json& loop) {
         sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
         sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""),
         reference_text(text_or(sensor, "reference", "none")));
+  const std::string introduced = aberration_text(aberration);
+  if (!introduced.empty()) print("aberration {}\n", introduced);
   print("loop       {}\n", loop_text(loop));
   if (status.at("failed_job").is_object()) print_failed_job(status.at("failed_job"));
   if (status.contains("store") && status.at("store").at("reason").is_string()) {
@@ -122,7 +139,9 @@ int show_status(const Common& common) {
   }
   const auto loop = call(common, "loop.get", json::object());
   if (!loop) return report_failure(common, loop.error());
-  print_status(*status, *loop);
+  const auto aberration = call(common, "aberration.get", json::object());
+  if (!aberration) return report_failure(common, aberration.error());
+  print_status(*status, *loop, *aberration);
   return kOk;
 }
 
@@ -142,6 +161,22 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& sta
   }
 }
 
+/// A list of numbers or words is one line, however long.
+std::string readable(const json& value, const std::string& margin = "") {
+  const auto is_plain = [](const json& one) { return one.is_primitive(); };
+  const bool is_line = value.is_primitive() || value.empty() ||
+                       (value.is_array() && std::all_of(value.begin(), value.end(), is_plain));
+  if (is_line) return value.dump();
+  std::string text = value.is_array() ? "[" : "{";
+  const std::string inner = margin + "  ";
+  for (const auto& [key, one] : value.items()) {
+    text += (text.size() == 1 ? "\n" : ",\n") + inner;
+    if (value.is_object()) text += json(key).dump() + ": ";
+    text += readable(one, inner);
+  }
+  return text + "\n" + margin + (value.is_array() ? "]" : "}");
+}
+
 struct CallOptions {
   std::string method, params;
   bool wait = false;
@@ -159,7 +194,7 @@ int call_anything(const Common& common, const CallOptions& options) {
     answer = end_of_job(common, *answer);
   }
   if (!answer) return report_failure(common, answer.error());
-  print("{}\n", answer->dump(common.json ? -1 : 2));
+  print("{}\n", common.json ? answer->dump() : readable(*answer));
   return kOk;
 }
 
