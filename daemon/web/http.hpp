@@ -1,5 +1,5 @@
-/// Boost's HTTP and coroutines under short names; nothing outside server.cpp and session.cpp knows
-/// them.
+/// Boost's HTTP and coroutines under short names; nothing outside server.cpp, session.cpp and
+/// callers.cpp knows them.
 #pragma once
 
 #include <utility>  // Boost 1.74 uses it in its coroutines and does not include it

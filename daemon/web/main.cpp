@@ -1,9 +1,11 @@
 /// ovws-web: the bench in a browser.
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdlib>
 
 #include "daemon/cli/client.hpp"
 #include "daemon/log.hpp"
@@ -16,7 +18,8 @@
 namespace ovws::web {
 namespace {
 
-constexpr double kQuestionTimeoutS = 2.0;  ///< a daemon that is gone holds up the end no longer
+constexpr double kQuestionTimeoutS = 2.0;
+constexpr unsigned kEndPatienceS = 1;
 
 int complain(const Error& error) {
   spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
@@ -26,6 +29,12 @@ int complain(const Error& error) {
 Result<Tokens> tokens_of(const Options& options) {
   if (options.links_path.empty()) return make_tokens(options.control);
   return keep_links(options.links_path, options.host(), options.control);
+}
+
+/// Who still waits for the daemon's answer is not waited for.
+void end_soon() {
+  std::signal(SIGALRM, [](int) { std::_Exit(cli::kOk); });
+  ::alarm(kEndPatienceS);
 }
 
 int serve(Options options) {
@@ -51,6 +60,7 @@ int serve(Options options) {
   service::notify_ready();
   (*server)->run();
   service::notify_stopping();
+  end_soon();
   return cli::kOk;
 }
 

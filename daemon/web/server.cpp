@@ -11,12 +11,15 @@ constexpr std::chrono::milliseconds kNoDescriptors{100};
 
 struct Server::Impl {
   ServerParts parts;
-  net::thread_pool callers{4};  ///< wait for the daemon
+  Callers callers;
   net::io_context io{1};
   tcp::acceptor acceptor{io};
   int connections = 0;
 
   explicit Impl(ServerParts given) : parts(std::move(given)) {}
+  ~Impl() { callers.join(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   Task<void> serve(tcp::socket socket) {
     ++connections;
@@ -71,7 +74,6 @@ void Server::run() {
   signals.async_wait([this](const boost::system::error_code&, int) { impl_->io.stop(); });
   net::co_spawn(impl_->io, impl_->accept(), net::detached);
   impl_->io.run();
-  impl_->callers.join();
 }
 
 }  // namespace ovws::web

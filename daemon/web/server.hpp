@@ -34,12 +34,12 @@ class Server {
   /// Errc::unavailable if it is taken.
   static Result<std::unique_ptr<Server>> listen(const std::string& address, unsigned short port,
                                                 ServerParts parts);
-  ~Server();
+  ~Server();  ///< waits for the commands that are under way
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Serves until SIGINT or SIGTERM. All happens in the calling thread, but for the waiting for the
-  /// daemon's answers to commands.
+  /// Serves until SIGINT or SIGTERM, then drops what waits for its turn. All happens in the calling
+  /// thread, but for the waiting for the daemon's answers to commands.
   void run();
 
  private:

@@ -71,7 +71,7 @@ class Counted {
 
 }  // namespace
 
-Session::Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers)
+Session::Session(tcp::socket socket, const ServerParts& parts, Callers& callers)
     : parts_(parts),
       callers_(callers),
       connection_(std::move(socket)),
@@ -191,12 +191,11 @@ Task<void> Session::rpc(Request& parser, const RequestHead& head) {
   const auto request = parse_command(parser.get().body());
   if (!request) co_return co_await refuse(request.error(), head);
   connection_.expires_never();
-  const cli::Common& common = parts_.common;
-  std::string reply = co_await net::co_spawn(
-      callers_.get_executor(),
-      [&]() -> Task<std::string> { co_return carry_out(common, *request); }, net::use_awaitable);
+  const Callers::Call call = [&] { return carry_out(parts_.common, *request); };
+  auto reply = co_await callers_.carry_out(connection_.socket(), call);
+  if (!reply) co_return;
   connection_.expires_after(kWritePatience);
-  co_await answer(http::status::ok, "application/json", std::move(reply));
+  co_await answer(http::status::ok, "application/json", std::move(*reply));
 }
 
 Task<void> Session::hologram() {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "daemon/web/callers.hpp"
 #include "daemon/web/http.hpp"
 #include "daemon/web/server.hpp"
 
@@ -11,7 +12,7 @@ namespace ovws::web {
 /// Of one connection; it lives as long as its coroutine.
 class Session {
  public:
-  Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers);
+  Session(tcp::socket socket, const ServerParts& parts, Callers& callers);
 
   /// Errors of the connection end it, and are nobody's concern.
   Task<void> run();
@@ -30,7 +31,7 @@ class Session {
   Task<void> hologram();
 
   ServerParts parts_;
-  net::thread_pool& callers_;
+  Callers& callers_;
   beast::tcp_stream connection_;
   beast::flat_buffer buffer_;
   std::string peer_;

@@ -1,6 +1,8 @@
 """ovws-web without a browser: who gets in, how old its numbers are, what a slow reader and a daemon that goes cost."""
+import http.client
 import json
 import os
+import signal
 import socket
 import time
 import zlib
@@ -23,6 +25,15 @@ def age_ms(message):
 def cpu_s(pid):
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+ESTABLISHED, CLOSE_WAIT = "01", "08"
+
+
+def unread(state):
+    """How many bytes wait in each connection of ovws-web that is in that state; CLOSE_WAIT: its browser has closed it."""
+    rows = [row.split() for row in Path("/proc/net/tcp").read_text(encoding="ascii").splitlines()[1:]]
+    return [int(row[4].partition(":")[2], 16) for row in rows if row[1].endswith(f":{PORT:04X}") and row[3] == state]
 
 
 class Web(WebCase):
@@ -194,6 +205,50 @@ class Web(WebCase):
         self.wait_until("running")
         self.health(lambda m: "No reference" in m["findings"][0]["text"])
         self.assertTrue(self.wavefronts(3))
+
+    def hold_daemon(self):
+        """It answers nothing until `os.kill(pid, SIGCONT)`."""
+        pid = self.bench.process("ovwsd").pid
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        os.waitid(os.P_PID, pid, os.WSTOPPED)  # every thread of it
+        return pid
+
+    def send_command(self, method, params=None):
+        """The connection of a command whose answer nobody waits for yet."""
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=15)
+        self.addCleanup(connection.close)
+        body = json.dumps({"method": method, "params": params or {}})
+        connection.request("POST", "/rpc", body, {"Authorization": f"Bearer {self.tokens['control']}"})
+        return connection
+
+    def test_calls_that_wait_do_not_hold_up_its_end(self):
+        self.hold_daemon()
+        stream = self.messages()
+        next(stream)
+        calls = [self.send_command("reference.get") for _ in range(50)]
+        for connection in calls[:25]:
+            connection.close()
+        began = time.monotonic()
+        self.assertEqual(self.bench.stop("ovws-web"), 0)
+        self.assertLess(time.monotonic() - began, 2.0)
+
+    def test_the_call_of_a_browser_that_left_is_not_made(self):
+        daemon = self.hold_daemon()
+        under_way = [self.send_command("loop.get") for _ in range(4)]
+        wait_for(lambda: unread(ESTABLISHED) == 4 * [0], what="four calls under way")
+        left = [self.send_command("aberration.set", {"modes": [{"j": 3, "waves": 0.3}]}) for _ in range(50)]
+        stays = self.send_command("camera.set", {"gain_db": 6})
+        wait_for(lambda: unread(ESTABLISHED) == 55 * [0], what="51 calls that wait")
+        for connection in left:
+            connection.close()
+        wait_for(lambda: not unread(CLOSE_WAIT), 1.0, "the end of the connections that were left")
+        self.assertEqual(self.ask("GET", "/")[0], 200)
+        os.kill(daemon, signal.SIGCONT)
+        for connection in (*under_way, stays):
+            self.assertIn("result", json.loads(connection.getresponse().read()))
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 6.0)
+        self.assertEqual(self.call("aberration.get")["modes"], [])
 
     def test_links_are_kept_in_a_file(self):
         self.bench.stop("ovws-web")
