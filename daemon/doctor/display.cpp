@@ -2,7 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <future>
+#include <thread>
+
+#include "drivers/sdl/video.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -140,12 +145,26 @@ Finding judge_compositor(const DisplayProbe& probe) {
                  "ovws call --wait slm.settle");
 }
 
+/// Xlib waits without end for a server that hangs: it is left waiting, in a thread that ends with
+/// the process.
+Result<DisplayProbe> probe_in_time() {
+  constexpr std::chrono::seconds kPatience{3};
+  std::packaged_task<Result<DisplayProbe>()> probe(sdl::probe_display);
+  auto found = probe.get_future();
+  std::thread(std::move(probe)).detach();
+  if (found.wait_for(kPatience) == std::future_status::ready) return found.get();
+  return fail(Errc::unavailable, "slm.display",
+              fmt::format("the X server DISPLAY={} does not answer within {} s: it hangs, end it "
+                          "and start it again",
+                          sdl::environment("DISPLAY"), kPatience.count()));
+}
+
 }  // namespace
 
 DisplayFacts read_display(const SlmConfig& config) {
   return {
       {config.display, config.geometry.width_px, config.geometry.height_px, config.allow_primary},
-      sdl::probe_display(),
+      probe_in_time(),
       std::getenv("DISPLAY") != nullptr};
 }
 

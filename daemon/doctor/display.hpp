@@ -15,7 +15,7 @@ struct DisplayFacts {
   bool server_named = false;  ///< DISPLAY is set
 };
 
-/// Main thread. Opens no window.
+/// Takes some seconds if the X server does not answer; asked once in a process. Opens no window.
 DisplayFacts read_display(const SlmConfig& config);
 Findings judge(const DisplayFacts& facts);
 

@@ -18,9 +18,9 @@ struct DisplayProbe {
   bool composited = false;    ///< a program draws the desktop together from its windows' pictures
 };
 
-/// Main thread only, and no display may be open. Errors, field "slm.display": Errc::unavailable,
-/// there is no display system or it does not answer; Errc::refused, it is none of X's, which tells
-/// nothing to who shows nothing.
+/// One thread at a time, and no display may be open; waits as long as the X server. Errors, field
+/// "slm.display": Errc::unavailable, there is no display system or it does not answer;
+/// Errc::refused, it is none of X's, which tells nothing to who shows nothing.
 Result<DisplayProbe> probe_display();
 
 }  // namespace ovws::sdl

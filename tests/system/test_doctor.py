@@ -2,8 +2,10 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 import screen
@@ -183,6 +185,20 @@ class Ill(DoctorCase):
         self.check(self.examine(env=path), "slm.server", "fault", "export DISPLAY")
         self.check(self.examine(env=path | {"WAYLAND_DISPLAY": "wayland-0"}), "slm.server", "not_here", "wayland")
         self.check(self.examine(env=path | {"DISPLAY": ":987"}), "slm.server", "fault", ":987")
+
+    def test_a_server_that_hangs(self):
+        server = self.bench.process("xorg").pid
+        os.kill(server, signal.SIGSTOP)
+        self.addCleanup(os.kill, server, signal.SIGCONT)
+        began = time.monotonic()
+        findings = self.examine()
+        self.assertLess(time.monotonic() - began, 10.0)
+        self.assertEqual(self.faults(findings), {"slm.server"})
+        self.check(findings, "slm.server", "fault", self.bench.display, "does not answer within 3 s", "restart display-manager")
+        self.check(findings, "slm.mode", "not_here")
+        for name in ("camera.found", "state.directory"):
+            self.check(findings, name, "ok")
+        self.check(findings, "daemon.answer", "not_here")
 
     def test_the_state_folder(self):
         state = self.bench.directory / "state"
