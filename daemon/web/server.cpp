@@ -1,5 +1,8 @@
 #include "daemon/web/server.hpp"
 
+#include <algorithm>
+#include <list>
+
 #include "daemon/web/session.hpp"
 
 namespace ovws::web {
@@ -12,9 +15,9 @@ constexpr std::chrono::milliseconds kNoDescriptors{100};
 struct Server::Impl {
   ServerParts parts;
   Callers callers;
+  std::list<Session*> sessions;  ///< the oldest first
   net::io_context io{1};
   tcp::acceptor acceptor{io};
-  int connections = 0;
 
   explicit Impl(ServerParts given) : parts(std::move(given)) {}
   ~Impl() { callers.join(); }
@@ -22,13 +25,23 @@ struct Server::Impl {
   Impl& operator=(const Impl&) = delete;
 
   Task<void> serve(tcp::socket socket) {
-    ++connections;
     Session session(std::move(socket), parts, callers);
+    sessions.push_back(&session);
     co_await session.run();
-    --connections;
+    sessions.remove(&session);
   }
 
-  /// One connection too many is closed at once: who made the others has to wait.
+  /// Whether one more connection has a place: if need be that of the oldest without a token.
+  bool make_room() {
+    if (sessions.size() < kMostConnections) return true;
+    parts.refusals.add(Refusal::full, {}, "a connection too many");
+    const auto stranger = std::ranges::find_if_not(sessions, &Session::trusted);
+    if (stranger == sessions.end()) return false;
+    (*stranger)->end();
+    sessions.erase(stranger);
+    return true;
+  }
+
   Task<void> accept() {
     for (;;) {
       boost::system::error_code error;
@@ -39,11 +52,7 @@ struct Server::Impl {
         co_await pause.async_wait(net::use_awaitable);
         continue;
       }
-      if (connections >= kMostConnections) {
-        parts.refusals.add(Refusal::full, {}, "a connection too many");
-        continue;
-      }
-      net::co_spawn(io, serve(std::move(socket)), net::detached);
+      if (make_room()) net::co_spawn(io, serve(std::move(socket)), net::detached);
     }
   }
 };

@@ -15,7 +15,9 @@
 
 namespace ovws::web {
 
-constexpr int kMostConnections = 64;
+/// At a time. One more takes the place of the oldest that has shown no token; if all have, it is
+/// closed.
+constexpr std::size_t kMostConnections = 64;
 constexpr int kMostBrowsers = 16;  ///< streams at a time
 
 /// What the server stands on; all of it outlives the server.

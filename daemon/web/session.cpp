@@ -119,6 +119,7 @@ Task<void> Session::serve() {
   if (!co_await read_head(parser)) co_return;
   const RequestHead head = head_of(parser);
   const auto right = parts_.access.judge(head);
+  trusted_ = right && *right >= Right::look;
   connection_.expires_after(kWritePatience);
   if (!right) {
     co_await refuse(right.error(), head);

@@ -16,6 +16,10 @@ class Session {
 
   /// Errors of the connection end it, and are nobody's concern.
   Task<void> run();
+  /// Whether it has shown a token.
+  bool trusted() const { return trusted_; }
+  /// Closes the connection; `run` returns soon.
+  void end() { connection_.close(); }
 
  private:
   using Request = http::request_parser<http::string_body>;
@@ -35,6 +39,7 @@ class Session {
   beast::tcp_stream connection_;
   beast::flat_buffer buffer_;
   std::string peer_;
+  bool trusted_ = false;
 };
 
 }  // namespace ovws::web

@@ -104,6 +104,30 @@ class Web(WebCase):
         wait_for(lambda: self.ask("GET", "/")[0] == 200, 5.0, "an answer after all that")
         self.assertTrue(self.web.alive())
 
+    def test_silent_connections_keep_nobody_out(self):
+        stream = self.messages()
+        next(stream)
+        silent = [socket.create_connection((HOST, PORT)) for _ in range(200)]
+        for connection in silent:
+            self.addCleanup(connection.close)
+        for path, token in (("/", None), ("/hologram.png", self.tokens["look"])) * 20:
+            self.assertEqual(self.ask("GET", path, token=token)[0] // 100, 2)
+            silent.append(socket.create_connection((HOST, PORT)))  # they are renewed
+            self.addCleanup(silent[-1].close)
+        self.health(lambda m: m["refused"]["full"] >= 137)  # one for each too many
+        for _ in range(20):
+            next(stream)
+
+    def test_connections_with_a_token_keep_their_places(self):
+        self.hold_daemon()
+        calls = [self.send_command("loop.get") for _ in range(64)]
+        wait_for(lambda: unread(ESTABLISHED) == 64 * [0], what="64 requests read")
+        with self.assertRaises(ConnectionError):
+            self.ask("GET", "/")
+        calls[-1].close()
+        wait_for(lambda: not unread(CLOSE_WAIT), 1.0, "the end of the connection that was left")
+        self.assertEqual(self.ask("GET", "/")[0], 200)
+
     def test_numbers_are_those_of_the_stream_and_of_now(self):
         self.take_reference()
         frames = self.stream("wavefront")
