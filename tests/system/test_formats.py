@@ -128,6 +128,7 @@ class GreenLaser(Formats):
         self.check(["BayerRG12", "BayerGR12p", "BayerBG8"])
 
     test_numbers_justified_left_are_known_and_moved = None
+    test_a_colour_camera_is_registered_and_calibrated = None
     test_a_colour_camera_makes_templates_of_its_lit_pixels = None
 
 

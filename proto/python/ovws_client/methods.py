@@ -501,7 +501,7 @@ class Record(TypedDict):
 
     # folder; null: recordings in the state's folder
     directory: str | None
-    # memory for pictures that wait for the disk, MiB; from 8 to 16384
+    # memory for pictures that wait for the disk, MiB; from 8 to 4096
     buffer_mib: int
 
 
