@@ -81,13 +81,9 @@ void FrameStore::take(const FrameRecord& record, bool with_picture) {
 void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
   const std::size_t bytes = row_bytes(image.format, image.width);
   std::byte* picture = nullptr;
+  if (bytes * std::size_t(image.height) != picture_bytes_) return;  // it does not fit the file
   if (!free_pictures_.try_pop(picture)) return;
   to.pixels = {picture, picture_bytes_};
-  to.format = image.format;
-  to.width = image.width;
-  to.height = image.height;
-  // Of another size: who writes sees that it does not fit the file.
-  if (bytes * std::size_t(image.height) != picture_bytes_) return;
   for (int y = 0; y < image.height; ++y) {
     std::memcpy(picture + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
   }

@@ -20,9 +20,7 @@ struct TakenFrame {
   std::uint64_t number = 0;
   std::vector<RecordedSpot> spots;
   std::vector<float> coefficients;
-  std::span<std::byte> pixels;              ///< without padding; empty: no picture
-  PixelFormat format = PixelFormat::mono8;  ///< of the picture
-  int width = 0, height = 0;
+  std::span<std::byte> pixels;  ///< without padding; empty: no picture
 };
 
 /// One taking thread and one writing thread.
