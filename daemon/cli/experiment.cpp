@@ -60,7 +60,8 @@ class Fetched {
     return found != cells_.end() && is_same(found->second, summary);
   }
   static bool is_same(const json& cell, const json& summary) {
-    return cell.at("cell") == summary["cell"] && cell.at("t_begun_ns") == summary.at("t_begun_ns");
+    return cell.at("cell") == summary.at("cell") &&
+           cell.at("t_begun_ns") == summary.at("t_begun_ns");
   }
   /// The first cell takes the place of what was in the folder: a job that is refused costs nothing.
   Result<void> add(json cell) {
@@ -121,7 +122,7 @@ Answer fetch(const Common& common, Fetched& fetched) {
   if (!experiment || !fetched.is_own(*experiment)) return experiment;
   for (const json& summary : experiment->at("cells")) {
     if (fetched.has(summary) || interrupted != 0) continue;
-    Answer cell = call(common, "experiment.cell", {{"cell", summary["cell"]}});
+    Answer cell = call(common, "experiment.cell", {{"cell", summary.at("cell")}});
     if (!cell) return cell;
     if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
     if (const auto added = fetched.add(std::move(*cell)); !added) {
@@ -226,10 +227,10 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
 
 /// A run that no longer belongs to the table says itself what to do.
 std::string why_it_ended(const json& report, std::size_t cells) {
-  const json& error = report["error"];
-  const std::string state = report["state"].get<std::string>();
+  const json& error = report.at("error");
+  const std::string state = report.at("state").get<std::string>();
   const std::string why = error.is_object() ? error.value("message", state) : state;
-  const json field = error.is_object() ? error["data"].value("field", json()) : json();
+  const json field = error.is_object() ? error.at("data").value("field", json()) : json();
   if (field == "anew" || field == "reference_frames") return why;
   return fmt::format("{}; {} cells are measured and kept: the same command goes on", why, cells);
 }

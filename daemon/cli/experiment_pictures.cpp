@@ -66,7 +66,7 @@ double largest(const Image<float>& waves) {
 /// Number of the frame whose variance is the median; none if no frame told its modes.
 std::optional<std::size_t> median_frame(const json& cell) {
   std::vector<std::pair<double, std::size_t>> known;
-  const json& variances = cell["variances_rad2"];
+  const json& variances = cell.at("variances_rad2");
   for (std::size_t k = 0; k < variances.size(); ++k) {
     if (variances[k].is_number()) known.emplace_back(variances[k].get<double>(), k);
   }
@@ -86,8 +86,9 @@ std::size_t next_gain(const json& request) {
 std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
   std::vector<float> waves(modes_j.size(), 0.0F);
   for (const json& mode : aberration.at("modes")) {
-    const auto at = std::find(modes_j.begin(), modes_j.end(), mode["j"].get<int>());
-    if (at != modes_j.end()) waves[std::size_t(at - modes_j.begin())] = mode["waves"].get<float>();
+    const auto at = std::find(modes_j.begin(), modes_j.end(), mode.at("j").get<int>());
+    if (at != modes_j.end())
+      waves[std::size_t(at - modes_j.begin())] = mode.at("waves").get<float>();
   }
   return waves;
 }
@@ -102,13 +103,13 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
                                     const std::vector<float>& introduced) {
   const auto frame = median_frame(cell);
   if (!frame) return std::nullopt;
-  auto left = cell.at("coefficients_waves")[*frame].get<std::vector<float>>();
+  auto left = cell.at("coefficients_waves").at(*frame).get<std::vector<float>>();
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
   Residual residual;
   map.render(left, residual.waves);
   residual.title = study::arm_name(cell) + ", residual";
   residual.more =
-      fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell["variances_rad2"][*frame].get<double>(),
+      fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell.at("variances_rad2").at(*frame).get<double>(),
                   largest(residual.waves));
   return residual;
 }
@@ -120,8 +121,8 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
   for (const auto& [number, cell] : cells) {
     const json& kept = cell.at("picture");
     if (kept.is_null()) continue;
-    const int width = kept["width"].get<int>(), height = kept["height"].get<int>();
-    auto bytes = bytes_of(kept["base64"].get_ref<const std::string&>(),
+    const int width = kept.at("width").get<int>(), height = kept.at("height").get<int>();
+    auto bytes = bytes_of(kept.at("base64").get_ref<const std::string&>(),
                           std::size_t(width) * std::size_t(height));
     if (!bytes) return fail(Errc::internal, "picture", "the daemon's picture is not whole");
     const cv::Mat grey(height, width, CV_8UC1, bytes->data());
@@ -144,15 +145,15 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
 
 Result<void> draw_residuals(const json& request, const SweepCells& cells,
                             const std::filesystem::path& folder) {
-  const std::size_t aberration = std::min<std::size_t>(1, request["aberrations"].size() - 1);
-  const std::size_t arms = request["arms"].size(), gain = next_gain(request);
-  const std::size_t first = (aberration * request["gains_db"].size() + gain) * arms;
-  const json& introduced = request.at("aberrations")[aberration];
+  const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
+  const std::size_t arms = request.at("arms").size(), gain = next_gain(request);
+  const std::size_t first = (aberration * request.at("gains_db").size() + gain) * arms;
+  const json& introduced = request.at("aberrations").at(aberration);
   Row row;
   for (std::size_t k = 0; k < arms; ++k) {
     const auto cell = cells.find(int(first + k));
     if (cell == cells.end()) continue;
-    const auto modes_j = cell->second["modes_j"].get<std::vector<int>>();
+    const auto modes_j = cell->second.at("modes_j").get<std::vector<int>>();
     const PhaseMap map(modes_j, kPanelPx);
     const std::vector<float> waves = introduced_waves(introduced, modes_j);
     Image<float> shown;

@@ -28,23 +28,23 @@ std::string reference_text(const std::string& state) {
 
 /// Of loop.get: whether it is closed, how it does, and why it is open.
 std::string loop_text(const json& loop) {
-  const bool closed = loop["closed"].get<bool>();
-  const auto steps = loop["steps"].get<std::int64_t>();
+  const bool closed = loop.at("closed").get<bool>();
+  const auto steps = loop.at("steps").get<std::int64_t>();
   std::string text = closed ? "closed" : "open";
   if (closed || steps > 0) {
     text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
-                        loop["correction_rms_waves"].get<double>());
+                        loop.at("correction_rms_waves").get<double>());
   }
-  if (loop["residual_rms_waves"].is_number()) {
-    text += fmt::format(", residual {:.4f} wave RMS", loop["residual_rms_waves"].get<double>());
+  if (loop.at("residual_rms_waves").is_number()) {
+    text += fmt::format(", residual {:.4f} wave RMS", loop.at("residual_rms_waves").get<double>());
   }
-  if (loop["opened_because"].is_string()) text += ": " + text_or(loop, "opened_because", "");
+  if (loop.at("opened_because").is_string()) text += ": " + text_or(loop, "opened_because", "");
   return text;
 }
 
 void print_failed_job(const json& failed) {
   const std::string field = text_or(failed, "field", "");
-  print("failed job {} ({}): {}{}\n", failed["job"].get<int>(), text_or(failed, "kind", ""),
+  print("failed job {} ({}): {}{}\n", failed.at("job").get<int>(), text_or(failed, "kind", ""),
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 
@@ -96,10 +96,10 @@ void print_status(const json& status, const json& loop, const json& aberration) 
           refine.at("reason").is_string() ? ": " + text_or(refine, "reason", "") : "");
   }
   for (const auto& [stage, latency] : status.at("latency").items()) {
-    if (latency["count"].get<std::uint64_t>() == 0) continue;
+    if (latency.at("count").get<std::uint64_t>() == 0) continue;
     print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
-          latency["p50_us"].get<double>(), latency["p99_us"].get<double>(),
-          latency["max_us"].get<double>());
+          latency.at("p50_us").get<double>(), latency.at("p99_us").get<double>(),
+          latency.at("max_us").get<double>());
   }
   for (const auto& [name, count] : status.at("counters").items()) {
     if (count.get<std::uint64_t>() != 0) {
@@ -109,10 +109,10 @@ void print_status(const json& status, const json& loop, const json& aberration) 
 }
 
 void print_description(const json& description) {
-  for (const auto& [name, schema] : description["methods"].items()) {
+  for (const auto& [name, schema] : description.at("methods").items()) {
     print("{:<20} {}\n", name, text_or(schema, "description", ""));
   }
-  for (const auto& [name, schema] : description["streams"].items()) {
+  for (const auto& [name, schema] : description.at("streams").items()) {
     print("stream {:<13} {}\n", name, text_or(schema, "description", ""));
   }
 }
@@ -148,7 +148,7 @@ int show_status(const Common& common) {
 /// Of the job that `started` names: its result once it is done, or its error.
 tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
   while (true) {
-    auto report = call(common, "job.get", {{"job", started["job"]}});
+    auto report = call(common, "job.get", {{"job", started.at("job")}});
     if (!report) return report;
     const std::string state = text_or(*report, "state", "");
     if (state == "done") return report->at("result");

@@ -32,8 +32,8 @@ class BorrowedLoop {
   /// `correction`: result of correction.get.
   BorrowedLoop(const Common& common, const json& correction)
       : common_(common), modes_(json::array()) {
-    for (const json& mode : correction["modes"]) {
-      modes_.push_back({{"j", mode["j"]}, {"waves", mode["waves"]}});
+    for (const json& mode : correction.at("modes")) {
+      modes_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
     }
   }
 

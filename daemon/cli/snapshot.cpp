@@ -56,7 +56,7 @@ class Collector {
 
  private:
   static std::uint64_t frame_of(const StreamMessage& message) {
-    return json::parse(message.json)["frame_id"].get<std::uint64_t>();
+    return json::parse(message.json).at("frame_id").get<std::uint64_t>();
   }
 
   Messages found_;
@@ -78,7 +78,7 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
     auto together = collector.of_one_frame();
     if (!together) continue;
     last = std::move(together);
-    if (json::parse(last->at("spots").json)["valid"].get<bool>()) break;
+    if (json::parse(last->at("spots").json).at("valid").get<bool>()) break;
   }
   return last;
 }
@@ -152,8 +152,8 @@ cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
   draw_spots(picture, messages.at("spots"));
   write_line(picture, 0,
              fmt::format("frame {}  charge {}  {} of {} spots",
-                         spots["frame_id"].get<std::uint64_t>(), spots["charge"].get<int>(),
-                         spots["tracked"].get<int>(), spots["subapertures"].get<int>()));
+                         spots.at("frame_id").get<std::uint64_t>(), spots.at("charge").get<int>(),
+                         spots.at("tracked").get<int>(), spots.at("subapertures").get<int>()));
   write_line(picture, 1, "circle: found   cross: reference");
   write_line(picture, 2, warning, kWarningColour);
   return picture;
@@ -203,9 +203,9 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
              cv::INTER_NEAREST);
   write_line(picture, 0,
              fmt::format("wavefront, frame {}", header.at("frame_id").get<std::uint64_t>()));
-  if (spots["rms_waves"].is_number()) {
+  if (spots.at("rms_waves").is_number()) {
     write_line(picture, 1,
-               fmt::format("RMS {:.4f} wave without tilts", spots["rms_waves"].get<double>()));
+               fmt::format("RMS {:.4f} wave without tilts", spots.at("rms_waves").get<double>()));
     draw_colour_bar(picture, scale);
   }
   write_line(picture, 2, warning, kWarningColour);

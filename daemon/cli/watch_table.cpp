@@ -40,7 +40,7 @@ double print_modes(const json& message) {
     full_scale = std::max(full_scale, std::abs(value.get<double>()));
   }
   const std::size_t name_width = longest_name(message.at("j"));
-  for (std::size_t i = 0; i < message["j"].size(); ++i) {
+  for (std::size_t i = 0; i < message.at("j").size(); ++i) {
     const int j = message.at("j").at(i).get<int>();
     const double waves = message.at("coefficients").at(i).get<double>();
     const std::string bar = signed_bar(waves, full_scale);

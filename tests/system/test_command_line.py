@@ -72,7 +72,7 @@ class CommandLine(BenchCase):
         peer.start()
         self.addCleanup(lambda: (self.peer_ends.set(), peer.join(5.0)))
         for self.peer_result in ({}, {"stream": {"endpoint": "tcp://127.0.0.1:7997", "image_endpoint": "tcp://127.0.0.1:7997"}}):
-            for command in ("status", "watch -n 1", "watch refined -n 1", "snapshot -o nothing", "study experiment --output nothing"):
+            for command in ("status", "describe", "watch -n 1", "watch refined -n 1", "snapshot -o nothing", "study experiment --output nothing"):
                 with self.subTest(command):
                     said = self.ovws("--endpoint", "tcp://127.0.0.1:7998", "--timeout", 2, *command.split(), code=1)
                     self.assertRegex(said, "of another version|the daemon's answer")
