@@ -48,8 +48,8 @@ void prepare_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-/// Left alone, the allocator keeps ever larger blocks for itself as they come and go: after a
-/// thousand holograms of all sizes, some 100 MiB of locked memory. Once, before any thread is made.
+/// Left alone, the allocator keeps ever larger blocks for itself as they come and go: 100 MiB more
+/// of locked memory after a million random requests. Once, before any thread is made.
 void give_large_blocks_back() {
   constexpr int kLargeBytes = 1 << 20;  // images of small cameras, at their rate, are not large
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
