@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
 #include <vector>
+
+#include "drivers/png/grey_png.hpp"
 
 namespace ovws {
 namespace {
@@ -69,36 +70,13 @@ Result<void> check_monotonic(const std::string& path, const PhaseLut& lut) {
                   path, wrong[0] - 1, lut[wrong[0] - 1], wrong[0], lut[wrong[0]], wrong.size()));
 }
 
-/// Empty if it cannot be read: OpenCV throws at a header that asks for too much.
-cv::Mat read_picture(const std::string& path) {
-  try {
-    return cv::imread(path, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
-
 Result<std::shared_ptr<const Image<float>>> flatness_from_png(const std::string& path, int width,
                                                               int height) {
-  const cv::Mat grey = read_picture(path);
-  if (grey.empty()) {
-    return fail(Errc::invalid, "slm.flatness", "the picture " + path + " cannot be read");
-  }
-  if (grey.type() != CV_16UC1) {
-    return fail(Errc::invalid, "slm.flatness",
-                path + " is not a grey picture of 16 bits a pixel: 65536 is one wave");
-  }
-  if (grey.cols != width || grey.rows != height) {
-    return fail(Errc::invalid, "slm.flatness",
-                fmt::format("{} is {} x {} pixels, the SLM {} x {}: they must be equal", path,
-                            grey.cols, grey.rows, width, height));
-  }
+  const auto grey = read_grey16_png(path, width, height);
+  if (!grey) return fail(Errc::invalid, "slm.flatness", grey.error().reason);
   auto waves = std::make_shared<Image<float>>(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      waves->at(x, y) = float(grey.at<std::uint16_t>(y, x)) / 65536.0F;
-    }
-  }
+  std::transform(grey->pixels.begin(), grey->pixels.end(), waves->pixels.begin(),
+                 [](std::uint16_t level) { return float(level) / 65536.0F; });
   return waves;
 }
 

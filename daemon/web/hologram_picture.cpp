@@ -3,12 +3,12 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 
 #include "config/config.hpp"
 #include "core/optics/hologram.hpp"
 #include "daemon/slm_files.hpp"
 #include "daemon/slm_measured.hpp"
+#include "drivers/png/grey_png.hpp"
 #include "proto/names.hpp"
 
 namespace ovws::web {
@@ -66,15 +66,6 @@ bool agree(const HologramSources& sources) {
   return sources.aberration["hologram_id"] == id && sources.correction["hologram_id"] == id;
 }
 
-Result<std::string> png_of(Image<std::uint8_t>& grey) {
-  const cv::Mat mat(grey.height, grey.width, CV_8UC1, grey.pixels.data());
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", mat, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-    return fail(Errc::internal, "", "it cannot be written as PNG");
-  }
-  return std::string(bytes.begin(), bytes.end());
-}
-
 }  // namespace
 
 Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
@@ -91,7 +82,7 @@ Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
   const auto kind = HologramKind(name - names.begin());
   Image<std::uint8_t> grey;
   renderer->render(kind, shown_modes(sources, kind), grey);
-  auto png = png_of(grey);
+  auto png = encode_grey8_png(grey);
   if (!png) return fail(png.error());
   HologramPicture picture;
   picture.hologram_id = sources.sensor.at("hologram_id").get<std::uint64_t>();

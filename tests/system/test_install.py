@@ -42,6 +42,11 @@ class Install(unittest.TestCase):
         done = run(self.root / "usr/bin/ovwsd", "--check-config", "--config", self.root / "etc/ovws/ovwsd.json")
         self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_the_daemon_links_no_image_library_for_one_file(self):
+        libraries = re.findall(r"^\s*(lib\S+)", run("ldd", self.root / "usr/bin/ovwsd").stdout, re.M)
+        print("\n ", len(libraries), "shared libraries")
+        self.assertEqual([name for name in libraries if re.match(r"lib(opencv|gdal|curl|tiff|jpeg)", name)], [])
+
     def test_the_documents_links_resolve(self):
         for name in DOCUMENTS:
             document = self.root / "usr/share/doc/ovws" / name

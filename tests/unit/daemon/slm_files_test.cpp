@@ -90,7 +90,7 @@ TEST_F(SlmFiles, FlatnessAsAPictureCounts65536AsOneWave) {
   const auto map = load_flatness(path, 3, 2);
   ASSERT_TRUE(map);
   EXPECT_FLOAT_EQ((*map)->at(2, 1), 0.25F);
-  EXPECT_NE(load_flatness(path, 2, 3).error().reason.find("is 3 x 2 pixels, the SLM 2 x 3"),
+  EXPECT_NE(load_flatness(path, 2, 3).error().reason.find("is 3 x 2 pixels, not 2 x 3"),
             std::string::npos);
 }
 

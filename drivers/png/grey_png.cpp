@@ -1,0 +1,131 @@
+#include "drivers/png/grey_png.hpp"
+
+#include <png.h>
+
+#include <bit>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+namespace ovws {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "png_set_swap below assumes it");
+
+constexpr int kFastCompression = 1;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+struct Reader {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+
+  Reader() = default;
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct Writer {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+
+  Writer() = default;
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+[[noreturn]] void on_error(png_structp png, png_const_charp) {
+  png_longjmp(png, 1);
+}
+void on_warning(png_structp, png_const_charp) {}
+
+// libpng reports errors by longjmp: the functions that call setjmp hold nothing with a destructor.
+
+bool read_header(png_structp png, png_infop info, std::FILE* file) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_init_io(png, file);
+  png_read_info(png, info);
+  return true;
+}
+
+bool read_pixels(png_structp png, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_swap(png);
+  png_read_image(png, rows);
+  png_read_end(png, nullptr);
+  return true;
+}
+
+void append(png_structp png, png_bytep bytes, std::size_t count) {
+  static_cast<std::string*>(png_get_io_ptr(png))
+      ->append(reinterpret_cast<const char*>(bytes), count);
+}
+
+bool write_image(png_structp png, png_infop info, const Image<std::uint8_t>& image) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_IHDR(png, info, png_uint_32(image.width), png_uint_32(image.height), 8,
+               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_set_compression_level(png, kFastCompression);
+  png_write_info(png, info);
+  for (int y = 0; y < image.height; ++y) png_write_row(png, image.row(y));
+  png_write_end(png, nullptr);
+  return true;
+}
+
+std::string size_text(png_uint_32 width, png_uint_32 height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+Result<void> check_header(const Reader& reader, const std::string& path, int width, int height) {
+  if (png_get_bit_depth(reader.png, reader.info) != 16 ||
+      png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_GRAY) {
+    return fail(Errc::invalid, "", path + " is not a grey image of 16 bits a pixel");
+  }
+  const png_uint_32 cols = png_get_image_width(reader.png, reader.info);
+  const png_uint_32 rows = png_get_image_height(reader.png, reader.info);
+  if (cols == png_uint_32(width) && rows == png_uint_32(height)) return {};
+  return fail(Errc::invalid, "",
+              path + " is " + size_text(cols, rows) + " pixels, not " +
+                  size_text(png_uint_32(width), png_uint_32(height)));
+}
+
+}  // namespace
+
+Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width, int height) {
+  const auto unreadable = [&] {
+    return fail(Errc::invalid, "", "the PNG file " + path + " cannot be read");
+  };
+  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return unreadable();
+  Reader reader;
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
+  if (reader.png != nullptr) reader.info = png_create_info_struct(reader.png);
+  if (reader.info == nullptr) return fail(Errc::internal, "", "libpng cannot be used");
+  if (!read_header(reader.png, reader.info, file.get())) return unreadable();
+  if (auto fits = check_header(reader, path, width, height); !fits) return fail(fits.error());
+  Image<std::uint16_t> image(width, height);
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < height; ++y) rows.push_back(reinterpret_cast<png_bytep>(image.row(y)));
+  if (!read_pixels(reader.png, rows.data())) return unreadable();
+  return image;
+}
+
+Result<std::string> encode_grey8_png(const Image<std::uint8_t>& image) {
+  std::string bytes;
+  Writer writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
+  if (writer.png != nullptr) writer.info = png_create_info_struct(writer.png);
+  if (writer.info == nullptr) return fail(Errc::internal, "", "libpng cannot be used");
+  png_set_write_fn(writer.png, &bytes, append, nullptr);
+  if (!write_image(writer.png, writer.info, image)) {
+    return fail(Errc::internal, "", "the image cannot be written as PNG");
+  }
+  return bytes;
+}
+
+}  // namespace ovws
