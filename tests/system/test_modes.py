@@ -27,7 +27,7 @@ class Modes(BenchCase):
         self.tracked = min(frame["tracked"] for frame in frames)
         return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}, took_s
 
-    def check_all_modes(self, charge, tracker, judged=True):
+    def check_all_modes(self, charge, tracker, others_waves=OTHERS_WAVES):
         self.call("aberration.clear")
         self.call("sensor.set", {"charge": charge, "tracker": tracker})
         self.call("camera.set", {"exposure_us": 2000.0 if charge else 500.0})  # a bright spot is four times as bright
@@ -40,10 +40,9 @@ class Modes(BenchCase):
             found, took_s = self.measure(stream, j, waves)
             other_j, other = max(((k, v) for k, v in found.items() if k != j), key=lambda item: abs(item[1]))
             print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {self.tracked:2d}/19  {1e3 * took_s:6.0f}")
-            if not (within(waves, found[j]) and abs(other) < OTHERS_WAVES and took_s < 1.0 and self.tracked >= LEAST_TRACKED):
+            if not (within(waves, found[j]) and abs(other) < others_waves and took_s < 1.0 and self.tracked >= LEAST_TRACKED):
                 failures.append((j, waves, found[j], other_j, other, took_s))
-        if judged:
-            self.assertEqual(failures, [])
+        self.assertEqual(failures, [])
 
     def test_vortices_with_lg(self):
         self.check_all_modes(1, "lg")
@@ -60,9 +59,9 @@ class Modes(BenchCase):
     def test_shack_hartmann_with_weighted_centroid(self):
         self.check_all_modes(0, "weighted")
 
-    def test_shack_hartmann_with_plain_centroid_is_printed_only(self):
-        # A plain centroid over a fixed region is biased by noise towards the region's centre: its figure is for comparison.
-        self.check_all_modes(0, "centroid", judged=False)
+    def test_shack_hartmann_with_plain_centroid(self):
+        # Noise and neighbours' light bias a centroid over a fixed region towards the region's centre.
+        self.check_all_modes(0, "centroid", others_waves=0.03)
 
 
 if __name__ == "__main__":
