@@ -123,19 +123,24 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   if (!camera_ || lost_) return done(not_connected(snapshot_.get()));
   const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
   if (!wanted) return done(fail(wanted.error()));
-  const auto applied = apply(*wanted);
-  if (!applied) return done(fail(in_params(applied.error())));
+  if (const auto applied = apply(*wanted); !applied) {
+    // Its settings are not known any more: it was reset, or does not answer.
+    if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
+    if (!camera_ && !needs_a_person(applied.error())) return mend(change, done);
+    return done(fail(in_params(applied.error())));
+  }
   keep_asked(change);
   refresh_limits();
   publish_connected();
   done(snapshot_.get());
 }
 
-/// The camera is there and refuses the settings of the configuration: perhaps it takes these.
+/// Opens the camera with what is asked: it refused other settings, or has forgotten its own.
 void CameraActor::mend(const CameraSet& change, const Applied& done) {
   open_with(change);
   const CameraSnapshot now = snapshot_.get();
   if (now.connected) return done(now);
+  if (!now.at_fault) return done(not_connected(now));
   done(
       fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
 }
@@ -264,6 +269,8 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   // Frames that are exposed while the registers are written belong to neither.
   tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
+  // Until it is open again the settings of no frame are known.
+  if (!applied && !camera_->alive()) return applied;
   const std::int64_t t_end_ns = monotonic_ns();
   tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
   patience_before_s_ = patience_s();

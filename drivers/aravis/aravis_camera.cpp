@@ -45,8 +45,7 @@ class AravisCamera final : public Camera {
 
   Result<CameraSettings> apply(const CameraSettings& wanted) override {
     auto applied = features_->apply(wanted, current_, stream_ != nullptr);
-    // After an error too, what counts is what the camera has.
-    if (auto now = applied ? applied : features_->read()) current_ = *now;
+    if (applied) current_ = *applied;
     return applied;
   }
 

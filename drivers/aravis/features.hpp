@@ -33,7 +33,8 @@ class CameraFeatures {
   Result<CameraSettings> read();
 
   /// Brings the camera from `current` to `wanted`, and reads back. All or nothing: after an error
-  /// the camera has `current` again (unless it does not answer any more).
+  /// the camera has `current` again, unless it does not answer any more or was reset meanwhile: then
+  /// the device is not `alive` any more.
   Result<CameraSettings> apply(const CameraSettings& wanted, const CameraSettings& current,
                                bool streaming);
 
@@ -46,6 +47,8 @@ class CameraFeatures {
   Result<int> sensor_extent(const char* sensor, const char* extent, const char* offset);
   Result<RoiSteps> roi_steps();
   Result<CameraSettings> fit(const CameraSettings& wanted, const CameraSettings& current);
+  Result<CameraSettings> write_and_read(const CameraSettings& wanted, const CameraSettings& current,
+                                        Undo& undo);
   Result<void> write(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
   Result<void> write_roi(const Roi& roi);
   Result<void> write_exposure(const CameraSettings& wanted, const CameraSettings& current,

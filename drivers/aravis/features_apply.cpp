@@ -60,11 +60,26 @@ Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
     return fail(Errc::refused, fitted->roi == current.roi ? "camera.pixel_format" : "camera.roi",
                 "the size of a frame cannot change while frames are coming; stop first");
   Undo undo;
-  if (auto done = write(*fitted, current, undo); !done) {
-    for (auto step = undo.rbegin(); step != undo.rend(); ++step) (*step)();
-    return fail(done.error());
+  auto applied = write_and_read(*fitted, current, undo);
+  if (applied && streaming && changed_unasked(*fitted, current, *applied)) {
+    device_->give_up();
+    return fail(Errc::device, "", kCameraWasReset);
   }
-  return read();
+  if (!applied && !undo.empty()) {
+    for (auto step = undo.rbegin(); step != undo.rend(); ++step) (*step)();
+    if (const auto now = read(); !now || *now != current) device_->give_up();
+  }
+  return applied;
+}
+
+/// A camera that was reset meanwhile answers with its power-up settings, which nobody asked for.
+Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& wanted,
+                                                      const CameraSettings& current, Undo& undo) {
+  if (auto done = write(wanted, current, undo); !done) return fail(done.error());
+  auto applied = read();
+  if (!applied) return applied;
+  if (auto mine = device_->check_control(); !mine) return fail(mine.error());
+  return applied;
 }
 
 Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSettings& current,

@@ -8,6 +8,11 @@ namespace ovws {
 
 namespace {
 
+// Bootstrap register "Control Channel Privilege" of GigE Vision, and its bits for exclusive and for
+// shared control.
+constexpr guint64 kControlRegister = 0x0a00;
+constexpr guint32 kControlBits = 0x3;
+
 void on_control_lost(ArvDevice*, gpointer alive) {
   static_cast<std::atomic<bool>*>(alive)->store(false, std::memory_order_relaxed);
 }
@@ -32,6 +37,18 @@ auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
   if (!error) return answer;
   if (error.is_silence()) alive_.store(false, std::memory_order_relaxed);
   return fail(error.to_error(Errc::device, std::string(verb) + " " + feature));
+}
+
+Result<void> GenicamDevice::check_control() {
+  if (!is_gige()) return {};
+  guint32 privilege = 0;
+  auto answer = ask("reading", "who controls the camera", [&](GError** error) {
+    return arv_device_read_register(device_.get(), kControlRegister, &privilege, error);
+  });
+  if (!answer) return fail(answer.error());
+  if ((privilege & kControlBits) != 0) return {};
+  give_up();
+  return fail(Errc::device, "", kCameraWasReset);
 }
 
 bool GenicamDevice::has(const char* feature) {

@@ -10,6 +10,10 @@
 
 namespace ovws {
 
+inline constexpr const char* kCameraWasReset =
+    "the camera was reset (it lost power, or another program reset it) and has forgotten its "
+    "settings";
+
 /// Owned and used by the camera thread. A call on a camera that does not answer takes up to 5 s
 /// (2.5 s of Aravis's retries, and as long again if its heartbeat is just waiting too); after one
 /// such call `alive` is false and every further call fails at once. Errors are Errc::device, with
@@ -22,6 +26,11 @@ class GenicamDevice {
   GenicamDevice& operator=(const GenicamDevice&) = delete;
 
   bool alive() const { return alive_.load(std::memory_order_relaxed); }  ///< thread-safe
+  /// From now on every call fails: what the camera uses is not known any more.
+  void give_up() { alive_.store(false, std::memory_order_relaxed); }
+  /// Reads from a GigE camera who controls it: one that lost power has forgotten this program, yet
+  /// may answer as if nothing had happened. Then Errc::device, and `alive` is false.
+  Result<void> check_control();
   bool is_gige() const { return ARV_IS_GV_DEVICE(device_.get()); }
   ArvDevice* raw() { return device_.get(); }
 

@@ -114,4 +114,16 @@ Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const Camera
                   describe(wanted.frame_rate_hz) + " Hz; shorten it, or lower the frame rate");
 }
 
+bool changed_unasked(const CameraSettings& wanted, const CameraSettings& before,
+                     const CameraSettings& applied) {
+  const bool same_times =
+      wanted.exposure_us == before.exposure_us && wanted.frame_rate_hz == before.frame_rate_hz;
+  return (wanted.roi == before.roi && applied.roi != before.roi) ||
+         (wanted.pixel_format == before.pixel_format &&
+          applied.pixel_format != before.pixel_format) ||
+         (wanted.gain_db == before.gain_db && applied.gain_db != before.gain_db) ||
+         (same_times && (applied.exposure_us != before.exposure_us ||
+                         applied.frame_rate_hz != before.frame_rate_hz));
+}
+
 }  // namespace ovws

@@ -32,4 +32,10 @@ Result<void> check_region_suits_format(PixelFormat format, const Roi& roi);
 /// rate, and nobody would know. The field is the one of the two that is to change.
 Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const CameraSettings& current);
 
+/// Whether `applied`, read back from a streaming camera that was brought from `before` to `wanted`,
+/// holds a change that nobody asked for: it was reset meanwhile. Exposure and frame rate limit each
+/// other, so that one may move with the other.
+bool changed_unasked(const CameraSettings& wanted, const CameraSettings& before,
+                     const CameraSettings& applied);
+
 }  // namespace ovws

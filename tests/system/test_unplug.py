@@ -1,7 +1,7 @@
 """A camera that was unplugged comes back by itself, and the frames that it did not send are counted."""
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, Client, ClientError, main, wait_for
 
 
 class Unplug(BenchCase):
@@ -35,6 +35,29 @@ class Unplug(BenchCase):
                 wait_for(lambda: stream.next(10.0)["t_arrival_ns"] > before["t_arrival_ns"] + (seconds + 0.05) * 1e9, 30.0, "frames")
                 print(f"\n  {seconds} s: frames again after {time.monotonic() - begun:.1f} s")
                 self.assertTrue(twin.call("twin.get")["camera"]["plugged"])
+
+    def test_a_set_while_the_camera_loses_power_keeps_the_settings(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        mine = {"exposure_us": 300.0, "frame_rate_hz": 60.0, "pixel_format": "Mono12", "gain_db": 3.0, "roi": {"x": 0, "y": 16, "width": 512, "height": 480}}
+        mine = self.call("camera.set", mine)["applied"]
+        stream = self.stream("wavefront")
+        for gain_db in (5.0, 6.0):
+            with self.subTest(gain_db=gain_db):
+                twin.call("twin.fault", {"kind": "unplug", "seconds": 2.5})
+                wait_for(lambda: not twin.call("twin.get")["camera"]["plugged"], what="an unplugged camera")
+                while stream.next(0.5) is not None:  # so long after the last frame
+                    pass
+                try:
+                    mine = {**mine, "gain_db": self.call("camera.set", {"gain_db": gain_db})["applied"]["gain_db"]}
+                except ClientError as error:  # it was still away: then nothing was set
+                    print(f"\n  {error}")
+                wait_for(lambda: twin.call("twin.get")["camera"]["plugged"], what="a camera that is back")
+                wait_for(lambda: self.call("camera.get")["connected"] and stream.next(0.5), 20.0, "frames")
+                settings = self.call("camera.get")["settings"]
+                self.assertEqual({key: settings[key] for key in mine}, mine)
+                camera = twin.call("twin.get")["camera"]
+                self.assertEqual({key: camera[key] for key in ("exposure_us", "pixel_format", "roi")}, {key: mine[key] for key in ("exposure_us", "pixel_format", "roi")})
 
 
 if __name__ == "__main__":

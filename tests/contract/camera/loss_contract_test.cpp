@@ -90,6 +90,22 @@ TEST_P(CameraLossContract, AfterUnpluggingCallsFailInTimeAndANewObjectWorks) {
   expect_frames(*camera, 10);
 }
 
+TEST_P(CameraLossContract, ADeviceThatLostPowerDoesNotTakeASettingAsIfNothingHadHappened) {
+  auto camera = open_streaming();
+  ASSERT_TRUE(camera);
+  expect_frames(*camera, 3);
+  bench_->unplug();
+  bench_->plug_in();  // with its power-up settings, before it was missed
+  CameraSettings wanted = bench_->settings();
+  wanted.gain_db += 1.0;
+  EXPECT_FALSE(camera->apply(wanted));
+  EXPECT_FALSE(camera->alive());
+  camera.reset();
+  camera = reopen(seconds(10));
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->apply(wanted), wanted);
+}
+
 TEST_P(CameraLossContract, AnUnpluggedDeviceIsNoticedEvenIfNobodyCallsIt) {
   auto camera = open_streaming();
   ASSERT_TRUE(camera);

@@ -21,6 +21,8 @@ struct Device {
   std::atomic<bool> refuses_gains{false};
   std::atomic<bool> rounds_gains{false};  ///< to whole dB
   std::optional<CameraSettings> asked;    ///< last
+  std::atomic<bool> loses_power{false};   ///< at the next set
+  std::atomic<bool> absent{false};        ///< cannot be opened
   std::atomic<GrabStatus> sends{GrabStatus::incomplete};
 };
 Device* device = nullptr;
@@ -40,6 +42,10 @@ class RefusingCamera final : public Camera {
   }
   Result<CameraSettings> apply(const CameraSettings& wanted) override {
     device->asked = wanted;
+    if (device->loses_power.exchange(false)) {
+      dead_ = true;
+      return fail(Errc::device, "camera.gain_db", "the camera was reset");
+    }
     if (device->refuses_gains && wanted.gain_db != settings_.gain_db) {
       return fail(Errc::refused, "camera.gain_db", "the register is locked");
     }
@@ -49,7 +55,7 @@ class RefusingCamera final : public Camera {
   }
   Result<void> start() override { return {}; }
   void stop() override {}
-  bool alive() const override { return device->alive; }
+  bool alive() const override { return device->alive && !dead_; }
   int buffer_count() const override { return 1; }
   /// A sign of life without a frame.
   GrabStatus grab(GrabbedFrame& /*out*/, std::chrono::microseconds /*timeout*/) override {
@@ -61,6 +67,7 @@ class RefusingCamera final : public Camera {
  private:
   CameraInfo info_;
   CameraSettings settings_;
+  std::atomic<bool> dead_{false};
 };
 
 class CameraActorTest : public testing::Test {
@@ -206,6 +213,37 @@ TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
   EXPECT_EQ(device_.asked->gain_db, 3.0);
 }
 
+TEST_F(CameraActorTest, CameraThatLostPowerDuringASetIsOpenedAgainWithAllThatWasAsked) {
+  CameraSet exposure;
+  exposure.exposure_us = 300.0;
+  actor_->change(exposure, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->do_work();
+  device_.loses_power = true;
+  const auto set = set_for_job(5.0);
+  ASSERT_TRUE(set) << set.error().reason;
+  EXPECT_TRUE(set->connected);
+  EXPECT_EQ(counters_.get(Counter::camera_reconnects), 1U);
+  EXPECT_EQ(device_.asked->gain_db, 5.0);
+  EXPECT_EQ(device_.asked->exposure_us, 300.0);
+  EXPECT_EQ(actor_->snapshot().settings, *device_.asked);
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 5.0);
+}
+
+TEST_F(CameraActorTest, CameraThatLostPowerAndIsNotBackRefusesASetAndKeepsTheSettingsOfBefore) {
+  device_.loses_power = true;
+  device_.absent = true;
+  const auto set = set_for_job(20.0);
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().reason, "no camera is connected: there is no camera");
+  EXPECT_FALSE(actor_->snapshot().connected);
+  settings_.update();  // in the frame path's place, which reads them when a frame comes
+  EXPECT_EQ(settings_.value().t_write_end_mono_ns, ShownHologram::kNever) << "its gain is unknown";
+  device_.absent = false;
+  for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
+  ASSERT_TRUE(actor_->snapshot().connected);
+  EXPECT_EQ(device_.asked->gain_db, 3.0);
+}
+
 TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
   const std::pair<GrabStatus, const char*> causes[]{
       {GrabStatus::incomplete, "frames_incomplete"},
@@ -240,6 +278,7 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& /*config*/) {
+  if (device->absent) return fail(Errc::unavailable, "camera.id", "there is no camera");
   return std::make_unique<RefusingCamera>();
 }
 
