@@ -15,7 +15,9 @@ constexpr std::chrono::microseconds kPoll{500};
 
 Result<void> CameraExchange::ask(Camera* wanted) {
   const std::lock_guard lock(control_);
-  wanted_.store(wanted, std::memory_order_relaxed);
+  // Release: who takes the camera by this pointer sees it as it is now, also if that is before
+  // `asked_` was seen (see `follow`).
+  wanted_.store(wanted, std::memory_order_release);
   const std::uint64_t mine = asked_.load(std::memory_order_relaxed) + 1;
   asked_.store(mine, std::memory_order_release);
   const std::uint64_t turns_before = turns_.load(std::memory_order_relaxed);
@@ -50,7 +52,7 @@ bool CameraExchange::due(int lent) OVWS_NONBLOCKING {
 void CameraExchange::follow() OVWS_NONBLOCKING {
   // A newer request may have replaced `wanted_` since `due`: then its camera is taken early here,
   // and once more on the next turn.
-  camera_ = wanted_.load(std::memory_order_relaxed);
+  camera_ = wanted_.load(std::memory_order_acquire);
   served_.store(seen_, std::memory_order_release);
 }
 

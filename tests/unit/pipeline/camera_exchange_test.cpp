@@ -80,6 +80,32 @@ TEST(CameraExchange, WithABufferStillLentItGivesUpAndSaysHowMany) {
   EXPECT_TRUE(exchange.detach());
 }
 
+/// The thread sanitizer judges it: the steps are ordered by relaxed operations, which publish
+/// nothing, so that only the exchange can publish the second camera.
+TEST(CameraExchange, ACameraTakenEarlyIsSeenAsItWasHandedOver) {
+  CameraExchange exchange(milliseconds(1));
+  ScriptedCamera first(2, 16);
+  ASSERT_FALSE(exchange.attach(first));
+  std::atomic<int> step{0};
+  const auto wait_for = [&step](int wanted) {
+    while (step.load(std::memory_order_relaxed) < wanted) std::this_thread::yield();
+  };
+  std::thread acquisition([&] {
+    EXPECT_TRUE(exchange.due(0));  // sees the request for the first
+    step.store(1, std::memory_order_relaxed);
+    wait_for(2);
+    exchange.follow();
+    EXPECT_EQ(exchange.camera()->buffer_count(), 3);
+    step.store(3, std::memory_order_relaxed);
+  });
+  wait_for(1);
+  ScriptedCamera second(3, 16);
+  EXPECT_FALSE(exchange.attach(second));  // stands
+  step.store(2, std::memory_order_relaxed);
+  wait_for(3);
+  acquisition.join();
+}
+
 TEST(CameraExchange, WhileARequestWaitsNoFrameIsTaken) {
   CameraExchange exchange(milliseconds(1));
   ScriptedCamera camera(2, 16);
