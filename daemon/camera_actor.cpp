@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/camera_limits.hpp"
 #include "daemon/driver_table.hpp"
@@ -13,6 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kRetryNs = 1'000'000'000;
+constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
 /// Why no frame can be used, and what to do.
@@ -325,7 +327,7 @@ void CameraActor::publish_connected() {
 
 void CameraActor::publish_absent(const Error& why) {
   CameraSnapshot now;
-  now.fault = why.reason;
+  now.fault = printable(why.reason, kMaxFaultBytes);
   now.at_fault = needs_a_person(why);
   publish(std::move(now));
 }

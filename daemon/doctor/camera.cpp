@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/printable.hpp"
+
 namespace ovws::doctor {
 namespace {
 
@@ -47,10 +49,11 @@ Finding judge_found(const CameraFacts& facts) {
                  "arv-tool-0.8");
   }
   const ListedCamera& other = facts.listed.front();
-  return fault(kName,
-               "camera.id is " + facts.config.id + ", but found were: " + names_of(facts.listed),
-               fmt::format("\"camera\": {{\"id\": \"{}\"}}",
-                           other.gige && !other.address.empty() ? other.address : other.id));
+  return fault(
+      kName, "camera.id is " + facts.config.id + ", but found were: " + names_of(facts.listed),
+      fmt::format("\"camera\": {{\"id\": \"{}\"}}",
+                  printable(other.gige && !other.address.empty() ? other.address : other.id,
+                            kMaxNameBytes)));
 }
 
 Finding judge_control(const CameraFacts& facts) {

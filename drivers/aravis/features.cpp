@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "core/base/printable.hpp"
+
 namespace ovws {
 
 namespace {
@@ -63,7 +65,7 @@ Result<void> CameraFeatures::choose_a_known_pixel_format() {
   std::string names;
   for (const std::string& name : *offered) {
     if (pixel_format_from_name(name)) return device_->set_text("PixelFormat", name.c_str());
-    names += (names.empty() ? "" : ", ") + name;
+    names += (names.empty() ? "" : ", ") + printable(name, kMaxNameBytes);
   }
   return fail(Errc::device, "camera.pixel_format",
               "this camera has no monochrome or Bayer format that is known here; it has " + names);
@@ -89,7 +91,8 @@ Result<void> CameraFeatures::prepare() {
 
 CameraInfo CameraFeatures::info(const std::string& address) {
   const auto text = [&](const char* feature) {
-    return device_->has(feature) ? device_->text(feature).value_or("") : std::string();
+    return device_->has(feature) ? printable(device_->text(feature).value_or(""), kMaxNameBytes)
+                                 : std::string();
   };
   CameraInfo info;
   info.vendor = text("DeviceVendorName");
@@ -148,7 +151,8 @@ Result<CameraSettings> CameraFeatures::read() {
   if (!format) return at_field<CameraSettings>("camera.pixel_format", fail(format.error()));
   const auto known = pixel_format_from_name(*format);
   if (!known)
-    return fail(Errc::device, "camera.pixel_format", "the camera has gone over to " + *format);
+    return fail(Errc::device, "camera.pixel_format",
+                "the camera has gone over to " + printable(*format, kMaxNameBytes));
   settings.pixel_format = *known;
 
   Result<void> all;

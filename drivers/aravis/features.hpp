@@ -33,8 +33,8 @@ class CameraFeatures {
   Result<CameraSettings> read();
 
   /// Brings the camera from `current` to `wanted`, and reads back. All or nothing: after an error
-  /// the camera has `current` again, unless it does not answer any more or was reset meanwhile: then
-  /// the device is not `alive` any more.
+  /// the camera has `current` again, unless it does not answer any more or was reset meanwhile:
+  /// then the device is not `alive` any more.
   Result<CameraSettings> apply(const CameraSettings& wanted, const CameraSettings& current,
                                bool streaming);
 

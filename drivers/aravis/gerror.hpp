@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/printable.hpp"
 #include "core/base/result.hpp"
 
 namespace ovws {
@@ -42,10 +43,12 @@ class GErrorSlot {
   /// `doing` says what was tried, e.g. "reading Gain". The field is left to the caller.
   Error to_error(Errc code, std::string_view doing) const {
     return {code, "",
-            std::string(doing) + " failed: " + (error_ ? error_->message : "no reason given")};
+            std::string(doing) + " failed: " +
+                (error_ ? printable(error_->message, kMaxReasonBytes) : "no reason given")};
   }
 
  private:
+  static constexpr std::size_t kMaxReasonBytes = 500;
   GError* error_ = nullptr;
 };
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/printable.hpp"
 #include "drivers/aravis/udp_socket.hpp"
 
 namespace ovws {
@@ -47,7 +48,7 @@ std::uint32_t number32(Bytes bytes) {
 
 std::string text_at(Bytes bytes, std::size_t at, std::size_t longest) {
   const Bytes text = bytes.subspan(at, longest);
-  return {text.begin(), std::ranges::find(text, 0)};
+  return printable(std::string(text.begin(), std::ranges::find(text, 0)), kMaxNameBytes);
 }
 
 /// One conversation with one camera.

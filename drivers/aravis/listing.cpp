@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/printable.hpp"
+
 namespace ovws {
 
 namespace {
@@ -35,8 +37,8 @@ const ListedCamera* find_listed(const std::vector<ListedCamera>& cameras, const 
 std::string names_of(const std::vector<ListedCamera>& cameras) {
   std::string names;
   for (const ListedCamera& camera : cameras) {
-    names += (names.empty() ? "" : ", ") + camera.id;
-    if (!camera.address.empty()) names += " at " + camera.address;
+    names += (names.empty() ? "" : ", ") + printable(camera.id, kMaxNameBytes);
+    if (!camera.address.empty()) names += " at " + printable(camera.address, kMaxNameBytes);
   }
   return names;
 }

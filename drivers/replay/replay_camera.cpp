@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "core/base/printable.hpp"
 #include "core/port/clock.hpp"
 #include "drivers/replay/recording_reader.hpp"
 
@@ -32,7 +33,8 @@ class ReplayCamera final : public Camera {
   ReplayCamera(const std::string& path, std::unique_ptr<RecordingReader> reader)
       : reader_(std::move(reader)) {
     const RecordingHeader& header = reader_->header();
-    info_ = {header.vendor, header.model, header.serial, path};
+    info_ = {printable(header.vendor, kMaxNameBytes), printable(header.model, kMaxNameBytes),
+             printable(header.serial, kMaxNameBytes), path};
     for (const RecordedFrame& frame : reader_->frames()) {
       if (frame.picture >= 0) frames_.push_back(frame);
     }

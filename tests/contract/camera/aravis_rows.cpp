@@ -1,9 +1,14 @@
 /// Rows of the camera contract: the Aravis driver against a GigE Vision camera in another process.
 #include <signal.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
 #include "drivers/aravis/aravis_camera.hpp"
 #include "tests/contract/camera/camera_contract.hpp"
 #include "tests/contract/camera/child_process.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws::testing {
 namespace {
@@ -62,6 +67,17 @@ class AravisBench final : public CameraBench {
     return true;
   }
 
+  /// Four bytes at a time, the rest 0.
+  void write_text(unsigned address, std::string text) {
+    text.resize((text.size() + 3) / 4 * 4);
+    for (std::size_t k = 0; k < text.size(); k += 4) {
+      std::uint32_t word = 0;
+      for (std::size_t b = 0; b < 4; ++b) word = word << 8 | std::uint8_t(text[k + b]);
+      device_->write_line("write " + std::to_string(address + k) + " " + std::to_string(word));
+      (void)device_->read_line();
+    }
+  }
+
  private:
   void plug_in(const char* lost_packet_ratio) {
     device_ = std::make_unique<ChildProcess>(std::vector<std::string>{
@@ -105,6 +121,54 @@ TEST(AravisCamera, OpensByAddressByIdAndBySerialNumber) {
     EXPECT_EQ((*camera)->info().address, kAddress);
     EXPECT_EQ((*camera)->info().serial, "OVWS7");
   }
+}
+
+/// At a gain of 7 dB the camera names a pixel format that does not exist.
+std::string unreadable_at_7_db() {
+  std::ifstream in(OVWS_SFNC_CAMERA_XML);
+  std::string xml((std::istreambuf_iterator<char>(in)), {});
+  const std::string plain = "<pValue>PixelFormatReg</pValue>";
+  xml.replace(xml.find(plain), plain.size(), "<pValue>FormatConverter</pValue>");
+  const std::string end = "<Port Name=";
+  xml.insert(xml.find(end),
+             "<IntConverter Name=\"FormatConverter\"><pVariable Name=\"GAIN\">GainReg</pVariable>"
+             "<FormulaTo>FROM</FormulaTo><FormulaFrom>GAIN = 70 ? 0 : TO</FormulaFrom>"
+             "<pValue>PixelFormatReg</pValue></IntConverter>\n");
+  std::string path = own_folder("unreadable") + ".xml";
+  std::ofstream(path) << xml;
+  return path;
+}
+
+TEST(AravisCamera, SettingsThatCannotBeReadBackAreTakenBack) {
+  const std::string xml = unreadable_at_7_db();
+  AravisBench bench(Description{xml.c_str(), 0.1});
+  auto camera = bench.open();
+  ASSERT_TRUE(camera) << camera.error().reason;
+  CameraSettings wanted = bench.settings();
+  ASSERT_TRUE((*camera)->apply(wanted));
+  ASSERT_TRUE((*camera)->start());
+  const auto before = bench.truth();
+  wanted.gain_db = 7.0;
+  wanted.exposure_us = 1500.0;
+  const auto refused = (*camera)->apply(wanted);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "camera.pixel_format");
+  EXPECT_EQ(bench.truth(), before);
+  EXPECT_TRUE((*camera)->alive());
+  wanted.gain_db = 6.0;
+  const auto taken = (*camera)->apply(wanted);
+  ASSERT_TRUE(taken) << taken.error().reason;
+  EXPECT_EQ(bench.truth(), *taken);
+  std::filesystem::remove(xml);
+}
+
+TEST(AravisCamera, NamesHaveNoPowerOverATerminalOrAJournal) {
+  AravisBench bench(Description{OVWS_SFNC_CAMERA_XML, 0.1});
+  constexpr unsigned kVendor = 0x48;
+  bench.write_text(kVendor, std::string("Bad\x1b[2J\n<0>name", 15) + '\0');
+  auto camera = bench.open();
+  ASSERT_TRUE(camera) << camera.error().reason;
+  EXPECT_EQ((*camera)->info().vendor, "Bad?[2J?<0>name");
 }
 
 TEST(AravisCamera, AnUnknownIdIsUnavailableAndTheErrorListsWhatIsThere) {

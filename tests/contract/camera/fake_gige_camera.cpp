@@ -1,6 +1,7 @@
 /// A GigE Vision camera in a process of its own, so that a test can freeze and kill it.
-/// fake_gige_camera ADDRESS XML_FILE|- LOST_PACKET_RATIO; then "read ADDRESS" lines on standard
-/// input are answered with the register's value; it ends with its standard input.
+/// fake_gige_camera ADDRESS XML_FILE|- LOST_PACKET_RATIO; then "read ADDRESS" and "write ADDRESS
+/// VALUE" lines on standard input are answered with the register's value; it ends with its standard
+/// input.
 #include <arv.h>
 
 #include <cstdint>
@@ -66,8 +67,10 @@ int main(int argc, char** argv) {
   std::cout << "ready" << std::endl;
 
   for (std::string word, address; std::cin >> word >> address;) {
+    const auto at = guint32(std::stoul(address, nullptr, 0));
     guint32 value = 0;
-    arv_fake_camera_read_register(camera, guint32(std::stoul(address, nullptr, 0)), &value);
+    if (word == "write" && std::cin >> value) arv_fake_camera_write_register(camera, at, value);
+    arv_fake_camera_read_register(camera, at, &value);
     std::cout << value << std::endl;
   }
   return 0;
