@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/port/clock.hpp"
+
 namespace ovws {
 namespace {
 
@@ -108,9 +110,17 @@ Result<JobReport> Jobs::get(int id) const {
   return job;
 }
 
-std::optional<JobReport> Jobs::last_failed() const {
+std::optional<StatusMessage::FailedJob> Jobs::last_failed() const {
   const std::lock_guard lock(mutex_);
-  return last_failed_;
+  return failed_.empty() ? std::nullopt : std::optional(failed_.back());
+}
+
+/// A cancelled job says nothing about the failure before it.
+void Jobs::note_end(const JobReport& job) {
+  if (job.state == JobState::cancelled) return;
+  std::erase_if(failed_, [&job](const auto& one) { return one.kind == job.kind; });
+  if (job.state != JobState::failed) return;
+  failed_.push_back({job.job, job.kind, job.error->field, job.error->reason, utc_ns()});
 }
 
 bool Jobs::runs(int id) const {
@@ -131,7 +141,7 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
   job.progress = progress;
   job.result = std::move(result);
   job.error = error;
-  if (state == JobState::failed) last_failed_ = job;
+  note_end(job);
   const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
                                        error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;

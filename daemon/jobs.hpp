@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/result.hpp"
 #include "daemon/events.hpp"
@@ -29,8 +30,9 @@ class Jobs {
   /// Errc::invalid if there is no such job; a job that has ended stays as it is.
   Result<JobReport> cancel(int id);
   Result<JobReport> get(int id) const;
-  /// The one that failed last since the start, also if it is not remembered any more.
-  std::optional<JobReport> last_failed() const;
+  /// The one that failed last since the start, also if it is not remembered any more. A failure is
+  /// forgotten when a job of the same kind is done.
+  std::optional<StatusMessage::FailedJob> last_failed() const;
   bool runs(int id) const;  ///< false once it was finished, failed or cancelled
 
  private:
@@ -40,13 +42,15 @@ class Jobs {
     std::function<double()> progress;
     int told_quarters = 0;
   };
-  void forget_oldest();  // call with mutex_ locked
+  // Call with mutex_ locked.
+  void forget_oldest();
+  void note_end(const JobReport& job);
   bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
 
   Events& events_;
   mutable std::mutex mutex_;
   std::map<int, Entry> jobs_;
-  std::optional<JobReport> last_failed_;
+  std::vector<StatusMessage::FailedJob> failed_;  ///< at most one of a kind, the latest at the end
   int next_id_ = 1;
 };
 

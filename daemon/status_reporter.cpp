@@ -114,9 +114,7 @@ StatusMessage StatusReporter::current() const {
   status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();
-  if (const auto job = deps_.jobs.last_failed()) {
-    status.failed_job = {job->job, job->kind, job->error->field, job->error->reason};
-  }
+  status.failed_job = deps_.jobs.last_failed();
   status.store = deps_.store.report();
   const Measured measured = measured_.get();
   status.rates = measured.rates;

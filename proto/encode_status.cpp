@@ -77,7 +77,9 @@ json failed_job_part(const std::optional<StatusMessage::FailedJob>& failed) {
   return {{"job", failed->job},
           {"kind", failed->kind},
           {"field", failed->field},
-          {"reason", failed->reason}};
+          {"reason", failed->reason},
+          {"t_failed_ns", failed->t_failed_ns},
+          {"t_failed", utc_text(failed->t_failed_ns)}};
 }
 
 json latency_part(const LatencySummary& latency) {

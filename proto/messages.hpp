@@ -149,8 +149,10 @@ struct StatusMessage {
   struct FailedJob {
     int job = 0;
     std::string kind, field, reason;
+    std::int64_t t_failed_ns = 0;
   };
-  std::optional<FailedJob> failed_job;  ///< the one that failed last
+  /// The one that failed last, of those after which none of the same kind was done.
+  std::optional<FailedJob> failed_job;
 
   struct Rates {
     double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status

@@ -225,6 +225,7 @@ json loop_result(const LoopReport& report) {
   json gains = json::array();
   for (const ModeGain& one : s.gains) gains.push_back({{"j", one.j}, {"gain", one.gain}});
   const auto or_null = [](bool known, json value) { return known ? std::move(value) : json(); };
+  const bool was_opened = !report.opened_because.empty();
   return {{"closed", report.closed},
           {"gain", s.gain},
           {"leak", s.leak},
@@ -236,7 +237,9 @@ json loop_result(const LoopReport& report) {
           {"residual_rms_waves",
            or_null(report.residual_rms_waves.has_value(), report.residual_rms_waves.value_or(0.0))},
           {"correction_rms_waves", report.correction_rms_waves},
-          {"opened_because", or_null(!report.opened_because.empty(), report.opened_because)}};
+          {"opened_because", or_null(was_opened, report.opened_because)},
+          {"t_opened_ns", or_null(was_opened, report.t_opened_ns)},
+          {"t_opened", or_null(was_opened, utc_text(report.t_opened_ns))}};
 }
 
 json slm_show_result(HologramKind pattern, std::uint64_t hologram_id) {

@@ -106,7 +106,8 @@ struct LoopReport {
   std::int64_t steps = 0;
   std::optional<double> residual_rms_waves;  ///< before the last step, of the corrected modes
   double correction_rms_waves = 0.0;
-  std::string opened_because;  ///< empty: it is closed, or never was
+  std::string opened_because;    ///< empty: it is closed, or never was
+  std::int64_t t_opened_ns = 0;  ///< since when that holds; of no meaning if that is empty
 };
 nlohmann::json loop_result(const LoopReport& report);
 

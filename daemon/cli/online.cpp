@@ -38,13 +38,17 @@ std::string loop_text(const json& loop) {
   if (loop.at("residual_rms_waves").is_number()) {
     text += fmt::format(", residual {:.4f} wave RMS", loop.at("residual_rms_waves").get<double>());
   }
-  if (loop.at("opened_because").is_string()) text += ": " + text_or(loop, "opened_because", "");
+  if (loop.at("opened_because").is_string()) {
+    text += fmt::format(", opened at {}: {}", text_or(loop, "t_opened", "?"),
+                        text_or(loop, "opened_because", ""));
+  }
   return text;
 }
 
 void print_failed_job(const json& failed) {
   const std::string field = text_or(failed, "field", "");
-  print("failed job {} ({}): {}{}\n", failed.at("job").get<int>(), text_or(failed, "kind", ""),
+  print("failed     job {} ({}) at {}: {}{}\n", failed.at("job").get<int>(),
+        text_or(failed, "kind", ""), text_or(failed, "t_failed", "?"),
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 

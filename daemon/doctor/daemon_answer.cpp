@@ -67,9 +67,11 @@ Finding judge_store(const DaemonFacts& facts) {
 Finding judge_job(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.job";
   const std::string kind = text_at(*facts.status, "/failed_job/kind");
-  if (kind.empty()) return ok(kName, "none of its jobs has failed");
+  if (kind.empty()) return ok(kName, "none of its jobs has failed without succeeding since");
   return warning(kName,
-                 "its job " + kind + " failed: " + text_at(*facts.status, "/failed_job/reason"),
+                 fmt::format("its job {} failed at {}, and none of that kind was done since: {}",
+                             kind, text_at(*facts.status, "/failed_job/t_failed"),
+                             text_at(*facts.status, "/failed_job/reason")),
                  "ovws call --wait " + kind);
 }
 

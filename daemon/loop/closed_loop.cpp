@@ -180,6 +180,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   LoopReport report = report_.get();
   report.closed = closed;
   report.opened_because = why;
+  report.t_opened_ns = utc_ns();
   report_.set(report);
   closed_ = closed;
   if (!closed) deps_.instrument.end_loop();

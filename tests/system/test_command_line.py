@@ -53,10 +53,18 @@ class CommandLine(BenchCase):
         self.assertRegex(self.ovws("status"), r"(?m)^loop +open, \d+ steps, .*: .+")
         self.call("camera.set", {"exposure_us": 9000.0})
         self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1)
-        self.assertRegex(self.ovws("status"), r"(?m)^failed job \d+ \(reference\.take\): camera\.exposure_us: .*lower the exposure or the gain$")
+        time = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z"
+        self.assertRegex(self.ovws("status"), rf"(?m)^failed +job \d+ \(reference\.take\) at {time}: camera\.exposure_us: .*lower the exposure or the gain$")
+        self.assertRegex(self.ovws("status"), rf"(?m)^loop +open, .*, opened at {time}: it was asked to$")
         self.assertEqual(json.loads(self.ovws("--json", "status"))["failed_job"]["kind"], "reference.take")
 
     def test_exit_codes(self):
+        self.assertRegex(self.ovws("doctor", code=1), rf"reference\.take failed at {time}")
+        self.call("camera.set", {"exposure_us": 300.0})
+        self.take_reference(10)
+        self.assertIsNone(self.call("system.status")["failed_job"])
+        self.assertNotIn("failed", self.ovws("status"))
+
         self.ovws("call", "sensor.get", "{not json", code=2)
         self.ovws(code=2)
         self.ovws("status", "more", code=2)

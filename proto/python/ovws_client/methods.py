@@ -890,6 +890,10 @@ class LoopResult(TypedDict):
     correction_rms_waves: float
     # why the loop is open; null: it is closed, or never was
     opened_because: str | None
+    # when it was opened, ns since 1970; null like opened_because
+    t_opened_ns: int | None
+    # the same, ISO 8601, UTC
+    t_opened: str | None
 
 
 class LutResult(TypedDict):
@@ -1319,7 +1323,7 @@ class Store(TypedDict):
 
 
 class FailedJob(TypedDict):
-    """The job that failed last, since the start; null: none."""
+    """The job that failed last since the start, of those after which none of the same kind was done; null: none."""
 
     # number of the job
     job: int
@@ -1329,6 +1333,10 @@ class FailedJob(TypedDict):
     field: str
     # what was wrong and the way out
     reason: str
+    # when, ns since 1970
+    t_failed_ns: int
+    # the same, ISO 8601, UTC
+    t_failed: str
 
 
 class Rates(TypedDict):
@@ -1393,7 +1401,7 @@ class SystemStatusResult(TypedDict):
     store: Store
     # whether the correction follows the measurement
     loop: Literal["open", "closed"]
-    # the job that failed last, since the start; null: none
+    # the job that failed last since the start, of those after which none of the same kind was done; null: none
     failed_job: FailedJob | None
     # since the last status
     rates: Rates
@@ -1755,7 +1763,8 @@ class Methods:
                 of each mode's correction, RMS-normalised waves; patience_s: seconds without a usable frame, at the limit, or with a growing
                 residual after which the loop opens by itself; steps: since the loop was closed last; residual_rms_waves: root sum square of
                 the corrected modes before the last step, waves; correction_rms_waves: root sum square of the correction, waves;
-                opened_because: why the loop is open; null: it is closed, or never was
+                opened_because: why the loop is open; null: it is closed, or never was; t_opened_ns: when it was opened, ns since 1970; null
+                like opened_because; t_opened: the same, ISO 8601, UTC
         """
         result: LoopResult = self.call("loop.close", _given(
             gain=gain, leak=leak, modes=modes, gains=gains, limit_waves=limit_waves, patience_s=patience_s
@@ -1770,7 +1779,8 @@ class Methods:
                 of each mode's correction, RMS-normalised waves; patience_s: seconds without a usable frame, at the limit, or with a growing
                 residual after which the loop opens by itself; steps: since the loop was closed last; residual_rms_waves: root sum square of
                 the corrected modes before the last step, waves; correction_rms_waves: root sum square of the correction, waves;
-                opened_because: why the loop is open; null: it is closed, or never was
+                opened_because: why the loop is open; null: it is closed, or never was; t_opened_ns: when it was opened, ns since 1970; null
+                like opened_because; t_opened: the same, ISO 8601, UTC
         """
         result: LoopResult = self.call("loop.get")
         return result
@@ -1784,7 +1794,8 @@ class Methods:
                 of each mode's correction, RMS-normalised waves; patience_s: seconds without a usable frame, at the limit, or with a growing
                 residual after which the loop opens by itself; steps: since the loop was closed last; residual_rms_waves: root sum square of
                 the corrected modes before the last step, waves; correction_rms_waves: root sum square of the correction, waves;
-                opened_because: why the loop is open; null: it is closed, or never was
+                opened_because: why the loop is open; null: it is closed, or never was; t_opened_ns: when it was opened, ns since 1970; null
+                like opened_because; t_opened: the same, ISO 8601, UTC
         """
         result: LoopResult = self.call("loop.open", _given(keep=keep))
         return result
@@ -2134,10 +2145,10 @@ class Methods:
                 waiting_for_camera, waiting_for_display, running, job_running, fault, stopping; fault: what is wrong and the way out; null:
                 nothing; camera: the camera; slm: the spatial light modulator; sensor: the sensor shown; refine: the refinement of frames
                 beside the fast estimate; record: the recording that is on, or the last one; store: what is kept over a restart; loop:
-                whether the correction follows the measurement; failed_job: the job that failed last, since the start; null: none; rates:
-                since the last status; counters: every counter, since the start; latency: by stage, since the last status: tracked,
-                reconstructed and published from the frame's arrival; arrived from when it would have arrived had nothing held it up, of a
-                camera with device stamps; versions: of the daemon and its libraries
+                whether the correction follows the measurement; failed_job: the job that failed last since the start, of those after which
+                none of the same kind was done; null: none; rates: since the last status; counters: every counter, since the start; latency:
+                by stage, since the last status: tracked, reconstructed and published from the frame's arrival; arrived from when it would
+                have arrived had nothing held it up, of a camera with device stamps; versions: of the daemon and its libraries
         """
         result: SystemStatusResult = self.call("system.status")
         return result

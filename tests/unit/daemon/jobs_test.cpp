@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/port/clock.hpp"
+
 namespace ovws {
 namespace {
 
@@ -13,9 +15,13 @@ class JobsTest : public testing::Test {
   int cancelled_ = 0;
   double progress_ = 0.25;
 
-  int begin() {
+  int begin(const std::string& kind = "reference.take") {
     return jobs_.begin(
-        "reference.take", [this] { ++cancelled_; }, [this] { return progress_; });
+        kind, [this] { ++cancelled_; }, [this] { return progress_; });
+  }
+
+  void fail(const std::string& kind, const std::string& reason) {
+    jobs_.fail_job(begin(kind), Error{Errc::refused, "camera.exposure_us", reason});
   }
 
   /// The progress that each event since the last call told.
@@ -63,17 +69,33 @@ TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
   EXPECT_EQ(told(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
 }
 
-TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobs) {
+TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobsOfOtherKinds) {
   EXPECT_FALSE(jobs_.last_failed());
-  for (const char* reason : {"first", "second"}) {
-    jobs_.fail_job(begin(), Error{Errc::refused, "camera.exposure_us", reason});
-  }
-  for (int i = 0; i < 300; ++i) jobs_.finish(begin(), {});  // it is not remembered any more
+  const std::int64_t before_ns = utc_ns();
+  fail("reference.take", "first");
+  fail("reference.take", "second");
+  for (int i = 0; i < 300; ++i)
+    jobs_.finish(begin("lut.run"), {});  // it is not remembered any more
   begin();
   EXPECT_FALSE(jobs_.get(2));
-  ASSERT_TRUE(jobs_.last_failed());
-  EXPECT_EQ(jobs_.last_failed()->job, 2);
-  EXPECT_EQ(jobs_.last_failed()->error->reason, "second");
+  const auto failed = jobs_.last_failed();
+  ASSERT_TRUE(failed);
+  EXPECT_EQ(failed->job, 2);
+  EXPECT_EQ(failed->field, "camera.exposure_us");
+  EXPECT_EQ(failed->reason, "second");
+  EXPECT_GE(failed->t_failed_ns, before_ns);
+  EXPECT_LE(failed->t_failed_ns, utc_ns());
+}
+
+TEST_F(JobsTest, AFailureIsForgottenWhenAJobOfItsKindIsDone) {
+  fail("lut.run", "no light");
+  fail("reference.take", "too bright");
+  jobs_.cancel(begin("reference.take"));
+  EXPECT_EQ(jobs_.last_failed()->reason, "too bright");
+  jobs_.finish(begin("reference.take"), {});
+  EXPECT_EQ(jobs_.last_failed()->reason, "no light");
+  jobs_.finish(begin("lut.run"), {});
+  EXPECT_FALSE(jobs_.last_failed());
 }
 
 TEST_F(JobsTest, AFailureKeepsItsReason) {

@@ -53,8 +53,11 @@ TEST(DoctorDaemon, TellsWhatTheDaemonTells) {
   expect(facts, "daemon.state", Verdict::fault);
   (*facts.status)["store"]["reason"] = "the disk is full";
   expect(facts, "daemon.store", Verdict::warning);
-  (*facts.status)["failed_job"] = {{"kind", "lut.run"}, {"reason", "no light"}};
+  (*facts.status)["failed_job"] = {
+      {"kind", "lut.run"}, {"reason", "no light"}, {"t_failed", "2026-01-01T00:00:00.000Z"}};
   expect(facts, "daemon.job", Verdict::warning, "ovws call --wait lut.run");
+  EXPECT_NE(named(judge(facts), "daemon.job").meaning.find("2026-01-01T00:00:00.000Z"),
+            std::string::npos);
 }
 
 TEST(DoctorDaemon, AnAnswerWithoutTheseKeysIsNoMishap) {

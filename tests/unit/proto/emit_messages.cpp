@@ -104,7 +104,8 @@ void print_status() {
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
       status.store = {"/var/lib/ovws", "the disk is full"};
-      status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright"};
+      status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright",
+                           1767225600000000000};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.record = {"ended", "/var/lib/run.h5", 1.5, 700, 1, 699, 2, 1 << 20, "record.stop"};
       for (const char* method : {"record.start", "record.stop", "record.get"}) {
@@ -265,6 +266,7 @@ void print_results() {
   loop.settings.gains = {{3, 0.2}};
   loop.residual_rms_waves = 0.1;
   loop.opened_because = "no usable frame came for 2 s";
+  loop.t_opened_ns = 1767225600000000000;
   for (const char* method : {"loop.close", "loop.open", "loop.get"}) {
     print_result(method, loop_result(loop));
   }
