@@ -41,11 +41,13 @@ bool write_attribute(hid_t on, const std::string& name, hid_t type, const void* 
   return attribute && H5Awrite(attribute, type, value) >= 0;
 }
 
+/// Of variable length, in UTF-8: h5py reads such an attribute as str, one of fixed length as bytes.
 bool write_attribute(hid_t on, const std::string& name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, std::max<std::size_t>(text.size(), 1));
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
-  return write_attribute(on, name, type, text.c_str());
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const char* const value = text.c_str();
+  return write_attribute(on, name, type, static_cast<const void*>(&value));
 }
 
 bool write_header(hid_t file, const RecordingHeader& header) {

@@ -37,15 +37,26 @@ bool read_attribute(hid_t file, const char* name, hid_t type, void* value) {
          H5Tget_class(stored) == H5Tget_class(type) && H5Aread(attribute, type, value) >= 0;
 }
 
+bool read_variable_text(hid_t attribute, hid_t type, std::string& text) {
+  char* read = nullptr;
+  if (H5Aread(attribute, type, static_cast<void*>(&read)) < 0 || read == nullptr) return false;
+  const std::size_t size = ::strnlen(read, kMostAttribute + 1);
+  text.assign(read, size);
+  H5free_memory(read);
+  return size <= kMostAttribute;
+}
+
+/// Of variable length, or of a fixed one, as recordings of older versions have them.
 bool read_attribute(hid_t file, const char* name, std::string& text) {
   const Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
   if (!attribute) return false;
   const Handle space(H5Aget_space(attribute), H5Sclose);
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   if (!space || H5Sget_simple_extent_npoints(space) != 1 || !stored ||
-      H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0) {
+      H5Tget_class(stored) != H5T_STRING) {
     return false;
   }
+  if (H5Tis_variable_str(stored) > 0) return read_variable_text(attribute, stored, text);
   const std::size_t size = H5Tget_size(stored);
   if (size == 0 || size > kMostAttribute) return false;
   text.assign(size, '\0');

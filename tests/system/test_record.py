@@ -100,7 +100,8 @@ class Record(RecordCase):
         self.assertEqual(run.modes(0), next(iter(published.values()))["j"])
         self.assertEqual(run.plan(0)["reference_px"], self.call("reference.get")["positions_px"])
         self.assertEqual(next(run.documents("configuration")), self.call("config.get"))
-        self.assertEqual(run.file["frames"].attrs["unit.exposure_us"], b"us")
+        self.assertEqual(run.file["frames"].attrs["unit.exposure_us"], "us")
+        self.assertEqual((run.file.attrs["schema"], run.file.attrs["pixel_format"]), ("ovws.recording/1", "Mono8"))
         print(f"\n  {len(ids)} frames, {report['bytes'] / len(ids) / 1024:.0f} KiB each; {compared} compared with the stream")
 
     def test_it_ends_as_asked_and_only_plain_names_are_taken(self):
