@@ -185,13 +185,11 @@ constexpr const control::Obstacle* obstacle(const Conditions& conditions, Action
   return nullptr;
 }
 
-/// Allowed, or an error whose reason names the state and the way out.
+/// Allowed, or an error whose reason names the obstacle and the way out.
 inline Result<void> permit(const Conditions& conditions, Action action) {
   const control::Obstacle* const it = obstacle(conditions, action);
   if (it == nullptr) return {};
-  return fail(it->code, "",
-              "the daemon is in state " + std::string(state_name(state_of(conditions))) + ": " +
-                  std::string(it->reason));
+  return fail(it->code, "", std::string(it->reason));
 }
 
 }  // namespace ovws

@@ -30,13 +30,11 @@ void run_registration(Services& services, const nlohmann::json& params, RpcReply
       reply);
 }
 
-void get_registration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(registration_result(services.instrument.snapshot().registration));
 }
 
-void clear_registration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.clear_registration([reply](Result<SensorSnapshot> cleared) {
     if (!cleared) return reply(failed(cleared.error()));
     reply(registration_result(cleared->registration));
@@ -73,13 +71,11 @@ void run_calibration(Services& services, const nlohmann::json& params, RpcReply 
       reply);
 }
 
-void get_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_calibration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(calibration_of(services.instrument.snapshot()));
 }
 
-void clear_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_calibration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.clear_calibration([reply](Result<SensorSnapshot> cleared) {
     if (!cleared) return reply(failed(cleared.error()));
     reply(calibration_of(*cleared));
@@ -87,10 +83,12 @@ void clear_calibration(Services& services, const nlohmann::json& params, RpcRepl
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"registration.run", Role::control, Action::start_job, run_registration},
+    {"registration.run", Role::control, Action::start_job, run_registration,
+     decodes<decode_registration_run>},
     {"registration.get", Role::read, Action::read, get_registration},
     {"registration.clear", Role::control, Action::clear_reference, clear_registration},
-    {"calibration.run", Role::control, Action::start_job, run_calibration},
+    {"calibration.run", Role::control, Action::start_job, run_calibration,
+     decodes<decode_calibration_run>},
     {"calibration.get", Role::read, Action::read, get_calibration},
     {"calibration.clear", Role::control, Action::clear_reference, clear_calibration},
 }};

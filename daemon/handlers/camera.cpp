@@ -4,8 +4,7 @@
 namespace ovws {
 namespace {
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   const CameraSnapshot camera = services.camera.snapshot();
   reply(camera_get_result(camera.info, camera.settings, camera.limits));
 }
@@ -27,7 +26,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 2> kMethods{{
     {"camera.get", Role::read, Action::read, get},
-    {"camera.set", Role::control, Action::set_camera, set},
+    {"camera.set", Role::control, Action::set_camera, set, decodes<decode_camera_set>},
 }};
 
 }  // namespace

@@ -10,13 +10,11 @@ Config in_use(const Services& services) {
                        services.refiner);
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(nlohmann::json::parse(dump_config(in_use(services)), nullptr, false));
 }
 
-void save(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void save(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   if (services.config_path.empty()) {
     return reply(failed({Errc::refused, "",
                          "the daemon was started without a configuration file: start it with "

@@ -78,8 +78,7 @@ void gain_sweep(Services& services, const json& params, RpcReply reply) {
   start(services, run, reply);
 }
 
-void get(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const json& /*params*/, RpcReply reply) {
   reply(services.experiments.result());
 }
 
@@ -92,9 +91,9 @@ void get_cell(Services& services, const json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep},
+    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<decode_gain_sweep>},
     {"experiment.get", Role::read, Action::read, get},
-    {"experiment.cell", Role::read, Action::read, get_cell},
+    {"experiment.cell", Role::read, Action::read, get_cell, decodes<decode_experiment_cell>},
 }};
 
 }  // namespace

@@ -24,8 +24,7 @@ void open(Services& services, const nlohmann::json& params, RpcReply reply) {
   services.loop.open(*keep, answer_with(std::move(reply)));
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(loop_result(services.loop.report()));
 }
 
@@ -34,8 +33,7 @@ void answer_correction(const RpcReply& reply, const Result<SensorSnapshot>& now)
   reply(aberration_result(now->correction, now->hologram_id));
 }
 
-void get_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   answer_correction(reply, services.instrument.snapshot());
 }
 
@@ -46,18 +44,18 @@ void set_correction(Services& services, const nlohmann::json& params, RpcReply r
       std::move(*modes), [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
 }
 
-void clear_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.set_correction(
       {}, [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"loop.close", Role::control, Action::close_loop, close},
-    {"loop.open", Role::control, Action::open_loop, open},
+    {"loop.close", Role::control, Action::close_loop, close, decodes<decode_loop_close>},
+    {"loop.open", Role::control, Action::open_loop, open, decodes<decode_loop_open>},
     {"loop.get", Role::read, Action::read, get},
     {"correction.get", Role::read, Action::read, get_correction},
-    {"correction.set", Role::control, Action::set_correction, set_correction},
+    {"correction.set", Role::control, Action::set_correction, set_correction,
+     decodes<decode_aberration_set>},
     {"correction.clear", Role::control, Action::set_correction, clear_correction},
 }};
 

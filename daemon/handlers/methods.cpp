@@ -71,6 +71,7 @@ void dispatch(Services& services, const std::string& key, const std::string& met
     return counted(forbidden("method", method + " changes something, and this client may only "
                                                 "read: its role in security.clients is \"read\""));
   }
+  if (const auto valid = found->check(params); !valid) return counted(failed(valid.error()));
   if (const auto allowed = services.state.check(found->action); !allowed) {
     return counted(failed(allowed.error()));
   }

@@ -23,18 +23,16 @@ void start(Services& services, const nlohmann::json& params, RpcReply reply) {
                           answer_with(std::move(reply)));
 }
 
-void stop(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void stop(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.recorder.stop(answer_with(std::move(reply)));
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(record_result(services.recorder.report()));
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"record.start", Role::control, Action::record, start},
+    {"record.start", Role::control, Action::record, start, decodes<decode_record_start>},
     {"record.stop", Role::control, Action::record, stop},
     {"record.get", Role::read, Action::read, get},
 }};

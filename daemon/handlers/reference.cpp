@@ -36,18 +36,15 @@ void take(Services& services, const nlohmann::json& params, RpcReply reply) {
   });
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(reference_result(report_of(services, services.instrument.snapshot().reference)));
 }
 
-void clear(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.clear_reference(answer(services, std::move(reply)));
 }
 
-void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto model = decode_reference_set(params); !model) return reply(failed(model.error()));
+void set(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.use_model_reference(answer(services, std::move(reply)));
 }
 
@@ -75,12 +72,12 @@ void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"reference.take", Role::control, Action::start_job, take},
+    {"reference.take", Role::control, Action::start_job, take, decodes<decode_reference_take>},
     {"reference.get", Role::read, Action::read, get},
-    {"reference.set", Role::control, Action::clear_reference, set},
+    {"reference.set", Role::control, Action::clear_reference, set, decodes<decode_reference_set>},
     {"reference.clear", Role::control, Action::clear_reference, clear},
-    {"job.get", Role::read, Action::read, get_job},
-    {"job.cancel", Role::control, Action::cancel_job, cancel_job},
+    {"job.get", Role::read, Action::read, get_job, decodes<decode_job>},
+    {"job.cancel", Role::control, Action::cancel_job, cancel_job, decodes<decode_job>},
 }};
 
 }  // namespace

@@ -9,8 +9,7 @@ PixelFormat camera_format(const Services& services) {
   return services.camera.snapshot().settings.pixel_format;
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(refine_get_result(in_format(services.refiner.settings(), camera_format(services))));
 }
 
@@ -24,7 +23,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 2> kMethods{{
     {"refine.get", Role::read, Action::read, get},
-    {"refine.set", Role::control, Action::set_refine, set},
+    {"refine.set", Role::control, Action::set_refine, set, decodes<decode_refine_set>},
 }};
 
 }  // namespace

@@ -10,8 +10,7 @@ SensorReport report_of(const SensorSnapshot& sensor) {
           sensor.subapertures, sensor.modes_j,  sensor.hologram_id};
 }
 
-void get(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(sensor_get_result(report_of(services.instrument.snapshot())));
 }
 
@@ -37,8 +36,7 @@ void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& appl
   reply(aberration_result(applied->aberration, applied->hologram_id));
 }
 
-void get_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   answer_aberration(reply, services.instrument.snapshot());
 }
 
@@ -50,8 +48,7 @@ void set_aberration(Services& services, const nlohmann::json& params, RpcReply r
   });
 }
 
-void clear_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.set_aberration(
       {}, [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
 }
@@ -67,11 +64,12 @@ void show(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 6> kMethods{{
     {"sensor.get", Role::read, Action::read, get},
-    {"sensor.set", Role::control, Action::set_sensor, set},
+    {"sensor.set", Role::control, Action::set_sensor, set, decodes<decode_sensor_set>},
     {"aberration.get", Role::read, Action::read, get_aberration},
-    {"aberration.set", Role::control, Action::set_aberration, set_aberration},
+    {"aberration.set", Role::control, Action::set_aberration, set_aberration,
+     decodes<decode_aberration_set>},
     {"aberration.clear", Role::control, Action::set_aberration, clear_aberration},
-    {"slm.show", Role::control, Action::show_pattern, show},
+    {"slm.show", Role::control, Action::show_pattern, show, decodes<decode_slm_show>},
 }};
 
 }  // namespace

@@ -44,13 +44,11 @@ void run_lut(Services& services, const json& params, RpcReply reply) {
       std::move(reply));
 }
 
-void get_lut(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_lut(Services& services, const json& /*params*/, RpcReply reply) {
   reply(lut_of(services, services.instrument.snapshot()));
 }
 
-void clear_lut(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_lut(Services& services, const json& /*params*/, RpcReply reply) {
   services.instrument.clear_lut([&services, reply](Result<SensorSnapshot> cleared) {
     if (!cleared) return reply(failed(cleared.error()));
     reply(lut_of(services, *cleared));
@@ -85,13 +83,11 @@ void run_flatness(Services& services, const json& params, RpcReply reply) {
       std::move(reply));
 }
 
-void get_flatness(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void get_flatness(Services& services, const json& /*params*/, RpcReply reply) {
   reply(flatness_of(services, services.instrument.snapshot()));
 }
 
-void clear_flatness(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void clear_flatness(Services& services, const json& /*params*/, RpcReply reply) {
   services.instrument.clear_flatness([&services, reply](Result<SensorSnapshot> cleared) {
     if (!cleared) return reply(failed(cleared.error()));
     reply(flatness_of(services, *cleared));
@@ -111,8 +107,7 @@ void settle(Services& services, const json& params, RpcReply reply) {
       std::move(reply));
 }
 
-void verify(Services& services, const json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void verify(Services& services, const json& /*params*/, RpcReply reply) {
   services.slm.verify([reply](Result<SlmVerdict> seen) {
     if (!seen) return reply(failed(seen.error()));
     reply(
@@ -121,13 +116,13 @@ void verify(Services& services, const json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 8> kMethods{{
-    {"lut.run", Role::control, Action::start_job, run_lut},
+    {"lut.run", Role::control, Action::start_job, run_lut, decodes<decode_lut_run>},
     {"lut.get", Role::read, Action::read, get_lut},
     {"lut.clear", Role::control, Action::clear_reference, clear_lut},
-    {"flatness.run", Role::control, Action::start_job, run_flatness},
+    {"flatness.run", Role::control, Action::start_job, run_flatness, decodes<decode_flatness_run>},
     {"flatness.get", Role::read, Action::read, get_flatness},
     {"flatness.clear", Role::control, Action::clear_reference, clear_flatness},
-    {"slm.settle", Role::control, Action::start_job, settle},
+    {"slm.settle", Role::control, Action::start_job, settle, decodes<decode_slm_settle>},
     {"slm.verify", Role::read, Action::read, verify},
 }};
 

@@ -7,8 +7,7 @@ namespace ovws {
 namespace {
 
 /// Every method and every stream with its JSON Schema, and the versions of what is running.
-void describe(Services& /*services*/, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply reply) {
   nlohmann::json methods = nlohmann::json::object();
   for (const std::string& name : method_names()) {
     methods[name] = nlohmann::json::parse(schema_text(name), nullptr, false);
@@ -30,8 +29,7 @@ void describe(Services& /*services*/, const nlohmann::json& params, RpcReply rep
                        {"versions", std::move(running)}});
 }
 
-void status(Services& services, const nlohmann::json& params, RpcReply reply) {
-  if (const auto nothing = decode_nothing(params); !nothing) return reply(failed(nothing.error()));
+void status(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   reply(status_body(services.status.current()));
 }
 

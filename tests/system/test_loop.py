@@ -132,8 +132,11 @@ class Loop(BenchCase):
         self.assertEqual(self.call("system.status")["loop"], "closed")
         for method, params in (("reference.take", {}), ("registration.run", {}), ("sensor.set", {"charge": 0}), ("loop.close", {}),
                                ("correction.clear", {}), ("slm.show", {"pattern": "grating"}), ("reference.clear", {})):
-            with self.assertRaisesRegex(ClientError, "loop is closed"):
+            with self.assertRaisesRegex(ClientError, f"^{method}: the loop is closed; open it with loop.open first$"):
                 self.call(method, params)
+            # A typo is reported all the same: what is wrong in any state comes before what is in this one.
+            with self.assertRaisesRegex(ClientError, "chrage: unknown key"):
+                self.call(method, {"chrage": 1})
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 7, "waves": 0.1}]})
         wait_for(lambda: self.steps() >= 15, 30.0, "15 steps")
         correction = {m["j"]: m["waves"] for m in self.call("loop.open")and self.call("correction.get")["modes"]}

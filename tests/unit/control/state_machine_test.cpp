@@ -159,13 +159,13 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   }
 }
 
-TEST(StateMachine, ARefusalNamesTheStateAndTheWayOut) {
+TEST(StateMachine, ARefusalNamesTheObstacleAndTheWayOut) {
   for (const Conditions& conditions : all_conditions()) {
-    const std::string state(state_name(state_of(conditions)));
     for (std::size_t a = 0; a < kActionCount; ++a) {
       const Result<void> answer = permit(conditions, Action(a));
       if (answer) continue;
-      EXPECT_NE(answer.error().reason.find("state " + state + ":"), std::string::npos);
+      EXPECT_EQ(answer.error().reason, obstacle(conditions, Action(a))->reason);
+      EXPECT_EQ(answer.error().reason.find("running:"), std::string::npos);
       EXPECT_NE(answer.error().reason.find("; "), std::string::npos) << answer.error().reason;
       EXPECT_TRUE(answer.error().code == Errc::refused || answer.error().code == Errc::unavailable);
     }
