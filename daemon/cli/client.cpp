@@ -143,13 +143,21 @@ Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
   return Subscriber::connect(endpoint, topics, receive_queue, *keys);
 }
 
-std::string why_not_valid(const json& message, bool referenced, const std::string& pattern) {
+std::string why_not_valid(const json& message, const json& status) {
+  const json& slm = status.at("slm");
+  const auto pattern = slm.at("pattern").get<std::string>();
   if (pattern != "sensor") {
     const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
     return what + " stands on the SLM: no wavefront is measured";
   }
-  if (!message.value("settled", false)) return "hologram changing";
-  if (!referenced) return "no reference: ovws call reference.take";
+  if (!message.value("settled", false)) {
+    const bool stands = slm.value("settled", false) &&
+                        slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
+    return stands ? "the frame came late, or the camera is being changed" : "hologram changing";
+  }
+  if (!status.at("sensor").at("referenced").get<bool>()) {
+    return "no reference: ovws call reference.take";
+  }
   if (message.value("fit_residual_px", json()).is_number())
     return "no wavefront explains where the spots are";
   return fmt::format("{} of {} spots found", message.value("tracked", 0),

@@ -38,9 +38,7 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
 Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
                              const std::vector<std::string>& topics, int receive_queue);
 
-/// Why a wavefront or spots message that is not valid is not, while the SLM shows this `pattern`
-/// (status: slm.pattern).
-std::string why_not_valid(const nlohmann::json& message, bool referenced,
-                          const std::string& pattern);
+/// Why a wavefront or spots message that is not valid is not; `status`: the newest status.
+std::string why_not_valid(const nlohmann::json& message, const nlohmann::json& status);
 
 }  // namespace ovws::cli

@@ -35,7 +35,8 @@ class Recorder {
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
-      recorded_.why_not_valid = why_not_valid(message, true, "sensor");
+      recorded_.why_not_valid = why_not_valid(
+          message, {{"slm", {{"pattern", "sensor"}}}, {"sensor", {{"referenced", true}}}});
       return {};
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();

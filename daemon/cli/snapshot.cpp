@@ -104,13 +104,9 @@ std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
 }
 
 /// "NOT VALID: …"; empty for a valid frame.
-std::string warning_of(const StreamMessage& spots, const std::string& pattern) {
+std::string warning_of(const StreamMessage& spots, const json& status) {
   const json header = json::parse(spots.json);
-  if (header.at("valid").get<bool>()) return {};
-  const auto rows = rows_of(spots);
-  const bool referenced =
-      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return !std::isnan(row[2]); });
-  return "NOT VALID: " + why_not_valid(header, referenced, pattern);
+  return header.at("valid").get<bool>() ? "" : "NOT VALID: " + why_not_valid(header, status);
 }
 
 void draw_spots(cv::Mat& picture, const StreamMessage& spots) {
@@ -251,8 +247,7 @@ int snapshot(const Common& common, const std::string& prefix) {
   }
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
-  const std::string pattern = status->at("slm").at("pattern").get<std::string>();
-  return write_pictures(common, *messages, warning_of(messages->at("spots"), pattern), prefix);
+  return write_pictures(common, *messages, warning_of(messages->at("spots"), *status), prefix);
 }
 
 }  // namespace

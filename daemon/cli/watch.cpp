@@ -33,9 +33,8 @@ class Watch {
   Watch(const Common& common, const WatchOptions& options, const json& status)
       : options_(options),
         table_(!common.json && has_table(options.topic)),
-        in_place_(table_ && isatty(STDOUT_FILENO) != 0) {
-    note(status);
-  }
+        in_place_(table_ && isatty(STDOUT_FILENO) != 0),
+        status_(status) {}
 
   /// Returns the exit code.
   int run(Subscriber& stream) {
@@ -43,7 +42,7 @@ class Watch {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
       if (!message) continue;
-      if (table_ && message->topic == "status") note(json::parse(message->json));
+      if (table_ && message->topic == "status") status_ = json::parse(message->json);
       if (message->topic != options_.topic || is_too_soon()) continue;
       ++shown;
       show(*message);
@@ -53,11 +52,6 @@ class Watch {
   }
 
  private:
-  void note(const json& status) {
-    referenced_ = status.at("sensor").at("referenced").get<bool>();
-    pattern_ = status.at("slm").at("pattern").get<std::string>();
-  }
-
   /// A table that stays in place is drawn only as often as eyes can follow.
   bool is_too_soon() {
     const auto now = std::chrono::steady_clock::now();
@@ -70,15 +64,13 @@ class Watch {
     if (!table_) return print("{}\n", message.json);
     if (in_place_) print("\033[H\033[J");
     const json body = json::parse(message.json);
-    options_.topic == "refined" ? print_refined(body)
-                                : print_wavefront(body, referenced_, pattern_);
+    options_.topic == "refined" ? print_refined(body) : print_wavefront(body, status_);
   }
 
   const WatchOptions& options_;
   bool table_;
   bool in_place_;
-  bool referenced_ = false;
-  std::string pattern_;
+  json status_;  ///< the newest
   std::chrono::steady_clock::time_point last_{};
 };
 

@@ -30,8 +30,7 @@ std::string reason_of(const screen::View& view) {
     if (!view.wavefront.contains(key)) return {};
   }
   if (view.status.is_null()) return {};
-  return why_not_valid(view.wavefront, view.status.at("sensor").at("referenced").get<bool>(),
-                       view.status.at("slm").at("pattern").get<std::string>());
+  return why_not_valid(view.wavefront, view.status);
 }
 
 class WatchScreen {

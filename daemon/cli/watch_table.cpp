@@ -60,7 +60,7 @@ bool has_table(const std::string& topic) {
   return topic == "wavefront" || topic == "refined";
 }
 
-void print_wavefront(const json& message, bool referenced, const std::string& pattern) {
+void print_wavefront(const json& message, const json& status) {
   const bool valid = message.at("valid").get<bool>();
   print(
       "frame {}  hologram {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  "
@@ -69,7 +69,7 @@ void print_wavefront(const json& message, bool referenced, const std::string& pa
       message.at("charge").get<int>(), message.at("tracker").get<std::string>(),
       message.at("tracked").get<int>(), message.at("subapertures").get<int>(),
       100.0 * message.at("saturated").get<double>(), message.at("latency_us").get<double>(),
-      valid ? "valid" : "NOT VALID: " + why_not_valid(message, referenced, pattern));
+      valid ? "valid" : "NOT VALID: " + why_not_valid(message, status));
   if (!valid) return;
   const double full_scale = print_modes(message);
   print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, bar {:.2f} wave\n",

@@ -10,7 +10,7 @@ namespace ovws::cli {
 bool has_table(const std::string& topic);
 /// `referenced`: whether the sensor has a reference; `pattern`: what the SLM shows. They say why a
 /// message is not valid.
-void print_wavefront(const nlohmann::json& message, bool referenced, const std::string& pattern);
+void print_wavefront(const nlohmann::json& message, const nlohmann::json& status);
 void print_refined(const nlohmann::json& message);
 
 }  // namespace ovws::cli

@@ -70,7 +70,7 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
   if (pattern == "sensor" && !referenced) {
     findings.warning("No reference: take one, and coefficients are numbers");
   } else if (!wavefront.at("valid").get<bool>()) {
-    const std::string why = cli::why_not_valid(wavefront, referenced, pattern);
+    const std::string why = cli::why_not_valid(wavefront, status);
     const bool passing = !wavefront.at("settled").get<bool>();
     passing || pattern != "sensor" ? findings.note("No wavefront now: " + why)
                                    : findings.bad("No wavefront: " + why);

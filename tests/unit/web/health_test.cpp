@@ -51,6 +51,18 @@ TEST_F(HealthTest, ADeviceThatIsNotThereIsBad) {
   EXPECT_EQ(examine_bench(facts).size(), 2U);
 }
 
+TEST_F(HealthTest, AFrameThatCameLateIsNotAChangingHologram) {
+  facts.wavefront["valid"] = facts.wavefront["settled"] = false;
+  facts.wavefront["hologram_id"] = facts.status["slm"]["hologram_id"] = 7;
+  facts.status["slm"]["settled"] = true;
+  expect_worst(Wellness::note, "late");
+  facts.status["slm"]["settled"] = false;
+  expect_worst(Wellness::note, "hologram changing");
+  facts.status["slm"]["settled"] = true;
+  facts.wavefront["hologram_id"] = 8;  // newer than the status
+  expect_worst(Wellness::note, "hologram changing");
+}
+
 TEST_F(HealthTest, FramesThatStoppedAreBad) {
   facts.wavefront_age_s = 2.0;
   expect_worst(Wellness::bad, "frames");
