@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
 #include <chrono>
 #include <string_view>
 
@@ -11,6 +12,29 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+
+/// HOST of "tcp://HOST:PORT"; empty for anything else.
+std::string host_of(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const auto colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
+  return endpoint.substr(kTcp.size(), colon - kTcp.size());
+}
+
+/// "tcp://HOST:PORT" or "ipc://PATH"; an address of another shape would just never answer.
+std::string check_endpoint(const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
+  if (endpoint.starts_with(kIpc) && endpoint.size() > kIpc.size()) return {};
+  const std::string host = host_of(endpoint);
+  if (!host.empty()) {
+    const std::string_view port = std::string_view(endpoint).substr(endpoint.rfind(':') + 1);
+    int number = 0;
+    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
+    const bool whole = read.ec == std::errc{} && read.ptr == port.data() + port.size();
+    if (whole && number >= 1 && number <= 65535) return {};
+  }
+  return endpoint + " is no endpoint: it is written as tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+}
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {
   return tl::make_unexpected(CallFailure{false, {{"message", why}}});
@@ -30,14 +54,6 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
               "the daemon's public key must be given, as ovws keygen printed it there, or as "
               "\"server_key\" in " +
                   common.key_path);
-}
-
-/// HOST of "tcp://HOST:PORT"; empty for anything else.
-std::string host_of(const std::string& endpoint) {
-  constexpr std::string_view kTcp = "tcp://";
-  const auto colon = endpoint.rfind(':');
-  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
-  return endpoint.substr(kTcp.size(), colon - kTcp.size());
 }
 
 /// A daemon names its streams as it bound them. Seen from another machine, "every address" and
@@ -111,7 +127,8 @@ tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
 
 void add_connection_options(CLI::App& app, Common& common) {
   app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(CLI::Validator(check_endpoint, ""));
   app.add_option("--key", common.key_path,
                  "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
                  "keys")

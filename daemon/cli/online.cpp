@@ -1,4 +1,6 @@
 /// ovws status, describe and call: one question to a daemon, one answer.
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -149,11 +151,39 @@ int show_status(const Common& common) {
   return kOk;
 }
 
+/// One line on standard error that is rewritten, if that is a terminal; else nothing.
+class ProgressLine {
+ public:
+  ProgressLine() = default;
+  ~ProgressLine() {
+    if (drawn_) fmt::print(stderr, "\r\033[K");
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// `job`: of job.get.
+  void show(const json& job) {
+    if (!is_terminal_) return;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
+    fmt::print(stderr, "\r{}: {:.0f} %, {:.0f} s\033[K", text_or(job, "kind", "job"),
+               100.0 * job.at("progress").get<double>(), passed.count());
+    std::fflush(stderr);
+    drawn_ = true;
+  }
+
+ private:
+  bool is_terminal_ = isatty(STDERR_FILENO) != 0;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
 /// Of the job that `started` names: its result once it is done, or its error.
 tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
+  ProgressLine progress;
   while (true) {
     auto report = call(common, "job.get", {{"job", started.at("job")}});
     if (!report) return report;
+    progress.show(*report);
     const std::string state = text_or(*report, "state", "");
     if (state == "done") return report->at("result");
     if (state != "running") {
@@ -224,8 +254,10 @@ void add_call(CLI::App& app, const Common& common, int& status) {
   auto options = std::make_shared<CallOptions>();
   command->add_option("method", options->method, "its name; ovws describe lists all")->required();
   command->add_option("params", options->params, "a JSON object (default: none)");
-  command->add_flag("--wait,-w", options->wait,
-                    "if that starts a job, wait for its end: print its result, or why it failed");
+  command->add_flag(
+      "--wait,-w", options->wait,
+      "if that starts a job, wait for its end: print its result, or why it failed; on a "
+      "terminal its progress, too");
   command->callback([&common, &status, options] { status = call_anything(common, *options); });
 }
 

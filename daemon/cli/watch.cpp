@@ -7,6 +7,7 @@
 #include <csignal>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "daemon/cli/client.hpp"
 #include "daemon/cli/commands.hpp"
@@ -23,6 +24,7 @@ struct WatchOptions {
   std::string topic = "wavefront";
   int count = 0;  ///< messages; 0: until Ctrl-C
   bool plain = false;
+  std::optional<double> timeout_s;  ///< for the next message; none: as long as it takes
 };
 
 std::atomic<bool> stop_requested{false};
@@ -31,16 +33,22 @@ std::atomic<bool> stop_requested{false};
 class Watch {
  public:
   Watch(const Common& common, const WatchOptions& options, const json& status)
-      : options_(options),
+      : common_(common),
+        options_(options),
         table_(!common.json && has_table(options.topic)),
         in_place_(table_ && isatty(STDOUT_FILENO) != 0),
         status_(status) {}
 
   /// Returns the exit code.
   int run(Subscriber& stream) {
+    auto last = Clock::now();  // message of the topic
     for (int shown = 0; !stop_requested && (options_.count == 0 || shown < options_.count);) {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
+      if (message && message->topic == options_.topic) last = Clock::now();
+      if (options_.timeout_s && Clock::now() - last > Seconds(*options_.timeout_s)) {
+        return report_silence();
+      }
       if (!message) continue;
       if (table_ && message->topic == "status") status_ = json::parse(message->json);
       if (message->topic != options_.topic || is_too_soon()) continue;
@@ -52,9 +60,18 @@ class Watch {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+
+  int report_silence() const {
+    const std::string text =
+        fmt::format("no {} message came within {:g} s", options_.topic, *options_.timeout_s);
+    return report_failure(common_, {false, {{"message", text}}});
+  }
+
   /// A table that stays in place is drawn only as often as eyes can follow.
   bool is_too_soon() {
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     if (in_place_ && now - last_ < std::chrono::milliseconds(50)) return true;
     last_ = now;
     return false;
@@ -67,11 +84,12 @@ class Watch {
     options_.topic == "refined" ? print_refined(body) : print_wavefront(body, status_);
   }
 
+  const Common& common_;
   const WatchOptions& options_;
   bool table_;
   bool in_place_;
   json status_;  ///< the newest
-  std::chrono::steady_clock::time_point last_{};
+  Clock::time_point last_{};
 };
 
 bool is_for_screen(const Common& common, const WatchOptions& options) {
@@ -91,6 +109,12 @@ int watch(const Common& common, const WatchOptions& options) {
   if (!stream) return report(common, stream.error());
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
+  if (options.topic == "refined" && status->at("refine").at("state") == "off") {
+    return report(common, {Errc::refused, "refine.enabled",
+                           "refinement is off, so that no message comes; switch it on with your "
+                           "camera's number: ovws call refine.set '{\"enabled\": true, "
+                           "\"electrons_per_dn\": 39.2}'"});
+  }
   std::signal(SIGINT, [](int) { stop_requested.store(true); });
   std::signal(SIGTERM, [](int) { stop_requested.store(true); });
   return Watch(common, options, *status).run(*stream);
@@ -103,7 +127,8 @@ void add_watch(CLI::App& app, const Common& common, int& status) {
       app.add_subcommand("watch",
                          "the bench on a full screen (? there says more); piped, with --plain or "
                          "-n the wavefront, fast or refined, as a table; with --json, and always "
-                         "for the other topics, each message's JSON as a line");
+                         "for the other topics, each message's JSON as a line; with --timeout "
+                         "it ends if no message comes for so long");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
       ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
@@ -111,7 +136,10 @@ void add_watch(CLI::App& app, const Common& common, int& status) {
   command->add_option("-n,--count", options->count, "end after so many messages; 0: never")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   command->add_flag("--plain", options->plain, "a table on a terminal, too");
-  command->callback([&common, &status, options] { status = watch(common, *options); });
+  command->callback([&app, &common, &status, options] {
+    if (app.count("--timeout") > 0) options->timeout_s = common.timeout_s;
+    status = watch(common, *options);
+  });
 }
 
 }  // namespace ovws::cli

@@ -1,6 +1,8 @@
 """ovws as a person and a script use it: words, JSON and exit codes."""
 import itertools
 import json
+import os
+import pty
 import subprocess
 import threading
 
@@ -57,14 +59,36 @@ class CommandLine(BenchCase):
         self.assertRegex(self.ovws("status"), rf"(?m)^failed +job \d+ \(reference\.take\) at {time}: camera\.exposure_us: .*lower the exposure or the gain$")
         self.assertRegex(self.ovws("status"), rf"(?m)^loop +open, .*, opened at {time}: it was asked to$")
         self.assertEqual(json.loads(self.ovws("--json", "status"))["failed_job"]["kind"], "reference.take")
-
-    def test_exit_codes(self):
         self.assertRegex(self.ovws("doctor", code=1), rf"reference\.take failed at {time}")
         self.call("camera.set", {"exposure_us": 300.0})
         self.take_reference(10)
         self.assertIsNone(self.call("system.status")["failed_job"])
         self.assertNotIn("failed", self.ovws("status"))
 
+    def test_progress_is_shown_on_a_terminal_only(self):
+        command = [self.bench.programs / "ovws", "call", "--wait", "reference.take", '{"frames": 100}']
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        ours, its = pty.openpty()
+        self.addCleanup(os.close, ours)
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=its, timeout=30)
+        os.close(its)
+        shown = os.read(ours, 65536).decode()
+        self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 100))
+        self.assertRegex(shown, r"\rreference\.take: [1-9]\d? %, \d s")
+        self.assertTrue(shown.endswith("\r\x1b[K"), shown)
+        self.assertNotIn("\n", shown)
+
+    def test_watching_what_does_not_come(self):
+        said = self.ovws("watch", "refined", code=1)
+        self.assertIn("refine.enabled: refinement is off", said)
+        self.assertIn("no event message came within 0.3 s", self.ovws("--timeout", 0.3, "watch", "event", code=3))
+        self.call("refine.set", {"enabled": True, "electrons_per_dn": 39.2, "rate_hz": 0.01})
+        self.assertIn("no refined message came within 0.3 s", self.ovws("watch", "refined", "--timeout", 0.3, code=3))
+
+    def test_exit_codes(self):
+        for endpoint in ("127.0.0.1", "127.0.0.1:7702", "tcp://127.0.0.1", "tcp://:7702", "tcp://127.0.0.1:77020", "tcp://127.0.0.1:port", ""):
+            self.assertIn("tcp://HOST:PORT", self.ovws("--endpoint", endpoint, "status", code=2))
         self.ovws("call", "sensor.get", "{not json", code=2)
         self.ovws(code=2)
         self.ovws("status", "more", code=2)
