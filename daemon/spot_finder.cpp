@@ -21,7 +21,6 @@ constexpr int kInARow = 5;  // doubtful frames: noise loses a spot now and then
 constexpr std::int64_t kPauseNs = 500'000'000;
 constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
 constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
-constexpr double kPictureHalf = 3.0;    // lambda/d
 // Memory is locked: what a search needs grows with both, to some hundred MiB here.
 constexpr std::size_t kMostSpots = 200;
 constexpr double kMostSpotPx = 40.0;  // lambda/d
@@ -46,7 +45,7 @@ struct SpotFinder::Bench {
   TrackScratch scratch;
   SpotModel spots;
   ShapedAcquisition acquisition;
-  SpotOptics optics;  ///< its cells are lit pixels
+  SpotOptics optics;  ///< of templates
 };
 
 SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument)
@@ -129,8 +128,8 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
             std::move(scratch), spots,
             ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
                               reference_px, cols, rows),
-            SpotOptics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
-                       int(kPictureHalf * spots.on_lattice().lambda_d_px))});
+            template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
+                            spots.on_lattice())});
   return true;
 }
 

@@ -16,6 +16,7 @@ constexpr double kWindowOfDark = 0.98, kLeastWindow = 1.5;
 constexpr double kStepsPerLambdaD = 49.0;
 constexpr double kBright = 0.25;           // of the template's maximum: its sectors' pixels
 constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc, as SpotCheck's
+constexpr double kDarkCore = 0.2;          // a template with more light there has no dark core
 // Pixels a side of the coarse bank's: a quarter of lambda/d, and two from 6 px on.
 constexpr double kBinOfLambdaD = 0.24, kBinMore = 0.6;
 constexpr double kLeastPivot = 1e-5;  // of the normal matrix scaled to a unit diagonal
@@ -101,14 +102,17 @@ void TemplateBank::divide(const SpotModel& spots) {
   const float *value = plane(unshifted, 0), *weight = plane(unshifted, 3);
   std::array<std::vector<int>, Parts::kSectors + 1> parts;
   std::array<double, Parts::kSectors> sums{};
-  double bright = 0.0;
+  double bright = 0.0, core = 0.0;
   int count = 0;
   for (int k = 0; k < rows_ * columns_; ++k) {
     if (!(weight[k] > 0.0F)) continue;
     ++pixels_;
     const double t = double(value[k]), x = k % columns_ - columns_ / 2,
                  y = k / columns_ - rows_ / 2;
-    if (spots.charge != 0 && std::hypot(x, y) <= core_px) parts[Parts::kSectors].push_back(k);
+    if (spots.charge != 0 && std::hypot(x, y) <= core_px) {
+      parts[Parts::kSectors].push_back(k);
+      core += t;
+    }
     if (t > 0.5) bright += t;
     if (t > 0.5) ++count;
     if (!(t > kBright)) continue;
@@ -117,6 +121,7 @@ void TemplateBank::divide(const SpotModel& spots) {
     parts[sector].push_back(k);
     sums[sector] += t;
   }
+  if (core > kDarkCore * double(parts[Parts::kSectors].size())) parts[Parts::kSectors].clear();
   mean_bright_ = count > 0 ? float(bright / count) : 0.0F;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     parts_.offsets.insert(parts_.offsets.end(), parts[i].begin(), parts[i].end());

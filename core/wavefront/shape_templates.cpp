@@ -1,33 +1,73 @@
 #include "core/wavefront/shape_templates.hpp"
 
-#include "core/base/image.hpp"
-#include "core/tracking/reference_shape.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include "core/tracking/spot_shape.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr float kScale = 1000.0F;  // any that a detector has
+constexpr double kCellsPerLambdaD = 49.0;  // as fine as the shifts of a TemplateBank
 
-Image<float> image_of(const SpotOptics::Picture& picture) {
-  Image<float> image(int(picture.cols()), int(picture.rows()));
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) image.at(x, y) = kScale * picture(y, x);
-  }
-  return image;
+int cells_per_px(const SpotModel& spots) {
+  return std::max(1, int(std::ceil(kCellsPerLambdaD / spots.lambda_d_px)));
 }
 
+/// A picture of SpotOptics, interpolated bilinearly between its cells, its brightest cell made 1.
+class PictureShape final : public SpotShape {
+ public:
+  PictureShape(SpotOptics::Picture picture, double cells_per_px)
+      : picture_(std::move(picture)), cells_per_px_(cells_per_px) {
+    picture_ /= picture_.maxCoeff();
+  }
+
+  ShapeSample at(Vec2 from_centre) const override {
+    const double middle = 0.5 * double(picture_.rows() - 1);
+    const double x = middle + cells_per_px_ * from_centre.x;
+    const double y = middle + cells_per_px_ * from_centre.y;
+    // Central differences over two cells err by less than 1 % where lambda/d is 49 cells.
+    return {value(x, y), 0.5 * cells_per_px_ * (value(x + 1.0, y) - value(x - 1.0, y)),
+            0.5 * cells_per_px_ * (value(x, y + 1.0) - value(x, y - 1.0))};
+  }
+
+ private:
+  double value(double x, double y) const {
+    const double last = double(picture_.rows()) - 1.001;
+    x = std::clamp(x, 0.0, last);
+    y = std::clamp(y, 0.0, last);
+    const auto column = Eigen::Index(x), row = Eigen::Index(y);
+    const auto right = float(x - double(column)), down = float(y - double(row));
+    const float* cell = picture_.data() + column * picture_.rows() + row;
+    const float* next = cell + picture_.rows();
+    const float here = cell[0] + down * (cell[1] - cell[0]);
+    return double(here + right * (next[0] + down * (next[1] - next[0]) - here));
+  }
+
+  SpotOptics::Picture picture_;
+  double cells_per_px_;
+};
+
 }  // namespace
+
+SpotOptics template_optics(const Lattice& lattice, const SensorConfig& sensor,
+                           const std::vector<int>& modes_j, const PxPerCycle& px_per_cycle,
+                           const SpotModel& spots) {
+  const int cells = cells_per_px(spots);
+  const double reach_px = matched_window(spots.charge) * spots.lambda_d_px + 3.0;
+  return {lattice, sensor, modes_j, px_per_cycle / (1.0 / cells), int(std::ceil(reach_px * cells))};
+}
 
 std::vector<std::shared_ptr<const TemplateBank>> shape_templates(const SpotOptics& optics,
                                                                  const SpotModel& spots,
                                                                  const Eigen::VectorXd& waves,
                                                                  const std::vector<bool>& wanted) {
   std::vector<std::shared_ptr<const TemplateBank>> templates(wanted.size());
-  const Vec2 middle{double(optics.half_cells()), double(optics.half_cells())};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i]) continue;
-    const Image<float> image = image_of(optics.light(int(i), waves, {}));
-    templates[i] = reference_templates(spots, image, {&middle, 1}).front();
+    const PictureShape shape(optics.light(int(i), waves, {}), cells_per_px(spots));
+    auto bank = std::make_shared<TemplateBank>(spots, shape);
+    if (bank->regular()) templates[i] = std::move(bank);
   }
   return templates;
 }
