@@ -69,8 +69,10 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->tracker = std::move(*tracker);
   if (inputs.torn != nullptr) {
     plan->search_px = inputs.torn->at_px;
-    plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
-                                                   inputs.torn->templates);
+    if (!inputs.torn->numbers().empty()) {
+      plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
+                                                     inputs.torn->templates);
+    }
   }
   const ModeOperator& modes = inputs.mode_operator != nullptr
                                   ? *inputs.mode_operator

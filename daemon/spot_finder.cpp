@@ -8,6 +8,8 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "core/tracking/cell_image.hpp"
+#include "core/wavefront/reconstructor.hpp"
 #include "core/wavefront/shape_templates.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
 #include "core/wavefront/slope_model.hpp"
@@ -16,11 +18,15 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(50);
-constexpr int kInARow = 5;  // doubtful frames: noise loses a spot now and then
-constexpr std::int64_t kPauseNs = 500'000'000;
-constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
+constexpr std::chrono::milliseconds kTurn(10);
+constexpr std::chrono::milliseconds kFramePatience(50);
+constexpr int kBlindInARow = 2;
+constexpr int kDoubtfulInARow = 5;  // valid frames: noise loses a spot now and then
+constexpr std::int64_t kLookPauseNs = 50'000'000;
+constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
+constexpr std::int64_t kWellNs = 1'000'000'000;
 constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
+constexpr double kCell = 0.5;           // lambda/d: images are compared by the means of such cells
 // Memory is locked: what a search needs grows with both, to some hundred MiB here.
 constexpr std::size_t kMostSpots = 200;
 constexpr double kMostSpotPx = 40.0;  // lambda/d
@@ -30,6 +36,12 @@ bool is_doubtful(const FrameRecord& record) {
   const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
   return record.settled && (record.tracked < record.spot_count ||
                             record.reconstruction.fit_residual_px > explained_px);
+}
+
+std::vector<Vec2> places(std::span<const SpotFix> fixes) {
+  std::vector<Vec2> at_px;
+  for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
+  return at_px;
 }
 
 }  // namespace
@@ -46,35 +58,67 @@ struct SpotFinder::Bench {
   SpotModel spots;
   ShapedAcquisition acquisition;
   SpotOptics optics;  ///< of templates
+  Reconstructor plain;
 };
 
 SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument)
-    : slm_(slm), instrument_(instrument), inbox_(is_doubtful), pause_ns_(kPauseNs) {}
+    : slm_(slm), instrument_(instrument), inbox_(is_doubtful) {}
 
 SpotFinder::~SpotFinder() = default;
 
 void SpotFinder::saw(const FrameRecord& record) {
   if (!record.settled) return;
-  doubtful_in_a_row_ = is_doubtful(record) ? doubtful_in_a_row_ + 1 : 0;
-  doubtful_.store(doubtful_in_a_row_ >= kInARow, std::memory_order_relaxed);
+  const bool doubtful = is_doubtful(record);
+  const bool blind = doubtful && !record.valid && record.plan->referenced();
+  doubtful_in_a_row_ = doubtful ? doubtful_in_a_row_ + 1 : 0;
+  blind_in_a_row_ = blind ? blind_in_a_row_ + 1 : 0;
+  const Doubt doubt = blind_in_a_row_ >= kBlindInARow         ? Doubt::blind
+                      : doubtful_in_a_row_ >= kDoubtfulInARow ? Doubt::partial
+                                                              : Doubt::none;
+  doubt_.store(doubt, std::memory_order_relaxed);
 }
 
 bool SpotFinder::do_work() {
-  if (!doubtful_ || monotonic_ns() < next_ns_) {
-    if (!doubtful_) pause_ns_ = kPauseNs, next_ns_ = 0;
+  const Doubt doubt = doubt_.load(std::memory_order_relaxed);
+  const std::int64_t now_ns = monotonic_ns();
+  if (doubt == Doubt::none) {
+    if (now_ns - doubted_ns_ >= kWellNs) policy_.reset();
     inbox_.forget();
+  } else {
+    doubted_ns_ = now_ns;
+  }
+  if (doubt == Doubt::none || now_ns < next_look_ns_) {
     std::this_thread::sleep_for(kTurn);
     return false;
   }
-  const FrameCopy* const frame = inbox_.next(kTurn);
+  const FrameCopy* const frame = inbox_.next(kFramePatience);
   if (frame == nullptr) return false;
   const SensorSnapshot sensor = instrument_.snapshot();
   if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
-  std::optional<TornSpots> torn = search(*frame, sensor);
-  const bool news = torn && sensor.torn.empty();
-  pause_ns_ = news ? kPauseNs : std::min(2 * pause_ns_, kLongestPauseNs);
-  instrument_.follow(sensor.plan_id, std::move(torn));
-  next_ns_ = monotonic_ns() + pause_ns_;
+  if (frame->plan_id == left_plan_id_ && now_ns - left_ns_ < kAdoptPatienceNs) return false;
+  return look(*frame, sensor, doubt);
+}
+
+/// Searches the frame if it is due.
+bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
+  const int bin = std::max(1, int(kCell * spots.on_lattice().lambda_d_px));
+  CellImage cells = average_cells(frame.image, spots.lit.lattice, bin);
+  const bool changed = !searched_ || is_other_image(*searched_, cells);
+  if (!policy_.is_due(doubt, changed, monotonic_ns())) {
+    next_look_ns_ = monotonic_ns() + kLookPauseNs;
+    return false;
+  }
+  policy_.begin(changed);
+  searched_ = std::move(cells);
+  std::optional<TornSpots> found = search(frame, sensor);
+  // While frames are valid, what follows the spots is better than nothing.
+  if (found || doubt == Doubt::blind) {
+    const bool changes = found || !sensor.torn.empty();
+    if (changes) left_plan_id_ = sensor.plan_id, left_ns_ = monotonic_ns();
+    instrument_.follow(sensor.plan_id, std::move(found));
+  }
+  policy_.end(monotonic_ns());
   return true;
 }
 
@@ -87,17 +131,36 @@ std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const Sensor
   }
 }
 
+/// The plain tracker first: when a strong wavefront has gone, nothing more is needed.
 std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
-  std::vector<SpotFix> fixes(bench_->reference_px.size());
+  const std::size_t count = bench_->reference_px.size();
+  std::vector<SpotFix> fixes(count);
   ShapedAcquisition& acquisition = bench_->acquisition;
-  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false);
-  const std::vector<bool>& torn = acquisition.torn();
-  if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return std::nullopt;
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes);
+  if (acquisition.shapes().empty()) {
+    if (is_explained_plain(fixes)) return TornSpots{places(fixes), {}};
+    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false);
+  }
+  if (acquisition.shapes().empty()) return std::nullopt;
   TornSpots out;
   for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
+  const std::vector<bool>& torn = acquisition.torn();
+  if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return out;
   out.templates =
       shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), torn);
   return out;
+}
+
+/// All spots are found, and a wavefront explains where they are.
+bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
+  const bool all =
+      std::all_of(fixes.begin(), fixes.end(), [](const SpotFix& fix) { return fix.found(); });
+  if (!all) return false;
+  const Reconstructor& plain = bench_->plain;
+  Reconstructor::Scratch scratch = plain.make_scratch();
+  std::vector<float> coefficients(plain.modes_j().size());
+  const Reconstruction found = plain.solve(fixes, scratch, coefficients);
+  return found.determined && found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
 }
 
 /// False: what stands in the snapshot makes no sensor, or one too large to search.
@@ -129,7 +192,8 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
             ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
                               reference_px, cols, rows),
             template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
-                            spots.on_lattice())});
+                            spots.on_lattice()),
+            Reconstructor(slopes, sensor.modes_j, reference_px)});
   return true;
 }
 

@@ -5,19 +5,22 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/rt/agent.hpp"
+#include "core/tracking/cell_image.hpp"
 #include "daemon/frame_inbox.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/search_policy.hpp"
 
 namespace ovws {
 
-/// The search thread's agent. Some frames in a row that lack a spot, or whose spots no
-/// wavefront explains, make it search one frame's whole image (ShapedAcquisition). What it finds
+/// The search thread's agent. Frames that lack a spot, or whose spots no wavefront explains, make
+/// it search one frame's whole image (ShapedAcquisition), when SearchPolicy says so. What it finds
 /// becomes a new measurement plan: torn spots get templates of the shape that the wavefront gives
-/// them. If all are round again, or the image is not explained, the ordinary plan returns. After a
-/// search without result it waits, each time longer. Sensors of more than 200 spots, or of spots of
-/// more than 40 camera pixels of lambda/d, are not searched.
+/// them. If all are round again, or the image of invalid frames is not explained, the ordinary plan
+/// returns. Sensors of more than 200 spots, or of spots of more than 40 camera pixels of lambda/d,
+/// are not searched.
 class SpotFinder : public Agent {
  public:
   SpotFinder(const SlmGeometry& slm, Instrument& instrument);
@@ -32,17 +35,25 @@ class SpotFinder : public Agent {
  private:
   struct Bench;
   bool make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
+  bool look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt);
   std::optional<TornSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
   std::optional<TornSpots> explain(const FrameCopy& frame);
+  bool is_explained_plain(std::span<const SpotFix> fixes) const;
 
   SlmGeometry slm_;
   Instrument& instrument_;
   FrameInbox inbox_;
   std::unique_ptr<Bench> bench_;
-  std::atomic<bool> doubtful_{false};  ///< the newest frames are, several in a row
-  int doubtful_in_a_row_ = 0;          ///< publish thread's
-  std::int64_t next_ns_ = 0;
-  std::int64_t pause_ns_;
+  std::atomic<Doubt> doubt_{Doubt::none};
+  // The publish thread's.
+  int doubtful_in_a_row_ = 0, blind_in_a_row_ = 0;
+  // The search thread's.
+  SearchPolicy policy_;
+  std::optional<CellImage> searched_;  ///< the image searched last
+  std::int64_t doubted_ns_ = 0;        ///< when frames last lacked something
+  std::int64_t next_look_ns_ = 0;
+  std::uint64_t left_plan_id_ = 0;  ///< what it found takes the place of this plan
+  std::int64_t left_ns_ = 0;
 };
 
 }  // namespace ovws

@@ -75,7 +75,7 @@ constexpr std::array<ThreadRow, 18> kThreadTable{{
      OnHang::restart},
     {ThreadRole::write, "write", 0, "the disk", 60.0, OnHang::report, 5},
     {ThreadRole::search, "search", 0, "the next lent frame; a search takes a second", 30.0,
-     OnHang::report, 10},
+     OnHang::report},
     {ThreadRole::refine, "refine", 0, "the next lent frame; a fit takes seconds", 120.0,
      OnHang::report, 15},
     {ThreadRole::model, "model", 0, "an order; a diffractive matrix takes seconds", 300.0,

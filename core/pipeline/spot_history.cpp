@@ -40,7 +40,8 @@ void SpotHistory::starts(const FrameRecord& record,
   }
 }
 
-void SpotHistory::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) {
+void SpotHistory::resume(const MeasurementPlan& plan,
+                         std::span<const SpotStart> starts) OVWS_NONBLOCKING {
   fit_to(plan);
   live_ = false;
   hologram_id_ = plan.hologram_id;

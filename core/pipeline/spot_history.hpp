@@ -28,7 +28,7 @@ class SpotHistory {
 
   /// From now on as if the next record with `plan` were to be looked for at `starts`, under the
   /// hologram that the plan predicts for. NaN everywhere: nothing is known.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts);
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) OVWS_NONBLOCKING;
 
   /// Takes over what was found in a settled frame.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;

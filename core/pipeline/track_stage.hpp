@@ -19,6 +19,7 @@ namespace ovws {
 ///
 /// A frame without history, or with more than a few spots lost, is searched whole, at most every
 /// 16th frame while that does not help (BackOff). The search counts only if it finds more.
+/// In the first frame measured with a plan that has search_px, spots are tracked from there.
 class TrackStage {
  public:
   struct Config {
@@ -44,6 +45,7 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
+  void start_at_found_places(const MeasurementPlan& plan) OVWS_NONBLOCKING;
   void lose_incredible(Entry& entry) OVWS_NONBLOCKING;
   void retry_lost(Entry& entry) OVWS_NONBLOCKING;
   SpotFix retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING;
@@ -58,6 +60,8 @@ class TrackStage {
   std::optional<bool> search_told_;  ///< for the next frame
   std::vector<char> doubled_;
   std::vector<SpotFix> searched_;
+  std::vector<SpotStart> found_;
+  std::uint64_t plan_id_ = 0;  ///< of the newest frame
 };
 
 }  // namespace ovws

@@ -46,4 +46,15 @@ CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int
   return cells;
 }
 
+bool is_other_image(const CellImage& before, const CellImage& now) {
+  constexpr double kOther = 0.02;   // of the contrast's energy
+  constexpr double kOfNoise = 1.5;  // bright cells are noisier than dark ones
+  const Eigen::MatrixXf &a = before.light, &b = now.light;
+  if (a.rows() != b.rows() || a.cols() != b.cols()) return true;
+  const auto cells = double(a.size());
+  const double noise = kOfNoise * cells * (before.noise * before.noise + now.noise * now.noise);
+  const double energy = 0.5 * double(a.squaredNorm() + b.squaredNorm());
+  return double((a - b).squaredNorm()) - noise > kOther * std::max(energy - 0.5 * noise, 0.0);
+}
+
 }  // namespace ovws

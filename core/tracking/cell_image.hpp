@@ -25,4 +25,8 @@ struct CellImage {
 /// and the bottom are left out. Requires at least one cell. Allocates.
 CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int bin);
 
+/// Whether the images differ in size, or by more than noise and 2 % of their contrast energy: spots
+/// of lambda/d moved by some 0.06 lambda/d each.
+bool is_other_image(const CellImage& before, const CellImage& now);
+
 }  // namespace ovws
