@@ -14,6 +14,7 @@ constexpr int kMaxMoves = 10;
 constexpr double kStay = 0.65;    // of a shift: the fit need not change to its neighbour
 constexpr double kMaxRest = 2.0;  // of a shift: no fit is further from its template
 constexpr double kLeastGain = 0.25;
+constexpr double kAlike = 0.12;     // gains along any two axes differ by less than twice that
 constexpr double kLeastWay = 0.02;  // from one noise level to the next that is worth a fit
 constexpr double kMinSignificance = 8.0;
 // Contrast that the template may leave against what it explains. Aberration inside the subaperture
@@ -29,6 +30,18 @@ double dot(Vec2 a, Vec2 b) {
   return a.x * b.x + a.y * b.y;
 }
 
+/// What a Gauss-Newton step asks for.
+Vec2 full_move(const TemplateFit& fit) {
+  return {double(fit.move_x) / double(fit.amplitude), double(fit.move_y) / double(fit.amplitude)};
+}
+
+/// Where the light differs much from the template, a Gauss-Newton step goes beyond the minimum, by
+/// how much two steps tell; else they would go on to and fro.
+double damped(double gain, Vec2 step, Vec2 change) {
+  const double along = -dot(change, step);
+  return along > 0.0 ? std::clamp(dot(step, step) / along, kLeastGain, 1.0) : gain;
+}
+
 }  // namespace
 
 MatchedFit::MatchedFit(const TemplateBank& bank, const TemplateKernels& kernels,
@@ -42,26 +55,26 @@ MatchedFit::MatchedFit(const TemplateBank& bank, const TemplateKernels& kernels,
 
 bool MatchedFit::follow(Vec2 from, Vec2 start, double reach_px) {
   Vec2 at = from;
-  level_ = kMiddleNoise;
-  gain_ = 1.0;
+  double gain = 1.0;
   Vec2 before, moved_before;
   for (int k = 0; k < kMaxMoves; ++k) {
     if (!solve(bank_.place(at))) return false;
-    const Vec2 full = full_move();
-    if (k > 0 && dot(full, moved_before) < 0.0) damp(place_.centre - before, full - moved_before);
+    const Vec2 full = full_move(fit_);
+    if (k > 0 && dot(full, moved_before) < 0.0) {
+      gain = damped(gain, place_.centre - before, full - moved_before);
+    }
     before = place_.centre;
     moved_before = full;
-    const Vec2 move = gain_ * full;
-    if (std::max(std::abs(move.x), std::abs(move.y)) <= kStay * bank_.step_px()) return settle();
-    const double length = norm(move), most = longest_move_px_;
-    at = place_.centre + (length > most ? most / length : 1.0) * move;
+    move_ = gain * full;
+    if (std::max(std::abs(move_.x), std::abs(move_.y)) <= kStay * bank_.step_px()) return settle();
+    const double length = norm(move_), most = longest_move_px_;
+    at = place_.centre + (length > most ? most / length : 1.0) * move_;
     if (!(norm(at - start) <= reach_px)) return false;
   }
   return false;
 }
 
 double MatchedFit::score(Vec2 at) {
-  level_ = kMiddleNoise;
   if (!solve(bank_.place(at))) return 0.0;
   return double(fit_.amplitude) * double(fit_.amplitude);
 }
@@ -83,35 +96,33 @@ bool MatchedFit::is_spot() {
 }
 
 Vec2 MatchedFit::found() const {
-  return place_.centre + gain_ * full_move();
+  return place_.centre + move_;
 }
 
-Vec2 MatchedFit::full_move() const {
-  return {double(fit_.move_x) / double(fit_.amplitude),
-          double(fit_.move_y) / double(fit_.amplitude)};
+void MatchedFit::load(const TemplateBank::Place& place) {
+  if (loaded_ && place.x == window_x_ && place.y == window_y_) return;
+  load_window(image_, place.x - bank_.columns() / 2, place.y - bank_.rows() / 2, bank_.columns(),
+              bank_.rows(), scratch_.samples.data());
+  window_x_ = place.x;
+  window_y_ = place.y;
+  loaded_ = true;
 }
 
-// Where the light differs much from the template, a Gauss-Newton step goes beyond the minimum, by
-// how much two steps tell; else they would go on to and fro.
-void MatchedFit::damp(Vec2 step, Vec2 change) {
-  const double along = -dot(change, step);
-  if (along > 0.0) gain_ = std::clamp(dot(step, step) / along, kLeastGain, 1.0);
-}
-
-/// Fits at a place; whether the template is bright there.
-bool MatchedFit::solve(const TemplateBank::Place& place) {
-  if (!loaded_ || place.x != place_.x || place.y != place_.y) {
-    load_window(image_, place.x - bank_.columns() / 2, place.y - bank_.rows() / 2, bank_.columns(),
-                bank_.rows(), scratch_.samples.data());
-    loaded_ = true;
-  }
-  place_ = place;
-  const TemplateMoments m = kernels_.moments(bank_.view(place, level_), scratch_.samples.data());
-  const auto& c = bank_.solver(place, level_).inverse;
+/// Fits at a place and a noise level.
+TemplateFit MatchedFit::fit_at(const TemplateBank::Place& place, int level) {
+  load(place);
+  const TemplateMoments m = kernels_.moments(bank_.view(place, level), scratch_.samples.data());
+  const auto& c = bank_.solver(place, level).inverse;
   const auto row = [&](std::size_t i) {
     return c[i] * m.one + c[i + 1] * m.value + c[i + 2] * m.cx + c[i + 3] * m.cy;
   };
-  fit_ = {row(0), row(4), row(8), row(12)};
+  return {row(0), row(4), row(8), row(12)};
+}
+
+/// Goes to a place; whether the template is bright there.
+bool MatchedFit::solve(const TemplateBank::Place& place) {
+  fit_ = fit_at(place, kMiddleNoise);
+  place_ = place;
   return fit_.amplitude > 0.0F;
 }
 
@@ -119,12 +130,14 @@ bool MatchedFit::solve(const TemplateBank::Place& place) {
 bool MatchedFit::settle() {
   const TemplateBank::Place nearest = bank_.place(found());
   if (!(nearest == place_) && !solve(nearest)) return false;
-  return weigh();
+  const NoiseMix noise = weigh();
+  mix(noise);
+  return fit_.amplitude > 0.0F && correct(noise);
 }
 
-/// Estimates the noise where the fit came to rest, and goes from the fit at the middle level
-/// towards that at the next by as much: a sudden change there would be one of the position.
-bool MatchedFit::weigh() {
+/// Estimates the noise where the fit came to rest. Between two levels, because a sudden change of
+/// the weights would be one of the position.
+MatchedFit::NoiseMix MatchedFit::weigh() {
   sums_ = kernels_.residuals(bank_.view(place_, kMiddleNoise), scratch_.samples.data(), fit_,
                              scratch_.sums.data());
   const TemplateBank::Solver& s = bank_.solver(place_, kMiddleNoise);
@@ -135,19 +148,72 @@ bool MatchedFit::weigh() {
   const double bright = s.ww * double(sums_.bright) - s.wwt * double(sums_.dark);
   const double middle = kNoiseLevels[kMiddleNoise];
   const bool drowned = dark > middle * bright;  // bright may be 0 or, by chance, less
-  const std::size_t next = drowned ? kMiddleNoise + 1 : kMiddleNoise - 1;
-  const double whole_way = std::log(kNoiseLevels[next] / middle);
+  const int next = drowned ? kMiddleNoise + 1 : kMiddleNoise - 1;
+  const double whole_way = std::log(kNoiseLevels[std::size_t(next)] / middle);
   const double way =
       bright > 0.0 ? std::min(std::log(dark / (middle * bright)) / whole_way, 1.0) : 1.0;
-  if (way < kLeastWay) return true;
-  const TemplateFit here = fit_;
-  level_ = int(next);
-  if (!solve(TemplateBank::Place(place_))) return false;
-  const auto between = [&](float from, float to) { return from + float(way) * (to - from); };
-  fit_ = {between(here.background, fit_.background), between(here.amplitude, fit_.amplitude),
-          between(here.move_x, fit_.move_x), between(here.move_y, fit_.move_y)};
-  const Vec2 move = full_move();
-  return std::max(std::abs(move.x), std::abs(move.y)) <= kMaxRest * bank_.step_px();
+  return {next, way < kLeastWay ? 0.0F : float(way)};
+}
+
+/// The fit at the place, on its way from the middle noise level to the next.
+void MatchedFit::mix(NoiseMix noise) {
+  middle_ = fit_;
+  if (noise.way == 0.0F) return;
+  next_ = fit_at(place_, noise.next);
+  const auto between = [&](float from, float to) { return from + noise.way * (to - from); };
+  fit_ = {between(middle_.background, next_.background),
+          between(middle_.amplitude, next_.amplitude), between(middle_.move_x, next_.move_x),
+          between(middle_.move_y, next_.move_y)};
+}
+
+/// Broyden step: to where the full move is zero, by its values at rest and at a shift beside. A
+/// spot of another shape than the template makes it change by more or less than the shift does; in
+/// first order, which local astigmatism alone has, by as much less along one axis as more along the
+/// one across. Where that is much, the shift across is asked, too.
+bool MatchedFit::correct(NoiseMix noise) {
+  const bool mostly_next = noise.way > 0.5F;
+  const int level = mostly_next ? noise.next : kMiddleNoise;
+  const Vec2 full = full_move(fit_), at_level = full_move(mostly_next ? next_ : middle_);
+  const auto change_to = [&](const TemplateBank::Place& there) {
+    return at_level - full_move(fit_at(there, level));
+  };
+  const TemplateBank::Place there = beside(full);
+  const Vec2 step = there.centre - place_.centre, change = change_to(there);
+  const double square = dot(step, step);
+  const Vec2 more = (1.0 / square) * (change - step);
+  const double even = more.x * step.x - more.y * step.y;
+  const double odd = more.x * step.y + more.y * step.x;
+  Vec2 by_x{1.0 + even, odd}, by_y{odd, 1.0 - even};  // change of the full move for 1 px
+  if (std::hypot(even, odd) > kAlike) {
+    const TemplateBank::Place third = beside({-step.y, step.x});
+    const Vec2 across = third.centre - place_.centre, change_across = change_to(third);
+    const double det = step.x * across.y - step.y * across.x;
+    by_x = (1.0 / det) * (across.y * change - step.y * change_across);
+    by_y = (1.0 / det) * (step.x * change_across - across.x * change);
+  }
+  load(place_);
+  const double det = by_x.x * by_y.y - by_x.y * by_y.x;
+  move_ = full;
+  if (det > kLeastGain) {
+    move_ =
+        (1.0 / det) * Vec2{by_y.y * full.x - by_y.x * full.y, by_x.x * full.y - by_x.y * full.x};
+  }
+  return std::max(std::abs(move_.x), std::abs(move_.y)) <= kMaxRest * bank_.step_px();
+}
+
+/// A shift next to the place, as nearly as possible along `way` or against it; of the same pixels,
+/// if there is one.
+TemplateBank::Place MatchedFit::beside(Vec2 way) const {
+  const double step = bank_.step_px(), x = std::abs(way.x), y = std::abs(way.y);
+  constexpr double kFlat = 0.414;  // tan 22.5 degrees
+  const Vec2 along{x < kFlat * y ? 0.0 : std::copysign(step, way.x),
+                   y < kFlat * x ? 0.0 : std::copysign(step, way.y)};
+  const Vec2 steeper = x < y ? Vec2{0.0, along.y} : Vec2{along.x, 0.0};
+  for (const Vec2 off : {along, -1.0 * along, steeper, -1.0 * steeper}) {
+    const TemplateBank::Place place = bank_.place(place_.centre + off);
+    if (place.x == place_.x && place.y == place_.y) return place;
+  }
+  return bank_.place(place_.centre + steeper);
 }
 
 int MatchedFit::count_of(int part) const {

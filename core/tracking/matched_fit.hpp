@@ -37,11 +37,20 @@ class MatchedFit {
   double noise() const { return noise_; }                      ///< RMS of the pixels, DN
 
  private:
-  Vec2 full_move() const;
-  void damp(Vec2 step, Vec2 change);
+  /// Between the fits at the middle noise level and at another: 0 is the middle one.
+  struct NoiseMix {
+    int next = kMiddleNoise;
+    float way = 0.0F;
+  };
+
+  void load(const TemplateBank::Place& place);
+  TemplateFit fit_at(const TemplateBank::Place& place, int level);
   bool solve(const TemplateBank::Place& place);
   bool settle();
-  bool weigh();
+  NoiseMix weigh();
+  void mix(NoiseMix noise);
+  bool correct(NoiseMix noise);
+  TemplateBank::Place beside(Vec2 way) const;
   int count_of(int part) const;
   double mean_of(int part) const;
   bool whole(double noise) const;
@@ -52,11 +61,12 @@ class MatchedFit {
   TrackScratch& scratch_;
   double longest_move_px_;
   double max_misfit_;
-  bool loaded_ = false;  ///< the window at place_
-  int level_ = kMiddleNoise;
+  bool loaded_ = false;  ///< the window in the scratch, of this pixel
+  int window_x_ = 0, window_y_ = 0;
   TemplateBank::Place place_;
   TemplateFit fit_;
-  double gain_ = 1.0;
+  TemplateFit middle_, next_;  ///< where it came to rest, at two noise levels
+  Vec2 move_;                  ///< from the place's centre, px
   ResidualSums sums_;
   double quality_ = 0.0;
   double noise_ = 0.0;

@@ -94,6 +94,30 @@ TEST_P(Matched, IsFoundFromHalfALambdaOverDOnEverySide) {
   }
 }
 
+/// 0.033 wave of astigmatism in a subaperture are 2 waves over the pupil of the default bench.
+TEST_P(Matched, IsNotDrawnToItsTemplatesShiftsByAnAberratedSpot) {
+  double worst = 0.0;
+  for (const double waves : {0.033, 0.066}) {
+    for (int k = 0; k < 20; ++k) {
+      const double turn = 0.3 * k;
+      const auto astigmatism = [&](double x, double y) {
+        const double a = (x * x - y * y) * std::cos(turn) + 2.0 * x * y * std::sin(turn);
+        return std::sqrt(6.0) * waves * a;
+      };
+      const Vec2 truth{60.3 + 0.05 * k, 60.6 + 0.083 * k};
+      SpotPicture picture;
+      picture.add(GetParam(), truth, 200.0, astigmatism);
+      const auto image = picture.mono16(300.0, 65535);
+      const SpotFix fix =
+          tracker_.track(view_of(image, PixelFormat::mono16), truth + Vec2{1.1, -0.7}, scratch_);
+      ASSERT_TRUE(fix.found()) << waves << ", " << k;
+      worst = std::max({worst, std::abs(fix.x - truth.x), std::abs(fix.y - truth.y)});
+    }
+  }
+  std::printf("  charge %d: worst error %.4f px\n", GetParam(), worst);
+  EXPECT_LT(worst, 0.002);
+}
+
 TEST_P(Matched, HardlyDependsOnTheStart) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const auto image = spot_at({61.1, 59.37}, 60.0).noisy8(6.0, seed);
