@@ -190,8 +190,9 @@ Result<void> App::Parts::bind_control() {
     };
     handle_rpc_frame(request, call, std::move(reply));
   };
-  auto bound = ControlServer::bind(config.control.endpoint, kMaxRequestBytes, oversize_reply(),
-                                   handle, clients->gate());
+  auto bound = ControlServer::bind(config.control.endpoint,
+                                   {kMaxRequestBytes, oversize_reply(), overload_reply()}, handle,
+                                   clients->gate());
   if (!bound) return fail(bound.error());
   control = std::move(*bound);
   return {};

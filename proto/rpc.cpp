@@ -17,16 +17,14 @@ std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json response(const Json& id, const RpcAnswer& answer) {
-  Json out{{"jsonrpc", "2.0"}, {"id", id}};
-  if (answer) {
-    out["result"] = *answer;
-  } else {
-    const RpcFailure& failure = answer.error();
-    out["error"] = {
-        {"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
-  }
-  return out;
+/// Joined as text: a copy of a large result takes as long as its text.
+std::string response(const Json& id, const RpcAnswer& answer) {
+  std::string text = R"({"jsonrpc":"2.0","id":)" + text_of(id);
+  if (answer) return text + R"(,"result":)" + text_of(*answer) + "}";
+  const RpcFailure& failure = answer.error();
+  const Json error{
+      {"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
+  return text + R"(,"error":)" + text_of(error) + "}";
 }
 
 RpcFailure failure(RpcCode code, std::string field, std::string reason) {
@@ -41,10 +39,17 @@ class Gathering {
   Gathering(std::size_t members, bool batch, RpcSend send)
       : responses_(members), missing_(members), batch_(batch), send_(std::move(send)) {}
 
+  /// Whether a batch's responses so far are as large as its reply may be.
+  bool is_full() const {
+    const std::lock_guard lock(mutex_);
+    return batch_ && bytes_ >= kMaxBatchReplyBytes;
+  }
+
   /// Member `k` is answered; an empty text for a notification.
   void put(std::size_t k, std::string text) {
     {
       const std::lock_guard lock(mutex_);
+      bytes_ += text.size();
       responses_[k] = std::move(text);
       if (--missing_ > 0) return;
     }
@@ -52,17 +57,20 @@ class Gathering {
   }
 
  private:
-  std::string whole() const {
-    if (!batch_) return responses_[0];
+  std::string whole() {
+    if (!batch_) return std::move(responses_[0]);
     std::string text;
-    for (const auto& one : responses_) {
-      if (!one.empty()) text += (text.empty() ? "[" : ",") + one;
+    text.reserve(bytes_ + responses_.size() + 1);
+    for (auto& one : responses_) {
+      if (!one.empty()) text.append(text.empty() ? "[" : ",").append(one);
+      one = {};
     }
-    return text.empty() ? text : text + "]";
+    return text.empty() ? text : std::move(text.append("]"));
   }
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::vector<std::string> responses_;
+  std::size_t bytes_ = 0;
   std::size_t missing_;
   bool batch_;
   RpcSend send_;
@@ -89,8 +97,11 @@ class PendingCall {
 
   void answer(const RpcAnswer& answer) {
     if (answered_.exchange(true)) return;
-    gathering_->put(k_, silent_ ? std::string() : text_of(response(id_, answer)));
+    gathering_->put(k_, silent_ ? std::string() : response(id_, answer));
   }
+
+  /// Whether its response would find no place in the batch's reply. A notification has none.
+  bool has_no_place() const { return !silent_ && gathering_->is_full(); }
 
  private:
   std::shared_ptr<Gathering> gathering_;
@@ -138,6 +149,12 @@ void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
     refusal.code = RpcCode::request;
     return call->answer(tl::make_unexpected(std::move(refusal)));
   }
+  if (call->has_no_place()) {
+    return call->answer(tl::make_unexpected(failure(
+        RpcCode::refused, "",
+        "the batch's reply would be larger than " + std::to_string(kMaxBatchReplyBytes >> 20) +
+            " MiB; this request was not carried out, send it in another batch")));
+  }
   static const Json kNoParams = Json::object();
   const auto params = member.find("params");
   if (params != member.end() && !params->is_object()) {
@@ -159,7 +176,7 @@ void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
 }
 
 std::string error_frame(RpcCode code, std::string reason) {
-  return text_of(response(nullptr, tl::make_unexpected(failure(code, "", std::move(reason)))));
+  return response(nullptr, tl::make_unexpected(failure(code, "", std::move(reason))));
 }
 
 }  // namespace
@@ -186,6 +203,12 @@ RpcFailure rpc_failure(const Error& error) {
   if (error.max) out.data["max"] = *error.max;
   if (!error.nearest.empty()) out.data["nearest"] = error.nearest;
   return out;
+}
+
+std::string overload_reply() {
+  return error_frame(RpcCode::refused,
+                     "too many requests of this client wait; this request was not carried out, "
+                     "read replies before asking again");
 }
 
 std::string oversize_reply() {

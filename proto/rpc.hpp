@@ -52,10 +52,14 @@ using RpcSend = std::function<void(std::string)>;
 
 constexpr int kMaxRequestDepth = 32;   ///< of nested objects and arrays
 constexpr int kMaxBatchMembers = 100;  ///< more are refused with one error
+/// A batch's member that comes when its reply is this large is refused, and not carried out.
+constexpr std::size_t kMaxBatchReplyBytes = 1 << 20;
 
 /// The reply to a request that is larger than kMaxRequestBytes or came in several frames; nobody
 /// has to read it for that.
 std::string oversize_reply();
+/// The reply to a request that is refused unread, because too many of its client's requests wait.
+std::string overload_reply();
 
 /// Handles one request frame, single or batch: strict UTF-8 and JSON, size cap, JSON-RPC shape;
 /// every member with an id gets exactly one response. Never throws, whatever the bytes are. A

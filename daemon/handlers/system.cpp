@@ -7,7 +7,7 @@ namespace ovws {
 namespace {
 
 /// Every method and every stream with its JSON Schema, and the versions of what is running.
-void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply reply) {
+nlohmann::json make_description() {
   nlohmann::json methods = nlohmann::json::object();
   for (const std::string& name : method_names()) {
     methods[name] = nlohmann::json::parse(schema_text(name), nullptr, false);
@@ -23,10 +23,16 @@ void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply
   }
   nlohmann::json running = nlohmann::json::object();
   for (const auto& [name, version] : versions()) running[name] = version;
-  reply(nlohmann::json{{"methods", std::move(methods)},
-                       {"roles", std::move(roles)},
-                       {"streams", std::move(streams)},
-                       {"versions", std::move(running)}});
+  return {{"methods", std::move(methods)},
+          {"roles", std::move(roles)},
+          {"streams", std::move(streams)},
+          {"versions", std::move(running)}};
+}
+
+/// Made once: parsing the schemas takes milliseconds.
+void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply reply) {
+  static const nlohmann::json kDescription = make_description();
+  reply(nlohmann::json(kDescription));
 }
 
 void status(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {

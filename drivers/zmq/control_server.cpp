@@ -1,24 +1,28 @@
 #include "drivers/zmq/control_server.hpp"
 
+#include <chrono>
+#include <cstdint>
 #include <vector>
 #include <zmq.hpp>
 
 #include "drivers/zmq/endpoint.hpp"
 #include "drivers/zmq/gate_parts.hpp"
 #include "drivers/zmq/reply_box.hpp"
+#include "drivers/zmq/request_turns.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr long kWaitMs = 50;
 constexpr int kLingerMs = 100;  // what was answered last may leave before the socket closes
-constexpr int kTurn = 64;       // requests taken before replies are looked at
-constexpr std::size_t kMaxPending = 128;  // beyond, requests wait in the sockets
-// ROUTER drops what one client's queue does not hold: all that can be pending must fit.
-constexpr int kReplyQueue = 2 * int(kMaxPending);
+constexpr int kTurn = 64;       // requests received before any is served
+constexpr auto kServeFor = std::chrono::milliseconds(10);  // before replies are sent
+// ROUTER drops what one client's queue does not hold: all that can be outstanding must fit.
+constexpr int kReplyQueue = int(kMostOfOneClient.requests + kMostOfOneClient.replies) + 64;
 constexpr int kReceiveQueue = 32;                 // requests held for one client
 constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // beyond, libzmq ends the connection
 constexpr std::size_t kMaxParts = 16;             // of one request, its envelope included
+constexpr std::size_t kMaxRoutingId = 255;        // bytes, by ZeroMQ's own rule
 
 /// One multipart request. Parts beyond kMaxParts are counted and not kept.
 struct Incoming {
@@ -26,11 +30,12 @@ struct Incoming {
   std::size_t count = 0;
 };
 
-/// The envelope ends with the first empty frame before the last; a DEALER may leave that out, and
-/// then it is the routing id alone.
+/// The envelope is routing ids, and ends with the first empty frame before the last; a DEALER may
+/// leave that out, and then it is the first routing id alone.
 std::size_t envelope_size(const Incoming& in) {
   for (std::size_t k = 1; k + 1 < in.parts.size(); ++k) {
     if (in.parts[k].size() == 0) return k + 1;
+    if (in.parts[k].size() > kMaxRoutingId) break;
   }
   return 1;
 }
@@ -53,40 +58,60 @@ struct ControlServer::Impl {
   std::shared_ptr<zmq::context_t> context;
   zmq::socket_t socket;
   std::shared_ptr<ReplyBox> box = std::make_shared<ReplyBox>();
-  std::size_t max_request_bytes = 0;
-  std::string oversize_reply;
+  RequestTurns turns{box};
+  ControlLimits limits;
   ControlHandler handler;
+  bool more_to_serve = false;  ///< the last turn ended by its time
   std::vector<zmq_pollitem_t> items;
 
   bool wait();
   bool send_replies();
-  bool take_request();
-  void serve(const Incoming& in);
+  void send(ReplyBox::Reply reply);
+  bool receive();
+  void take(const Incoming& in);
+  bool serve();
 };
 
-/// Until something is to be done, at most kWaitMs. Too many requests pending: new ones are left
-/// where they are.
+/// Until something is to be done, at most kWaitMs.
 bool ControlServer::Impl::wait() {
-  const bool room = box->pending() < kMaxPending;
   items.assign(1, {nullptr, box->wake_fd(), ZMQ_POLLIN, 0});
   if (gate != nullptr) gate->parts().add_to(items);
-  if (room) items.push_back({socket.handle(), 0, ZMQ_POLLIN, 0});
-  return zmq_poll(items.data(), int(items.size()), kWaitMs) > 0;  // interrupted: a short wait
+  items.push_back({socket.handle(), 0, ZMQ_POLLIN, 0});
+  const long wait_ms = more_to_serve ? 0 : kWaitMs;
+  return zmq_poll(items.data(), int(items.size()), wait_ms) > 0;  // interrupted: a short wait
 }
 
 bool ControlServer::Impl::send_replies() {
-  const auto replies = box->collect();
-  for (const auto& [envelope, bytes] : replies) {
-    // To a client that is gone, or that does not read its replies, ROUTER drops: its own loss.
-    for (const auto& frame : envelope) {
-      (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
-    }
-    (void)socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
-  }
+  auto replies = box->collect();
+  for (auto& reply : replies) send(std::move(reply));
   return !replies.empty();
 }
 
-bool ControlServer::Impl::take_request() {
+/// The reply's bytes belong to libzmq until they are written to the connection: by then they count
+/// as outstanding.
+void ControlServer::Impl::send(ReplyBox::Reply reply) {
+  struct Sent {
+    std::shared_ptr<ReplyBox> box;
+    ReplyBox::Reply reply;
+  };
+  // To a client that is gone, or whose queue is full, ROUTER drops: its own loss.
+  for (const auto& frame : reply.envelope) {
+    (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
+  }
+  auto kept = std::make_unique<Sent>(box, std::move(reply));
+  std::string& bytes = kept->reply.bytes;
+  zmq::message_t message(
+      bytes.data(), bytes.size(),
+      [](void*, void* hint) {
+        const std::unique_ptr<Sent> done(static_cast<Sent*>(hint));
+        done->box->sent(*done->reply.client, done->reply.bytes.size());
+      },
+      kept.get());
+  (void)kept.release();
+  (void)socket.send(message, zmq::send_flags::dontwait);
+}
+
+bool ControlServer::Impl::receive() {
   Incoming in;
   bool more = true;
   while (more) {
@@ -96,31 +121,56 @@ bool ControlServer::Impl::take_request() {
     ++in.count;
     if (in.parts.size() < kMaxParts) in.parts.push_back(std::move(part));
   }
-  serve(in);
+  take(in);
   return true;
 }
 
-void ControlServer::Impl::serve(const Incoming& in) {
-  const std::size_t size = envelope_size(in);
-  Envelope envelope;
-  for (std::size_t k = 0; k < size; ++k) envelope.push_back(in.parts[k].to_string());
-  const auto reply = box->reply_to(std::move(envelope));
+/// Puts a request with those of its client. What waits is copied: a received message may hold a
+/// larger buffer of libzmq's.
+void ControlServer::Impl::take(const Incoming& in) {
   if (in.count == 1) return;  // a routing id alone asks for nothing and has nowhere to go
+  const std::size_t size = envelope_size(in);
+  Request request;
+  for (std::size_t k = 0; k < size; ++k) request.envelope.push_back(in.parts[k].to_string());
   const bool one_frame = in.count == size + 1;
-  if (!one_frame || in.parts[size].size() > max_request_bytes) return reply(oversize_reply);
-  handler(in.parts[size].to_string_view(), gate != nullptr ? asker_of(in.parts[size]) : "", reply);
+  request.well_sized = one_frame && in.parts[size].size() <= limits.max_request_bytes;
+  if (request.well_sized) request.bytes = in.parts[size].to_string();
+  if (gate != nullptr) request.asker = asker_of(in.parts[size]);
+  Envelope envelope = request.envelope;
+  if (turns.push(std::move(request))) return;
+  auto client = turns.load_of(envelope.front());
+  box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply);
+}
+
+/// One request of each client in turn, until none can be served or the time is over.
+bool ControlServer::Impl::serve() {
+  const auto until = std::chrono::steady_clock::now() + kServeFor;
+  bool served = false;
+  more_to_serve = true;
+  while (auto turn = turns.next()) {
+    Request& request = turn->request;
+    const auto reply =
+        box->reply_to(std::move(request.envelope), turn->client, request.bytes.size());
+    if (request.well_sized) {
+      handler(request.bytes, request.asker, reply);
+    } else {
+      reply(limits.oversize_reply);
+    }
+    served = true;
+    if (std::chrono::steady_clock::now() >= until) return served;
+  }
+  more_to_serve = false;
+  return served;
 }
 
 ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ControlServer::~ControlServer() = default;
 
 Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& endpoint,
-                                                           std::size_t max_request_bytes,
-                                                           std::string oversize_reply,
+                                                           ControlLimits limits,
                                                            ControlHandler handler, Gate* gate) {
   auto impl = std::make_unique<Impl>(gate);
-  impl->max_request_bytes = max_request_bytes;
-  impl->oversize_reply = std::move(oversize_reply);
+  impl->limits = std::move(limits);
   impl->handler = std::move(handler);
   impl->socket.set(zmq::sockopt::linger, kLingerMs);
   impl->socket.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
@@ -140,10 +190,8 @@ bool ControlServer::do_work() {
   impl_->wait();
   if (impl_->gate != nullptr) impl_->gate->parts().serve();
   bool worked = impl_->send_replies();
-  for (int k = 0; k < kTurn && impl_->box->pending() < kMaxPending; ++k) {
-    if (!impl_->take_request()) break;
-    worked = true;
-  }
+  for (int k = 0; k < kTurn && impl_->receive(); ++k) worked = true;
+  worked = impl_->serve() || worked;
   return impl_->send_replies() || worked;
 }
 

@@ -18,19 +18,26 @@ namespace ovws {
 using ControlHandler = std::function<void(std::string_view request, const std::string& asker,
                                           std::function<void(std::string)> reply)>;
 
+struct ControlLimits {
+  std::size_t max_request_bytes = 0;
+  std::string oversize_reply;  ///< to larger requests, and to those of several frames
+  std::string overload_reply;  ///< to a request that comes while too many of its client wait
+};
+
 /// `do_work` runs in the control thread: it waits for requests and for replies to send, at most 50
 /// ms.
 class ControlServer : public Agent {
  public:
-  /// Requests larger than `max_request_bytes`, or of several frames, are answered by
-  /// `oversize_reply` and not handed on (above 2 MiB libzmq ends the connection). At most 128
-  /// requests are pending; more wait in the sockets. A client that leaves more than 256 replies
-  /// unread loses further ones. With a gate this server turns it, for all sockets behind it; bind
-  /// it last. Errors as of Publisher::bind.
+  /// Requests that `limits` refuse are answered and not handed on (above 2 MiB libzmq ends the
+  /// connection). Clients are served in turn, one request each; those of one client in their
+  /// order. A client's next request waits while 64 of its requests or 8 KiB of them are being
+  /// carried out, or 128 of its replies or 4 MiB of them are unread. Up to 8 MiB of requests wait
+  /// for each client, 32 MiB for all. A client that leaves the replies beyond that unread loses
+  /// some. With a gate this server turns it, for all sockets behind it; bind it last. Errors as of
+  /// Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
-                                                     std::size_t max_request_bytes,
-                                                     std::string oversize_reply,
-                                                     ControlHandler handler, Gate* gate = nullptr);
+                                                     ControlLimits limits, ControlHandler handler,
+                                                     Gate* gate = nullptr);
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
   ~ControlServer() override;

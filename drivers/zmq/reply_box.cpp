@@ -7,29 +7,63 @@
 #include <cerrno>
 #include <cstdint>
 #include <system_error>
+#include <utility>
 
 namespace ovws {
+namespace {
+
+bool idle(const ClientLoad& load) {
+  return load.requests == 0 && load.replies == 0;
+}
+
+bool within(const ClientLoad& load, const ClientLoad& most) {
+  return load.requests < most.requests && load.request_bytes < most.request_bytes &&
+         load.replies < most.replies && load.reply_bytes < most.reply_bytes;
+}
+
+void end_request(ClientLoad& load, std::size_t bytes) {
+  --load.requests;
+  load.request_bytes -= bytes;
+}
+
+void add_reply(ClientLoad& load, std::size_t bytes) {
+  ++load.replies;
+  load.reply_bytes += bytes;
+}
+
+void end_reply(ClientLoad& load, std::size_t bytes) {
+  --load.replies;
+  load.reply_bytes -= bytes;
+}
+
+}  // namespace
 
 /// Shared by all copies of one reply function; the last one to go unanswered gives the place free.
 class ReplyBox::Ticket {
  public:
-  Ticket(std::shared_ptr<ReplyBox> box, Envelope envelope)
-      : box_(std::move(box)), envelope_(std::move(envelope)) {}
+  Ticket(std::shared_ptr<ReplyBox> box, Envelope envelope, std::shared_ptr<ClientLoad> client,
+         std::size_t request_bytes)
+      : box_(std::move(box)),
+        envelope_(std::move(envelope)),
+        client_(std::move(client)),
+        request_bytes_(request_bytes) {}
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
   ~Ticket() {
-    if (!used_.exchange(true)) box_->forget();
+    if (!used_.exchange(true)) box_->forget(*client_, request_bytes_);
   }
 
   void reply(std::string bytes) {
     if (used_.exchange(true)) return;
-    if (bytes.empty()) return box_->forget();
-    box_->put(std::move(envelope_), std::move(bytes));
+    if (bytes.empty()) return box_->forget(*client_, request_bytes_);
+    box_->put({std::move(envelope_), std::move(bytes), client_}, request_bytes_);
   }
 
  private:
   std::shared_ptr<ReplyBox> box_;
   Envelope envelope_;
+  std::shared_ptr<ClientLoad> client_;
+  std::size_t request_bytes_;
   std::atomic<bool> used_{false};
 };
 
@@ -41,39 +75,70 @@ ReplyBox::~ReplyBox() {
   ::close(wake_fd_);
 }
 
-std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope) {
-  auto ticket = std::make_shared<Ticket>(shared_from_this(), std::move(envelope));
-  const std::lock_guard lock(mutex_);
-  ++pending_;
+std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope,
+                                                    std::shared_ptr<ClientLoad> client,
+                                                    std::size_t request_bytes) {
+  ClientLoad& own = *client;
+  auto ticket = std::make_shared<Ticket>(shared_from_this(), std::move(envelope), std::move(client),
+                                         request_bytes);
+  {
+    const std::lock_guard lock(mutex_);
+    for (ClientLoad* load : {&own, &all_}) {
+      ++load->requests;
+      load->request_bytes += request_bytes;
+    }
+  }
   return [ticket](std::string bytes) { ticket->reply(std::move(bytes)); };
 }
 
-std::size_t ReplyBox::pending() const {
+bool ReplyBox::has_room(const ClientLoad& client) {
   const std::lock_guard lock(mutex_);
-  return pending_;
+  const bool room =
+      idle(client) || (within(client, kMostOfOneClient) && within(all_, kMostOfAllClients));
+  if (!room) one_waits_ = true;
+  return room;
 }
 
-std::vector<std::pair<Envelope, std::string>> ReplyBox::collect() {
+bool ReplyBox::is_idle(const ClientLoad& client) const {
+  const std::lock_guard lock(mutex_);
+  return idle(client);
+}
+
+std::vector<ReplyBox::Reply> ReplyBox::collect() {
   std::uint64_t count = 0;
   while (::read(wake_fd_, &count, sizeof count) < 0 && errno == EINTR) {
   }
   const std::lock_guard lock(mutex_);
-  pending_ -= replies_.size();
   return std::exchange(replies_, {});
 }
 
-void ReplyBox::put(Envelope envelope, std::string reply) {
+void ReplyBox::sent(ClientLoad& client, std::size_t reply_bytes) {
+  bool waits = false;
   {
     const std::lock_guard lock(mutex_);
-    replies_.emplace_back(std::move(envelope), std::move(reply));
+    for (ClientLoad* load : {&client, &all_}) end_reply(*load, reply_bytes);
+    waits = std::exchange(one_waits_, false);
+  }
+  if (waits) wake();
+}
+
+void ReplyBox::put(Reply reply, std::size_t request_bytes) {
+  {
+    const std::lock_guard lock(mutex_);
+    replies_.push_back(std::move(reply));
+    const Reply& kept = replies_.back();
+    for (ClientLoad* load : {kept.client.get(), &all_}) {
+      end_request(*load, request_bytes);
+      add_reply(*load, kept.bytes.size());
+    }
   }
   wake();
 }
 
-void ReplyBox::forget() {
+void ReplyBox::forget(ClientLoad& client, std::size_t request_bytes) {
   {
     const std::lock_guard lock(mutex_);
-    --pending_;
+    for (ClientLoad* load : {&client, &all_}) end_request(*load, request_bytes);
   }
   wake();
 }

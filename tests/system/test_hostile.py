@@ -7,6 +7,7 @@ import json
 import os
 import random
 import socket
+import statistics
 import struct
 import time
 from pathlib import Path
@@ -17,6 +18,7 @@ from case import BenchCase, Client, main, wait_for
 
 REQUESTS = int(os.environ.get("OVWS_REQUESTS", "10000"))
 CLIENTS = 64
+BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
 ANSWERED_WITHIN_S = 2.0
@@ -182,11 +184,42 @@ class Hostile(BenchCase):
         print(f"\n  giant frames: memory +{self.resident_mib() - before:.1f} MiB")
         self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
 
-    def test_a_client_that_reads_no_replies(self):
-        before, mute = self.resident_mib(), self.context.socket(zmq.DEALER)
+    def mute(self):
+        """A client that takes hardly any reply before it is read."""
+        mute = self.context.socket(zmq.DEALER)
         mute.linger = 0
         mute.rcvhwm, mute.rcvbuf = 1, 4096
         mute.connect(ENDPOINT)
+        return mute
+
+    def test_batches_whose_replies_are_large_and_not_read(self):
+        before, mute, took_s, most_mib = self.resident_mib(), self.mute(), [], 0.0
+        for batch in range(BATCHES):
+            mute.send(json.dumps([{"jsonrpc": "2.0", "id": f"{batch}.{n}", "method": "system.describe"} for n in range(100)]).encode())
+        for _ in range(20):
+            took_s.append(self.check_others_are_answered())
+            most_mib = max(most_mib, self.resident_mib() - before)
+        replies = {}
+        for _ in range(BATCHES):
+            self.assertTrue(mute.poll(10000), f"{len(replies)} replies of {BATCHES}")
+            answers = json.loads(mute.recv())
+            replies[answers[0]["id"].split(".")[0]] = answers
+            took_s.append(self.check_others_are_answered())
+            most_mib = max(most_mib, self.resident_mib() - before)
+        print(f"\n  {BATCHES} batches of 100 large replies: others answered in {statistics.median(took_s):.3f} s, at most {max(took_s):.3f} s;"
+              f" memory at most +{most_mib:.1f} MiB")
+        self.assertEqual(len(replies), BATCHES)
+        for batch, answers in replies.items():
+            self.assertEqual([answer["id"] for answer in answers], [f"{batch}.{n}" for n in range(100)])
+            refused = [answer["error"]["code"] for answer in answers if "error" in answer]
+            self.assertEqual(refused, [-32000] * len(refused))
+            self.assertLess(len(refused), 100)
+        self.assertLess(statistics.median(took_s), 0.5)
+        self.assertLess(most_mib, MOST_GROWTH_MIB)
+        self.assertFalse(mute.poll(100))
+
+    def test_a_client_that_reads_no_replies(self):
+        before, mute = self.resident_mib(), self.mute()
         for number in range(5000):
             mute.send(b'{"jsonrpc":"2.0","id":1,"method":"system.describe"}')
             if number % 500 == 0:

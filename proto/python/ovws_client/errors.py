@@ -11,7 +11,7 @@ CODES = {
     -32601: ("no such method", "see `nearest`, or `system.describe`"),
     -32602: ("a key or a value is wrong", "mend it; see `field`"),
     -32603: ("an error of the daemon itself", "report it"),
-    -32000: ("refused in the present state", "change the state first"),
+    -32000: ("refused in the present state, or too much waits or is unread", "change the state first; read replies, send smaller batches"),
     -32001: ("a device or resource is not there", "connect it, or wait"),
     -32002: ("a device failed, or answered wrongly", "look at the device"),
     -32003: ("this client may not: its role is `read`, and the method controls (`field` is `method`); or its key was withdrawn",

@@ -18,11 +18,13 @@ namespace {
 using namespace std::chrono_literals;
 using test::RawClient;
 
+const ControlLimits kLimits{kMaxRequestBytes, "too large", "too many"};
+
 /// A server with its thread; the handler answers "re:" + request unless told otherwise.
 class Served {
  public:
   explicit Served(const std::string& endpoint, ControlHandler handler = echo()) {
-    auto bound = ControlServer::bind(endpoint, kMaxRequestBytes, "too large", std::move(handler));
+    auto bound = ControlServer::bind(endpoint, kLimits, std::move(handler));
     EXPECT_TRUE(bound) << bound.error().reason;
     server_ = std::move(*bound);
     thread_ = std::thread([this] {
@@ -182,32 +184,91 @@ TEST(ControlServer, TakesRepliesFromAnyThreadInAnyOrderOnce) {
   }
 }
 
-TEST(ControlServer, LeavesRequestsInTheSocketsWhileTooManyArePending) {
+/// Keeps the replies to all requests but those that begin with "now".
+class Held {
+ public:
+  ControlHandler handler() {
+    return [this](std::string_view request, const std::string&,
+                  std::function<void(std::string)> reply) {
+      if (open_ || request.starts_with("now")) return reply("ok");
+      const std::lock_guard lock(mutex_);
+      replies_.push_back(std::move(reply));
+    };
+  }
+  std::size_t size() {
+    const std::lock_guard lock(mutex_);
+    return replies_.size();
+  }
+  void wait_for(std::size_t count) {
+    while (size() < count) std::this_thread::sleep_for(1ms);
+  }
+  void let_go() {
+    open_ = true;
+    const std::lock_guard lock(mutex_);
+    for (auto& reply : replies_) reply("ok");
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::function<void(std::string)>> replies_;
+  std::atomic<bool> open_{false};
+};
+
+TEST(ControlServer, HoldsAClientsNextRequestsBackWhileManyAreCarriedOutAndAnswersOthers) {
   const auto endpoint = test::ipc_endpoint("pending");
-  std::mutex mutex;
-  std::vector<std::function<void(std::string)>> waiting;
-  std::atomic<bool> hold{true};
-  const Served served(
-      endpoint, [&](std::string_view, const std::string&, std::function<void(std::string)> reply) {
-        if (!hold) return reply("ok");
-        const std::lock_guard lock(mutex);
-        waiting.push_back(std::move(reply));
-      });
-  RawClient dealer(ZMQ_DEALER, endpoint);
-  std::thread sender([&dealer] {
-    for (int k = 0; k < 1500; ++k) dealer.send({"x"});
-  });
-  const auto held = [&] {
-    const std::lock_guard lock(mutex);
-    return waiting.size();
-  };
-  while (held() < 128) std::this_thread::sleep_for(1ms);
-  std::this_thread::sleep_for(150ms);
-  EXPECT_EQ(held(), 128u);
-  hold = false;
-  for (auto& reply : waiting) reply("ok");
-  sender.join();
+  Held held;
+  const Served served(endpoint, held.handler());
+  RawClient dealer(ZMQ_DEALER, endpoint), other(ZMQ_REQ, endpoint);
+  for (int k = 0; k < 1500; ++k) dealer.send({"x"});
+  held.wait_for(64);
+  for (int k = 0; k < 20; ++k) {
+    other.send({"now"});
+    ASSERT_EQ(other.receive(), Frames{"ok"});
+  }
+  EXPECT_EQ(held.size(), 64u);
+  held.let_go();
   for (int k = 0; k < 1500; ++k) ASSERT_EQ(dealer.receive(), Frames{"ok"}) << k;
+}
+
+TEST(ControlServer, AnswersAClientWhateverManyOthersHavePending) {
+  const auto endpoint = test::ipc_endpoint("many");
+  Held held;
+  const Served served(endpoint, held.handler());
+  std::deque<RawClient> others;
+  for (int k = 0; k < 3; ++k) {
+    others.emplace_back(ZMQ_DEALER, endpoint);
+    for (int n = 0; n < 64; ++n) others.back().send({"x"});
+  }
+  held.wait_for(128);  // as many as all may have
+  RawClient one(ZMQ_REQ, endpoint);
+  one.send({"now"});
+  EXPECT_EQ(one.receive(), Frames{"ok"});
+  held.let_go();
+}
+
+TEST(ControlServer, KeepsFewRepliesThatAreNotReadAndSendsAllOnceTheyAre) {
+  const auto endpoint = test::ipc_endpoint("unread");
+  constexpr std::size_t kLarge = 1 << 20;
+  constexpr int kRequests = 40;
+  std::atomic<int> handled{0};
+  const Served served(endpoint, [&](std::string_view request, const std::string&,
+                                    const std::function<void(std::string)>& reply) {
+    if (request == "x") ++handled;
+    reply(std::string(request == "x" ? kLarge : 1, 'y'));
+  });
+  const int few = 1;
+  RawClient mute(ZMQ_DEALER, endpoint, "", few);
+  for (int k = 0; k < kRequests; ++k) mute.send({"x"});
+  RawClient other(ZMQ_REQ, endpoint);
+  for (int k = 0; k < 50; ++k) {  // as many turns of the server
+    other.send({"now"});
+    ASSERT_EQ(other.receive(), Frames{"y"});
+  }
+  EXPECT_LT(handled, kRequests / 2);
+  for (int k = 0; k < kRequests; ++k) {
+    ASSERT_EQ(mute.receive(), Frames{std::string(kLarge, 'y')}) << k;
+  }
+  EXPECT_EQ(handled, kRequests);
 }
 
 TEST(ControlServer, IsNotHeldUpByClientsThatLeaveOrDoNotRead) {
@@ -255,7 +316,7 @@ TEST(ControlServer, IgnoresRepliesAfterItsEnd) {
 TEST(ControlServer, SaysWhichEndpointIsInUse) {
   for (const std::string& endpoint : {test::tcp_endpoint(), test::ipc_endpoint("taken")}) {
     const Served served(endpoint);
-    const auto second = ControlServer::bind(endpoint, kMaxRequestBytes, "", Served::echo());
+    const auto second = ControlServer::bind(endpoint, kLimits, Served::echo());
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().code, Errc::unavailable);
     EXPECT_NE(second.error().reason.find(endpoint + " is in use"), std::string::npos);
@@ -267,7 +328,7 @@ TEST(ControlServer, SaysWhichEndpointIsInUse) {
 
 TEST(ControlServer, TellsWrongEndpointsFromAbsentOnes) {
   const auto code = [](const char* endpoint) {
-    const auto bound = ControlServer::bind(endpoint, kMaxRequestBytes, "", Served::echo());
+    const auto bound = ControlServer::bind(endpoint, kLimits, Served::echo());
     return bound ? Errc::internal : bound.error().code;
   };
   EXPECT_EQ(code("nonsense"), Errc::invalid);

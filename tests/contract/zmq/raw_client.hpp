@@ -12,12 +12,17 @@ namespace ovws::test {
 
 class RawClient {
  public:
-  RawClient(int type, const std::string& endpoint, std::string_view routing_id = {})
+  /// `receive_queue`: messages that it takes in before they are read; 0: the library's default.
+  RawClient(int type, const std::string& endpoint, std::string_view routing_id = {},
+            int receive_queue = 0)
       : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
     const int none = 0;
     zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof none);
     if (!routing_id.empty()) {
       zmq_setsockopt(socket_, ZMQ_ROUTING_ID, routing_id.data(), routing_id.size());
+    }
+    if (receive_queue > 0) {
+      zmq_setsockopt(socket_, ZMQ_RCVHWM, &receive_queue, sizeof receive_queue);
     }
     zmq_connect(socket_, endpoint.c_str());
   }

@@ -9,6 +9,10 @@
 namespace ovws {
 namespace {
 
+std::shared_ptr<ClientLoad> someone() {
+  return std::make_shared<ClientLoad>();
+}
+
 bool readable(const ReplyBox& box) {
   pollfd item{box.wake_fd(), POLLIN, 0};
   return ::poll(&item, 1, 0) > 0;
@@ -16,46 +20,91 @@ bool readable(const ReplyBox& box) {
 
 TEST(ReplyBox, GivesEachReplyWithItsEnvelopeOnce) {
   const auto box = std::make_shared<ReplyBox>();
-  const auto first = box->reply_to({"a", ""});
-  const auto second = box->reply_to({"b"});
-  EXPECT_EQ(box->pending(), 2u);
+  const auto first = box->reply_to({"a", ""}, someone(), 10);
+  const auto second = box->reply_to({"b"}, someone(), 10);
   EXPECT_FALSE(readable(*box));
   second("two");
   second("again");
   EXPECT_TRUE(readable(*box));
   const auto replies = box->collect();
   ASSERT_EQ(replies.size(), 1u);
-  EXPECT_EQ(replies[0].first, Envelope{"b"});
-  EXPECT_EQ(replies[0].second, "two");
+  EXPECT_EQ(replies[0].envelope, Envelope{"b"});
+  EXPECT_EQ(replies[0].bytes, "two");
   EXPECT_FALSE(readable(*box));
-  EXPECT_EQ(box->pending(), 1u);
+}
+
+TEST(ReplyBox, CountsARequestUntilItIsAnsweredAndAReplyUntilItIsSent) {
+  const auto box = std::make_shared<ReplyBox>();
+  const auto client = someone();
+  const auto reply = box->reply_to({"a"}, client, 10);
+  EXPECT_EQ(client->requests, 1u);
+  EXPECT_EQ(client->request_bytes, 10u);
+  reply("four");
+  EXPECT_EQ(client->requests, 0u);
+  EXPECT_EQ(client->request_bytes, 0u);
+  EXPECT_EQ(client->replies, 1u);
+  EXPECT_EQ(client->reply_bytes, 4u);
+  EXPECT_FALSE(box->is_idle(*client));
+  box->collect();
+  EXPECT_FALSE(box->is_idle(*client));
+  box->sent(*client, 4);
+  EXPECT_TRUE(box->is_idle(*client));
+  EXPECT_EQ(client->reply_bytes, 0u);
 }
 
 TEST(ReplyBox, IsFreeAgainAfterEmptyAndForgottenReplies) {
   const auto box = std::make_shared<ReplyBox>();
-  box->reply_to({"a"})("");
-  box->reply_to({"b"});
-  EXPECT_EQ(box->pending(), 0u);
+  const auto client = someone();
+  box->reply_to({"a"}, client, 10)("");
+  box->reply_to({"b"}, client, 10);
+  EXPECT_TRUE(box->is_idle(*client));
   EXPECT_TRUE(box->collect().empty());
+}
+
+TEST(ReplyBox, WakesTheServerWhenAClientWithoutRoomHasSomeAgain) {
+  const auto box = std::make_shared<ReplyBox>();
+  const auto client = someone(), other = someone();
+  const std::string large(kMostOfOneClient.reply_bytes, 'x');
+  box->reply_to({"a"}, client, 10)(large);
+  box->collect();
+  EXPECT_FALSE(box->has_room(*client));
+  EXPECT_TRUE(box->has_room(*other));
+  EXPECT_FALSE(readable(*box));
+  box->sent(*client, large.size());
+  EXPECT_TRUE(readable(*box));
+  EXPECT_TRUE(box->has_room(*client));
+}
+
+TEST(ReplyBox, GivesAClientRoomForOneRequestWhateverOthersHaveOutstanding) {
+  const auto box = std::make_shared<ReplyBox>();
+  std::vector<std::function<void(std::string)>> held;
+  for (std::size_t k = 0; k < kMostOfAllClients.requests; ++k) {
+    held.push_back(box->reply_to({"a"}, someone(), 10));
+  }
+  const auto one = someone();
+  EXPECT_TRUE(box->has_room(*one));
+  held.push_back(box->reply_to({"b"}, one, 10));
+  EXPECT_FALSE(box->has_room(*one));
 }
 
 TEST(ReplyBox, LivesAsLongAsAReplyMayCome) {
   std::function<void(std::string)> late;
   {
     const auto box = std::make_shared<ReplyBox>();
-    late = box->reply_to({"a"});
+    late = box->reply_to({"a"}, someone(), 10);
   }
-  late("nobody listens");
+  late("no server listens");
 }
 
 TEST(ReplyBox, LosesNothingBetweenThreads) {
   constexpr int kThreads = 4, kEach = 2000;
   const auto box = std::make_shared<ReplyBox>();
+  const auto client = someone();
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&box, t] {
+    threads.emplace_back([&box, client, t] {
       for (int k = 0; k < kEach; ++k) {
-        const auto reply = box->reply_to({std::to_string(t)});
+        const auto reply = box->reply_to({std::to_string(t)}, client, 10);
         if (k % 4 != 0) reply(k % 4 == 1 ? "" : std::to_string(t));
       }
     });
@@ -64,13 +113,14 @@ TEST(ReplyBox, LosesNothingBetweenThreads) {
   while (collected < kThreads * kEach / 2) {
     pollfd item{box->wake_fd(), POLLIN, 0};
     ASSERT_EQ(::poll(&item, 1, 10000), 1);
-    for (const auto& [envelope, reply] : box->collect()) {
-      EXPECT_EQ(envelope, Envelope{reply});
+    for (const auto& reply : box->collect()) {
+      EXPECT_EQ(reply.envelope, Envelope{reply.bytes});
+      box->sent(*reply.client, reply.bytes.size());
       ++collected;
     }
   }
   for (auto& thread : threads) thread.join();
-  EXPECT_EQ(box->pending(), 0u);
+  EXPECT_TRUE(box->is_idle(*client));
 }
 
 }  // namespace

@@ -13,10 +13,12 @@ struct Daemon {
   std::vector<RpcReply> later;
   std::vector<std::string> called;
   std::vector<std::string> sent;
+  Json large;  ///< the result of "large"
 
   void call(const std::string& method, const Json& params, RpcReply reply) {
     called.push_back(method);
     if (method == "echo") return reply(params);
+    if (method == "large") return reply(large);
     if (method == "fail") {
       return reply(tl::make_unexpected(
           rpc_failure({Errc::refused, "gain_db", "not while a job runs", 0.0, 24.0, "near"})));
@@ -222,6 +224,30 @@ TEST(Rpc, RefusesEmptyAndHugeBatchesWithOneError) {
   std::string many = "[1";
   for (int k = 0; k < kMaxBatchMembers; ++k) many += ",1";
   EXPECT_EQ(d.code(many + "]"), -32600);
+}
+
+TEST(Rpc, RefusesTheMembersOfABatchThatItsReplyHasNoPlaceForUncalled) {
+  Daemon d;
+  d.large = Json(std::string(kMaxBatchReplyBytes / 2, 'x'));
+  const Json a = d.answer(R"([{"jsonrpc":"2.0","method":"large","id":1},
+      {"jsonrpc":"2.0","method":"large","id":2}, {"jsonrpc":"2.0","method":"echo","id":3},
+      {"jsonrpc":"2.0","method":"echo"}, {"jsonrpc":"2.0","method":5,"id":4}])");
+  ASSERT_EQ(a.size(), 4u);
+  EXPECT_TRUE(a[0].contains("result"));
+  EXPECT_TRUE(a[1].contains("result"));
+  EXPECT_EQ(a[2].at("error").at("code"), -32000);
+  EXPECT_EQ(a[2].at("error").at("message"),
+            "the batch's reply would be larger than 1 MiB; this request was not carried out, send "
+            "it in another batch");
+  EXPECT_EQ(a[2].at("id"), 3);
+  EXPECT_EQ(a[3].at("error").at("code"), -32600);
+  EXPECT_EQ(d.called, (std::vector<std::string>{"large", "large", "echo"}));  // the notification
+}
+
+TEST(Rpc, GivesASingleRequestItsReplyWhateverItsSize) {
+  Daemon d;
+  d.large = Json(std::string(2 * kMaxBatchReplyBytes, 'x'));
+  EXPECT_TRUE(d.answer(R"({"jsonrpc":"2.0","method":"large","id":1})").contains("result"));
 }
 
 TEST(Rpc, SendsABatchOnceWhenTheLastAnswerIsThere) {

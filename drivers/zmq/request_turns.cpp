@@ -1,0 +1,66 @@
+#include "drivers/zmq/request_turns.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kOverheadBytes = 256;  // of one request beside its bytes
+
+}  // namespace
+
+std::size_t Request::size() const {
+  std::size_t size = kOverheadBytes + bytes.size() + asker.size();
+  for (const std::string& frame : envelope) size += frame.size();
+  return size;
+}
+
+std::shared_ptr<ClientLoad> RequestTurns::load_of(const std::string& routing_id) {
+  if (clients_.size() >= sweep_at_) forget_idle_clients();
+  return clients_[routing_id].load;
+}
+
+bool RequestTurns::push(Request request) {
+  const std::size_t size = request.size();
+  if (clients_.size() >= sweep_at_) forget_idle_clients();
+  Client& client = clients_[request.envelope.front()];
+  const bool fits =
+      client.waiting_bytes + size <= kMostOfOneBytes && waiting_bytes_ + size <= kMostOfAllBytes;
+  if (!fits && !client.waiting.empty()) return false;
+  if (client.waiting.empty()) turns_.push_back(&client);
+  client.waiting.push_back(std::move(request));
+  client.waiting_bytes += size;
+  waiting_bytes_ += size;
+  return true;
+}
+
+std::optional<RequestTurns::Turn> RequestTurns::next() {
+  for (std::size_t tries = turns_.size(); tries > 0; --tries) {
+    Client& client = *turns_.front();
+    turns_.pop_front();
+    if (!box_->has_room(*client.load)) {
+      turns_.push_back(&client);
+      continue;
+    }
+    Turn turn{std::move(client.waiting.front()), client.load};
+    client.waiting.pop_front();
+    client.waiting_bytes -= turn.request.size();
+    waiting_bytes_ -= turn.request.size();
+    if (!client.waiting.empty()) turns_.push_back(&client);
+    return turn;
+  }
+  return std::nullopt;
+}
+
+/// Clients leave without a word. The table is swept when it has doubled, so that a request costs a
+/// constant on average.
+void RequestTurns::forget_idle_clients() {
+  constexpr std::size_t kLeast = 64;
+  std::erase_if(clients_, [this](const auto& entry) {
+    return entry.second.waiting.empty() && box_->is_idle(*entry.second.load);
+  });
+  sweep_at_ = std::max(kLeast, 2 * clients_.size());
+}
+
+}  // namespace ovws

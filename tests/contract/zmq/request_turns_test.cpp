@@ -1,0 +1,76 @@
+#include "drivers/zmq/request_turns.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+struct Rig {
+  std::shared_ptr<ReplyBox> box = std::make_shared<ReplyBox>();
+  RequestTurns turns{box};
+
+  bool push(const std::string& client, std::string bytes) {
+    return turns.push({{client}, std::move(bytes), "", true});
+  }
+  /// The bytes of the next requests, each answered at once.
+  std::string next(int count) {
+    std::string order;
+    for (int k = 0; k < count; ++k) {
+      auto turn = turns.next();
+      order += turn ? turn->request.bytes + " " : "- ";
+    }
+    return order;
+  }
+};
+
+TEST(RequestTurns, ServesClientsInTurnAndEachInItsOrder) {
+  Rig rig;
+  for (const char* bytes : {"a1", "a2", "a3", "a4"}) rig.push("a", bytes);
+  rig.push("b", "b1");
+  rig.push("c", "c1");
+  rig.push("b", "b2");
+  EXPECT_EQ(rig.next(8), "a1 b1 c1 a2 b2 a3 a4 - ");
+}
+
+TEST(RequestTurns, PassesOverAClientWithoutRoomUntilItHasSome) {
+  Rig rig;
+  rig.push("a", "a1");
+  rig.push("b", "b1");
+  auto first = rig.turns.next();
+  ASSERT_TRUE(first);
+  rig.box->reply_to({"a"}, first->client, 2)(std::string(kMostOfOneClient.reply_bytes, 'x'));
+  rig.push("a", "a2");
+  EXPECT_EQ(rig.next(2), "b1 - ");
+  rig.box->sent(*first->client, kMostOfOneClient.reply_bytes);
+  EXPECT_EQ(rig.next(1), "a2 ");
+}
+
+TEST(RequestTurns, BoundsTheBytesThatWaitForAClientAndLetsOthersIn) {
+  Rig rig;
+  const std::string large(64 << 10, 'x');
+  std::size_t taken = 0;
+  while (taken < 1000 && rig.push("a", large)) ++taken;
+  EXPECT_GT(taken, 100u);
+  EXPECT_LE(taken * large.size(), RequestTurns::kMostOfOneBytes);
+  EXPECT_TRUE(rig.push("b", large));
+  for (int k = 0; k < 10; ++k) {
+    const std::string client = "c" + std::to_string(k);
+    while (rig.push(client, large)) ++taken;
+  }
+  EXPECT_LE(taken * large.size(), RequestTurns::kMostOfAllBytes + 12 * large.size());
+  EXPECT_TRUE(rig.push("d", large));
+}
+
+TEST(RequestTurns, RemembersWhatAClientHasOutstandingWhateverNumberComesAndGoes) {
+  Rig rig;
+  const auto load = rig.turns.load_of("a");
+  const auto reply = rig.box->reply_to({"a"}, load, 2);
+  for (int k = 0; k < 1000; ++k) {
+    rig.push("b" + std::to_string(k), "b");
+    rig.turns.next();
+  }
+  EXPECT_EQ(rig.turns.load_of("a"), load);
+}
+
+}  // namespace
+}  // namespace ovws
