@@ -82,18 +82,18 @@ void StreamPublisher::send_record(const FrameRecord& record) {
 }
 
 void StreamPublisher::send_queue() {
+  if (const auto dropped = deps_.queue.take_dropped(); dropped > 0) {
+    deps_.counters.add(Counter::messages_dropped, dropped);
+  }
   while (auto message = deps_.queue.take()) {
     if (auto* event = std::get_if<Event>(&*message)) {
-      event->message.seq = event_seq_++;
       json_ = encode(event->message, event->data);
       send(kTopicEvent);
     } else if (auto* refined = std::get_if<RefinedMessage>(&*message)) {
-      refined->seq = refined_seq_++;
       refined->t_publish_ns = utc_ns();
       json_ = encode(*refined);
       send(kTopicRefined);
     } else if (auto* status = std::get_if<StatusMessage>(&*message)) {
-      status->seq = status_seq_++;
       json_ = encode(*status);
       send(kTopicStatus);
     }

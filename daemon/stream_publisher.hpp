@@ -52,8 +52,7 @@ class StreamPublisher : public Agent {
   Publisher socket_;
   double wavelength_nm_;
   StreamPublisherDeps deps_;
-  std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0, refined_seq_ = 0, status_seq_ = 0,
-                event_seq_ = 0;
+  std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0;
   std::string json_;
   std::vector<std::byte> binary_;
 };

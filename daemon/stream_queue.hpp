@@ -1,11 +1,14 @@
 /// Messages of the measurement stream that do not come from frames: the publish thread sends them.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "proto/messages.hpp"
@@ -17,15 +20,19 @@ struct Event {
   nlohmann::json data;
 };
 
-/// Thread-safe. The oldest messages go if nobody sends them; the publish thread numbers what it
-/// sends.
+/// Thread-safe. Numbers the messages of each topic as they come. The oldest are dropped while they
+/// are not sent, counted, and missing in `seq`.
 class StreamQueue {
  public:
   using Message = std::variant<Event, StatusMessage, RefinedMessage>;
 
   void put(Message message) {
     const std::lock_guard lock(mutex_);
-    if (messages_.size() >= kMostWaiting) messages_.pop_front();
+    number(message);
+    if (messages_.size() >= kMostWaiting) {
+      messages_.pop_front();
+      ++dropped_;
+    }
     messages_.push_back(std::move(message));
   }
 
@@ -37,14 +44,30 @@ class StreamQueue {
     return message;
   }
 
+  /// How many messages were dropped since the last call.
+  std::uint64_t take_dropped() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(dropped_, 0);
+  }
+
   /// Something changed that `status` tells: the status thread publishes it at once.
   void ask_for_status() { status_wanted_.store(true); }
   bool take_status_request() { return status_wanted_.exchange(false); }
 
  private:
   static constexpr std::size_t kMostWaiting = 256;
+
+  void number(Message& message) {
+    const std::uint64_t seq = next_seq_[message.index()]++;
+    if (auto* event = std::get_if<Event>(&message)) event->message.seq = seq;
+    if (auto* status = std::get_if<StatusMessage>(&message)) status->seq = seq;
+    if (auto* refined = std::get_if<RefinedMessage>(&message)) refined->seq = seq;
+  }
+
   std::mutex mutex_;
   std::deque<Message> messages_;
+  std::array<std::uint64_t, std::variant_size_v<Message>> next_seq_{};
+  std::uint64_t dropped_ = 0;
   std::atomic<bool> status_wanted_{false};
 };
 

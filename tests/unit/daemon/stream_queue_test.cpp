@@ -1,0 +1,52 @@
+#include "daemon/stream_queue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace ovws {
+namespace {
+
+std::uint64_t seq_of(const StreamQueue::Message& message) {
+  if (const auto* event = std::get_if<Event>(&message)) return event->message.seq;
+  if (const auto* status = std::get_if<StatusMessage>(&message)) return status->seq;
+  return std::get<RefinedMessage>(message).seq;
+}
+
+std::vector<std::uint64_t> seqs_of_events(StreamQueue& queue) {
+  std::vector<std::uint64_t> seqs;
+  while (auto message = queue.take()) {
+    if (std::holds_alternative<Event>(*message)) seqs.push_back(seq_of(*message));
+  }
+  return seqs;
+}
+
+TEST(StreamQueue, NumbersEachTopicFromZero) {
+  StreamQueue queue;
+  queue.put(Event{});
+  queue.put(StatusMessage{});
+  queue.put(Event{});
+  queue.put(RefinedMessage{});
+  std::vector<std::uint64_t> seqs;
+  while (auto message = queue.take()) seqs.push_back(seq_of(*message));
+  EXPECT_EQ(seqs, (std::vector<std::uint64_t>{0, 0, 1, 0}));
+  EXPECT_EQ(queue.take_dropped(), 0u);
+}
+
+TEST(StreamQueue, CountsWhatItDropsAndLeavesAHoleInTheNumbers) {
+  StreamQueue queue;
+  queue.put(Event{});
+  EXPECT_EQ(seqs_of_events(queue), std::vector<std::uint64_t>{0});
+  constexpr std::uint64_t kEvents = 1000;
+  for (std::uint64_t k = 0; k < kEvents; ++k) queue.put(Event{});
+  const std::uint64_t dropped = queue.take_dropped();
+  EXPECT_GT(dropped, 0u);
+  EXPECT_EQ(queue.take_dropped(), 0u);
+  const auto seqs = seqs_of_events(queue);
+  ASSERT_EQ(seqs.size(), kEvents - dropped);
+  EXPECT_EQ(seqs.front(), 1 + dropped);
+  EXPECT_EQ(seqs.back(), kEvents);
+}
+
+}  // namespace
+}  // namespace ovws
