@@ -202,7 +202,10 @@ std::vector<StaleField> stale_fields(const Reference& reference,
   if (!then.is_object()) return stale;
   const json current = settings_json(now);
   for (const auto& [field, value] : current.items()) {
-    if (then[field] != value) stale.push_back({field, then[field], value});
+    // A file of another program may lack a key: then the setting is not known, as now.
+    if (then.contains(field) && then[field] != value) {
+      stale.push_back({field, then[field], value});
+    }
   }
   return stale;
 }

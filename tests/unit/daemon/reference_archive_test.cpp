@@ -212,6 +212,20 @@ TEST_F(Archive, GainExposureAndFormatOnlyMakeItStale) {
   EXPECT_TRUE(stale_fields(model, now).empty());
 }
 
+TEST_F(Archive, ASettingThatTheFileLacksIsNotKnownAndNotStale) {
+  auto daemon = started(config_);
+  Reference reference = taken(*daemon, config_);
+  json origin = *reference.origin;
+  origin["settings"].erase("gain_db");
+  reference.origin = std::make_shared<const json>(std::move(origin));
+  CameraSettings now = config_.camera.settings;
+  now.gain_db = 20.0;
+  EXPECT_TRUE(stale_fields(reference, now).empty());
+  now.exposure_us = 1.0;
+  ASSERT_EQ(stale_fields(reference, now).size(), 1U);
+  EXPECT_EQ(stale_fields(reference, now)[0].field, "exposure_us");
+}
+
 TEST_F(Archive, AnotherCameraIsTold) {
   auto daemon = started(config_);
   const Reference reference = taken(*daemon, config_);
