@@ -222,8 +222,7 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
     auto sampled = next.renderer->check_sampling(shown_modes(next));
     if (!sampled) return fail(sampled.error());
   }
-  torn_.reset();
-  auto plan = plan_for(next, new_picture ? next_hologram_id_ : shown_hologram_id_);
+  auto plan = plan_for(next, new_picture ? next_hologram_id_ : shown_hologram_id_, nullptr);
   if (!plan) return fail(plan.error());
   if (new_picture) {
     HologramRequest request = render(next);
@@ -236,6 +235,7 @@ Result<SensorSnapshot> Instrument::carry_out(State next) {
     // The same picture stays on the SLM, but what is measured of it means something else.
     deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
   }
+  torn_.reset();  // those of the plan that is now left
   adopt(std::move(next), std::move(*plan));
   return snapshot_.get();
 }
@@ -273,11 +273,17 @@ HologramRequest Instrument::render(const State& state) {
 
 Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state,
                                                               std::uint64_t hologram_id) {
+  return plan_for(state, hologram_id, torn_ ? &*torn_ : nullptr);
+}
+
+Result<std::unique_ptr<MeasurementPlan>> Instrument::plan_for(const State& state,
+                                                              std::uint64_t hologram_id,
+                                                              const TornSpots* torn) {
   const std::optional<Reference> reference = reference_for(state);
   return build_plan({next_plan_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_of(state), slm_geometry_, state.roi,
                      state.format, lit_pixels(state.format, optics_.wavelength_nm),
-                     shown_modes(state), reference, workers_, torn_ ? &*torn_ : nullptr,
+                     shown_modes(state), reference, workers_, torn,
                      templates_for(state, reference).banks, operator_for(state)});
 }
 

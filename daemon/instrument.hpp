@@ -213,7 +213,10 @@ class Instrument : public Agent {
   static std::uint64_t shown_epoch(const State& state);
   static std::vector<Mode> shown_modes(const State& state);
   HologramRequest render(const State& state);
+  /// With the split spots of the plan in use.
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id);
+  Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id,
+                                                    const TornSpots* torn);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
   void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
   const ModeOperator* operator_for(const State& state) const;
