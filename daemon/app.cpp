@@ -103,7 +103,8 @@ struct App::Parts {
         camera(config.camera, {pipeline, settings, counters, events,
                                [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
-        threads(config.realtime, config.frame_path_cpus) {}
+        threads(config.realtime, config.frame_path_cpus,
+                [this](const ThreadFailure& failure) { thread_failed(failure); }) {}
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {
@@ -116,6 +117,14 @@ struct App::Parts {
   void display_changed(const SlmSnapshot& now) {
     state.set_fault("slm", now.at_fault ? now.fault : "");
     state.take(now.healthy ? DaemonEvent::display_connected : DaemonEvent::display_lost);
+  }
+
+  void thread_failed(const ThreadFailure& failure) {
+    const bool goes_on = failure.row->on_exception == OnException::go_on;
+    events.emit("thread", Severity::error,
+                fmt::format("thread {} failed: {}; {}", failure.row->name, failure.what,
+                            goes_on ? "it goes on" : "the daemon ends, to be started again"),
+                {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
   }
 
   Result<void> make_instrument();
@@ -261,6 +270,10 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   parts_->operators.end_soon();
   parts_->slm.close();
   const std::string held = parts_->threads.stop_all(kStopPatienceS);
+  if (const std::string why = parts_->threads.fatal_failure(); !why.empty()) {
+    if (held.empty()) return fail(Errc::internal, "", why);
+    std::_Exit(1);
+  }
   if (held.empty()) return {};
   spdlog::warn("thread {} does not end in time: ending without it", held);
   std::_Exit(0);

@@ -45,12 +45,13 @@ bool ImagePublisher::do_work() {
   FrameRecord* record = pipeline_.next_image(int(kTurnNs / 1000));
   if (record == nullptr) return false;
   requested_ = false;
+  const auto release = [this](FrameRecord* one) { pipeline_.release_image(one); };
+  const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
   for (FrameTaker* taker : takers_) hand_to(*taker, *record);
   if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
     next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
     send(*record);
   }
-  pipeline_.release_image(record);
   return true;
 }
 

@@ -1,5 +1,7 @@
 #include "daemon/stream_publisher.hpp"
 
+#include <memory>
+
 #include "core/port/clock.hpp"
 #include "proto/encode.hpp"
 
@@ -43,12 +45,13 @@ StreamPublisher::StreamPublisher(Publisher socket, double wavelength_nm, StreamP
 bool StreamPublisher::do_work() {
   FrameRecord* record = deps_.pipeline.next(kTurnUs);
   if (record != nullptr) {
+    const auto release = [this](FrameRecord* one) { deps_.pipeline.release(one); };
+    const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
     send_record(*record);
     deps_.collector.add(*record);
     deps_.series.add(*record);
     deps_.finder.saw(*record);
     deps_.loop.saw(*record);
-    deps_.pipeline.release(record);
   }
   send_queue();
   return record != nullptr;

@@ -81,9 +81,11 @@ void keep_stacks_small() {
   pthread_attr_destroy(&attributes);
 }
 
-ThreadPlan::ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus)
+ThreadPlan::ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus,
+                       OnThreadFailure on_failure)
     : policy_(policy),
       frame_path_cpus_(std::move(frame_path_cpus)),
+      on_failure_(std::move(on_failure)),
       here_(std::make_unique<Running>()) {}
 
 ThreadPlan::~ThreadPlan() {
@@ -173,12 +175,56 @@ void ThreadPlan::run(Running& running) {
   // whole process was told to give more.
   const int ours = getpriority(PRIO_PROCESS, 0);
   if (running.row->nice > ours) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
-  while (!running.stop.load(std::memory_order_relaxed)) {
+  bool whole = true;
+  while (whole && !running.stop.load(std::memory_order_relaxed)) {
     running.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
-    running.agent->do_work();
+    if (guarded(*running.row, [&running] { running.agent->do_work(); })) continue;
+    whole = running.row->on_exception == OnException::go_on;
+    if (whole) pause(running);
   }
-  running.agent->on_close();
+  if (whole) guarded(*running.row, [&running] { running.agent->on_close(); });
   running.ending.set_value();
+}
+
+/// False: an exception left `work`, and was reported.
+bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work) {
+  try {
+    work();
+    return true;
+  } catch (const std::exception& error) {
+    report(row, error.what());
+  } catch (...) {
+    report(row, "an exception without words");
+  }
+  return false;
+}
+
+/// So that a turn that always fails is reported once a second, and costs nothing else.
+void ThreadPlan::pause(const Running& running) {
+  constexpr std::int64_t kPauseNs = 1'000'000'000;
+  constexpr std::chrono::milliseconds kStep(20);
+  const std::int64_t until_ns = monotonic_ns() + kPauseNs;
+  while (!running.stop && monotonic_ns() < until_ns) std::this_thread::sleep_for(kStep);
+}
+
+void ThreadPlan::report(const ThreadRow& row, const std::string& what) {
+  if (row.on_exception == OnException::restart) has_fatal_failure_ = true;
+  try {
+    if (row.on_exception == OnException::restart) {
+      const std::lock_guard lock(mutex_);
+      if (fatal_failure_.empty()) {
+        fatal_failure_ = fmt::format("thread {} failed: {}", row.name, what);
+      }
+    }
+    if (on_failure_) return on_failure_({&row, what});
+    spdlog::error("thread {} failed: {}", row.name, what);
+  } catch (const std::exception&) {  // no memory for the words: the decision stands without them
+  }
+}
+
+std::string ThreadPlan::fatal_failure() const {
+  const std::lock_guard lock(mutex_);
+  return fatal_failure_;
 }
 
 void ThreadPlan::run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop) {
@@ -189,9 +235,9 @@ void ThreadPlan::run_here(ThreadRole role, Agent& agent, const std::atomic<bool>
     here.row = &row_of(role);
     stop_here_ = &stop;
   }
-  while (!stop.load(std::memory_order_relaxed)) {
+  while (!stop.load(std::memory_order_relaxed) && !has_fatal_failure_) {
     here.turn_began_ns.store(monotonic_ns(), std::memory_order_relaxed);
-    agent.do_work();
+    guarded(*here.row, [&agent] { agent.do_work(); });
   }
   const std::lock_guard lock(mutex_);
   stop_here_ = nullptr;

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -44,6 +45,12 @@ enum class OnHang {
   report,   ///< a device or long work holds the thread, and would hold that of a new process
 };
 
+/// What an exception that leaves a turn calls for.
+enum class OnException {
+  go_on,    ///< the turn is lost, the next one begins after a second
+  restart,  ///< frames or holograms may be left half done: the process ends, systemd restarts it
+};
+
 struct ThreadRow {
   ThreadRole role;
   const char* name;          ///< as in /proc and top
@@ -52,12 +59,15 @@ struct ThreadRow {
   double longest_turn_s;     ///< a turn that takes longer counts as hung
   OnHang on_hang;
   int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
+  OnException on_exception = OnException::go_on;
 };
 
 constexpr std::array<ThreadRow, 18> kThreadTable{{
-    {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart},
-    {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart},
-    {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart},
+    {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart, 0,
+     OnException::restart},
+    {ThreadRole::track, "track", 75, "its ring", 2.0, OnHang::restart, 0, OnException::restart},
+    {ThreadRole::reconstruct, "reconstruct", 74, "its ring", 2.0, OnHang::restart, 0,
+     OnException::restart},
     {ThreadRole::publish, "publish", 60,
      "its ring, its socket being bound anew (a key was withdrawn)", 5.0, OnHang::restart},
     {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
@@ -83,7 +93,8 @@ constexpr std::array<ThreadRow, 18> kThreadTable{{
     {ThreadRole::status, "status", 0, "the clock, the disk (who may connect)", 5.0,
      OnHang::restart},
     {ThreadRole::replay, "replay", 0, "the next picture of ovws replay", 5.0, OnHang::report},
-    {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report},  // made by the system
+    {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report, 0,
+     OnException::restart},  // made by the system
 }};
 
 /// Once, before any thread is made, those of libraries included: locked memory holds stacks whole,
@@ -98,13 +109,23 @@ struct HungThread {
   double turn_s = 0.0;  ///< so far
 };
 
+/// An exception left a turn of this thread.
+struct ThreadFailure {
+  const ThreadRow* row = nullptr;
+  std::string what;
+};
+/// Called in the thread that failed.
+using OnThreadFailure = std::function<void(const ThreadFailure&)>;
+
 /// Starts agents on threads, watches that they turn, and stops them. Main thread only, but for what
 /// says otherwise.
 class ThreadPlan {
  public:
   /// Threads of the frame path (those with a SCHED_FIFO priority) keep to `frame_path_cpus`, of
-  /// which check_cpus has nothing to say; empty: they run anywhere.
-  explicit ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus = {});
+  /// which check_cpus has nothing to say; empty: they run anywhere. Exceptions that leave a turn
+  /// are given to `on_failure`, or logged if there is none.
+  explicit ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus = {},
+                      OnThreadFailure on_failure = {});
   ~ThreadPlan();
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
@@ -115,13 +136,17 @@ class ThreadPlan {
   /// `agent` is turned until stop_all. Processors that cannot be had are an error; with `enforce`,
   /// a priority that cannot be had is one, too.
   Result<void> start(ThreadRole role, Agent& agent);
-  /// Turns `agent` in the calling thread until `stop` is set.
+  /// Turns `agent` in the calling thread until `stop` is set, or until an exception left a turn of
+  /// a thread whose row then ends the process.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
   /// Asks all to end, last started first, and waits for each, for `patience_s` in all. A thread may
   /// be held by a device that no longer answers, or by work that cannot be broken off: then its
   /// name is returned, and the process is to end without destroying what that thread uses. Empty:
   /// all ended.
   std::string stop_all(double patience_s);
+
+  /// Thread-safe: why the process is to end and be started again; empty: there is no reason.
+  std::string fatal_failure() const;
 
   /// Thread-safe: those whose turn takes too long.
   std::vector<HungThread> hung_threads() const;
@@ -132,15 +157,20 @@ class ThreadPlan {
  private:
   struct Running;
   void run(Running& running);
+  bool guarded(const ThreadRow& row, const std::function<void()>& work);
+  static void pause(const Running& running);
+  void report(const ThreadRow& row, const std::string& what);
   Result<void> pin(Running& running) const;
   Result<void> lock_memory() const;
   Result<void> keep_processor_awake();
 
   RealtimePolicy policy_;
   std::vector<int> frame_path_cpus_;
-  int dma_latency_fd_ = -1;  ///< what was asked for holds while it is open; -1: not asked
-  mutable std::mutex
-      mutex_;  ///< of the list: the status thread reads it while later threads are started
+  OnThreadFailure on_failure_;
+  std::atomic<bool> has_fatal_failure_{false};
+  std::string fatal_failure_;
+  int dma_latency_fd_ = -1;   ///< what was asked for holds while it is open; -1: not asked
+  mutable std::mutex mutex_;  ///< of the list, which the status thread reads, and of fatal_failure_
   std::vector<std::unique_ptr<Running>> threads_;
   std::unique_ptr<Running> here_;
   const std::atomic<bool>* stop_here_ = nullptr;

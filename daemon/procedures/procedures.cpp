@@ -1,8 +1,10 @@
 #include "daemon/procedures/procedures.hpp"
 
 #include <chrono>
+#include <exception>
 #include <future>
 #include <new>
+#include <string>
 #include <utility>
 
 namespace ovws {
@@ -103,6 +105,8 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
   } catch (const std::bad_alloc&) {
     return fail(Errc::unavailable, "",
                 "there is not enough memory: choose a smaller region of interest");
+  } catch (const std::exception& error) {  // the job fails, and the sensor is given back
+    return fail(Errc::internal, "", std::string("an error of the daemon: ") + error.what());
   }
 }
 

@@ -99,11 +99,10 @@ Result<void> add_first_documents(RecordFile& file, const Recorder::Begin& begin)
 bool RecordTaker::do_work() {
   FrameRecord* const record = pipeline_.next_recorded(kTurnUs);
   if (record == nullptr) return false;
-  {
-    const std::lock_guard lock(mutex_);
-    if (store_) store_->take(*record, Pipeline::has_recorded_pixels(*record));
-  }
-  pipeline_.release_recorded(record);
+  const auto release = [this](FrameRecord* one) { pipeline_.release_recorded(one); };
+  const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
+  const std::lock_guard lock(mutex_);
+  if (store_) store_->take(*record, Pipeline::has_recorded_pixels(*record));
   return true;
 }
 

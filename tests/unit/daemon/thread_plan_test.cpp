@@ -6,7 +6,9 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <mutex>
 #include <semaphore>
+#include <stdexcept>
 
 namespace ovws {
 namespace {
@@ -64,6 +66,75 @@ TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
   EXPECT_TRUE(other.closed);
   EXPECT_FALSE(agent.closed);
   agent.let_go();
+}
+
+/// Its first turn throws.
+class Failing : public Agent {
+ public:
+  bool do_work() override {
+    if (++turns == 1) throw std::runtime_error("bad bug");
+    std::this_thread::sleep_for(1ms);
+    return true;
+  }
+  void on_close() override { closed = true; }
+
+  std::atomic<int> turns{0};
+  std::atomic<bool> closed{false};
+};
+
+/// What a plan reports.
+class Failures {
+ public:
+  OnThreadFailure sink() {
+    return [this](const ThreadFailure& failure) {
+      const std::lock_guard lock(mutex_);
+      text_ += std::string(failure.row->name) + ": " + failure.what + "; ";
+    };
+  }
+  std::string text() {
+    const std::lock_guard lock(mutex_);
+    return text_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string text_;
+};
+
+TEST(ThreadPlan, AnExceptionIsReportedAndTheThreadGoesOn) {
+  Failing agent;
+  Failures failures;
+  ThreadPlan plan(RealtimePolicy::ignore, {}, failures.sink());
+  ASSERT_TRUE(plan.start(ThreadRole::prepare, agent));
+  wait_for([&] { return agent.turns > 2; });
+  EXPECT_EQ(failures.text(), "prepare: bad bug; ");
+  EXPECT_EQ(plan.fatal_failure(), "");
+  EXPECT_EQ(plan.stop_all(5.0), "");
+  EXPECT_TRUE(agent.closed);
+}
+
+TEST(ThreadPlan, AnExceptionOnTheFramePathEndsTheProcessInOrder) {
+  Failing agent;
+  Sticky shown;
+  shown.let_go();
+  Failures failures;
+  ThreadPlan plan(RealtimePolicy::ignore, {}, failures.sink());
+  ASSERT_TRUE(plan.start(ThreadRole::acquire, agent));
+  const std::atomic<bool> never{false};
+  plan.run_here(ThreadRole::display, shown, never);
+  EXPECT_EQ(plan.fatal_failure(), "thread acquire failed: bad bug");
+  EXPECT_EQ(failures.text(), "acquire: bad bug; ");
+  EXPECT_EQ(plan.stop_all(5.0), "");
+  EXPECT_EQ(agent.turns, 1);
+}
+
+TEST(ThreadPlan, AnExceptionInTheCallersOwnTurnsEndsThem) {
+  Failing agent;
+  ThreadPlan plan(RealtimePolicy::ignore);
+  const std::atomic<bool> never{false};
+  plan.run_here(ThreadRole::display, agent, never);
+  EXPECT_EQ(plan.fatal_failure(), "thread main failed: bad bug");
+  EXPECT_EQ(agent.turns, 1);
 }
 
 TEST(ThreadPlan, WhoTakesSecondsGivesWayToAllOthers) {
