@@ -48,12 +48,15 @@ void prepare_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-/// Left alone, the allocator keeps ever larger blocks for itself as they come and go: 100 MiB more
-/// of locked memory after a million random requests. Once, before any thread is made.
+/// Memory is locked, and glibc cannot give back what is locked: its arenas, one for each of many
+/// threads, only grow, to the sum of what each thread ever held at once (150 MiB after some minutes
+/// of mixed commands). So all but small blocks are mapped one by one, and go back to the system
+/// when they are freed; the arenas then stay below 20 MiB. Once, before any thread is made.
 void give_large_blocks_back() {
-  constexpr int kLargeBytes = 1 << 20;  // images of small cameras, at their rate, are not large
+  constexpr int kLargeBytes = 128 << 10;  // glibc's first value, which it raises if left alone
+  constexpr int kSpareBytes = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
-  mallopt(M_TRIM_THRESHOLD, kLargeBytes);
+  mallopt(M_TRIM_THRESHOLD, kSpareBytes);
 }
 
 int serve(const ovws::Config& config, const std::string& path) {

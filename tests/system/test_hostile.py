@@ -21,6 +21,7 @@ CLIENTS = 64
 BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
+MOST_ALLOCATOR_GROWTH_MIB = 5
 ANSWERED_WITHIN_S = 2.0
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
 READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
@@ -217,6 +218,34 @@ class Hostile(BenchCase):
         self.assertLess(statistics.median(took_s), 0.5)
         self.assertLess(most_mib, MOST_GROWTH_MIB)
         self.assertFalse(mute.poll(100))
+
+    def allocator_mib(self):
+        """What the allocator holds of small blocks: the heap, and arenas, which begin at multiples of 64 MiB."""
+        total_kib, counts = 0, False
+        for line in Path(f"/proc/{self.pid}/smaps").read_text().splitlines():
+            fields = line.split()
+            if not fields[0].endswith(":"):
+                begin = int(fields[0].split("-")[0], 16)
+                counts = fields[-1] == "[heap]" or (len(fields) == 5 and begin % (64 << 20) == 0)
+            elif fields[0] == "Rss:" and counts:
+                total_kib += int(fields[1])
+        return total_kib / 1024
+
+    def test_mixed_commands_of_three_clients_leave_the_allocator_small(self):
+        clients = [self.dealer() for _ in range(3)]
+        regions = [{"x": 0, "y": 0, "width": size, "height": size} for size in (480, 512)]
+        changes = [("sensor.set", {"charge": charge, "tracker": tracker, "subapertures_across": across})
+                   for charge, tracker, across in itertools.product((1, 0, 2), ("matched", "lg", "weighted"), (5, 3))]
+        before = self.allocator_mib()
+        for number, change in enumerate(changes):
+            for client, (method, params) in zip(clients, (change, ("camera.set", {"roi": regions[number % 2]}), ("system.describe", {}))):
+                client.send(json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode())
+            for client in clients:
+                self.assertTrue(client.poll(10000))
+                client.recv()
+        grown = self.allocator_mib() - before
+        print(f"\n  {len(changes)} commands of each of three clients: the allocator +{grown:.1f} MiB")
+        self.assertLess(grown, MOST_ALLOCATOR_GROWTH_MIB)
 
     def test_a_client_that_reads_no_replies(self):
         before, mute = self.resident_mib(), self.mute()
