@@ -11,6 +11,7 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.25;       // lambda/d
+constexpr double kMostMotion = 0.05;      // lambda/d, while a reference is taken
 constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
 
 }  // namespace
@@ -174,7 +175,10 @@ Reference Instrument::new_reference(ReferenceSource source) const {
 
 void Instrument::finish_reference(int job, const ReferenceCollector::Average& average) {
   if (reference_job_ != job || !deps_.jobs.runs(job)) return;
-  if (const auto usable = check_average(average); !usable) return fail_reference(usable.error());
+  const double most_motion_px =
+      kMostMotion * lambda_d_px(optics_of(state_), slm_geometry_, state_.sensor);
+  const auto usable = check_average(average, most_motion_px);
+  if (!usable) return fail_reference(usable.error());
   Reference reference = new_reference(ReferenceSource::measured);
   reference.frames = average.frames;
   reference.positions_px = average.mean_px;

@@ -70,6 +70,11 @@ class ReferenceCollector {
   using Done = std::function<void(Average)>;
 
   /// Averages `frames` settled frames measured with a plan of this epoch while this hologram was
+    // RMS over spots, x and y, camera pixels; 0 for a single frame:
+    double scatter_px = 0.0;      ///< of single frames about their mean
+    double noise_px = 0.0;        ///< the part of it that changes from each frame to the next
+    double drift_px = 0.0;        ///< from the mean of the first half to that of the second
+    double drift_noise_px = 0.0;  ///< what noise_px alone makes of drift_px
   /// shown, then calls `done` in the publish thread.
   void begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id, int subapertures,
              Done done);
@@ -83,13 +88,19 @@ class ReferenceCollector {
  private:
   struct Sums {
     int found = 0, saturated = 0;
-    Vec2 mean, m2;  ///< Welford's running mean and sum of squared deviations
+    Vec2 mean, m2;        ///< Welford's running mean and sum of squared deviations
+    Vec2 last;            ///< where it was found last
+    Vec2 steps;           ///< sum of squared differences of successive positions
+    int found_first = 0;  ///< in the first half of the frames
+    Vec2 mean_first;      ///< over those
   };
   Average average() const;
 
   mutable std::mutex mutex_;
   int wanted_ = 0;
+  static void add_position(Sums& sums, Vec2 at, bool in_first_half);
   int used_ = 0;
+  void measure_motion(Average& average) const;
   std::uint64_t sensor_epoch_ = 0;
   std::uint64_t hologram_id_ = 0;
   std::int64_t t_last_used_ns_ = 0;
@@ -98,8 +109,9 @@ class ReferenceCollector {
 };
 
 /// Whether frames make a reference. Errc::refused: more than a tenth of all spots in all frames are
-/// saturated (field "camera.exposure_us"), or a spot was found in fewer than half of the frames.
-Result<void> check_average(const ReferenceCollector::Average& average);
+/// saturated (field "camera.exposure_us"); a spot was found in fewer than half of the frames; or
+/// the spots moved by more than `most_motion_px`: drift_px, or scatter_px, without their noise.
+Result<void> check_average(const ReferenceCollector::Average& average, double most_motion_px);
 /// Numbers of the spots that were saturated in at least one frame.
 std::vector<int> saturated_spots(const ReferenceCollector::Average& average);
 /// "1, 4, 7 and 12 more".

@@ -16,6 +16,8 @@ constexpr double kMostMisfit = 0.05;  // of the circle's radius
 constexpr double kMostStepRad = kTwoPi / 24.0;
 constexpr double kMostNoiseRad = 0.1;  // of one level
 constexpr double kLeastNoiseRad = 1e-3;
+constexpr double kMostDriftRad = 0.01;  // of the mean of a level's two readings
+constexpr double kChance = 3.0;         // standard deviations of what the noise makes
 constexpr double kLagging = 0.7;        // of the RMS difference: noise has no mean
 constexpr double kLeastDepthRad = 1.0;  // less is no arc to fit a circle to
 constexpr double kFallNoises = 5.0;     // a fall that is no noise
@@ -26,6 +28,11 @@ constexpr double kStiffest = 1e9, kSoftest = 1.0;
 std::string rounded(double value) {
   std::string text = std::to_string(std::round(100.0 * value) / 100.0);
   return text.substr(0, text.find('.') + 3);
+}
+
+std::string thousandths(double value) {
+  std::string text = std::to_string(std::round(1000.0 * value) / 1000.0);
+  return text.substr(0, text.find('.') + 4);
 }
 
 struct Circle {
@@ -97,8 +104,26 @@ double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::max({readings, circle.misfit, kLeastNoiseRad});
 }
 
-/// Too much noise, or pictures that the camera saw before they stood: those lag behind.
-Error too_noisy(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
+/// What moved between the two readings of each level, beyond noise: von Neumann's test. The noise
+/// of neighbouring levels is independent; what moves shifts neighbours alike.
+double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
+  double squares = 0.0, steps = 0.0;
+  std::complex<double> before;
+  for (std::size_t k = 0; k < beats.size(); ++k) {
+    const auto moved = beats[k].second - beats[k].first;
+    squares += std::norm(moved);
+    if (k > 0) steps += std::norm(moved - before);
+    before = moved;
+  }
+  const auto n = double(beats.size());
+  const double noise = (1.0 + kChance / std::sqrt(n)) * 0.5 * steps / (n - 1.0);
+  return std::sqrt(std::max(0.0, squares / n - noise) / 8.0) / circle.radius;
+}
+
+/// Pictures that the camera saw before they stood lag behind; else the bench moved, or there is too
+/// much noise.
+Error unsteady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad,
+               double drift_rad) {
   double lag = 0.0, square = 0.0;
   for (const GreyBeat& beat : beats) {
     const double off =
@@ -113,9 +138,23 @@ Error too_noisy(std::span<const GreyBeat> beats, const Circle& circle, double no
                 " rad: the SLM takes longer than slm.settle_ms, or something moves; slm.settle "
                 "measures how long it takes"};
   }
+  if (drift_rad > kMostDriftRad) {
+    return {Errc::refused, "",
+            "the bench moved while the levels were measured: beyond the noise, the two readings of "
+            "a level differ by " +
+                thousandths(2.0 * drift_rad) + " rad RMS (at most " +
+                thousandths(2.0 * kMostDriftRad) +
+                " are allowed): let the bench come to rest, and measure again"};
+  }
   return {Errc::refused, "camera.exposure_us",
           "the fringes are too weak, one level is known to " + rounded(noise_rad) +
               " rad: raise the exposure, or average more frames"};
+}
+
+Result<void> check_steady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
+  const double drift_rad = drift_of(beats, circle);
+  if (noise_rad <= kMostNoiseRad && drift_rad <= kMostDriftRad) return {};
+  return fail(unsteady(beats, circle, noise_rad, drift_rad));
 }
 
 Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<double>& phases,
@@ -196,7 +235,7 @@ Result<std::vector<int>> levels_between(std::span<const GreyBeat> beats) {
   const auto circle = checked_circle(beats);
   if (!circle) return fail(circle.error());
   const double noise = noise_of(beats, *circle);
-  if (noise > kMostNoiseRad) return fail(too_noisy(beats, *circle, noise));
+  if (auto steady = check_steady(beats, *circle, noise); !steady) return fail(steady.error());
   std::vector<int> between;
   for (std::size_t k = 1; k < beats.size(); ++k) {
     const int low = beats[k - 1].grey, gap = beats[k].grey - low;
@@ -211,7 +250,7 @@ Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
   const auto circle = checked_circle(beats);
   if (!circle) return fail(circle.error());
   const double noise = noise_of(beats, *circle);
-  if (noise > kMostNoiseRad) return fail(too_noisy(beats, *circle, noise));
+  if (auto steady = check_steady(beats, *circle, noise); !steady) return fail(steady.error());
   const std::vector<double> phases = unwrapped(beats, *circle);
   if (auto rising = check_rising(beats, phases, noise); !rising) return fail(rising.error());
   if (phases.back() < kLeastDepthRad) {

@@ -35,7 +35,8 @@ struct PhaseResponse {
 /// Between measured levels the standard error grows. The phase is given as rising: a camera that
 /// stands upside down sees the beats of a falling one alike; with_sign tells. Requires rising
 /// greys, the first 0 and the last 255, 9 or more. Errors (Errc::refused): no circle, too much
-/// noise, or a phase that turns back, with the levels between which it does.
+/// noise, readings that differ by more than it (something moved), or a phase that turns back, with
+/// the levels between which it does.
 Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats);
 
 /// Grey levels to measure, too, before phase_response is asked: between neighbours whose phases are

@@ -65,6 +65,17 @@ class Promises(BenchCase):
         told = wait_for(lambda: (message := events.next(1.0))["kind"] == "reference" and message, what="the event")
         self.assertEqual((told["severity"], told["data"]["saturated_spots"]), ("warning", saturated))
 
+    def test_no_reference_of_a_bench_that_moves_meanwhile(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        job = self.call("reference.take", {"frames": 60})["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.4, what="the middle of the frames")
+        twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.2}]})
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end")
+        self.assertEqual(ended["state"], "failed")
+        self.assertRegex(ended["error"]["data"]["reason"], r"moved while the reference was taken: by \d\.\d\d px from its first half")
+        self.assertFalse(self.call("reference.get")["taken"])
+
     def test_nothing_changes_under_a_job_and_a_cancelled_one_gives_all_free(self):
         self.take_reference(20)
         before = self.call("reference.get")

@@ -11,6 +11,7 @@ namespace {
 constexpr int kSpots = 3;
 constexpr std::uint64_t kEpoch = 5;
 constexpr std::uint64_t kHologram = 9;
+constexpr double kMostMotionPx = 0.63;
 
 class ReferenceTest : public testing::Test {
  protected:
@@ -43,6 +44,24 @@ class ReferenceTest : public testing::Test {
     return average_.value();
   }
 
+  /// The average of so many frames of three spots about different places; `moved` of a frame's
+  /// number is added to each, in the second spot by half, and noise.
+  template <class Moved>
+  ReferenceCollector::Average moving(int frames, double noise_px, const Moved& moved) {
+    std::normal_distribution<double> noise(0.0, noise_px);
+    begin(frames);
+    for (int k = 0; k < frames; ++k) {
+      for (std::size_t i = 0; i < kSpots; ++i) {
+        const double own = i == 1 ? 0.5 : 1.0;
+        record_.spots[i] = {float(100.0 * double(i) + own * moved(k) + noise(random_)),
+                            float(50.0 + noise(random_)), 100.0F, 1.0F};
+      }
+      collector_.add(record_);
+    }
+    return average_.value();
+  }
+
+  std::mt19937 random_{7};
   ReferenceCollector collector_;
   MeasurementPlan plan_;
   FrameRecord record_;
@@ -98,13 +117,13 @@ TEST_F(ReferenceTest, OneSaturatedSpotInATenthOfTheFramesIsNamedAndBorne) {
   peaks[4][1] = 255.0F;
   const auto average = averaged(peaks);
   EXPECT_EQ(average.saturated, (std::vector<int>{0, 1, 0}));
-  EXPECT_TRUE(check_average(average));
+  EXPECT_TRUE(check_average(average, kMostMotionPx));
   EXPECT_EQ(saturated_spots(average), std::vector<int>{1});
 }
 
 TEST_F(ReferenceTest, SpotsThatAreSaturatedAreRefusedEvenIfTheyAreFound) {
   const auto average = averaged(std::vector<std::vector<float>>(10, {200.0F, 255.0F, 90.0F}));
-  const auto checked = check_average(average);
+  const auto checked = check_average(average, kMostMotionPx);
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().field, "camera.exposure_us");
   EXPECT_NE(checked.error().reason.find("33 % of the spots are saturated"), std::string::npos);
@@ -114,6 +133,37 @@ TEST_F(ReferenceTest, FullScaleIsThatOfThePixelFormat) {
   record_.frame.image.format = PixelFormat::mono12;
   EXPECT_TRUE(saturated_spots(averaged({{300.0F, 4094.0F, 90.0F}})).empty());
   EXPECT_EQ(saturated_spots(averaged({{300.0F, 4095.0F, 90.0F}})), std::vector<int>{1});
+}
+
+TEST_F(ReferenceTest, ABenchThatMovesMeanwhileIsRefusedWithTheFigures) {
+  const auto step = moving(100, 0.01, [](int k) { return k < 50 ? 0.0 : 3.0; });
+  const double rms_step = 3.0 * std::sqrt(2.25 / 6.0);  // of spots that move by 1, 1/2 and 1, in x
+  EXPECT_NEAR(step.drift_px, rms_step, 0.01);
+  EXPECT_NEAR(step.scatter_px, 0.5 * rms_step, 0.01);
+  const auto checked = check_average(step, kMostMotionPx);
+  ASSERT_FALSE(checked);
+  for (const char* figure : {"1.84 px", "0.92 px", "0.63 px"}) {
+    EXPECT_NE(checked.error().reason.find(figure), std::string::npos) << checked.error().reason;
+  }
+  // A bump that is over again has no drift.
+  const auto bump = moving(100, 0.01, [](int k) { return k >= 40 && k < 60 ? 3.0 : 0.0; });
+  EXPECT_LT(bump.drift_px, 0.1);
+  EXPECT_FALSE(check_average(bump, kMostMotionPx));
+  EXPECT_FALSE(check_average(moving(100, 0.3, [](int k) { return 0.03 * k; }), kMostMotionPx));
+}
+
+TEST_F(ReferenceTest, NoiseIsNoMotionHoweverStrong) {
+  for (const double noise_px : {0.01, 0.5, 3.0}) {
+    for (const int frames : {1, 2, 5, 100}) {
+      const auto still = moving(frames, noise_px, [](int) { return 0.0; });
+      EXPECT_TRUE(check_average(still, kMostMotionPx)) << noise_px << " px, " << frames;
+      if (frames < 100) continue;
+      EXPECT_NEAR(still.noise_px, noise_px, 0.15 * noise_px);
+    }
+  }
+  // All spots shake together, from frame to frame.
+  std::normal_distribution<double> shake(0.0, 2.0);
+  EXPECT_TRUE(check_average(moving(100, 0.01, [&](int) { return shake(random_); }), kMostMotionPx));
 }
 
 }  // namespace

@@ -342,6 +342,26 @@ TEST(GreyFringe, TellsThePhaseThroughANoisyCamera) {
   }
 }
 
+/// On the way up the bench moves after the first levels: their second readings are turned.
+TEST(PhaseResponse, IsRefusedIfTheBenchMovesMeanwhile) {
+  const auto moved = [](double by_rad, double noise) {
+    auto beats = ideal_beats(gamma_curve(1.0, 1.0), 33, noise);
+    for (std::size_t k = 0; k < 12; ++k) {
+      beats[k].second = std::polar(1.0, by_rad) * beats[k].second;
+    }
+    return phase_response(beats);
+  };
+  EXPECT_TRUE(moved(0.0, 0.3));
+  EXPECT_TRUE(moved(0.005, 0.3)) << "it bends the curve by less than the noise";
+  const auto refused = moved(0.1, 0.3);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::refused);
+  EXPECT_NE(refused.error().reason.find("moved"), std::string::npos) << refused.error().reason;
+  EXPECT_NE(refused.error().reason.find("rad RMS"), std::string::npos) << refused.error().reason;
+  // As much, but independent from level to level: the curve averages it.
+  EXPECT_TRUE(moved(0.0, 9.0));
+}
+
 TEST(PhaseResponse, PicturesThatLagAreRefusedBeforeMoreLevelsAreAskedFor) {
   const std::complex<double> middle{120.0, -40.0};
   auto beats = ideal_beats(gamma_curve(1.0, 1.0), 33, 0.3);
