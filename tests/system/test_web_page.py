@@ -127,10 +127,8 @@ class Page(WebCase):
         self.slide("Z3 oblique", 0.4)
         wait_for(lambda: self.call("aberration.get")["modes"] == [{"j": 3, "n": 2, "m": -2, "name": "oblique astigmatism", "waves": 0.4}], what="the slider's aberration")
         wait_for(lambda: self.map_peak() > 1.5, what="the map")
-        self.slide("Exposure", 4.5)  # the slider is logarithmic: 31.6 ms, more than a frame's period
-        text = self.browser.wait_text("#bench .controls", lambda text: "frame rate" in text)
-        self.assertIn("31620 us", text)
-        wait_for(lambda: self.browser.run("return document.querySelector('#bench input[type=number]').value") == "2000", what="the exposure in force")
+        self.slide("Exposure", 3.3)  # the slider is logarithmic
+        wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] == 1995.0, what="the slider's exposure")
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Compare with the output').click()")
         self.browser.wait_text("#slm .controls", lambda text: "pixel for pixel" in text)
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take')).click()")
@@ -142,6 +140,57 @@ class Page(WebCase):
         self.browser.wait_text("#bench .controls", lambda text: "Exposure" in text)
         self.assertEqual(self.browser.run("return document.querySelectorAll('#bench input, #bench button, #aberration input, #slm button').length"), 0)
         self.assertEqual(self.browser.text("#role"), "looking only")
+
+    def error_of(self, name):
+        """What stands beside the control of that name."""
+        return self.browser.run("""const label = [...document.querySelectorAll(".field > label")].find((l) => l.textContent.startsWith(arguments[0]));
+            return label.parentElement.querySelector(".error").textContent""", name)
+
+    def type(self, name, text):
+        """Into the number of that name, as a hand would."""
+        self.browser.run("""const label = [...document.querySelectorAll(".field > label")].find((l) => l.textContent.startsWith(arguments[0]));
+            const input = document.getElementById(label.htmlFor);
+            input.value = arguments[1]; input.dispatchEvent(new Event("change", {bubbles: true}));""", name, text)
+
+    def test_an_error_ends_with_its_cause_and_names_the_range_that_is_shown(self):
+        self.open()
+        helps = "return [...document.querySelectorAll('#bench .help')].map((e) => e.textContent).join(' ')"
+        shown = wait_for(lambda: "dB" in (text := self.browser.run(helps)) and text, what="the ranges")
+        self.assertIn("10.0 to 10\u202f000 \u00b5s, at 100 frames/s", shown)
+        self.assertIn("0 to 48.0 dB", shown)
+        self.type("Exposure", "31620")
+        self.assertEqual(self.error_of("Exposure"), "31620 \u00b5s is outside 10.0 to 10000 \u00b5s")
+        self.type("Gain", "1000")
+        self.assertEqual(self.error_of("Gain"), "1000 dB is outside 0 to 48.0 dB")
+        self.type("Gain", "1")
+        wait_for(lambda: self.call("camera.get")["settings"]["gain_db"] == 1.0, what="the gain")
+        self.assertEqual(self.error_of("Gain"), "")
+        wait_for(lambda: self.error_of("Exposure") == "", what="the end of an error whose bench has changed")
+        self.call("camera.set", {"exposure_us": 9000.0})
+        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take')).click()")
+        wait_for(lambda: "exposure" in self.error_of("Reference"), what="the refusal of a reference of saturated spots")
+        time.sleep(2.0)
+        self.assertIn("exposure", self.error_of("Reference"), "what the job's own end changed is no reason to forget why")
+        self.call("camera.set", {"exposure_us": 300.0})
+        wait_for(lambda: self.error_of("Reference") == "", what="the end of the refusal with its cause")
+        self.check_console()
+
+    def test_the_sliders_reach_as_far_as_chosen_again(self):
+        self.open()
+        reach = "return [document.querySelector('#aberration-range').value, document.querySelector('#aberration input[type=range]').max]"
+        self.browser.wait_text("#aberration .sliders", lambda text: "oblique astigmatism" in text)
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 12.0}]})
+        wait_for(lambda: self.browser.run(reach) == ["20", "20"], what="sliders that reach as far as what is introduced")
+        self.call("aberration.clear")
+        wait_for(lambda: self.browser.run(reach) == ["0.5", "0.5"], what="sliders that reach as far as chosen")
+
+    def test_no_number_of_a_spot_is_cut_off(self):
+        self.open()
+        self.browser.click("#camera summary")
+        for width in (400, 1024, 1440, 1920):
+            self.browser.resize(width, 1000)
+            sizes = "const e = document.querySelector('#camera .scroll'); return [document.querySelector('#spot-table').rows.length, e.scrollWidth - e.clientWidth]"
+            wait_for(lambda: self.browser.run(sizes) == [20, 0], what=f"the whole table at {width} px")
 
     def test_a_recording_begins_and_ends_there(self):
         self.open()

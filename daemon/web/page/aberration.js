@@ -1,19 +1,20 @@
 // The aberration that is introduced: a slider a mode. Modes that the sensor does not read are left as they are.
 import { brief, byId, element, say, signed } from "./format.js";
-import { button, NumberControl, reasonOf, Sender } from "./widgets.js";
+import { button, NumberControl, reasonOf, Sender, showError } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
 const RANGES = [0.1, 0.5, 1, 2, 5, 20];
 let sliders = new Map(); // j -> NumberControl
 let waves = new Map(); // j -> what is wished, or in force
-let range = 0.5;
+let chosen = 0.5; // how far the sliders reach by the user's choice
+let range = chosen; // and now: further while more is introduced
 let shownModes = "";
 let limits = { min: -1000, max: 1000 };
 
 const show = (force) => sliders.forEach((slider, j) => slider.show(waves.get(j) ?? 0, force));
 
 const sender = new Sender("aberration.set", (reply) => {
-  say(byId("aberration-error"), reasonOf(reply));
+  showError(byId("aberration-error"), reasonOf(reply));
   const modes = reply.result?.modes ?? inForce;
   waves = new Map(modes.map((mode) => [mode.j, mode.waves]));
   if (reply.error) show(true);
@@ -32,17 +33,24 @@ function buildSliders(names) {
   sliders = new Map(
     names.map(({ j, name }) => {
       const slider = new NumberControl(parent, `Z${j} ${name}`, "wave", { onChange: (value) => wish(j, value), help: false });
-      slider.limits(-range, range, range / 100);
+      slider.limits(limits.min, limits.max);
+      slider.reach(-range, range, range / 100);
       return [j, slider];
     }),
   );
   show(true);
 }
 
+/** The user's choice, or what is introduced if that is more. */
+function neededRange() {
+  const most = Math.max(0, ...inForce.map((mode) => Math.abs(mode.waves)));
+  return most <= chosen ? chosen : (RANGES.find((wide) => wide >= most) ?? RANGES.at(-1));
+}
+
 function setRange(wide) {
   range = wide;
   byId("aberration-range").value = String(wide);
-  sliders.forEach((slider) => slider.limits(-range, range, range / 100));
+  sliders.forEach((slider) => slider.reach(-range, range, range / 100));
   show(true);
 }
 
@@ -61,7 +69,10 @@ export function build(mayControl) {
   const select = element("select");
   select.append(...RANGES.map((wide) => new Option(`${wide} wave`, String(wide), wide === range, wide === range)));
   select.id = "aberration-range";
-  select.addEventListener("change", () => setRange(Number(select.value)));
+  select.addEventListener("change", () => {
+    chosen = Number(select.value);
+    setRange(neededRange());
+  });
   label.append(select);
   toolbar.append(label);
   button(toolbar, "Clear all", () => {
@@ -88,7 +99,8 @@ export function takeBench({ aberration, sensor, limits: wire }) {
   }
   const hint = `Numbers from ${limits.min} to ${limits.max} wave are taken as far as the SLM can show them.`;
   document.querySelector("#aberration .toolbar").title = hint;
-  const most = Math.max(0, ...inForce.map((mode) => Math.abs(mode.waves)));
-  if (most > range) setRange(RANGES.find((wide) => wide >= most) ?? RANGES.at(-1));
+  const needed = neededRange();
+  const inHand = [...sliders.values()].some((slider) => slider.inHand);
+  if (needed > range || (needed < range && !inHand)) setRange(needed);
   return show(false);
 }

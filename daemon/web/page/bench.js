@@ -105,9 +105,14 @@ function showControls({ camera, sensor, limits, reference, loop }) {
   const { settings } = camera;
   if (camera.limits) {
     const { exposure_us: e, gain_db: g } = camera.limits;
-    controls.exposure.limits(e.min, e.max);
-    controls.gain.limits(g.min, g.max, 0.1);
-    controls.exposure.help(`${brief(e.min)} to ${grouped(e.max)} \u00b5s`);
+    // An exposure ends before the next one begins.
+    const longest = Math.min(e.max, 1e6 / settings.frame_rate_hz);
+    controls.exposure.limits(e.min, longest);
+    controls.exposure.reach(e.min, longest);
+    controls.gain.limits(g.min, g.max);
+    controls.gain.reach(g.min, g.max, 0.1);
+    const why = longest < e.max ? `, at ${brief(settings.frame_rate_hz)} frames/s` : "";
+    controls.exposure.help(`${brief(e.min)} to ${grouped(longest)} \u00b5s${why}`);
     controls.gain.help(`${brief(g.min)} to ${brief(g.max)} dB`);
   }
   controls.exposure.show(settings.exposure_us);

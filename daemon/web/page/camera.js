@@ -114,7 +114,7 @@ function drawLost(context, at, radius, number) {
   const text = font(0.75);
   context.font = text.css;
   context.fillStyle = MARKS.lost;
-  context.fillText(`${number} lost`, at.x + radius * 0.75, at.y - radius * 0.75);
+  context.fillText(String(number), at.x + radius * 0.75, at.y - radius * 0.75);
 }
 
 function drawSpot(context, row, number, place, zoom) {

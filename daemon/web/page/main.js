@@ -13,6 +13,7 @@ import * as record from "./record.js";
 import * as slm from "./slm.js";
 import { chooseTheme } from "./theme.js";
 import * as trends from "./trends.js";
+import { forgetErrors } from "./widgets.js";
 
 const dirty = new Set();
 const STALE_MS = 1500;
@@ -20,6 +21,7 @@ const DESCRIBE_MS = 500;
 let wavefront = null;
 let status = null;
 let lastFrame = { wavefront: 0, image: 0, phase: 0 };
+let newestBench = null;
 let modeNames = "";
 let right = "look";
 let clockOffset = null; // ms by which this computer's clock is ahead of the server's, at most
@@ -49,6 +51,7 @@ const takers = {
     status = message;
     slm.takeStatus(message);
     record.takeStatus(message);
+    forgetErrors(whatRefusalsRestOn());
   },
   "ovws.event/1": events.takeEvent,
   "ovws.web.hello/1": takeHello,
@@ -61,7 +64,16 @@ const takers = {
   "ovws.web.bench/1": takeBench,
 };
 
+/** As a text: whatever of it changes may be the end of a refusal's cause. */
+function whatRefusalsRestOn() {
+  const { camera: device, sensor, aberration: introduced, reference, loop } = newestBench ?? {};
+  const devices = [status?.state, status?.camera.connected, status?.slm.connected, status?.slm.pattern, status?.record.state];
+  const chosen = [sensor?.charge, sensor?.tracker, sensor?.operator_in_force, sensor?.subapertures];
+  return JSON.stringify([devices, chosen, device?.settings, introduced?.modes, reference, loop?.closed]);
+}
+
 function takeBench(message) {
+  newestBench = message;
   const names = message.sensor.mode_names.map((mode) => mode.j).join();
   if (names !== modeNames) modes.takeNames(message.sensor.mode_names);
   modeNames = names;
@@ -69,6 +81,7 @@ function takeBench(message) {
   bench.takeBench(message);
   aberration.takeBench(message);
   slm.takeBench(message, status?.slm.pattern);
+  forgetErrors(whatRefusalsRestOn());
 }
 
 function showVerdict(wellness, text, others = []) {

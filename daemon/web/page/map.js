@@ -73,7 +73,8 @@ export function draw() {
   if (!map || !map.valid) return;
   const text = font(0.78);
   context.font = text.css;
-  const right = context.measureText("\u22120.075").width + Math.max(10, height * 0.035) + 12;
+  const labels = [0.5, 1].map((part) => context.measureText(`+${tick(part * map.limit)}`).width);
+  const right = Math.max(...labels) + Math.max(10, height * 0.035) + 12;
   const side = Math.min(height - 4, width - right - 10);
   if (side < 10) return; // not laid out yet
   const left = Math.max(0, (width - right - side) / 2);

@@ -1,8 +1,26 @@
 // Controls that say what is in force, what the daemon made of a wish, and why it refused one.
 import { call } from "./link.js";
-import { element, say } from "./format.js";
+import { brief, element, say } from "./format.js";
 
+const SETTLE_MS = 1500; // within which the bench shows what a refused command changed itself, e.g. a job that ends
+const standing = new Map(); // element with an error -> {bench, since}
 let count = 0;
+
+/** An error beside a control: it stands until the next attempt, or until the bench is no longer as it was then. */
+export function showError(target, text) {
+  say(target, text);
+  target.closest(".field")?.querySelector("input:not([type=range])")?.setAttribute("aria-invalid", String(text !== ""));
+  if (text) standing.set(target, { bench: null, since: performance.now() });
+  else standing.delete(target);
+}
+
+/** `bench`: a text that differs whenever what a refusal may rest on has changed. */
+export function forgetErrors(bench) {
+  for (const [target, error] of standing) {
+    if (error.bench === null || performance.now() - error.since < SETTLE_MS) error.bench = bench;
+    else if (error.bench !== bench) showError(target, "");
+  }
+}
 
 /** One control's frame: a label, what goes into it, a line of help and one for the daemon's refusal. */
 export function field(parent, title, unit = "") {
@@ -18,7 +36,7 @@ export function field(parent, title, unit = "") {
   error.setAttribute("role", "alert");
   box.append(label, body, help, error);
   parent.append(box);
-  return { id, box, body, unit, help: (text) => say(help, text), error: (text) => say(error, text), describedBy: `${help.id} ${error.id}` };
+  return { id, box, body, unit, help: (text) => say(help, text), error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
 }
 
 /** Why, as the daemon says it; empty if all went well. */
@@ -60,11 +78,15 @@ export class NumberControl {
   #slider = element("input");
   #number = element("input");
   #map;
+  #unit;
   #touched = -Infinity;
+  #range = { min: -Infinity, max: Infinity };
+  #shown = null; // what is in force
 
   constructor(parent, title, unit, { onChange, map = { toSlider: (v) => v, toValue: (s) => s }, help = true }) {
     this.#frame = field(parent, title, unit);
     this.#map = map;
+    this.#unit = unit;
     this.#slider.type = "range";
     this.#number.type = "number";
     this.#number.id = this.#frame.id;
@@ -74,27 +96,47 @@ export class NumberControl {
     if (!help) this.#frame.box.classList.add("plain");
     this.#slider.addEventListener("input", () => {
       this.#touched = performance.now();
-      const value = Number(this.#map.toValue(Number(this.#slider.value)).toPrecision(4));
+      const rounded = Number(this.#map.toValue(Number(this.#slider.value)).toPrecision(4));
+      const value = Math.min(this.#range.max, Math.max(this.#range.min, rounded));
       this.#number.value = String(value);
       onChange(value);
     });
     this.#number.addEventListener("change", () => {
       this.#touched = performance.now();
-      if (this.#number.value !== "") onChange(Number(this.#number.value));
+      if (this.#number.value !== "" && this.#isPossible(Number(this.#number.value))) onChange(Number(this.#number.value));
     });
   }
 
-  /** The device's own limits. */
-  limits(min, max, step) {
+  /** Refuses in the words of the range that is shown: the daemon's own may be wider than the device's. */
+  #isPossible(value) {
+    const { min, max } = this.#range;
+    const possible = value >= min && value <= max;
+    if (!possible) this.show(this.#shown, true);
+    this.error(possible ? "" : `${value} ${this.#unit} is outside ${brief(min)} to ${brief(max)} ${this.#unit}`);
+    return possible;
+  }
+
+  /** What numbers are possible now. */
+  limits(min, max) {
+    this.#range = { min, max };
+  }
+
+  /** How far the slider goes. */
+  reach(min, max, step) {
     [this.#slider.min, this.#slider.max] = [this.#map.toSlider(min), this.#map.toSlider(max)].map(String);
     this.#slider.step = step ? String(step) : "any";
     this.#number.step = "any";
   }
 
+  /** Whether somebody is about to change it. */
+  get inHand() {
+    return document.activeElement === this.#number || performance.now() - this.#touched < 1000;
+  }
+
   /** What is in force, unless somebody's hand is on it. */
   show(value, force = false) {
-    const inHand = document.activeElement === this.#number || performance.now() - this.#touched < 1000;
-    if (value === null || (inHand && !force)) return;
+    this.#shown = value;
+    if (value === null || (this.inHand && !force)) return;
     this.#slider.value = String(this.#map.toSlider(value));
     this.#number.value = String(Number(value.toPrecision(5)));
   }
@@ -105,7 +147,6 @@ export class NumberControl {
 
   error(text) {
     this.#frame.error(text);
-    this.#number.setAttribute("aria-invalid", String(text !== ""));
   }
 }
 
