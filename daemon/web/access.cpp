@@ -29,6 +29,7 @@ constexpr std::array<RefusalRow, kRefusals> kRows{{
     {"size", "a request has a stated length of at most 64 KiB", 413},
     {"token", "the token is missing or wrong: open the link that ovws-web gave", 401},
     {"right", "this link may only look: use the control link of ovws-web --control", 403},
+    {"command", "the page may not call this method: call it with ovws call", 403},
     {"full", "as many browsers as this server takes are connected", 503},
 }};
 

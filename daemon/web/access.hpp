@@ -18,8 +18,8 @@ namespace ovws::web {
 
 enum class Right { page, look, control };  ///< each holds those before it
 
-enum class Refusal { malformed, host, origin, method, path, size, token, right, full };
-constexpr std::size_t kRefusals = 9;
+enum class Refusal { malformed, host, origin, method, path, size, token, right, command, full };
+constexpr std::size_t kRefusals = 10;
 std::string_view refusal_name(Refusal refusal);
 /// What a person can do about it.
 std::string_view refusal_reason(Refusal refusal);

@@ -27,7 +27,7 @@ tl::expected<Command, Refusal> parse_command(const std::string& body) {
   if (!method.is_string() || !params.is_object()) return tl::make_unexpected(Refusal::malformed);
   Command command{method.get<std::string>(), params};
   if (std::find(kMethods.begin(), kMethods.end(), command.method) == kMethods.end()) {
-    return tl::make_unexpected(Refusal::right);
+    return tl::make_unexpected(Refusal::command);
   }
   return command;
 }

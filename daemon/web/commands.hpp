@@ -14,8 +14,8 @@ struct Command {
   nlohmann::json params;
 };
 
-/// {"method": ..., "params": {...}}, strict JSON. Refusal::malformed if it is not; Refusal::right
-/// for a method that the page does not need.
+/// {"method": ..., "params": {...}}, strict JSON. Refusal::malformed if it is not;
+/// Refusal::command for a method that the page does not need.
 tl::expected<Command, Refusal> parse_command(const std::string& body);
 
 /// Waits for the daemon. {"result": ...} or {"error": {"code", "message", "data"}} as the daemon

@@ -19,7 +19,7 @@ TEST(CommandsTest, RefusesEveryOtherMethod) {
     const nlohmann::json body{{"method", method}};
     const auto command = parse_command(body.dump());
     ASSERT_FALSE(command) << method;
-    EXPECT_EQ(command.error(), Refusal::right);
+    EXPECT_EQ(command.error(), Refusal::command);
   }
 }
 
