@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +37,11 @@ class Descriptor {
 
 tl::unexpected<Error> trouble(Errc code, const std::string& path, const std::string& what) {
   return fail(code, kField, path + ": " + what);
+}
+
+std::string credentials_folder() {
+  const char* const folder = std::getenv("CREDENTIALS_DIRECTORY");
+  return folder == nullptr ? std::string{} : folder;
 }
 
 Result<void> check_pair(const std::string& path, const KeyFile& keys) {
@@ -79,9 +85,18 @@ Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
   return text;
 }
 
+std::string credential_path(const std::string& name) {
+  const std::string folder = credentials_folder();
+  if (folder.empty()) return {};
+  const std::string path = folder + "/" + name;
+  return ::access(path.c_str(), F_OK) == 0 ? path : std::string{};
+}
+
 Result<KeyFile> load_key_file(const std::string& path) {
+  const std::string credentials = credentials_folder();
+  const bool is_credential = !credentials.empty() && path.starts_with(credentials + "/");
   const auto text = read_kept_file(
-      path, S_IRWXG | S_IRWXO,
+      path, is_credential ? S_IWGRP | S_IXGRP | S_IRWXO : S_IRWXG | S_IRWXO,
       "a secret key that group or others can read is no secret: chmod 600 it, or, if somebody may "
       "have read it, make a new one with ovws keygen");
   if (!text) return fail(text.error());

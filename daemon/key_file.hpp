@@ -16,7 +16,11 @@ struct KeyFile {
 };
 
 /// Errors (field "path") say what to do; a file that group or others can read or write is refused.
+/// A file in $CREDENTIALS_DIRECTORY may be read by the group: systemd sees to it that no other
+/// user is in there, and an access list, where it uses one, shows as bits of the group.
 Result<KeyFile> load_key_file(const std::string& path);
+/// The file of that name which systemd's LoadCredential= gave this service; empty: it gave none.
+std::string credential_path(const std::string& name);
 /// Writes a new file of mode 0600. Errors (field "path"): Errc::refused if there is one and
 /// `replace` is false. Whoever reads it while it is replaced finds the old keys or the new ones; an
 /// error leaves the old ones.

@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* kCredential = "ovws.key";  // the units of the services say so
+
 /// HOST of "tcp://HOST:PORT"; empty for anything else.
 std::string host_of(const std::string& endpoint) {
   constexpr std::string_view kTcp = "tcp://";
@@ -42,18 +44,19 @@ tl::unexpected<CallFailure> no_answer(const std::string& why) {
 
 /// None if none are given.
 Result<std::optional<ClientKeys>> keys_of(const Common& common) {
-  if (common.key_path.empty() && common.server_key.empty()) return std::nullopt;
-  if (common.key_path.empty()) {
+  const std::string path = common.key_path.empty() ? credential_path(kCredential) : common.key_path;
+  if (path.empty() && common.server_key.empty()) return std::nullopt;
+  if (path.empty()) {
     return fail(Errc::invalid, "--key", "--server-key is of no use without --key FILE");
   }
-  const auto file = load_key_file(common.key_path);
+  const auto file = load_key_file(path);
   if (!file) return fail(file.error());
   const std::string server_key = common.server_key.empty() ? file->server_key : common.server_key;
   if (!server_key.empty()) return ClientKeys{file->pair, server_key};
   return fail(Errc::invalid, "--server-key",
               "the daemon's public key must be given, as ovws keygen printed it there, or as "
               "\"server_key\" in " +
-                  common.key_path);
+                  path);
 }
 
 /// A daemon names its streams as it bound them. Seen from another machine, "every address" and
@@ -131,7 +134,7 @@ void add_connection_options(CLI::App& app, Common& common) {
       ->check(CLI::Validator(check_endpoint, ""));
   app.add_option("--key", common.key_path,
                  "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
-                 "keys")
+                 "keys (default: the service's credential ovws.key, if systemd gave it one)")
       ->envname("OVWS_KEY");
   app.add_option("--server-key", common.server_key,
                  "public key of that daemon (default: server_key in the key file)")

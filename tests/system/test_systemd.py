@@ -1,22 +1,27 @@
 """The installed unit under a real systemd: ready, status, reload, a thread that hangs, stop, and what its log holds."""
+import contextlib
+import json
 import os
+import pathlib
 import re
 import signal
 import subprocess
 import time
 import unittest
+import urllib.request
 
 import thread_holder
 import user_manager
 from case import Client, bench_module, wait_for
 
-UNIT = "ovwsd.service"
+UNIT, METRICS_UNIT = "ovwsd.service", "ovws-metrics.service"
 # What a user's manager cannot do, or not here, and the paths of this test.
-DROP_IN = """
+NOT_HERE = """
 [Service]
 # The user and its groups, and capabilities: only the system's manager can give those.
 User=
 Group=
+DynamicUser=no
 SupplementaryGroups=
 CapabilityBoundingSet=~
 AmbientCapabilities=
@@ -34,20 +39,27 @@ ProtectClock=no
 ProtectHostname=no
 PrivateNetwork=no
 PrivateMounts=no
+PrivateTmp=no
+PrivateDevices=no
+PrivateUsers=no
 DevicePolicy=auto
 DeviceAllow=
 # Limits above those that this manager was started with.
 LimitRTPRIO=
 LimitMEMLOCK=
-# The test's own configuration, log and patience.
-ExecStart=
-ExecStart={ovwsd} --config {config}
-Environment=DISPLAY=
 StandardError=append:{log}
+# The test's own paths.
+ExecStart=
+"""
+DAEMON = NOT_HERE + """
+ExecStart={root}/usr/bin/ovwsd --config {config}
+Environment=DISPLAY=
 WatchdogSec={watchdog_s}
 # Long enough to see why it ended.
 RestartSec=3
 """
+METRICS = NOT_HERE + "ExecStart={root}/usr/bin/ovws metrics\n"
+KEY = pathlib.Path("/run/credstore/ovws-metrics.key")
 
 
 class Systemd(unittest.TestCase):
@@ -57,7 +69,7 @@ class Systemd(unittest.TestCase):
     def setUpClass(cls):
         cls.bench = bench_module.Bench()
         cls.addClassCleanup(cls.bench.close)
-        root = cls.bench.directory / "root"
+        root = cls.root = cls.bench.directory / "root"
         done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=120,
                               env=os.environ | {"DESTDIR": str(root)})
         assert done.returncode == 0, done.stderr
@@ -69,11 +81,12 @@ class Systemd(unittest.TestCase):
             user_manager.own_mounts()
             cls.manager = user_manager.Manager()
             cls.addClassCleanup(cls.manager.close)
-            (user_manager.UNITS / UNIT).write_text((root / "usr/lib/systemd/system" / UNIT).read_text())
-            folder = user_manager.UNITS / f"{UNIT}.d"
-            folder.mkdir()
-            (folder / "test.conf").write_text(DROP_IN.format(ovwsd=root / "usr/bin/ovwsd", config=cls.config, log=cls.log_path,
-                                                             watchdog_s=cls.watchdog_s))
+            paths = {"root": root, "config": cls.config, "log": cls.log_path, "watchdog_s": cls.watchdog_s}
+            for unit, drop_in in ((UNIT, DAEMON), (METRICS_UNIT, METRICS)):
+                (user_manager.UNITS / unit).write_text((root / "usr/lib/systemd/system" / unit).read_text())
+                folder = user_manager.UNITS / f"{unit}.d"
+                folder.mkdir()
+                (folder / "test.conf").write_text(drop_in.format(**paths))
             cls.manager.start()
         except user_manager.NoManager as why:
             print(f"\nskipped: {why}", flush=True)
@@ -128,6 +141,36 @@ class Systemd(unittest.TestCase):
         os.kill(pid, signal.SIGKILL)
         wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 20.0, "the restart")
         self.assertEqual(self.show("NRestarts"), "1")
+
+    def keygen(self, path, *more):
+        return subprocess.run([self.root / "usr/bin/ovws", "keygen", "-o", path, *more], check=True, capture_output=True, text=True).stdout.strip()
+
+    def start_metrics(self):
+        self.addCleanup(self.manager.systemctl, "stop", METRICS_UNIT)
+        started = self.manager.systemctl("restart", METRICS_UNIT)
+        self.assertEqual(started.returncode, 0, started.stderr + self.log())
+
+    def wait_for_metrics(self, up):
+        def told():
+            with contextlib.suppress(OSError), urllib.request.urlopen("http://127.0.0.1:7705/metrics", timeout=5) as page:
+                return f"\novws_up {up}\n" in page.read().decode()
+        wait_for(told, 20.0, f"ovws_up {up}")
+
+    def test_the_metrics_take_their_key_from_systemd(self):
+        self.start_metrics()  # without a key, as there is none
+        self.wait_for_metrics(1)
+        server_key = self.keygen(self.bench.directory / "daemon.json")
+        KEY.parent.mkdir()
+        client = {"name": "metrics", "key": self.keygen(KEY, "--server-key", server_key), "role": "read"}
+        self.addCleanup(KEY.unlink)
+        clients = self.bench.directory / "clients.json"
+        clients.write_text(json.dumps({"clients": [client]}))
+        self.config.write_text(json.dumps({"security": {"secret_key": str(self.bench.directory / "daemon.json"), "clients": str(clients)}}))
+        self.addCleanup(self.config.write_text, "{}")
+        self.manager.systemctl("restart", UNIT)
+        self.wait_for_metrics(0)  # this process was started before there was a key
+        self.start_metrics()
+        self.wait_for_metrics(1)
 
     def hang(self, name, longest_turn_s):
         """The service is killed by the watchdog and starts again, and the log names the thread before."""

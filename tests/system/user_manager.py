@@ -21,7 +21,7 @@ class NoManager(Exception):
 
 def own_mounts():
     """Moves this process into a mount namespace of its own, with an empty /run."""
-    clone_newns, ms_rec_private = 0x00020000, 0x4000 | 0x40000
+    clone_newns, ms_rec_private, ms_rec_shared = 0x00020000, 0x4000 | 0x40000, 0x4000 | 0x100000
     libc = ctypes.CDLL(None, use_errno=True)
 
     def must(result, what):
@@ -30,6 +30,8 @@ def own_mounts():
 
     must(libc.unshare(clone_newns), "no mount namespace")
     must(libc.mount(b"none", b"/", None, ms_rec_private, None), "mounts cannot be made private")
+    # Among themselves this process and the manager share them: a service's credentials are a mount that its child makes.
+    must(libc.mount(b"none", b"/", None, ms_rec_shared, None), "mounts cannot be shared with the manager")
     must(libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None), "no /run of its own")
     pathlib.Path("/run/systemd/system").mkdir(parents=True)
     RUNTIME.mkdir(parents=True, mode=0o700)

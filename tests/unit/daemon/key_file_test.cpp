@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -53,6 +54,20 @@ TEST_F(KeyFiles, AreReadAsTheyWereWritten) {
   EXPECT_EQ(read->pair.public_key, keys_.pair.public_key);
   EXPECT_EQ(read->pair.secret_key, keys_.pair.secret_key);
   EXPECT_EQ(read->server_key, keys_.server_key);
+}
+
+TEST_F(KeyFiles, OfTheServiceManagerMayBeReadByTheGroup) {
+  ASSERT_TRUE(write_key_file(path_, keys_, false));
+  fs::permissions(path_, fs::perms(0440));
+  EXPECT_NE(reason().find("chmod 600"), std::string::npos);
+  EXPECT_EQ(credential_path("key.json"), "");
+  ::setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1);
+  EXPECT_EQ(credential_path("key.json"), path_);
+  EXPECT_EQ(credential_path("no.json"), "");
+  EXPECT_TRUE(load_key_file(path_));
+  fs::permissions(path_, fs::perms(0444));
+  EXPECT_FALSE(load_key_file(path_));
+  ::unsetenv("CREDENTIALS_DIRECTORY");
 }
 
 TEST_F(KeyFiles, ThatAreThereStayUnlessTheyAreToBeReplaced) {
