@@ -100,12 +100,36 @@ class Install(unittest.TestCase):
         self.assertEqual(run("systemd-analyze", "verify", "--man=no", unit).stderr.strip(), "")
         exposure = run("systemd-analyze", "security", "--offline=yes", unit).stdout.strip().splitlines()[-1]
         print("\n ", exposure)
-        self.assertLessEqual(float(exposure.split(":")[1].split()[0]), 2.0)
+        self.assertLessEqual(float(exposure.split(":")[1].split()[0]), 1.5)
 
     def test_users_and_folders_are_declared_as_systemd_reads_them(self):
         done = run("systemd-sysusers", "--dry-run", self.root / "usr/lib/sysusers.d/ovws.conf")
-        self.assertIn("ovws", done.stdout + done.stderr)
+        self.assertIn("ovws-data", done.stdout + done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_nothing_but_the_daemon_runs_as_its_user_or_is_in_its_group(self):
+        for name in ("ovws-web", "ovws-metrics"):
+            unit = (self.root / UNIT.format(name)).read_text()
+            self.assertIn("\nDynamicUser=yes\n", unit)
+            self.assertIn(f"\nLoadCredential=ovws.key:{name}.key\n", unit)
+            self.assertNotRegex(unit, r"(?m)^(User|Group|SupplementaryGroups)=")
+            # What the daemon's user may write gives no other service its options.
+            self.assertNotRegex(unit, r"(?m)^EnvironmentFile=.*/etc/ovws")
+
+    def test_who_reads_recordings_can_write_nothing(self):
+        with tempfile.TemporaryDirectory() as name:
+            root = pathlib.Path(name)
+            for folder in ("etc", "var/lib"):
+                (root / folder).mkdir(parents=True)
+            for program, file in (("systemd-sysusers", "sysusers"), ("systemd-tmpfiles --create", "tmpfiles")):
+                done = run(*program.split(), f"--root={root}", self.root / f"usr/lib/{file}.d/ovws.conf")
+                self.assertEqual(done.returncode, 0, done.stderr)
+            groups = {line.split(":")[0]: line.split(":")[2:] for line in (root / "etc/group").read_text().splitlines()}
+            self.assertEqual({group[1] for group in groups.values()}, {""}, "nobody is a member by itself")
+            folders = {folder: (root / folder).stat() for folder in ("etc/ovws", "var/lib/ovws", "var/lib/ovws/recordings")}
+            shown = {folder: (f"{about.st_mode & 0o7777:o}", about.st_gid) for folder, about in folders.items()}
+            daemon, data = int(groups["ovws"][0]), int(groups["ovws-data"][0])
+            self.assertEqual(shown, {"etc/ovws": ("775", daemon), "var/lib/ovws": ("755", daemon), "var/lib/ovws/recordings": ("2750", data)})
 
 
 if __name__ == "__main__":
