@@ -1,6 +1,8 @@
 """Replay and export: a recording gives the same numbers again, through the pipeline and in other programs' files."""
+import contextlib
 import csv
 import hashlib
+import io
 import json
 import shutil
 import subprocess
@@ -11,6 +13,7 @@ import h5py
 import numpy
 from astropy.io import fits
 from case import ROOT, BenchCase, main, wait_for
+from ovws_client import export
 from ovws_client.recording import Recording
 
 
@@ -43,6 +46,48 @@ def change_document(path, kind, place, value):
             file["text"].resize((len(file["text"]) + len(text.encode()),))
             file["text"][-len(text.encode()):] = numpy.frombuffer(text.encode(), numpy.uint8)
             file["documents"][number] = row
+
+
+def change_field(table, field, value):
+    """A way to damage a recording: another number in the fourth row."""
+    def damage(file):
+        row = file[table][3]
+        row[field] = value
+        file[table][3] = row
+    return damage
+
+
+def forget(name):
+    def damage(file):
+        del file[name]
+    return damage
+
+
+def cut(name, rows):
+    def damage(file):
+        file[name].resize(rows, axis=0)
+    return damage
+
+
+def forget_attribute(name):
+    def damage(file):
+        del file.attrs[name]
+    return damage
+
+
+def change_text(file):
+    """One bit of the plan."""
+    plan = next(row for row in file["documents"][:] if row["kind"] == b"plan")
+    file["text"][int(plan["first_byte"]) + 100] ^= 1
+
+
+DAMAGES = {
+    "no frames": forget("frames"), "no spots": forget("spots"), "no coefficients": forget("coefficients"), "no documents": forget("documents"),
+    "no text": forget("text"), "no pictures": forget("pictures"), "spots cut off": cut("spots", 30), "pictures cut off": cut("pictures", 2),
+    "coefficients cut off": cut("coefficients", 30), "documents cut off": cut("documents", 0), "text cut off": cut("text", 50),
+    "another text": change_text, "a plan that is not there": change_field("frames", "plan_id", 99),
+    "a picture that is not there": change_field("frames", "picture", 10**6), "another number of spots": change_field("frames", "spots", 7),
+    "no camera": forget_attribute("camera_vendor"), "no pixel format": forget_attribute("pixel_format"), "no schema": forget_attribute("schema")}
 
 
 class Replay(BenchCase):
@@ -215,6 +260,24 @@ class Replay(BenchCase):
                     self.assertTrue(done.stdout.strip(), (kind, place, value))
         print(f"\n  {tried // 7} changes")
         self.assertIn(1, statuses)
+
+    def test_export_of_a_damaged_recording_says_what_is_damaged(self):
+        self.call("record.start", {"name": "whole"})
+        wait_for(lambda: self.call("record.get")["frames"] > 20, what="the frames")
+        self.call("record.stop")
+        damaged, out = self.bench.directory / "damaged.h5", self.bench.directory / "damaged"
+        wanted = ["--csv", f"{out}.csv", "--npz", f"{out}.npz", "--fits", f"{out}.fits", "--pictures"]
+        for what, damage in DAMAGES.items():
+            with self.subTest(what):
+                shutil.copy(self.path("whole"), damaged)
+                with h5py.File(damaged, "r+") as file:
+                    damage(file)
+                said = io.StringIO()
+                with contextlib.redirect_stderr(said), self.assertRaises(SystemExit) as ended:
+                    export.main([str(damaged), *wanted])
+                self.assertEqual(ended.exception.code, 1)
+                self.assertRegex(said.getvalue(), "^.*damaged.h5: .+")
+                out.with_suffix(".fits").unlink(missing_ok=True)
 
     def test_what_is_no_recording_is_told(self):
         self.call("record.start", {"name": "short"})

@@ -11,7 +11,7 @@ import datetime
 
 import numpy
 
-from .recording import Recording
+from .recording import Recording, RecordingError, reading
 
 FRAME_COLUMNS = ("frame_id", "t_arrival_ns", "hologram_id", "valid", "settled", "tracked", "gain_db", "exposure_us", "rms_waves", "fit_residual_px")
 EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES", "AOT_SCORING_CAMERAS", "AOT_WAVEFRONT_CORRECTORS", "AOT_LOOPS")
@@ -121,6 +121,8 @@ def _images(fits, run, pictures):
 
 def _check(run, pictures):
     used = set(run.frames["plan_id"].tolist())
+    if missing := used - {plan["plan_id"] for plan in run.documents("plan")}:
+        raise RecordingError(f"plan {min(missing)}: is not in the file")
     plans = [plan for plan in run.documents("plan") if plan["plan_id"] in used]
     stays = {
         "subapertures": lambda plan: len(plan["predicted_px"]), "charge": lambda plan: plan["charge"], "tracker": lambda plan: plan["tracker"],
@@ -162,7 +164,7 @@ def main(arguments=None):
     if not (options.csv or options.npz or options.fits):
         parser.error("--csv, --npz or --fits says what is wanted")
     try:
-        with Recording(options.recording) as run:
+        with Recording(options.recording) as run, reading("recording"):
             if not len(run.frames):
                 raise ValueError("holds no frames")
             if options.csv:
