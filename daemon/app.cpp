@@ -10,6 +10,7 @@
 #include "daemon/camera_actor.hpp"
 #include "daemon/client_guard.hpp"
 #include "daemon/daemon_store.hpp"
+#include "daemon/disk.hpp"
 #include "daemon/experiment_archive.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/image_publisher.hpp"
@@ -62,7 +63,8 @@ struct App::Parts {
   StreamQueue queue;
   Events events{queue};
   std::unique_ptr<ClientGuard> clients;  ///< before all sockets
-  DaemonStore store{config.state, events};
+  Disk disk;
+  DaemonStore store{config.state, events, &disk};
   ExperimentArchive experiments{store};
   StateKeeper state{events};
   LatestValue<ShownHologram> shown;
@@ -104,7 +106,9 @@ struct App::Parts {
                                [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
         threads(config.realtime, config.frame_path_cpus,
-                [this](const ThreadFailure& failure) { thread_failed(failure); }) {}
+                [this](const ThreadFailure& failure) { thread_failed(failure); }) {
+    disk.each_turn([this] { return store.turn(); });
+  }
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {
@@ -156,7 +160,7 @@ Result<void> App::Parts::make_instrument() {
 }
 
 Result<void> App::Parts::make_guard() {
-  auto made = ClientGuard::make(config.security, counters, events);
+  auto made = ClientGuard::make(config.security, counters, events, disk);
   if (!made) return fail(made.error());
   clients = std::move(*made);
   return {};
@@ -180,7 +184,7 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
-                                                   *instrument, *refiner, *images, events});
+                                                   *instrument, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(StatusDeps{
       state, camera, slm, *instrument, *images, *loop, *refiner, recorder, jobs, pipeline,
       published_latency, counters, events, store, queue, threads, *reloader, *clients});
@@ -190,7 +194,7 @@ Result<void> App::Parts::bind_streams() {
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
       Services{config, config_in_force, config_path, state, camera, *instrument, jobs, *procedures,
-               experiments, *loop, *refiner, recorder, *status, slm, counters, *clients});
+               experiments, *loop, *refiner, recorder, *status, slm, counters, *clients, disk});
   const ControlHandler handle = [this](std::string_view request, const std::string& key,
                                        std::function<void(std::string)> reply) {
     const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
@@ -216,12 +220,17 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
-  std::vector<Start> starts{
-      {ThreadRole::refine, *refiner},     {ThreadRole::search, *finder},
-      {ThreadRole::model, operators},     {ThreadRole::publish, *stream},
-      {ThreadRole::write, recorder},      {ThreadRole::record, recorder.taker()},
-      {ThreadRole::images, *images},      {ThreadRole::control, *control},
-      {ThreadRole::prepare, *instrument}, {ThreadRole::status, *status}};
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},
+                            {ThreadRole::search, *finder},
+                            {ThreadRole::model, operators},
+                            {ThreadRole::publish, *stream},
+                            {ThreadRole::disk, disk},
+                            {ThreadRole::write, recorder},
+                            {ThreadRole::record, recorder.taker()},
+                            {ThreadRole::images, *images},
+                            {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *instrument},
+                            {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {
@@ -266,6 +275,7 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   service::notify_stopping();
   parts_->state.take(DaemonEvent::stop_requested);
   parts_->procedures->end_soon();
+  parts_->store.end_soon();
   parts_->refiner->end_soon();
   parts_->operators.end_soon();
   parts_->slm.close();

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <set>
 
 #include "core/optics/lattice.hpp"
 #include "daemon/calibration_file.hpp"
@@ -28,6 +27,18 @@ std::string name_of(const json& origin) {
   return sha256_hex(identity_of(origin) + origin["registration"].dump()).substr(0, 16);
 }
 
+std::vector<std::string> names_of(const std::vector<std::shared_ptr<const Calibration>>& all) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(name_of(*one->origin));
+  return names;
+}
+
+void drop_quietly(DaemonStore& store, Events& events, const std::vector<std::string>& names) {
+  store.drop_all(kKind, names, [&events](const Result<void>& dropped) {
+    if (!dropped) events.emit("calibration", Severity::warning, dropped.error().reason);
+  });
+}
+
 /// As it was when it was measured, whatever the model says by now.
 Result<MatrixComparison> compared(const Calibration& calibration, const SlmGeometry& slm) {
   const ReferenceKey& key = calibration.key.sensor;
@@ -40,59 +51,69 @@ Result<MatrixComparison> compared(const Calibration& calibration, const SlmGeome
 }  // namespace
 
 void CalibrationShelf::load() {
-  load_those([](const std::string&) { return true; });
+  store_.load(kKind, [&](const StateItem& item) { read(item); });
+  sort_by_age();
 }
 
 void CalibrationShelf::load_again() {
-  std::set<std::string> names;
-  for (const auto& [name, slm] : aside_) {
-    if (slm == bench_.slm()) names.insert(name);
+  std::map<std::string, Found> aside;
+  aside.swap(aside_);
+  for (auto& [name, found] : aside) {
+    if ((*found.calibration.origin)["slm"] == bench_.slm()) {
+      use(std::move(found));
+    } else {
+      aside_.emplace(name, std::move(found));
+    }
   }
-  if (!names.empty()) load_those([&](const std::string& name) { return names.contains(name); });
+  sort_by_age();
 }
 
-void CalibrationShelf::load_those(const std::function<bool(const std::string&)>& wanted) {
-  store_.load(kKind, [&](const StateItem& item) {
-    if (wanted(item.name)) use(item);
-  });
+void CalibrationShelf::sort_by_age() {
   std::sort(all_.begin(), all_.end(),
             [](const auto& a, const auto& b) { return a->t_taken_ns < b->t_taken_ns; });
 }
 
-void CalibrationShelf::use(const StateItem& item) {
-  json data{{"path", item.path}, {"sha256", item.sha256}, {"used", false}};
+void CalibrationShelf::read(const StateItem& item) {
   auto calibration = calibration_from(item.content, bench_.config());
   if (!calibration) {
     const Error& why = calibration.error();
     events_.emit(
         "calibration", Severity::warning,
         fmt::format("{} is not used, and left as it is: {} {}", item.path, why.field, why.reason),
-        std::move(data));
+        {{"path", item.path}, {"sha256", item.sha256}, {"used", false}});
     return;
   }
   forget(item.name);
   kept_.push_back({calibration->t_taken_ns, item.name});
   calibration->sha256 = item.sha256;
-  data["t_taken_ns"] = calibration->t_taken_ns;
-  const std::string found =
-      fmt::format("{} ({}, sha256 {})", title_of(*calibration), item.path, item.sha256);
-  std::string obstacle = bench_.obstacle(*calibration->origin, calibration->key.sensor,
-                                         std::size_t(calibration->matrix.spots()));
+  use({item.name, item.path, std::move(*calibration)});
+}
+
+void CalibrationShelf::use(Found found) {
+  Calibration& calibration = found.calibration;
+  std::string obstacle = bench_.obstacle(*calibration.origin, calibration.key.sensor,
+                                         std::size_t(calibration.matrix.spots()));
   if (obstacle.empty()) {
-    auto comparison = compared(*calibration, bench_.config().slm.geometry);
-    if (comparison) calibration->comparison = std::move(*comparison);
+    auto comparison = compared(calibration, bench_.config().slm.geometry);
+    if (comparison) calibration.comparison = std::move(*comparison);
     if (!comparison) obstacle = comparison.error().reason;
   }
-  data["used"] = obstacle.empty();
+  json data{{"path", found.path},
+            {"sha256", calibration.sha256},
+            {"used", obstacle.empty()},
+            {"t_taken_ns", calibration.t_taken_ns}};
+  const std::string what =
+      fmt::format("{} ({}, sha256 {})", title_of(calibration), found.path, calibration.sha256);
   if (!obstacle.empty()) {
-    const json& origin = *calibration->origin;
-    if (bench_.has_other_slm_only(origin)) aside_[item.name] = origin["slm"];
-    events_.emit("calibration", Severity::warning, found + " is not used: " + obstacle,
+    events_.emit("calibration", Severity::warning, what + " is not used: " + obstacle,
                  std::move(data));
+    if (!bench_.has_other_slm_only(*calibration.origin)) return;
+    const std::string name = found.name;
+    aside_.insert_or_assign(name, std::move(found));
     return;
   }
-  events_.emit("calibration", Severity::info, found + " is found again", std::move(data));
-  all_.push_back(std::make_shared<const Calibration>(std::move(*calibration)));
+  events_.emit("calibration", Severity::info, what + " is found again", std::move(data));
+  all_.push_back(std::make_shared<const Calibration>(std::move(calibration)));
 }
 
 /// The one taken last, if several belong: those of two cameras, while which is in use is not known.
@@ -117,58 +138,63 @@ std::string CalibrationShelf::why_none(const CalibrationKey& key) const {
                      fmt::join(lacks, ", "), kRun);
 }
 
-void CalibrationShelf::put(Calibration calibration) {
+void CalibrationShelf::put(Calibration calibration,
+                           std::function<void(const std::string& sha256)> told) {
   const std::string name = name_of(*calibration.origin);
-  keep(calibration);
-  std::erase_if(all_, [&](const auto& known) {
-    if (!differences(known->key, calibration.key).empty()) return false;
-    const std::string other = name_of(*known->origin);
-    // One of the same name has been overwritten.
-    if (other != name && !calibration.sha256.empty()) {
-      if (auto dropped = drop_file(other); !dropped) {
-        events_.emit("calibration", Severity::warning, dropped.error().reason);
-      }
-    }
-    return true;
-  });
+  const auto replaced = take(calibration.key);
+  std::vector<std::string> others;  // one of the same name is overwritten
+  for (const std::string& other : names_of(replaced)) {
+    if (other != name) others.push_back(other);
+  }
+  for (const std::string& other : others) forget(other);
+  const auto then = [&store = store_, &events = events_, others,
+                     told = std::move(told)](const std::string& sha256) {
+    if (!sha256.empty()) drop_quietly(store, events, others);
+    if (told) told(sha256);
+  };
+  forget(name);
+  kept_.push_back({calibration.t_taken_ns, name});
+  const auto reporting =
+      store_.reporting("calibration", title_of(calibration), calibration.t_taken_ns, then);
+  const json content = calibration_content(calibration);
   all_.push_back(std::make_shared<const Calibration>(std::move(calibration)));
   if (all_.size() > kMost) all_.erase(all_.begin());
+  store_.put(kKind, name, content, DaemonStore::Older::set_aside, reporting);
   drop_oldest();
 }
 
-void CalibrationShelf::keep(Calibration& calibration) {
-  const std::string name = name_of(*calibration.origin);
-  const auto kept = store_.put(kKind, name, calibration_content(calibration));
-  calibration.sha256 = kept.value_or("");
-  json data{{"t_taken_ns", calibration.t_taken_ns}};
-  if (!kept) {
-    if (!store_.report().directory) return;
-    events_.emit("calibration", Severity::error,
-                 fmt::format("{} is in force, and will not survive a restart: {}",
-                             title_of(calibration), kept.error().reason),
-                 std::move(data));
-    return;
+std::shared_ptr<const Calibration> CalibrationShelf::know_file(std::int64_t t_taken_ns,
+                                                               const std::string& sha256) {
+  for (auto& known : all_) {
+    if (known->t_taken_ns != t_taken_ns) continue;
+    auto with_file = std::make_shared<Calibration>(*known);
+    with_file->sha256 = sha256;
+    known = std::move(with_file);
+    return known;
   }
-  data["sha256"] = *kept;
-  events_.emit("calibration", Severity::info,
-               fmt::format("{} is kept (sha256 {})", title_of(calibration), *kept),
-               std::move(data));
-  forget(name);
-  kept_.push_back({calibration.t_taken_ns, name});
+  return nullptr;
 }
 
-Result<void> CalibrationShelf::drop(const CalibrationKey& key) {
-  while (const auto known = find(key)) {
-    if (auto dropped = drop_file(name_of(*known->origin)); !dropped) return dropped;
-    std::erase(all_, known);
-  }
-  return {};
+std::vector<std::shared_ptr<const Calibration>> CalibrationShelf::take(const CalibrationKey& key) {
+  std::vector<std::shared_ptr<const Calibration>> taken;
+  std::erase_if(all_, [&](const auto& known) {
+    if (!differences(known->key, key).empty()) return false;
+    taken.push_back(known);
+    return true;
+  });
+  return taken;
 }
 
-Result<void> CalibrationShelf::drop_file(const std::string& name) {
-  if (auto dropped = store_.drop(kKind, name); !dropped) return dropped;
-  forget(name);
-  return {};
+void CalibrationShelf::put_back(const std::vector<std::shared_ptr<const Calibration>>& taken) {
+  all_.insert(all_.end(), taken.begin(), taken.end());
+  sort_by_age();
+}
+
+void CalibrationShelf::drop_files(const std::vector<std::shared_ptr<const Calibration>>& taken,
+                                  DaemonStore::Dropped told) {
+  const std::vector<std::string> names = names_of(taken);
+  for (const std::string& name : names) forget(name);
+  store_.drop_all(kKind, names, std::move(told));
 }
 
 void CalibrationShelf::forget(const std::string& name) {
@@ -181,7 +207,9 @@ void CalibrationShelf::drop_oldest() {
     const auto oldest =
         std::min_element(kept_.begin(), kept_.end(),
                          [](const Kept& a, const Kept& b) { return a.t_taken_ns < b.t_taken_ns; });
-    if (!drop_file(std::string(oldest->name))) return;  // the next one tries again
+    const std::string name = oldest->name;
+    drop_quietly(store_, events_, {name});
+    forget(name);
   }
 }
 

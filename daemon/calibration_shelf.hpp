@@ -15,7 +15,7 @@
 
 namespace ovws {
 
-/// One thread at a time, but for what the store allows. Waits for the disk.
+/// One thread at a time. Only `load` waits for the disk.
 class CalibrationShelf {
  public:
   /// As many are kept, of whatever sensor and bench; the oldest goes first.
@@ -37,21 +37,32 @@ class CalibrationShelf {
   std::string why_none(const CalibrationKey& key) const;
 
   /// In place of what else belongs to its key. What the disk does not keep, which an event says, is
-  /// kept in memory all the same.
-  void put(Calibration calibration);
-  /// Of this key, from memory and disk. Errors: it is still on the disk, and in memory.
-  Result<void> drop(const CalibrationKey& key);
+  /// kept in memory all the same. `told` in the disk thread: its checksum, empty if it could not be
+  /// kept; then again, if it is kept after all.
+  void put(Calibration calibration, std::function<void(const std::string& sha256)> told = nullptr);
+  /// The same calibration with the checksum of its file; null: it is not known any more.
+  std::shared_ptr<const Calibration> know_file(std::int64_t t_taken_ns, const std::string& sha256);
+  /// Takes those of this key out of memory.
+  std::vector<std::shared_ptr<const Calibration>> take(const CalibrationKey& key);
+  void put_back(const std::vector<std::shared_ptr<const Calibration>>& taken);
+  /// Their files; `told` in the disk thread; an error: some are still on the disk.
+  void drop_files(const std::vector<std::shared_ptr<const Calibration>>& taken,
+                  DaemonStore::Dropped told);
 
  private:
   struct Kept {
     std::int64_t t_taken_ns = 0;
     std::string name;
   };
-  void load_those(const std::function<bool(const std::string&)>& wanted);
-  void use(const StateItem& item);
+  /// One that was found, and what its file is.
+  struct Found {
+    std::string name, path;
+    Calibration calibration;
+  };
+  void read(const StateItem& item);
+  void use(Found found);
+  void sort_by_age();
   void forget(const std::string& name);
-  void keep(Calibration& calibration);
-  Result<void> drop_file(const std::string& name);
   void drop_oldest();
 
   const ReferenceBench& bench_;
@@ -59,7 +70,7 @@ class CalibrationShelf {
   Events& events_;
   std::vector<std::shared_ptr<const Calibration>> all_;  ///< oldest first
   std::vector<Kept> kept_;                               ///< whole files, used or not
-  std::map<std::string, nlohmann::json> aside_;  ///< by name, the SLM of those to load again
+  std::map<std::string, Found> aside_;  ///< by name, those of another LUT or flatness
 };
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <chrono>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr const char* kSecretField = "security.secret_key";
 constexpr const char* kClientsField = "security.clients";
 constexpr std::int64_t kLookNs = 1'000'000'000;
+constexpr std::chrono::milliseconds kLookPatience{100};
 constexpr std::int64_t kTellNs = 10'000'000'000;
 
 template <class T>
@@ -59,22 +61,24 @@ Result<void> check_security(const Config& config) {
   return {};
 }
 
-ClientGuard::ClientGuard(SecurityConfig config, Counters& counters, Events& events)
+ClientGuard::ClientGuard(SecurityConfig config, Counters& counters, Events& events, Disk& disk)
     : config_(std::move(config)),
       counters_(counters),
       events_(events),
+      disk_(disk),
       list_(std::make_shared<const ClientList>()) {}
 
 Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& config,
-                                                       Counters& counters, Events& events) {
-  std::unique_ptr<ClientGuard> guard(new ClientGuard(config, counters, events));
+                                                       Counters& counters, Events& events,
+                                                       Disk& disk) {
+  std::unique_ptr<ClientGuard> guard(new ClientGuard(config, counters, events, disk));
   if (!config.secret_key || !config.clients) return guard;
   const auto keys = named(load_key_file(*config.secret_key), kSecretField);
   if (!keys) return fail(keys.error());
   auto made =
       Gate::make(keys->pair.secret_key,
                  {[self = guard.get()](const std::string& key) {
-                    self->reload_if_changed();
+                    self->look_first();
                     return self->knows(key);
                   },
                   [self = guard.get()](const std::string& why) { self->reject(why); },
@@ -84,14 +88,13 @@ Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& con
   if (!made) return fail(made.error());
   guard->gate_ = std::move(*made);
   guard->public_key_ = keys->pair.public_key;
-  const std::lock_guard lock(guard->reading_);
   if (auto read = guard->read_list(); !read) return fail(read.error());
   return guard;
 }
 
 Result<Role> ClientGuard::role_of(const std::string& key) {
   if (!gate_) return Role::control;
-  reload_if_changed();
+  look_first();
   const auto list = list_.get();
   const auto found = list->find(key);
   if (found != list->end()) return found->second.role;
@@ -129,7 +132,7 @@ void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& 
                {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
 }
 
-/// Under reading_. The stamp is that of before: what is written meanwhile is read once more.
+/// The stamp is that of before: what is written meanwhile is read once more.
 Result<void> ClientGuard::read_list() {
   stamp_ = stamp_of(*config_.clients);
   auto read = named(load_client_list(*config_.clients), kClientsField);
@@ -145,13 +148,50 @@ Result<void> ClientGuard::read_list() {
   return {};
 }
 
+/// Returns the number of the look.
+std::uint64_t ClientGuard::ask_to_look() {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(looking_);
+    number = ++looks_asked_;
+  }
+  disk_.post([this] { look(); });
+  return number;
+}
+
+/// Control thread.
+void ClientGuard::look_first() {
+  {
+    const std::lock_guard lock(looking_);
+    if (late_) return;
+  }
+  const std::uint64_t number = ask_to_look();
+  std::unique_lock lock(looking_);
+  late_ = !looked_.wait_for(lock, kLookPatience, [&] { return looks_done_ >= number; });
+}
+
+/// Disk thread.
+void ClientGuard::look() {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(looking_);
+    number = looks_asked_;
+  }
+  reload_if_changed();
+  {
+    const std::lock_guard lock(looking_);
+    looks_done_ = number;
+    late_ = false;
+  }
+  looked_.notify_all();
+}
+
 void ClientGuard::reload_if_changed() {
-  const std::lock_guard lock(reading_);
   if (stamp_of(*config_.clients) == stamp_) return;
   if (const auto read = read_list(); !read) {
     return events_.emit(
         "client", Severity::error,
-        read.error().field + ": " + read.error().reason + "; the clients of before are in force");
+        read.error().field + ": " + read.error().reason + "; who could connect before still can");
   }
   events_.emit("client", Severity::info,
                std::to_string(list_.get()->size()) + " clients may connect: " + *config_.clients +
@@ -163,7 +203,11 @@ void ClientGuard::turn() {
   const std::int64_t now_ns = monotonic_ns();
   if (now_ns >= next_look_ns_) {
     next_look_ns_ = now_ns + kLookNs;
-    reload_if_changed();
+    const bool answered = [this] {
+      const std::lock_guard lock(looking_);
+      return looks_done_ == looks_asked_;
+    }();
+    if (answered) ask_to_look();
   }
   if (now_ns >= next_tell_ns_) tell_rejected();
 }

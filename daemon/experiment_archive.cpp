@@ -36,8 +36,8 @@ Result<void> ExperimentArchive::open(bool anew) {
   }
   read_if_known(held());
   const ExperimentRun opened = held();
-  note(files_.put_header(opened));
-  keep_the_rest(opened);
+  files_.try_again();
+  note(opened, files_.put_header(opened));
   if (anew) {
     if (auto dropped = files_.drop_measured(opened); !dropped) return dropped;
   }
@@ -57,35 +57,20 @@ void ExperimentArchive::read_if_known(ExperimentRun run) {
   read(run);
 }
 
-/// The disk may have room by now. What it did not take of another run before is lost.
-void ExperimentArchive::keep_the_rest(const ExperimentRun& run) {
-  std::optional<ExperimentRun> left;
-  ExperimentFiles::NotKept rest;
-  {
-    const std::lock_guard lock(mutex_);
-    left.swap(left_);
-    rest = not_kept_;
-  }
-  if (left) files_.give_up(*left);
-  note(files_.put(run, rest));
-  const std::lock_guard lock(mutex_);
-  not_kept_ = std::move(rest);
-}
-
-bool ExperimentArchive::note(const Result<void>& kept) {
-  if (kept) return true;
+/// What the disk refused the store tries again, and has until then.
+bool ExperimentArchive::note(const ExperimentRun& run, const Result<void>& kept) {
+  if (kept || files_.why_not_kept(run)) return true;
   const std::lock_guard lock(mutex_);
   not_kept_reason_ = kept.error().reason;
   return false;
 }
 
-std::optional<std::string> ExperimentArchive::picture_of(const ExperimentRun& run, int cell) const {
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = not_kept_.pictures.find(cell);
-    if (run_->name == run.name && found != not_kept_.pictures.end()) return found->second;
-  }
-  return files_.picture(run, cell);
+std::optional<std::string> ExperimentArchive::picture_in_memory(const ExperimentRun& run,
+                                                                int cell) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = pictures_.find(cell);
+  if (run_->name != run.name || found == pictures_.end()) return std::nullopt;
+  return found->second;
 }
 
 void ExperimentArchive::put_reference(int arm, json reference) {
@@ -95,26 +80,23 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  if (note(files_.put_reference(run, arm, reference))) return;
-  const std::lock_guard lock(mutex_);
-  not_kept_.references[arm] = std::move(reference);
+  note(run, files_.put_reference(run, arm, std::move(reference)));
 }
 
-/// Kept before it is told: who was told of a cell finds it again.
+/// The disk has answered before it is told: who was told of a cell finds it again.
 void ExperimentArchive::put_cell(int cell, json measured) {
   const ExperimentRun run = held();
   json& picture = measured["picture"];
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!note(files_.put_picture(run, cell, base64))) {
+    if (!note(run, files_.put_picture(run, cell, base64))) {
       const std::lock_guard lock(mutex_);
-      not_kept_.pictures[cell] = std::move(base64);
+      pictures_[cell] = std::move(base64);
     }
   }
-  const bool kept = note(files_.put_cell(run, cell, measured));
+  note(run, files_.put_cell(run, cell, measured));
   const std::lock_guard lock(mutex_);
-  if (!kept) not_kept_.cells[cell] = measured;
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;
 }
@@ -134,11 +116,10 @@ void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   job_ = Job{run.name, job, monotonic_ns(), 0};
   not_kept_reason_.reset();
   if (run_ && run_->name == run.name && !run.request.anew) return;
-  if (run_) left_ = run_;
   run_ = run;
   references_.assign(run.request.arms.size(), nullptr);
   cells_.assign(run.request.cells(), nullptr);
-  not_kept_ = {};
+  pictures_.clear();
   to_read_ = true;
 }
 
@@ -161,6 +142,11 @@ std::optional<double> ExperimentArchive::time_left_s() const {
   return passed_s / job_->done * double(missing);
 }
 
+std::optional<std::string> ExperimentArchive::why_not_kept() const {
+  if (not_kept_reason_) return not_kept_reason_;
+  return files_.why_not_kept(*run_);
+}
+
 json ExperimentArchive::result() const {
   const std::lock_guard lock(mutex_);
   if (!run_) return experiment_result(nullptr);
@@ -171,31 +157,36 @@ json ExperimentArchive::result() const {
                                 run_->t_begun_ns,
                                 runs ? std::optional(job_->number) : std::nullopt,
                                 time_left_s(),
-                                not_kept_reason_,
+                                why_not_kept(),
                                 references_,
                                 cells_};
   return experiment_result(&report);
 }
 
-Result<json> ExperimentArchive::cell(int number) const {
+void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done) {
   std::unique_lock lock(mutex_);
   if (std::size_t(number) >= cells_.size()) {
-    return fail(Errc::invalid, "cell",
-                cells_.empty() ? "there is no gain sweep: call experiment.gain_sweep"
-                               : fmt::format("there is no cell {}: the last is {}", number,
-                                             cells_.size() - 1));
+    const std::string why = cells_.empty() ? "there is no gain sweep: call experiment.gain_sweep"
+                                           : fmt::format("there is no cell {}: the last is {}",
+                                                         number, cells_.size() - 1);
+    lock.unlock();
+    return done(fail(Errc::invalid, "cell", why));
   }
   json cell = cells_[std::size_t(number)];
-  if (cell.is_null()) return fail(Errc::refused, "cell", "it was not measured yet");
-  if (!cell["picture"].is_object()) return cell;
   const ExperimentRun run = *run_;
   lock.unlock();
-  if (auto base64 = picture_of(run, number)) {
+  if (cell.is_null()) return done(fail(Errc::refused, "cell", "it was not measured yet"));
+  if (!cell["picture"].is_object()) return done(std::move(cell));
+  if (auto base64 = picture_in_memory(run, number)) {
     cell["picture"]["base64"] = std::move(*base64);
-  } else {
-    cell["picture"] = nullptr;
+    return done(std::move(cell));
   }
-  return cell;
+  const auto with = [cell = std::move(cell), done](std::optional<std::string> base64) mutable {
+    if (base64) cell["picture"]["base64"] = std::move(*base64);
+    if (!base64) cell["picture"] = nullptr;
+    done(std::move(cell));
+  };
+  if (auto asked = files_.request_picture(run, number, with); !asked) done(fail(asked.error()));
 }
 
 }  // namespace ovws

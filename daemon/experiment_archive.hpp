@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -41,9 +43,10 @@ class ExperimentArchive {
   std::optional<int> job_of(const std::string& run) const;
 
   nlohmann::json result() const;  ///< of experiment.get
-  /// Of experiment.cell; waits for the disk if a picture belongs to it. Errc::invalid if there is
-  /// no such cell, Errc::refused if it was not measured yet.
-  Result<nlohmann::json> cell(int number) const;
+  /// Of experiment.cell; `done` at once, or in the disk thread if a picture belongs to it.
+  /// Errc::invalid if there is no such cell, Errc::refused if it was not measured yet,
+  /// Errc::unavailable if too many wait for the disk.
+  void cell(int number, std::function<void(Result<nlohmann::json>)> done);
 
  private:
   struct Job {
@@ -55,22 +58,21 @@ class ExperimentArchive {
   void read(const ExperimentRun& run);
   void read_if_known(ExperimentRun run);
   ExperimentRun held() const;
-  void keep_the_rest(const ExperimentRun& run);
-  /// False: it was not kept, and why is remembered.
-  bool note(const Result<void>& kept);
-  std::optional<std::string> picture_of(const ExperimentRun& run, int cell) const;
-  std::optional<double> time_left_s() const;  // call with mutex_ locked
+  /// False: the store has none of it, and why is remembered.
+  bool note(const ExperimentRun& run, const Result<void>& kept);
+  std::optional<std::string> picture_in_memory(const ExperimentRun& run, int cell) const;
+  std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
+  std::optional<double> time_left_s() const;        // call with mutex_ locked
 
   ExperimentFiles files_;
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::optional<ExperimentRun> run_;
   bool to_read_ = false;  ///< what the store has of it is not in memory yet
   std::vector<nlohmann::json> references_;
-  std::vector<nlohmann::json> cells_;  ///< as of experiment.cell, but the pictures' pixels
-  ExperimentFiles::NotKept not_kept_;
-  std::optional<ExperimentRun> left_;  ///< no longer held; what it lost may still be told
+  std::vector<nlohmann::json> cells_;    ///< as of experiment.cell, but the pictures' pixels
+  std::map<int, std::string> pictures_;  ///< that the store does not hold, by cell
   std::optional<Job> job_;
-  std::optional<std::string> not_kept_reason_;
+  std::optional<std::string> not_kept_reason_;  ///< of what the store does not hold
 };
 
 }  // namespace ovws

@@ -111,7 +111,7 @@ std::optional<std::string> ExperimentFiles::picture(const ExperimentRun& run, in
 
 Result<void> ExperimentFiles::put(const std::string& kind, const std::string& name,
                                   const json& content) {
-  const auto kept = store_.put(kind, name, content);
+  const auto kept = store_.put_and_wait(kind, name, content);
   if (!kept) return fail(kept.error());
   return {};
 }
@@ -140,35 +140,27 @@ Result<void> ExperimentFiles::put_picture(const ExperimentRun& run, int cell,
              {{kStamp, run.t_begun_ns}, {"base64", base64}});
 }
 
-Result<void> ExperimentFiles::put(const ExperimentRun& run, NotKept& rest) {
-  Result<void> all{};
-  const auto taken = [&all](Result<void> one) {
-    if (!one) all = one;
-    return one.has_value();
-  };
-  std::erase_if(rest.references,
-                [&](const auto& one) { return taken(put_reference(run, one.first, one.second)); });
-  std::erase_if(rest.pictures,
-                [&](const auto& one) { return taken(put_picture(run, one.first, one.second)); });
-  std::erase_if(rest.cells,
-                [&](const auto& one) { return taken(put_cell(run, one.first, one.second)); });
-  return all;
+std::optional<std::string> ExperimentFiles::why_not_kept(const ExperimentRun& run) const {
+  for (const std::string& kind :
+       {std::string(kKind), kind_of(run.name), picture_kind_of(run.name)}) {
+    if (auto why = store_.why_queued(kind)) return why;
+  }
+  return std::nullopt;
 }
 
-void ExperimentFiles::give_up(const ExperimentRun& run) {
-  store_.give_up(kKind, run.name);
-  store_.give_up(kind_of(run.name));
-  store_.give_up(picture_kind_of(run.name));
+Result<void> ExperimentFiles::request_picture(
+    const ExperimentRun& run, int cell, std::function<void(std::optional<std::string>)> then) {
+  return store_.request([this, run, cell, then = std::move(then)] { then(picture(run, cell)); });
 }
 
 Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
   const std::string kind = kind_of(run.name), pictures = picture_kind_of(run.name);
   for (std::size_t k = 0; k < run.request.arms.size(); ++k) {
-    if (auto dropped = store_.drop(kind, reference_name(k)); !dropped) return dropped;
+    if (auto dropped = store_.drop_and_wait(kind, reference_name(k)); !dropped) return dropped;
   }
   for (std::size_t k = 0; k < run.request.cells(); ++k) {
-    if (auto dropped = store_.drop(kind, cell_name(k)); !dropped) return dropped;
-    if (auto dropped = store_.drop(pictures, picture_name(k)); !dropped) return dropped;
+    if (auto dropped = store_.drop_and_wait(kind, cell_name(k)); !dropped) return dropped;
+    if (auto dropped = store_.drop_and_wait(pictures, picture_name(k)); !dropped) return dropped;
   }
   return {};
 }
@@ -179,7 +171,7 @@ void ExperimentFiles::drop_oldest(const std::string& current) {
   std::erase_if(known, [&current](const Header& one) { return one.run.name == current; });
   for (std::size_t k = 0; k + kMostKept <= known.size(); ++k) {
     // The header last: with it the rest is found again after a kill, or when a file stays.
-    if (drop_measured(known[k].run)) (void)store_.drop(kKind, known[k].run.name);
+    if (drop_measured(known[k].run)) (void)store_.drop_and_wait(kKind, known[k].run.name);
   }
 }
 

@@ -2,7 +2,7 @@
 /// and pictures.
 #pragma once
 
-#include <map>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -13,7 +13,8 @@
 
 namespace ovws {
 
-/// Thread-safe; waits for the disk. Errors are those of DaemonStore.
+/// Thread-safe; waits for the disk, but for what says otherwise. Errors are those of DaemonStore,
+/// which tries again what could not be written.
 class ExperimentFiles {
  public:
   static constexpr std::size_t kMostKept = 4;  ///< runs; that of longest ago goes first
@@ -38,15 +39,13 @@ class ExperimentFiles {
   Result<void> put_cell(const ExperimentRun& run, int cell, nlohmann::json measured);
   Result<void> put_picture(const ExperimentRun& run, int cell, const std::string& base64);
 
-  /// Measured, and refused by the disk, by number.
-  struct NotKept {
-    std::map<int, nlohmann::json> references, cells;
-    std::map<int, std::string> pictures;
-  };
-  /// Tries again; what the disk takes leaves `rest`. The error is that of the last one refused.
-  Result<void> put(const ExperimentRun& run, NotKept& rest);
-  /// What could not be kept of the run is lost, and is no longer told.
-  void give_up(const ExperimentRun& run);
+  /// What could not be written before is tried once more.
+  void try_again() { store_.try_again_and_wait(); }
+  /// Never waits: why something of the run is not on the disk.
+  std::optional<std::string> why_not_kept(const ExperimentRun& run) const;
+  /// Never waits: `then` in the disk thread, with the picture. Errors as of Disk::request.
+  Result<void> request_picture(const ExperimentRun& run, int cell,
+                               std::function<void(std::optional<std::string>)> then);
 
   /// All but the header.
   Result<void> drop_measured(const ExperimentRun& run);

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/port/clock.hpp"
 #include "daemon/config_check.hpp"
@@ -164,6 +165,34 @@ void Instrument::camera_changed(const CameraSettings& camera,
     deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
     adopt(std::move(next), std::move(*plan));
   });
+}
+
+std::function<void(const std::string&)> Instrument::when_tried(
+    std::function<void(const std::string&)> know, Changed done) {
+  auto answer = std::make_shared<Changed>(std::move(done));
+  return [this, know = std::move(know), answer](const std::string& sha256) {
+    mailbox_.post([this, know, answer, sha256] {
+      if (know && !sha256.empty()) know(sha256);
+      if (const Changed once = std::exchange(*answer, nullptr)) once(snapshot_.get());
+    });
+  };
+}
+
+DaemonStore::Dropped Instrument::when_dropped(SensorSnapshot changed,
+                                              std::function<void()> put_back, Changed done) {
+  return [this, changed = std::move(changed), put_back = std::move(put_back),
+          done = std::move(done)](const Result<void>& dropped) {
+    mailbox_.post([this, changed, put_back, done, dropped] {
+      if (dropped) return done(changed);
+      Error why = dropped.error();
+      if (check_free()) {
+        put_back();
+      } else {
+        why.reason += "; it is not used any more, and a restart loads it";
+      }
+      done(fail(std::move(why)));
+    });
+  };
 }
 
 /// Prepares everything, shows it, and only then makes it the state; on any error nothing has

@@ -223,14 +223,16 @@ class Instrument : public Agent {
   OperatorReport report_operator(const MeasurementPlan& plan);
   CalibrationKey calibration_key(const State& state) const;
   Result<void> check_operator(const SensorSet& change, const State& next) const;
-  Result<SensorSnapshot> adopt_calibration(int job, std::uint64_t sensor_epoch,
-                                           MeasuredCalibration measured);
+  void adopt_calibration(int job, std::uint64_t sensor_epoch, MeasuredCalibration measured,
+                         Changed done);
   Result<SensorSnapshot> change_slm(std::shared_ptr<const SlmInForce> slm);
-  Result<SensorSnapshot> clear_slm(std::shared_ptr<const SlmInForce> cleared,
-                                   Result<void> (SlmArchive::*drop)());
+  void clear_slm(const std::shared_ptr<const SlmInForce>& cleared,
+                 void (SlmArchive::*drop)(DaemonStore::Dropped), Changed done);
   void load_for_slm();
   void force_slm(std::shared_ptr<const SlmInForce> slm);
-  SensorSnapshot know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now);
+  template <class T>
+  std::function<void(const std::string&)> know_file_of(const T& measured,
+                                                       std::shared_ptr<const T> SlmInForce::*part);
   nlohmann::json origin_of_slm() const;
   void keep(const OperatorKey& key, Result<ModeOperator> made);
   void tell_operator(OperatorKind before, OperatorKind now);
@@ -242,12 +244,22 @@ class Instrument : public Agent {
   std::optional<Reference> reference_for(const State& state) const;
   const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);
   void finish_reference(int job, const ReferenceCollector::Average& average);
+  void end_reference(int job, const ReferenceCollector::Average& average);
   Reference new_reference(ReferenceSource source) const;
   bool know_camera(const std::optional<CameraInfo>& info);
   void tell_stale();
   void tell_introduced();
   void limit_pictures();
-  Result<SensorSnapshot> keep_reference(Reference reference);
+  void keep_reference(Reference reference, Changed done);
+  void know_reference_file(const Reference& kept, const std::string& sha256);
+  /// For the disk thread, when something was tried: `know` if it is kept, with its checksum, and
+  /// once `done`; both in the prepare thread.
+  std::function<void(const std::string&)> when_tried(std::function<void(const std::string&)> know,
+                                                     Changed done);
+  /// For the disk thread, when a file is gone, which `changed` is without; or else is still there:
+  /// then `put_back` makes the change undone, unless the sensor is no longer free.
+  DaemonStore::Dropped when_dropped(SensorSnapshot changed, std::function<void()> put_back,
+                                    Changed done);
   Result<SensorSnapshot> change_reference(std::optional<Reference> reference);
   void fail_reference(const Error& why);
   void end_reference_job();

@@ -23,38 +23,56 @@ void Instrument::use_calibration(int job, std::uint64_t sensor_epoch, MeasuredCa
                                  Changed done) {
   mailbox_.post(
       [this, job, sensor_epoch, measured = std::move(measured), done = std::move(done)]() mutable {
-        done(adopt_calibration(job, sensor_epoch, std::move(measured)));
+        adopt_calibration(job, sensor_epoch, std::move(measured), std::move(done));
       });
 }
 
-Result<SensorSnapshot> Instrument::adopt_calibration(int job, std::uint64_t sensor_epoch,
-                                                     MeasuredCalibration measured) {
+void Instrument::adopt_calibration(int job, std::uint64_t sensor_epoch,
+                                   MeasuredCalibration measured, Changed done) {
   auto next = lent_state(job);
-  if (!next) return fail(next.error());
-  if (!deps_.jobs.runs(job)) return fail(Errc::refused, "", "it was cancelled");
+  if (!next) return done(fail(next.error()));
+  if (!deps_.jobs.runs(job)) return done(fail(Errc::refused, "", "it was cancelled"));
   if (state_.sensor_epoch != sensor_epoch) {
-    return fail(Errc::refused, "camera", "the camera or its region changed meanwhile");
+    return done(fail(Errc::refused, "camera", "the camera or its region changed meanwhile"));
   }
   Calibration calibration{std::move(measured), calibration_key(state_), {}, nullptr, ""};
   calibration.mode_operator = mode_operator_of(calibration.matrix);
   calibration.origin = std::make_shared<const nlohmann::json>(
       archive_.bench().origin({calibration.key.sensor, shown_modes(state_), camera_, camera_info_,
                                registration_of(state_), grey_.get()}));
-  calibrations_.put(std::move(calibration));
+  const std::int64_t t_taken_ns = calibration.t_taken_ns;
+  const auto know = [this, t_taken_ns](const std::string& sha256) {
+    const auto known = calibrations_.know_file(t_taken_ns, sha256);
+    if (!known) return;
+    snapshot_.change([&](SensorSnapshot& now) {
+      if (now.calibration && now.calibration->t_taken_ns == t_taken_ns) now.calibration = known;
+    });
+  };
+  const auto tried = std::make_shared<Result<SensorSnapshot>>(snapshot_.get());
+  calibrations_.put(std::move(calibration),
+                    when_tried(know, [tried, done](const Result<SensorSnapshot>& now) {
+                      done(*tried ? now : fail(tried->error()));
+                    }));
   next->tracking.mode_operator = OperatorKind::measured;
-  auto changed = carry_out(std::move(*next));
-  if (changed)
+  *tried = carry_out(std::move(*next));
+  if (*tried)
     lease_->tracking.mode_operator = OperatorKind::measured;  // when the job has ended too
-  return changed;
 }
 
 void Instrument::clear_calibration(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    if (auto dropped = calibrations_.drop(calibration_key(state_)); !dropped) {
-      return done(fail(dropped.error()));
+    const auto taken = calibrations_.take(calibration_key(state_));
+    auto changed = carry_out(state_);
+    if (!changed) {
+      calibrations_.put_back(taken);
+      return done(std::move(changed));
     }
-    done(carry_out(state_));
+    const auto put_back = [this, taken] {
+      calibrations_.put_back(taken);
+      (void)carry_out(state_);
+    };
+    calibrations_.drop_files(taken, when_dropped(std::move(*changed), put_back, done));
   });
 }
 

@@ -40,8 +40,13 @@ Result<SensorSnapshot> Instrument::change_registration(
 void Instrument::clear_registration(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    if (auto dropped = registrations_.drop(); !dropped) return done(fail(dropped.error()));
-    done(change_registration(std::nullopt));
+    const auto before = state_.registration;
+    auto changed = change_registration(std::nullopt);
+    if (!changed) return done(std::move(changed));
+    const auto put_back = [this, before] {
+      if (before && !state_.registration) (void)change_registration(before);
+    };
+    registrations_.drop(when_dropped(std::move(*changed), put_back, done));
   });
 }
 
@@ -66,8 +71,8 @@ void Instrument::use_registration(int job, const Registration& registration, Cha
     if (auto lent = lent_state(job); !lent) return done(fail(lent.error()));
     if (!deps_.jobs.runs(job)) return done(fail(Errc::refused, "", "it was cancelled"));
     auto changed = change_registration(registration);
-    if (changed) registrations_.keep(registration, camera_info_);
-    done(std::move(changed));
+    if (!changed) return done(std::move(changed));
+    registrations_.keep(registration, camera_info_, when_tried(nullptr, done));
   });
 }
 

@@ -49,18 +49,20 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
 
 void Instrument::clear_reference(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
-    const std::vector<Reference> before = references_;
+    std::vector<Reference> cleared;
+    std::vector<std::string> names;
+    for (const Reference& one : references_) {
+      if (!is_for(one, state_)) continue;
+      cleared.push_back(one);
+      names.push_back(identity_of(*one.origin));
+    }
     auto changed = change_reference(std::nullopt);
     if (!changed) return done(std::move(changed));
-    for (const Reference& one : before) {
-      if (!is_for(one, state_)) continue;
-      auto dropped = archive_.drop(one);
-      if (dropped) continue;
-      references_ = before;  // it would come back with the next start
-      if (auto again = change_to(state_); !again) return done(fail(again.error()));
-      return done(fail(dropped.error()));
-    }
-    done(std::move(changed));
+    const auto put_back = [this, cleared] {  // they would come back with the next start
+      references_.insert(references_.begin(), cleared.begin(), cleared.end());
+      (void)change_to(state_);
+    };
+    archive_.drop(names, when_dropped(std::move(*changed), put_back, done));
   });
 }
 
@@ -69,7 +71,7 @@ void Instrument::use_model_reference(Changed done) {
     Reference model = new_reference(ReferenceSource::model);
     model.positions_px = model_positions(state_);
     model.standard_error_px.assign(model.positions_px.size(), Vec2{});
-    done(keep_reference(std::move(model)));
+    keep_reference(std::move(model), done);
   });
 }
 
@@ -185,9 +187,14 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
   reference.standard_error_px = average.standard_error_px;
   reference.picture = deps_.pictures.end();
   end_reference_job();
-  if (auto changed = keep_reference(std::move(reference)); !changed) {
-    return deps_.jobs.fail_job(job, changed.error());
-  }
+  keep_reference(std::move(reference), [this, job, average](const Result<SensorSnapshot>& changed) {
+    if (!changed) return deps_.jobs.fail_job(job, changed.error());
+    end_reference(job, average);
+  });
+}
+
+/// The reference is active, and its disk has answered.
+void Instrument::end_reference(int job, const ReferenceCollector::Average& average) {
   const std::vector<int> saturated = saturated_spots(average);
   if (!saturated.empty()) {
     deps_.events.emit("reference", Severity::warning,
@@ -213,25 +220,33 @@ void Instrument::tell_introduced() {
                     {{"introduced_rms_waves", std::sqrt(square)}});
 }
 
-/// Puts a reference in force, and then on the disk: what cannot be kept is in force all the same.
-Result<SensorSnapshot> Instrument::keep_reference(Reference reference) {
-  const std::vector<Reference> before = references_;
-  auto changed = change_reference(std::move(reference));
-  if (!changed) return changed;
-  Reference& in_force = references_.back();
-  archive_.keep(in_force);
-  for (const Reference& one : before) {
-    const bool replaced = is_for(one, state_) && !in_force.sha256.empty();
-    // One of the same identity has been overwritten.
-    if (replaced && identity_of(*one.origin) != identity_of(*in_force.origin)) {
-      if (auto dropped = archive_.drop(one); !dropped) {
-        deps_.events.emit("reference", Severity::warning, dropped.error().reason);
-      }
-    }
+/// Puts a reference to use, and then on the disk: what cannot be kept is used all the same.
+void Instrument::keep_reference(Reference reference, Changed done) {
+  const std::string name = identity_of(*reference.origin);
+  std::vector<std::string> replaced;  // one of the same identity is overwritten
+  for (const Reference& one : references_) {
+    const std::string other = identity_of(*one.origin);
+    if (is_for(one, state_) && other != name) replaced.push_back(other);
   }
-  changed->reference = in_force;
-  snapshot_.set(*changed);
-  return changed;
+  auto changed = change_reference(std::move(reference));
+  if (!changed) return done(std::move(changed));
+  const Reference kept = references_.back();
+  archive_.keep(
+      kept, replaced,
+      when_tried([this, kept](const std::string& sha256) { know_reference_file(kept, sha256); },
+                 std::move(done)));
+}
+
+void Instrument::know_reference_file(const Reference& kept, const std::string& sha256) {
+  const auto is_it = [&kept](const Reference& one) {
+    return one.t_taken_ns == kept.t_taken_ns && *one.origin == *kept.origin;
+  };
+  for (Reference& one : references_) {
+    if (is_it(one)) one.sha256 = sha256;
+  }
+  snapshot_.change([&](SensorSnapshot& now) {
+    if (now.reference && is_it(*now.reference)) now.reference->sha256 = sha256;
+  });
 }
 
 void Instrument::limit_pictures() {

@@ -37,12 +37,20 @@ void Instrument::load_for_slm() {
   calibrations_.load_again();
 }
 
-/// The same as is in force, with the checksum of its file.
-SensorSnapshot Instrument::know_slm(std::shared_ptr<const SlmInForce> slm, SensorSnapshot now) {
-  state_.slm = std::move(slm);
-  now.slm = state_.slm;
-  snapshot_.set(now);
-  return now;
+/// The same as is active, with the checksum of its file.
+template <class T>
+std::function<void(const std::string&)> Instrument::know_file_of(
+    const T& measured, std::shared_ptr<const T> SlmInForce::*part) {
+  return [this, t_taken_ns = measured.t_taken_ns, part](const std::string& sha256) {
+    const std::shared_ptr<const T> now = (*state_.slm).*part;
+    if (!now || now->t_taken_ns != t_taken_ns) return;
+    auto with_file = std::make_shared<T>(*now);
+    with_file->sha256 = sha256;
+    auto slm = std::make_shared<SlmInForce>(*state_.slm);
+    (*slm).*part = std::move(with_file);
+    state_.slm = std::move(slm);
+    snapshot_.change([this](SensorSnapshot& known) { known.slm = state_.slm; });
+  };
 }
 
 nlohmann::json Instrument::origin_of_slm() const {
@@ -60,10 +68,7 @@ void Instrument::use_lut(int job, MeasuredLut lut, Changed done) {
         change_slm(slm_in_force(archive_.bench().config(), hologram_,
                                 std::make_shared<const MeasuredLut>(lut), state_.slm->flatness));
     if (!changed) return done(std::move(changed));
-    slm_archive_.keep(lut);
-    auto kept = std::make_shared<SlmInForce>(*state_.slm);
-    kept->lut = std::make_shared<const MeasuredLut>(std::move(lut));
-    done(know_slm(std::move(kept), std::move(*changed)));
+    slm_archive_.keep(lut, when_tried(know_file_of(lut, &SlmInForce::lut), std::move(done)));
   });
 }
 
@@ -81,25 +86,22 @@ void Instrument::use_flatness(int job, std::uint64_t sensor_epoch, MeasuredFlatn
     auto changed = change_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut,
                                            std::make_shared<const MeasuredFlatness>(flatness)));
     if (!changed) return done(std::move(changed));
-    slm_archive_.keep(flatness);
-    auto kept = std::make_shared<SlmInForce>(*state_.slm);
-    kept->flatness = std::make_shared<const MeasuredFlatness>(std::move(flatness));
-    done(know_slm(std::move(kept), std::move(*changed)));
+    slm_archive_.keep(flatness,
+                      when_tried(know_file_of(flatness, &SlmInForce::flatness), std::move(done)));
   });
 }
 
-/// Out of force first, and then off the disk: what fails is undone without a display, too.
-Result<SensorSnapshot> Instrument::clear_slm(std::shared_ptr<const SlmInForce> cleared,
-                                             Result<void> (SlmArchive::*drop)()) {
+/// Not used any more first, and then off the disk: what fails is undone without a display, too.
+void Instrument::clear_slm(const std::shared_ptr<const SlmInForce>& cleared,
+                           void (SlmArchive::*drop)(DaemonStore::Dropped), Changed done) {
   const std::shared_ptr<const SlmInForce> before = state_.slm;
   const bool measured = cleared->lut != before->lut || cleared->flatness != before->flatness;
-  auto changed = measured ? change_slm(std::move(cleared)) : snapshot_.get();
-  if (!changed) return changed;
-  if (auto dropped = (slm_archive_.*drop)(); !dropped) {
-    if (measured) force_slm(before);
-    return fail(dropped.error());
-  }
-  return changed;
+  auto changed = measured ? change_slm(cleared) : snapshot_.get();
+  if (!changed) return done(std::move(changed));
+  const auto put_back = [this, measured, cleared, before] {
+    if (measured && state_.slm == cleared) force_slm(before);
+  };
+  (slm_archive_.*drop)(when_dropped(std::move(*changed), put_back, std::move(done)));
 }
 
 /// Shown as soon as there is a display.
@@ -128,17 +130,16 @@ void Instrument::check_flatness() {
 void Instrument::clear_lut(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    done(
-        clear_slm(slm_in_force(archive_.bench().config(), hologram_, nullptr, state_.slm->flatness),
-                  &SlmArchive::drop_lut));
+    clear_slm(slm_in_force(archive_.bench().config(), hologram_, nullptr, state_.slm->flatness),
+              &SlmArchive::drop_lut, done);
   });
 }
 
 void Instrument::clear_flatness(Changed done) {
   mailbox_.post([this, done = std::move(done)] {
     if (auto free = check_free(); !free) return done(fail(free.error()));
-    done(clear_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr),
-                   &SlmArchive::drop_flatness));
+    clear_slm(slm_in_force(archive_.bench().config(), hologram_, state_.slm->lut, nullptr),
+              &SlmArchive::drop_flatness, done);
   });
 }
 

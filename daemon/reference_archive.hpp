@@ -18,7 +18,7 @@ namespace ovws {
 /// "the reference of 2026-01-31T12:00:00.000Z"
 std::string title_of(const Reference& reference);
 
-/// One thread at a time, but for what the store allows. Waits for the disk.
+/// One thread at a time. Only `load` waits for the disk.
 class ReferenceArchive {
  public:
   /// As many are kept, of whatever sensor and bench; the oldest goes first.
@@ -33,10 +33,13 @@ class ReferenceArchive {
   /// Of those that were not used for the LUT or the flatness alone the ones that belong to those of
   /// now, each once.
   std::vector<Reference> load_again();
-  /// Sets `reference.sha256`; empty if it could not be kept, which an event says.
-  void keep(Reference& reference);
-  /// Errors: it is still on the disk.
-  Result<void> drop(const Reference& reference);
+  /// In place of those of the names `replaced`, which are dropped when it is kept. `told` in the
+  /// disk thread: its checksum, empty if it could not be kept, which an event says; then again, if
+  /// it is kept after all.
+  void keep(const Reference& reference, const std::vector<std::string>& replaced = {},
+            std::function<void(const std::string& sha256)> told = nullptr);
+  /// Files of these names. `told` in the disk thread; an error: some are still on the disk.
+  void drop(const std::vector<std::string>& names, DaemonStore::Dropped told);
 
   const ReferenceBench& bench() const { return bench_; }
   /// From now on the bench's LUT and flatness are these.
@@ -47,16 +50,21 @@ class ReferenceArchive {
     std::int64_t t_taken_ns = 0;
     std::string name;
   };
-  std::vector<Reference> load_those(const std::function<bool(const std::string&)>& wanted);
-  std::optional<Reference> use(const StateItem& item);
+  /// One that was found, and what its file is.
+  struct Found {
+    std::string name, path;
+    Reference reference;
+  };
+  std::optional<Reference> read(const StateItem& item);
+  std::optional<Reference> use(Found found);
   void forget(const std::string& name);
   void drop_oldest();
 
   ReferenceBench bench_;
   DaemonStore& store_;
   Events& events_;
-  std::vector<Kept> kept_;                       ///< whole files, used or not
-  std::map<std::string, nlohmann::json> aside_;  ///< by name, the SLM of those to load again
+  std::vector<Kept> kept_;              ///< whole files, used or not
+  std::map<std::string, Found> aside_;  ///< by name, those of another LUT or flatness
 };
 
 }  // namespace ovws

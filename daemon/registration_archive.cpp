@@ -102,28 +102,19 @@ std::optional<Registration> RegistrationArchive::load() {
 }
 
 void RegistrationArchive::keep(const Registration& registration,
-                               const std::optional<CameraInfo>& camera) {
+                               const std::optional<CameraInfo>& camera,
+                               std::function<void(const std::string& sha256)> told) {
   camera_ = camera_json(camera);
   json numbers = registration_result(registration);
   numbers["base_grating_cpp"] = {registration.base_cpp.x, registration.base_cpp.y};
-  const auto kept = store_.put(
-      kKind, kName, {{"registration", numbers}, {"slm", slm_json(slm_)}, {"camera", camera_}});
-  json data{{"t_taken_ns", registration.t_taken_ns}};
-  if (kept) {
-    data["sha256"] = *kept;
-    return events_.emit("registration", Severity::info,
-                        fmt::format("{} is kept (sha256 {})", title_of(registration), *kept),
-                        std::move(data));
-  }
-  if (!store_.report().directory) return;
-  events_.emit("registration", Severity::error,
-               fmt::format("{} is in force, and will not survive a restart: {}",
-                           title_of(registration), kept.error().reason),
-               std::move(data));
+  store_.put(
+      kKind, kName, {{"registration", numbers}, {"slm", slm_json(slm_)}, {"camera", camera_}},
+      DaemonStore::Older::set_aside,
+      store_.reporting(kKind, title_of(registration), registration.t_taken_ns, std::move(told)));
 }
 
-Result<void> RegistrationArchive::drop() {
-  return store_.drop(kKind, kName);
+void RegistrationArchive::drop(DaemonStore::Dropped told) {
+  store_.drop(kKind, kName, std::move(told));
 }
 
 bool RegistrationArchive::is_of_another(const std::optional<CameraInfo>& camera) const {

@@ -2,8 +2,10 @@
 /// at the start.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "config/config.hpp"
 #include "core/port/camera.hpp"
@@ -13,7 +15,7 @@
 
 namespace ovws {
 
-/// One thread at a time, but for what the store allows. Waits for the disk.
+/// One thread at a time. Only `load` waits for the disk.
 class RegistrationArchive {
  public:
   RegistrationArchive(const SlmGeometry& slm, DaemonStore& store, Events& events)
@@ -23,9 +25,11 @@ class RegistrationArchive {
   /// or why it is not used.
   std::optional<Registration> load();
   /// Of this camera, if it is known. An event says so, or why it will not survive a restart.
-  void keep(const Registration& registration, const std::optional<CameraInfo>& camera);
-  /// Errors: it is still on the disk.
-  Result<void> drop();
+  /// `told` in the disk thread, when it was tried, and when it is kept after all.
+  void keep(const Registration& registration, const std::optional<CameraInfo>& camera,
+            std::function<void(const std::string& sha256)> told);
+  /// `told` in the disk thread; an error: it is still on the disk.
+  void drop(DaemonStore::Dropped told);
   /// Whether both cameras are known and differ.
   bool is_of_another(const std::optional<CameraInfo>& camera) const;
 

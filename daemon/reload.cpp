@@ -70,15 +70,25 @@ void Reloader::begin() {
     return refuse(allowed.error());
   }
   if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
-  const auto read = load_config(deps_.path);
-  if (!read) return refuse(read.error());
-  if (const auto usable = check_usable(*read); !usable) return refuse(usable.error());
+  deps_.disk.post([this] {
+    auto read = load_config(deps_.path);
+    if (read) {
+      if (const auto usable = check_usable(*read); !usable) read = fail(usable.error());
+    }
+    deps_.instrument.after_changes([this, read = std::move(read)] {
+      if (!read) return refuse(read.error());
+      change(*read);
+    });
+  });
+}
+
+void Reloader::change(const Config& read) {
   Reload reload;
   reload.before = config_in_use(deps_.config.get(), deps_.camera, deps_.instrument, deps_.refiner);
-  reload.after = *read;
+  reload.after = read;
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload.before.camera.settings = camera.asked;
-  reload.after.camera.settings = as_asked(read->camera.settings, camera);
+  reload.after.camera.settings = as_asked(read.camera.settings, camera);
   reload.keys = difference(reload.before, reload.after);
   change_camera(reload);
 }

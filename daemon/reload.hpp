@@ -7,6 +7,7 @@
 #include "config/config.hpp"
 #include "daemon/camera_actor.hpp"
 #include "daemon/config_difference.hpp"
+#include "daemon/disk.hpp"
 #include "daemon/events.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/image_publisher.hpp"
@@ -25,6 +26,7 @@ struct ReloadDeps {
   LiveRefiner& refiner;
   ImagePublisher& images;
   Events& events;
+  Disk& disk;
 };
 
 /// One reload at a time, whole or not at all: camera, then refinement, then sensor, each as by its
@@ -47,6 +49,7 @@ class Reloader {
   };
 
   void begin();
+  void change(const Config& read);
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);

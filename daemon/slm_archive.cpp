@@ -163,7 +163,6 @@ std::shared_ptr<const T> SlmArchive::load(const char* kind, const Read& read) {
                           fmt::format("{} is not used, and left as it is: {}", item.path, why),
                           std::move(data));
     }
-    on_disk_.insert(kind);
     kept->sha256 = item.sha256;
     data["used"] = true;
     data["t_taken_ns"] = kept->t_taken_ns;
@@ -177,25 +176,10 @@ std::shared_ptr<const T> SlmArchive::load(const char* kind, const Read& read) {
 }
 
 template <class T>
-void SlmArchive::keep(const char* kind, T& measured, const json& content) {
-  const auto kept = store_.put(kind, kName, content);
-  measured.sha256 = kept.value_or("");
-  json data{{"t_taken_ns", measured.t_taken_ns}};
-  if (kept) {
-    on_disk_.insert(kind);
-    data["sha256"] = *kept;
-    return events_.emit(
-        "slm", Severity::info,
-        fmt::format("the {} of {} is kept (sha256 {})", kind, utc_text(measured.t_taken_ns), *kept),
-        std::move(data));
-  }
-  if (!store_.report().directory) return;
-  events_.emit("slm", Severity::error,
-               fmt::format("the {} of {} is in force, and will not survive a restart{}: {}", kind,
-                           utc_text(measured.t_taken_ns),
-                           on_disk_.contains(kind) ? ", when the one of before comes back" : "",
-                           kept.error().reason),
-               std::move(data));
+void SlmArchive::keep(const char* kind, const T& measured, const json& content, Told told) {
+  const std::string title = fmt::format("the {} of {}", kind, utc_text(measured.t_taken_ns));
+  store_.put(kind, kName, content, DaemonStore::Older::set_aside,
+             store_.reporting("slm", title, measured.t_taken_ns, std::move(told)));
 }
 
 std::shared_ptr<const MeasuredLut> SlmArchive::load_lut() {
@@ -206,26 +190,20 @@ std::shared_ptr<const MeasuredFlatness> SlmArchive::load_flatness() {
   return load<MeasuredFlatness>("flatness", flatness_from);
 }
 
-void SlmArchive::keep(MeasuredLut& lut) {
-  keep("lut", lut, content_of(lut));
+void SlmArchive::keep(const MeasuredLut& lut, Told told) {
+  keep("lut", lut, content_of(lut), std::move(told));
 }
 
-void SlmArchive::keep(MeasuredFlatness& flatness) {
-  keep("flatness", flatness, content_of(flatness));
+void SlmArchive::keep(const MeasuredFlatness& flatness, Told told) {
+  keep("flatness", flatness, content_of(flatness), std::move(told));
 }
 
-Result<void> SlmArchive::drop(const char* kind) {
-  auto dropped = store_.drop(kind, kName);
-  if (dropped) on_disk_.erase(kind);
-  return dropped;
+void SlmArchive::drop_lut(DaemonStore::Dropped told) {
+  store_.drop("lut", kName, std::move(told));
 }
 
-Result<void> SlmArchive::drop_lut() {
-  return drop("lut");
-}
-
-Result<void> SlmArchive::drop_flatness() {
-  return drop("flatness");
+void SlmArchive::drop_flatness(DaemonStore::Dropped told) {
+  store_.drop("flatness", kName, std::move(told));
 }
 
 }  // namespace ovws

@@ -2,9 +2,9 @@
 /// found again at the start.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 
 #include "config/config.hpp"
@@ -14,7 +14,7 @@
 
 namespace ovws {
 
-/// One thread at a time, but for what the store allows. Waits for the disk.
+/// One thread at a time. Only loading waits for the disk.
 class SlmArchive {
  public:
   /// `configured`: with the flatness of the configuration's file.
@@ -27,20 +27,20 @@ class SlmArchive {
   /// checksum, or why it is not used.
   std::shared_ptr<const MeasuredLut> load_lut();
   std::shared_ptr<const MeasuredFlatness> load_flatness();
-  /// Set `sha256`. What cannot be kept an event says, and whether an older one will come back with
-  /// the next start; then it is empty.
-  void keep(MeasuredLut& lut);
-  void keep(MeasuredFlatness& flatness);
-  /// Errors: it is still on the disk.
-  Result<void> drop_lut();
-  Result<void> drop_flatness();
+  /// `told` in the disk thread: the checksum, empty if it could not be kept, which an event says;
+  /// then again, if it is kept after all.
+  using Told = std::function<void(const std::string& sha256)>;
+  void keep(const MeasuredLut& lut, Told told = nullptr);
+  void keep(const MeasuredFlatness& flatness, Told told = nullptr);
+  /// `told` in the disk thread; an error: it is still on the disk.
+  void drop_lut(DaemonStore::Dropped told);
+  void drop_flatness(DaemonStore::Dropped told);
 
  private:
   template <class T, class Read>
   std::shared_ptr<const T> load(const char* kind, const Read& read);
   template <class T>
-  void keep(const char* kind, T& measured, const nlohmann::json& content);
-  Result<void> drop(const char* kind);
+  void keep(const char* kind, const T& measured, const nlohmann::json& content, Told told);
   std::string obstacle(const nlohmann::json& origin) const;
   std::string obstacle(const MeasuredLut& lut) const { return obstacle(lut.origin); }
   std::string obstacle(const MeasuredFlatness& flatness) const;
@@ -49,7 +49,6 @@ class SlmArchive {
   nlohmann::json configured_;  ///< checksum of the file's flatness, or null
   DaemonStore& store_;
   Events& events_;
-  std::set<std::string> on_disk_;  ///< kinds that would be found again
 };
 
 }  // namespace ovws

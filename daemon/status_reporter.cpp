@@ -107,15 +107,21 @@ StatusMessage StatusReporter::current() const {
   const CameraSnapshot camera = deps_.camera.snapshot();
   status.camera = camera_part(camera, deps_.pipeline);
   status.slm = slm_part(deps_.slm.snapshot());
+  status.store = deps_.store.report();
   for (const HungThread& one : deps_.threads.hung_threads()) {
-    if (one.row->role != ThreadRole::display) continue;
-    status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
+    if (one.row->role == ThreadRole::display) {
+      status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
+    }
+    if (one.row->role == ThreadRole::disk) {
+      status.store.reason =
+          fmt::format("the disk has not answered for {:.0f} s; {} of the items that are kept wait",
+                      one.turn_s, deps_.store.queued());
+    }
   }
   status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();
   status.failed_job = deps_.jobs.last_failed();
-  status.store = deps_.store.report();
   const Measured measured = measured_.get();
   status.rates = measured.rates;
   status.latency = measured.latency;

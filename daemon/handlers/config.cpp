@@ -20,9 +20,13 @@ void save(Services& services, const nlohmann::json& /*params*/, RpcReply reply) 
                          "the daemon was started without a configuration file: start it with "
                          "--config FILE"}));
   }
-  const auto saved = replace_file(services.config_path, dump_config(in_use(services)));
-  if (!saved) return reply(failed(saved.error()));
-  reply(nlohmann::json{{"path", services.config_path}});
+  const auto asked = services.disk.request(
+      [path = services.config_path, text = dump_config(in_use(services)), reply] {
+        const auto saved = replace_file(path, text);
+        if (!saved) return reply(failed(saved.error()));
+        reply(nlohmann::json{{"path", path}});
+      });
+  if (!asked) reply(failed(asked.error()));
 }
 
 constexpr std::array<Method, 2> kMethods{{

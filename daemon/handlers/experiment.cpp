@@ -85,9 +85,10 @@ void get(Services& services, const json& /*params*/, RpcReply reply) {
 void get_cell(Services& services, const json& params, RpcReply reply) {
   const auto number = decode_experiment_cell(params);
   if (!number) return reply(failed(number.error()));
-  auto cell = services.experiments.cell(*number);
-  if (!cell) return reply(failed(cell.error()));
-  reply(std::move(*cell));
+  services.experiments.cell(*number, [reply = std::move(reply)](Result<json> cell) {
+    if (!cell) return reply(failed(cell.error()));
+    reply(std::move(*cell));
+  });
 }
 
 constexpr std::array<Method, 3> kMethods{{

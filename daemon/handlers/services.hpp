@@ -7,6 +7,7 @@
 #include "core/rt/counters.hpp"
 #include "daemon/camera_actor.hpp"
 #include "daemon/client_guard.hpp"
+#include "daemon/disk.hpp"
 #include "daemon/experiment_archive.hpp"
 #include "daemon/guarded.hpp"
 #include "daemon/instrument.hpp"
@@ -37,6 +38,7 @@ struct Services {
   SlmLoop& slm;
   Counters& counters;
   ClientGuard& clients;
+  Disk& disk;
 };
 
 }  // namespace ovws

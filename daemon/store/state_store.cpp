@@ -1,7 +1,10 @@
 #include "daemon/store/state_store.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +24,7 @@ constexpr std::uintmax_t kMaxFileBytes = 1U << 30;
 constexpr std::string_view kSumBegin = ",\n\"sha256\": \"";
 constexpr std::string_view kSumEnd = "\"\n}\n";
 constexpr std::size_t kSumDigits = 64;
+constexpr const char* kAside = ".outdated";  // behind the name of a file that is set aside
 constexpr std::size_t kSealSize = kSumBegin.size() + kSumDigits + kSumEnd.size();
 
 tl::unexpected<Error> damaged(const std::string& reason) {
@@ -28,7 +32,7 @@ tl::unexpected<Error> damaged(const std::string& reason) {
 }
 
 /// Empty, and `reason` is set, if it cannot be read.
-std::string text_of(const fs::path& path, std::string& reason) {
+std::string read_text(const fs::path& path, std::string& reason) {
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(path, unknown);
   if (!unknown && size > kMaxFileBytes) {
@@ -43,6 +47,11 @@ std::string text_of(const fs::path& path, std::string& reason) {
     return {};
   }
   return text;
+}
+
+/// The checksum that a sealed text ends with.
+std::string sum_of(std::string_view text) {
+  return std::string(text.substr(text.size() - kSumEnd.size() - kSumDigits, kSumDigits));
 }
 
 std::string schema_of(std::string_view kind) {
@@ -111,25 +120,55 @@ std::string StateStore::path_of(std::string_view kind, std::string_view name) co
   return directory_ + "/" + std::string(kind) + "." + std::string(name) + ".json";
 }
 
+std::string StateStore::text_of(std::string_view kind, const json& content) {
+  return seal(schema_of(kind), content);
+}
+
 Result<std::string> StateStore::put(std::string_view kind, std::string_view name,
                                     const json& content) {
-  const std::string text = seal(schema_of(kind), content);
+  return put_text(kind, name, text_of(kind, content));
+}
+
+Result<std::string> StateStore::put_text(std::string_view kind, std::string_view name,
+                                         std::string_view text) {
   const std::string path = path_of(kind, name);
   if (text.size() > kMaxFileBytes) {
     return fail(Errc::refused, "path", path + " would be larger than 1 GiB");
   }
   if (auto written = replace_file(path, text); !written) return fail(written.error());
-  return text.substr(text.size() - kSumEnd.size() - kSumDigits, kSumDigits);
+  ::unlink((path + kAside).c_str());
+  return sum_of(text);
 }
 
 Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
-  return remove_file(path_of(kind, name));
+  const std::string path = path_of(kind, name);
+  auto dropped = remove_file(path);
+  if (dropped) ::unlink((path + kAside).c_str());
+  return dropped;
+}
+
+Result<void> StateStore::set_aside(std::string_view kind, std::string_view name) {
+  const std::string path = path_of(kind, name);
+  if (std::rename(path.c_str(), (path + kAside).c_str()) == 0 || errno == ENOENT) return {};
+  return fail(Errc::unavailable, "path", path + " cannot be renamed: " + std::strerror(errno));
+}
+
+bool StateStore::make_again() {
+  std::error_code failed;
+  return fs::create_directories(directory_, failed) && !failed;
+}
+
+StateItem StateStore::item_of(std::string_view kind, std::string_view name,
+                              std::string_view text) const {
+  auto whole = unseal(schema_of(kind), text);
+  return {std::string(name), path_of(kind, name), whole ? std::move(whole->content) : json(),
+          sum_of(text)};
 }
 
 std::optional<StateItem> StateStore::find(std::string_view kind, std::string_view name) const {
   const std::string path = path_of(kind, name);
   std::string reason;
-  const std::string text = text_of(path, reason);
+  const std::string text = read_text(path, reason);
   if (!reason.empty()) return std::nullopt;
   auto whole = unseal(schema_of(kind), text);
   if (!whole) return std::nullopt;
@@ -151,7 +190,7 @@ std::vector<BadState> StateStore::load(std::string_view kind,
   for (const std::string& file : files) {
     const std::string path = directory_ + "/" + file;
     std::string reason;
-    const std::string text = text_of(path, reason);
+    const std::string text = read_text(path, reason);
     if (!reason.empty()) {
       all_bad.push_back({path, reason});
       continue;

@@ -36,7 +36,7 @@ struct BadState {
   std::string path, reason;
 };
 
-/// One thread at a time. Everything waits for the disk.
+/// Thread-safe, but two threads may not write the same item at once. Everything waits for the disk.
 class StateStore {
  public:
   /// Makes the directory if there is none, and removes what a killed writer left in it. Errors
@@ -49,15 +49,27 @@ class StateStore {
   const std::optional<std::string>& why_read_only() const { return why_read_only_; }
   int leftovers() const { return leftovers_; }  ///< that `open` removed
 
+  /// The text of an item's file.
+  static std::string text_of(std::string_view kind, const nlohmann::json& content);
   /// Kinds and names are of [a-z0-9_-]. Replaces the item of that name, whole or not at all;
   /// returns its checksum. Errors as of replace_file.
   Result<std::string> put(std::string_view kind, std::string_view name,
                           const nlohmann::json& content);
+  /// The same of a text that `text_of` made.
+  Result<std::string> put_text(std::string_view kind, std::string_view name, std::string_view text);
   /// It is no error if there is none. Errors as of remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
+  /// Renames the item's file, so that it is not loaded any more: it is outdated, and the one that
+  /// should replace it cannot be written. The next put or drop of that name removes it. It is no
+  /// error if there is none.
+  Result<void> set_aside(std::string_view kind, std::string_view name);
+  /// Makes the directory again if it was removed; true: it did.
+  bool make_again();
 
   /// The one item of that name; none if there is none, or it is not whole.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
+  /// The item of such a text.
+  StateItem item_of(std::string_view kind, std::string_view name, std::string_view text) const;
 
   /// Hands over each whole item, by name and one at a time, for they may be large; returns the
   /// files that are not whole.

@@ -185,7 +185,9 @@ TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   EXPECT_EQ(daemon->shelf->find(key_of(config_))->t_taken_ns, 6);
   auto next = started(config_);
   EXPECT_EQ(next->shelf->find(key_of(config_, turned()))->t_taken_ns, 9);
-  ASSERT_TRUE(next->shelf->drop(key_of(config_, turned())));
+  const auto taken = next->shelf->take(key_of(config_, turned()));
+  EXPECT_EQ(taken.size(), 1U);
+  next->shelf->drop_files(taken, [](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
   EXPECT_FALSE(next->shelf->find(key_of(config_, turned())));
   EXPECT_TRUE(next->shelf->find(key_of(config_)));
   next = started(config_);

@@ -97,7 +97,7 @@ class Archive : public testing::Test {
 TEST_F(Archive, AReferenceIsFoundAgainBitForBit) {
   auto daemon = started(config_);
   Reference before = taken(*daemon, config_);
-  daemon->archive.keep(before);
+  daemon->archive.keep(before, {}, [&](const std::string& sha256) { before.sha256 = sha256; });
   EXPECT_EQ(before.sha256.size(), 64U);
   const auto all = found(config_);
   ASSERT_EQ(all.size(), 1U);
@@ -132,7 +132,10 @@ TEST_F(Archive, TheOneTakenLastTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsG
   daemon->archive.keep(second);
   ASSERT_EQ(found(config_).size(), 1U);
   EXPECT_EQ(found(config_)[0].t_taken_ns, 6);
-  ASSERT_TRUE(daemon->archive.drop(second));
+  bool dropped = false;
+  daemon->archive.drop({identity_of(*second.origin)},
+                       [&](const Result<void>& done) { dropped = done.has_value(); });
+  ASSERT_TRUE(dropped);
   EXPECT_TRUE(found(config_).empty());
 }
 
@@ -167,7 +170,8 @@ TEST_F(Archive, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
 
 TEST_F(Archive, OneOfAnotherLutOrFlatnessIsFoundWhenTheyAreAsTheyWere) {
   Reference reference = taken(*started(config_), config_);
-  started(config_)->archive.keep(reference);
+  started(config_)->archive.keep(reference, {},
+                                 [&](const std::string& sha256) { reference.sha256 = sha256; });
   SlmInForce configured, other;
   configured.hologram = other.hologram = hologram_of(config_);
   configured.identity = slm_identity(configured.hologram, false);
@@ -329,15 +333,15 @@ TEST_F(Archive, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
   DaemonStore none({}, events);
   EXPECT_FALSE(none.report().directory);
   EXPECT_TRUE(none.report().reason);
-  EXPECT_FALSE(none.put("reference", "a", {}));
-  EXPECT_TRUE(none.drop("reference", "a"));
+  EXPECT_FALSE(none.put_and_wait("reference", "a", {}));
+  EXPECT_TRUE(none.drop_and_wait("reference", "a"));
   none.load("reference", [](const StateItem&) { ADD_FAILURE(); });
   ::setenv("STATE_DIRECTORY", (folder_ + ":/elsewhere").c_str(), 1);
   DaemonStore some({}, events);
   ::unsetenv("STATE_DIRECTORY");
   EXPECT_EQ(some.report().directory, folder_);
   EXPECT_FALSE(some.report().reason);
-  EXPECT_TRUE(some.put("reference", "a", {}));
+  EXPECT_TRUE(some.put_and_wait("reference", "a", {}));
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
   MeasuredFlatness surface = flatness();
   {
     const auto daemon = started();
-    daemon->archive.keep(table);
+    daemon->archive.keep(table, [&](const std::string& sha256) { table.sha256 = sha256; });
     daemon->archive.keep(surface);
   }
   const auto daemon = started();
@@ -92,7 +92,7 @@ TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
   EXPECT_EQ(flat->modes, surface.modes);
   EXPECT_EQ(flat->standard_error_waves, surface.standard_error_waves);
   EXPECT_EQ(flat->pupil_diameter_px, 96.0);
-  ASSERT_TRUE(daemon->archive.drop_lut());
+  daemon->archive.drop_lut([](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
   EXPECT_FALSE(daemon->archive.load_lut());
   EXPECT_TRUE(daemon->archive.load_flatness());
 }

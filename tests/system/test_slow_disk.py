@@ -1,0 +1,157 @@
+"""A disk that stands still, or is slow, holds up nobody: frames go on, control answers, and everything is written afterwards.
+
+The daemon alone sees such a disk, by a small library that stands before the C library (slow_disk.cpp).
+"""
+import json
+import os
+import pathlib
+import subprocess
+import threading
+import time
+
+import h5py
+from case import BenchCase, Client, main, wait_for
+
+STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than a guarded thread may take
+MIB = 1 << 20
+
+
+class SlowDisk(BenchCase):
+    twin_config = {"noise": "pool"}
+    daemon_config = {"state": {"directory": "slow-disk"}, "stream": {"image_rate_hz": 0}}
+
+    def start_daemon(self):
+        library, self.speed_file = self.bench.directory / "slow_disk.so", self.bench.directory / "speed"
+        if not library.exists():
+            source = pathlib.Path(__file__).with_name("slow_disk.cpp")
+            subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        self.folder = self.bench.directory / "slow-disk"
+        self.folder.mkdir(exist_ok=True)
+        link = self.bench.directory / "ovwsd.json"  # its configuration lies on that disk, too
+        if not link.is_symlink():
+            link.symlink_to(self.folder / "ovwsd.json")
+        seen = {"LD_PRELOAD": str(library), "OVWS_SLOW_FOLDER": "slow-disk", "OVWS_SLOW_DISK": str(self.speed_file)}
+        os.environ.update(seen)
+        try:
+            super().start_daemon()
+        finally:
+            for name in seen:
+                del os.environ[name]
+
+    def speed(self, bytes_per_s):
+        """0: the disk stands still; None: it is as fast as it is."""
+        if bytes_per_s is None:
+            return self.speed_file.unlink()
+        new = self.speed_file.with_suffix(".new")
+        new.write_text(str(bytes_per_s))
+        return new.rename(self.speed_file)
+
+    def in_background(self, method, params=None):
+        """The reply of a client of its own, when it is there."""
+        replies = []
+
+        def ask():
+            client = Client(timeout_s=STANDS_S + 30.0)
+            replies.append(client.call(method, params))
+            client.close()
+
+        threading.Thread(target=ask, daemon=True).start()
+        return replies
+
+    def exit_status(self, timeout_s):
+        """Of the daemon, which was asked to end."""
+        return self.bench.process("ovwsd").popen.wait(timeout_s)
+
+    def ended_by_sigterm(self, timeout_s):
+        began = time.monotonic()
+        self.bench.process("ovwsd").popen.terminate()
+        return self.exit_status(timeout_s), time.monotonic() - began
+
+
+class Standing(SlowDisk):
+    def test_it_holds_up_nobody_and_all_is_written_afterwards(self):
+        self.take_reference(10)
+        before = self.call("reference.get")
+        self.assertIsNotNone(before["sha256"])
+        frames, events = self.stream("wavefront"), self.stream("event")
+        first = wait_for(lambda: frames.next(1.0), what="a frame")
+        dropped = self.call("system.status")["counters"]["frames_dropped"]
+        self.call("camera.set", {"exposure_us": 1900.0})
+        self.speed(0)
+        began = time.monotonic()
+        job = self.call("reference.take", {"frames": 10})["job"]
+        wait_for(lambda: self.call("reference.get")["t_taken_ns"] != before["t_taken_ns"], what="the new reference")
+        saved = self.in_background("config.save")
+        slowest_s, hologram, told = 0.0, 0, ""
+        while time.monotonic() - began < STANDS_S:
+            asked = time.monotonic()
+            status = self.call("system.status")
+            hologram = self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.02 * (hologram % 2)}]})["hologram_id"]
+            slowest_s = max(slowest_s, time.monotonic() - asked)
+            told = status["store"]["reason"] or told
+            self.assertEqual(status["state"], "running")
+            self.settled_frames(frames, 1, hologram)
+        self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
+        self.assertRegex(told, "the disk has not answered for [0-9]+ s; 1 of the items")
+        self.speed(None)
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the job's end")
+        self.assertEqual(ended["state"], "done")
+        wait_for(lambda: saved, what="the reply to config.save")
+        after = self.call("reference.get")
+        self.assertIsNotNone(after["sha256"])
+        wait_for(lambda: self.call("system.status")["store"]["reason"] is None, what="the end of the reason")
+        status = self.call("system.status")
+        self.assertEqual(status["counters"]["frames_dropped"], dropped)
+        hung = {text for event in iter(lambda: events.next(0.2), None) if event["kind"] == "thread" for text in [event["text"]]}
+        self.assertEqual({text.split()[1] for text in hung}, {"disk"}, hung)
+        self.assertEqual(json.loads(pathlib.Path(saved[0]["path"]).read_text())["camera"]["exposure_us"], 1900.0)
+        self.bench.stop("ovwsd")
+        self.client.close()
+        self.start_daemon()
+        self.wait_until("running", 30.0)
+        self.assertEqual(self.call("reference.get")["sha256"], after["sha256"])
+        print(f"\n  the disk stood still for {STANDS_S:.0f} s: {status['counters']['frames_published'] - first['seq']} frames, "
+              f"two calls took at most {slowest_s:.2f} s")
+
+    def test_the_daemon_ends_without_it(self):
+        self.speed(0)
+        self.call("reference.take", {"frames": 10})
+        wait_for(lambda: self.call("system.status")["sensor"]["referenced"], what="the reference")
+        status, took_s = self.ended_by_sigterm(20.0)
+        print(f"\n  ended {took_s:.2f} s after SIGTERM, with an item that no disk took")
+        self.assertEqual(status, 1, self.bench.log("ovwsd"))
+        self.assertIn("state: items that are not written are lost: 1: the disk has not answered", self.bench.log("ovwsd"))
+
+
+class Recording(SlowDisk):
+    def record(self, name, bytes_per_s):
+        """Until so much waits that a slow disk is busy with it for seconds."""
+        self.call("record.start", {"name": name, "pictures_every": 1})
+        wait_for(lambda: self.call("record.get")["frames"] > 0, what="the first frame")
+        self.speed(bytes_per_s)
+        sent = self.call("record.get")["frames"]
+        frames = self.stream("wavefront")
+        for _ in range(60):
+            self.assertIsNotNone(frames.next(5.0))
+        return sent
+
+    def test_its_end_is_written_when_the_daemon_stops(self):
+        self.record("slow", 8 * MIB)
+        last = self.call("record.get")
+        status, took_s = self.ended_by_sigterm(60.0)
+        with h5py.File(self.folder / "recordings" / "slow.h5", "r") as file:
+            frames, dropped = file["frames"].shape[0], file["summary"][0]["frames_dropped"]
+        print(f"\n  {last['frames']} frames at SIGTERM, {frames} in the file {took_s:.2f} s later, {dropped} left out")
+        self.assertEqual((status, dropped), (0, 0))
+        self.assertGreater(frames, last["frames"] + 10)
+
+    def test_a_disk_that_stands_still_ends_it_and_the_exit_status_says_so(self):
+        self.record("lost", 0)
+        status, took_s = self.ended_by_sigterm(40.0)
+        print(f"\n  ended {took_s:.2f} s after SIGTERM, with a disk that takes nothing")
+        self.assertEqual(status, 1)
+        self.assertRegex(self.bench.log("ovwsd"), "record: the disk has not answered for 10 s: the end of .*lost.h5 is lost")
+
+
+if __name__ == "__main__":
+    main()

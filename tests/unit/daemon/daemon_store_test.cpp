@@ -1,0 +1,248 @@
+/// What the disk refuses waits, is tried again, and says why; what the disk holds up holds up
+/// nobody.
+#include "daemon/daemon_store.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <future>
+#include <thread>
+
+#include "daemon/stream_queue.hpp"
+#include "tests/support/own_folder.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Store : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& name) const { return fs::path(folder_) / name; }
+  /// Nothing can be written under this name: a folder that is not empty has it.
+  void block(const std::string& name) const { fs::create_directories(file(name) / "full"); }
+  void unblock(const std::string& name) const { fs::remove_all(file(name)); }
+
+  struct Answers {
+    DaemonStore::Tried tried() {
+      return [this](const Result<std::string>& result) {
+        (result ? kept : refused) += 1;
+        if (!result) why = result.error().reason;
+      };
+    }
+    int kept = 0, refused = 0;
+    std::string why;
+  };
+  void put(const std::string& name, int value, Answers& answers) {
+    store_.put("kind", name, {{"value", value}}, DaemonStore::Older::stays, answers.tried());
+  }
+  json value(const std::string& name) const {
+    const auto found = store_.find("kind", name);
+    return found ? found->content["value"] : json();
+  }
+  std::vector<std::string> loaded() const {
+    std::vector<std::string> names;
+    store_.load("kind", [&](const StateItem& item) { names.push_back(item.name); });
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const std::string folder_ = own_folder("daemon_store");
+  StreamQueue queue_;
+  Events events_{queue_};
+  DaemonStore store_{{folder_}, events_};
+};
+
+TEST_F(Store, WhatIsRefusedWaitsAndIsWrittenWhenTheDiskTakesIt) {
+  Answers a, b;
+  block("kind.a.json");
+  put("a", 1, a);
+  EXPECT_EQ(a.refused, 1);
+  ASSERT_TRUE(store_.report().reason);
+  EXPECT_NE(store_.report().reason->find("kind.a.json"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; 1 of the items"), std::string::npos);
+  EXPECT_EQ(value("a"), 1) << "it is found while it waits";
+  EXPECT_EQ(loaded(), std::vector<std::string>{"a"});
+  EXPECT_EQ(store_.why_queued("kind"), a.why);
+  EXPECT_FALSE(store_.why_queued("other"));
+  store_.try_again_and_wait();
+  EXPECT_EQ(a.refused, 1) << "said once";
+  unblock("kind.a.json");
+  put("b", 2, b);
+  EXPECT_EQ(b.kept, 1);
+  store_.try_again_and_wait();
+  EXPECT_EQ(a.kept, 1);
+  EXPECT_FALSE(store_.report().reason);
+  EXPECT_EQ(store_.queued(), 0);
+  EXPECT_EQ(value("a"), 1);
+}
+
+TEST_F(Store, ItIsTriedAgainWithoutAnythingNew) {
+  Answers a;
+  block("kind.a.json");
+  put("a", 1, a);
+  unblock("kind.a.json");
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (a.kept == 0 && std::chrono::steady_clock::now() < end) {
+    (void)store_.turn();
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(a.kept, 1);
+}
+
+TEST_F(Store, TheReasonIsThatOfTheNewestThatWaitsAndGoesWithIt) {
+  Answers a, z;
+  block("kind.a.json");
+  block("kind.z.json");
+  put("z", 1, z);
+  put("a", 1, a);
+  EXPECT_NE(store_.report().reason->find("kind.a.json"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; 2 of the items"), std::string::npos);
+  unblock("kind.a.json");
+  store_.try_again_and_wait();
+  EXPECT_NE(store_.report().reason->find("kind.z.json"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; 1 of the items"), std::string::npos);
+  unblock("kind.z.json");
+  store_.try_again_and_wait();
+  EXPECT_FALSE(store_.report().reason);
+}
+
+TEST_F(Store, OnlyTheNewestOfANameIsWritten) {
+  Answers first, second;
+  block("kind.a.json");
+  put("a", 1, first);
+  put("a", 2, second);
+  EXPECT_EQ(store_.queued(), 1);
+  unblock("kind.a.json");
+  store_.try_again_and_wait();
+  EXPECT_EQ(value("a"), 2);
+  EXPECT_EQ(first.kept, 0);
+  EXPECT_EQ(second.kept, 1);
+}
+
+TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
+  Answers a;
+  block("kind.a.json");
+  put("a", 1, a);
+  bool dropped = true;
+  store_.drop("kind", "a", [&](const Result<void>& done) { dropped = done.has_value(); });
+  EXPECT_FALSE(dropped) << "no unlink removes a folder";
+  EXPECT_EQ(store_.queued(), 0);
+  EXPECT_FALSE(store_.report().reason);
+}
+
+/// A folder that can only be read is not for root; a disk that is full, for no test of units.
+TEST_F(Store, AFolderThatWasRemovedIsMadeAgain) {
+  Answers a;
+  fs::remove_all(folder_);
+  put("a", 1, a);
+  EXPECT_EQ(a.kept, 1);
+  EXPECT_TRUE(fs::exists(file("kind.a.json")));
+  EXPECT_FALSE(store_.report().reason);
+}
+
+/// No file of this process may grow beyond so many bytes.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(Store, AnOutdatedItemIsNotLoadedByARestart) {
+  Answers first, second;
+  put("a", 1, first);
+  ASSERT_EQ(first.kept, 1);
+  const auto found_by_restart = [&] {
+    DaemonStore again({folder_}, events_);
+    const auto found = again.find("kind", "a");
+    return found ? found->content["value"] : json();
+  };
+  {
+    const FileLimit limit(16);
+    store_.put("kind", "a", {{"value", 2}}, DaemonStore::Older::set_aside, second.tried());
+    EXPECT_EQ(second.refused, 1);
+    EXPECT_EQ(found_by_restart(), json());
+    EXPECT_TRUE(fs::exists(file("kind.a.json.outdated"))) << "a person may want it";
+  }
+  store_.try_again_and_wait();
+  EXPECT_EQ(second.kept, 1);
+  EXPECT_EQ(found_by_restart(), 2);
+  EXPECT_FALSE(fs::exists(file("kind.a.json.outdated")));
+}
+
+TEST_F(Store, MoreThanItsMemoryIsNotKept) {
+  Answers large, more;
+  block("kind.large.json");
+  const std::string text(DaemonStore::kMaxQueuedBytes - 4096, 'x');
+  store_.put("kind", "large", text, DaemonStore::Older::stays, large.tried());
+  EXPECT_EQ(large.refused, 1);
+  store_.put("kind", "more", std::string(8192, 'x'), DaemonStore::Older::stays, more.tried());
+  EXPECT_EQ(more.refused, 1);
+  EXPECT_NE(more.why.find("MiB wait for the disk already"), std::string::npos);
+  EXPECT_EQ(store_.queued(), 1);
+}
+
+/// The disk thread, which waits for a disk until it is let go.
+TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
+  const std::string folder = own_folder("standing_disk");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  DaemonStore store({folder}, events, &disk);
+  disk.each_turn([&] { return store.turn(); });
+  std::promise<void> go;
+  std::atomic<bool> stop{false}, stands{false};
+  std::thread thread([&] {
+    while (!stop) disk.do_work();
+    disk.on_close();
+  });
+  while (!stands) {
+    disk.post([&] {
+      if (std::this_thread::get_id() != thread.get_id() || stands.exchange(true)) return;
+      go.get_future().wait();
+    });
+  }
+  std::atomic<int> kept{0};
+  store.put("kind", "a", {{"value", 1}}, DaemonStore::Older::set_aside,
+            [&](const Result<std::string>& done) { kept += done ? 1 : 0; });
+  EXPECT_EQ(store.find("kind", "a")->content["value"], 1);
+  EXPECT_EQ(store.queued(), 1);
+  int refused = 0;
+  for (int request = 0; request < Disk::kMaxRequests + 1; ++request) {
+    refused += disk.request([] {}) ? 0 : 1;
+  }
+  EXPECT_EQ(refused, 1);
+  auto waiting = std::async(std::launch::async, [&] {
+    return store.put_and_wait("kind", "b", {{"value", 2}}).has_value();
+  });
+  EXPECT_EQ(kept, 0);
+  stop = true;
+  go.set_value();
+  thread.join();
+  EXPECT_EQ(kept, 1) << "written before the thread ends";
+  store.end_soon();
+  waiting.wait();
+  EXPECT_TRUE(fs::exists(fs::path(folder) / "kind.a.json"));
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace ovws
