@@ -1,12 +1,15 @@
 #include "daemon/app.hpp"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <sys/time.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <utility>
 
+#include "core/port/clock.hpp"
 #include "daemon/camera_actor.hpp"
 #include "daemon/client_guard.hpp"
 #include "daemon/daemon_store.hpp"
@@ -36,8 +39,19 @@ namespace {
 
 constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
 constexpr double kStopPatienceS = 1.2;
+constexpr double kRecordingPatienceS = 10.0;  ///< with a disk that writes nothing of a recording
+constexpr double kDiskLookS = 0.2;
 constexpr int kImageQueue = 4;  ///< an image is a MiB or more
 constexpr double kLastPatienceS = 1.8;
+
+std::atomic<int> exit_status{0};
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it");
+
+[[noreturn]] void end_at_once(const std::string& why, const Result<void>& written) {
+  spdlog::warn("{}: ending without it", why);
+  if (!written) spdlog::error("{}: {}", written.error().field, written.error().reason);
+  std::_Exit(exit_status.load());
+}
 
 /// A display that no longer answers may hold the main thread when no other is left to end without
 /// it.
@@ -45,7 +59,7 @@ void end_whatever_holds_after(double patience_s) {
   std::signal(SIGALRM, [](int /*signal*/) {
     static constexpr char kWords[] = "<4>the display does not let go: ending without it\n";
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWords, sizeof(kWords) - 1);
-    std::_Exit(0);
+    std::_Exit(exit_status.load());
   });
   const auto whole_s = time_t(patience_s);
   const itimerval once{{0, 0}, {whole_s, suseconds_t(1e6 * (patience_s - double(whole_s)))}};
@@ -91,6 +105,7 @@ struct App::Parts {
   std::unique_ptr<StatusReporter> status;
   std::unique_ptr<Services> services;
   std::unique_ptr<ControlServer> control;
+  std::atomic<bool> ending{false};
   ThreadPlan threads;
 
   Parts(const Config& c, std::string path)
@@ -136,6 +151,10 @@ struct App::Parts {
   Result<void> bind_streams();
   Result<void> bind_control();
   Result<void> start_threads();
+  Result<void> end_disk_work();
+  Result<void> check_kept();
+  void end_without_display();
+  Result<void> stop();
 };
 
 Result<void> App::Parts::make_instrument() {
@@ -185,9 +204,10 @@ Result<void> App::Parts::bind_streams() {
                                             counters, takers);
   reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
                                                    *instrument, *refiner, *images, events, disk});
-  status = std::make_unique<StatusReporter>(StatusDeps{
-      state, camera, slm, *instrument, *images, *loop, *refiner, recorder, jobs, pipeline,
-      published_latency, counters, events, store, queue, threads, *reloader, *clients});
+  status = std::make_unique<StatusReporter>(
+      StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, recorder, jobs,
+                 pipeline, published_latency, counters, events, store, queue, threads, *reloader,
+                 *clients, [this] { end_without_display(); }});
   return {};
 }
 
@@ -271,22 +291,85 @@ Result<void> App::run(const std::atomic<bool>& stop) {
     spdlog::info("clients need a key; the daemon's own is {}", parts_->clients->public_key());
   }
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
-  end_whatever_holds_after(kLastPatienceS);
-  service::notify_stopping();
-  parts_->state.take(DaemonEvent::stop_requested);
-  parts_->procedures->end_soon();
-  parts_->store.end_soon();
-  parts_->refiner->end_soon();
-  parts_->operators.end_soon();
-  parts_->slm.close();
-  const std::string held = parts_->threads.stop_all(kStopPatienceS);
-  if (const std::string why = parts_->threads.fatal_failure(); !why.empty()) {
-    if (held.empty()) return fail(Errc::internal, "", why);
-    std::_Exit(1);
+  return parts_->stop();
+}
+
+/// The end of a recording comes to the disk, however long that takes, as long as something does.
+/// Errors: what is lost.
+Result<void> App::Parts::end_disk_work() {
+  const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
+  const bool recording = recorder.report().state == "recording";
+  const double patience_s = recording ? kRecordingPatienceS : kStopPatienceS;
+  const auto done = [this] { return std::pair(recorder.report().frames, store.queued()); };
+  auto before = done();
+  std::int64_t last_ns = monotonic_ns();
+  threads.end_soon(roles);
+  for (std::string held; !(held = threads.wait_for_end(roles, kDiskLookS)).empty();) {
+    service::notify_extend(2.0 * kRecordingPatienceS);
+    if (auto now = done(); now != before) {
+      before = now;
+      last_ns = monotonic_ns();
+    }
+    if (1e-9 * double(monotonic_ns() - last_ns) < patience_s) continue;
+    if (held != "write") break;
+    exit_status.store(1);
+    return fail(Errc::unavailable, "record",
+                fmt::format("the disk has not answered for {:.0f} s: the end of {} is lost",
+                            patience_s, recorder.report().file.value_or("")));
   }
-  if (held.empty()) return {};
-  spdlog::warn("thread {} does not end in time: ending without it", held);
-  std::_Exit(0);
+  if (recorder.lost_at_stop() == 0) return check_kept();
+  exit_status.store(1);
+  return fail(Errc::unavailable, "record",
+              fmt::format("{} frames at the end of {} could not be written",
+                          recorder.lost_at_stop(), recorder.report().file.value_or("")));
+}
+
+/// What the disk refused was reported when it did.
+Result<void> App::Parts::check_kept() {
+  const int items = store.queued();
+  if (items == 0) return {};
+  const auto refused = store.report().reason;
+  const std::string text = fmt::format("items that are not written are lost: {}", items);
+  if (refused) {
+    spdlog::warn("state: {}: {}", text, *refused);
+    return {};
+  }
+  exit_status.store(1);
+  return fail(Errc::unavailable, "state", text + ": the disk has not answered");
+}
+
+/// Status thread.
+void App::Parts::end_without_display() {
+  if (ending.exchange(true)) return;
+  end_at_once("the display does not let go", end_disk_work());
+}
+
+/// First who needs the others to end, and the disk: procedures and the loop the camera, which needs
+/// the frame path. Then all others at once.
+Result<void> App::Parts::stop() {
+  while (ending.exchange(true)) ::pause();  // the status thread ends without us
+  service::notify_stopping();
+  state.take(DaemonEvent::stop_requested);
+  procedures->end_soon();
+  store.end_soon();
+  refiner->end_soon();
+  operators.end_soon();
+  slm.close();
+  threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write, ThreadRole::disk});
+  (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopPatienceS);
+  threads.end_soon({ThreadRole::camera});
+  auto written = end_disk_work();
+  end_whatever_holds_after(kLastPatienceS);
+  std::string held = threads.wait_for_end({ThreadRole::camera}, kStopPatienceS);
+  const std::string other = threads.stop_all(held.empty() ? kStopPatienceS : kDiskLookS);
+  if (held.empty()) held = other;
+  if (written) written = check_kept();
+  if (const std::string why = threads.fatal_failure(); !why.empty()) {
+    exit_status.store(1);
+    written = fail(Errc::internal, "", why);
+  }
+  if (!held.empty()) end_at_once("thread " + held + " does not end in time", written);
+  return written;
 }
 
 void App::reload() {

@@ -18,6 +18,9 @@ void notify_reloading() {
 void notify_stopping() {
   sd_notify(0, "STOPPING=1");
 }
+void notify_extend(double seconds) {
+  sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%" PRIi64, std::int64_t(1e6 * seconds));
+}
 void notify_status(const std::string& text) {
   sd_notify(0, ("STATUS=" + text).c_str());
 }

@@ -1,11 +1,9 @@
 #include "daemon/status_reporter.hpp"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <thread>
 
 #include "core/port/clock.hpp"
@@ -154,10 +152,7 @@ void StatusReporter::measure() {
 
 /// A daemon that hangs is to be restarted; a device that hangs is to be told.
 void StatusReporter::watch_threads() {
-  if (deps_.threads.stop_overdue(kStopPatienceS)) {
-    spdlog::warn("the display does not let go: ending without it");
-    std::_Exit(0);
-  }
+  if (deps_.threads.stop_overdue(kStopPatienceS)) deps_.end_without_display();
   std::set<const ThreadRow*> hung;
   for (const HungThread& one : deps_.threads.hung_threads()) {
     hung.insert(one.row);

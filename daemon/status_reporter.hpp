@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -45,6 +46,8 @@ struct StatusDeps {
   ThreadPlan& threads;
   Reloader& reloader;
   ClientGuard& clients;
+  /// The stop has been asked for, and the display holds the main thread: does not return.
+  std::function<void()> end_without_display;
 };
 
 /// The status thread's agent: once a second, and at once when something changed.

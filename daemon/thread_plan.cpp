@@ -32,11 +32,20 @@ struct ThreadPlan::Running {
 
 namespace {
 
+const std::vector<ThreadRole> kEveryRole = [] {
+  std::vector<ThreadRole> roles;
+  for (const ThreadRow& row : kThreadTable) roles.push_back(row.role);
+  return roles;
+}();
 constexpr const char* kDmaLatency = "/dev/cpu_dma_latency";
 
 const ThreadRow& row_of(ThreadRole role) {
   return *std::find_if(kThreadTable.begin(), kThreadTable.end(),
                        [role](const ThreadRow& row) { return row.role == role; });
+}
+
+bool contains(const std::vector<ThreadRole>& roles, ThreadRole role) {
+  return std::find(roles.begin(), roles.end(), role) != roles.end();
 }
 
 int set_fifo(std::thread& thread, int priority) {
@@ -243,22 +252,33 @@ void ThreadPlan::run_here(ThreadRole role, Agent& agent, const std::atomic<bool>
   stop_here_ = nullptr;
 }
 
-std::string ThreadPlan::stop_all(double patience_s) {
+void ThreadPlan::end_soon(const std::vector<ThreadRole>& roles) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& running : threads_) {
+    if (contains(roles, running->row->role)) running->stop = true;
+  }
+}
+
+std::string ThreadPlan::wait_for_end(const std::vector<ThreadRole>& roles, double patience_s) {
   constexpr std::chrono::milliseconds kLeast(200);  // even behind one that is held
   std::string held;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {
     Running& one = **running;
-    one.stop = true;
-    if (!one.thread.joinable()) continue;
+    if (!contains(roles, one.row->role) || !one.thread.joinable()) continue;
     if (one.ended.wait_until(until) == std::future_status::ready ||
-        one.ended.wait_for(kLeast) == std::future_status::ready) {
+        (!held.empty() && one.ended.wait_for(kLeast) == std::future_status::ready)) {
       one.thread.join();
     } else if (held.empty()) {
       held = one.row->name;
     }
   }
   return held;
+}
+
+std::string ThreadPlan::stop_all(double patience_s) {
+  end_soon(kEveryRole);
+  return wait_for_end(kEveryRole, patience_s);
 }
 
 std::vector<HungThread> ThreadPlan::hung_threads() const {

@@ -139,10 +139,14 @@ class ThreadPlan {
   /// Turns `agent` in the calling thread until `stop` is set, or until an exception left a turn of
   /// a thread whose row then ends the process.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
-  /// Asks all to end, last started first, and waits for each, for `patience_s` in all. A thread may
-  /// be held by a device that no longer answers, or by work that cannot be broken off: then its
-  /// name is returned, and the process is to end without destroying what that thread uses. Empty:
-  /// all ended.
+  /// Asks these to end with their turn; waits for nothing. Any thread.
+  void end_soon(const std::vector<ThreadRole>& roles);
+  /// Waits for these, last started first, for `patience_s` in all. A thread may be held by a device
+  /// that no longer answers, or by work that cannot be broken off: then its name is returned, and
+  /// the process is to end without destroying what that thread uses. Empty: all ended. One thread
+  /// at a time.
+  std::string wait_for_end(const std::vector<ThreadRole>& roles, double patience_s);
+  /// Both, of all that have not ended yet.
   std::string stop_all(double patience_s);
 
   /// Thread-safe: why the process is to end and be started again; empty: there is no reason.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <new>
 
 #include "core/port/clock.hpp"
@@ -27,6 +28,8 @@ constexpr std::size_t kMostFacts = 256;         // while it records: what it can
 constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
 
 constexpr const char* kGone = "its file was removed or moved while it was written";
+constexpr std::int64_t kStopRestNs = 120'000'000'000;  // for what waits when the daemon stops
+constexpr const char* kTooSlow = "the disk was too slow for the rest";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
 
 std::optional<std::string> directory_of(const Config& config) {
@@ -255,7 +258,7 @@ bool Recorder::do_work() {
 
 void Recorder::on_close() {
   mailbox_.close();
-  if (running_) end({"the daemon stops", Rest::write});
+  if (running_) end({"the daemon stops", Rest::write, true});
 }
 
 void Recorder::turn() {
@@ -343,16 +346,18 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
 }
 
 /// Returns what came in between; empty: nothing.
-std::string Recorder::write_rest() {
+std::string Recorder::write_rest(std::int64_t until_ns) {
   Running& r = *running_;
   while (TakenFrame* const frame = taker_.store()->next(0)) {
     const auto ending = write(*frame);
     taker_.store()->give_back(frame);
     if (ending) return ending->reason;
+    if (monotonic_ns() > until_ns) return kTooSlow;
     if (monotonic_ns() < r.next_flush_ns) continue;
     r.next_flush_ns = monotonic_ns() + kFlushNs;
     const auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped);
     if (!flushed) return flushed.error().reason;
+    tell();
     if (disk_is_full(r.path)) return kDiskFull;
   }
   return "";
@@ -361,17 +366,23 @@ std::string Recorder::write_rest() {
 void Recorder::end(const Ending& ending) {
   pipeline_.stop_recording();
   std::string why = ending.reason;
+  const std::int64_t until_ns =
+      ending.at_stop ? monotonic_ns() + kStopRestNs : std::numeric_limits<std::int64_t>::max();
   if (ending.rest == Rest::write) {
-    if (const std::string trouble = write_rest(); !trouble.empty()) why += "; " + trouble;
+    if (const std::string trouble = write_rest(until_ns); !trouble.empty()) why += "; " + trouble;
   }
   Running& r = *running_;
-  if (ending.rest != Rest::after) r.frames_dropped += taker_.store()->taken_after(r.last_number);
+  std::uint64_t lost = ending.rest == Rest::after ? 0 : taker_.store()->taken_after(r.last_number);
+  r.frames_dropped += lost;
   if (why == "record.stop" && !r.file->in_place()) why += std::string("; ") + kGone;
   const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
   if (!closed) {
+    lost += r.frames_begun - r.file->frames();
     r.frames_dropped += r.frames_begun - r.file->frames();
     if (why == "record.stop") why += "; " + closed.error().reason;
   }
+  if (ending.at_stop && lost > 0) why += fmt::format("; {} frames could not be written", lost);
+  if (ending.at_stop) lost_at_stop_.store(lost);
   tell();
   RecordReport last = report();
   last.state = "ended";

@@ -2,6 +2,7 @@
 /// file. The pipeline never waits for it.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -58,7 +59,7 @@ class Recorder : public Agent {
   ~Recorder() override;
 
   bool do_work() override;
-  /// Ends the recording.
+  /// Ends the recording: what waits is written, for two minutes at most; what remains is counted.
   void on_close() override;
   Agent& taker() { return taker_; }
 
@@ -67,6 +68,8 @@ class Recorder : public Agent {
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
+  /// How many frames of a recording that the daemon's stop ended are not in its file.
+  std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
   /// Any thread, before a frame can be measured with the plan.
   void know(const MeasurementPlan& plan, const SensorSnapshot& sensor);
   /// Any thread.
@@ -83,6 +86,7 @@ class Recorder : public Agent {
   struct Ending {
     std::string reason;
     Rest rest = Rest::drop;
+    bool at_stop = false;  ///< of the daemon
   };
   Result<std::string> path_of(const std::string& name) const;
   Result<void> begin(const Begin& begin);
@@ -92,7 +96,7 @@ class Recorder : public Agent {
   void turn();
   std::optional<Ending> flush();
   void end(const Ending& ending);
-  std::string write_rest();
+  std::string write_rest(std::int64_t until_ns);
   void tell();
   void keep_facts(std::size_t most);
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
@@ -106,6 +110,7 @@ class Recorder : public Agent {
   Mailbox mailbox_;
   std::unique_ptr<Running> running_;  ///< write thread
   Guarded<RecordReport> report_;
+  std::atomic<std::uint64_t> lost_at_stop_{0};
   std::mutex facts_mutex_;
   std::size_t most_facts_;  ///< guarded by facts_mutex_
   std::deque<std::shared_ptr<const PlanFacts>> facts_;

@@ -137,6 +137,48 @@ TEST(ThreadPlan, AnExceptionInTheCallersOwnTurnsEndsThem) {
   EXPECT_EQ(agent.turns, 1);
 }
 
+/// Else each takes its turn's time after the other, twelve times.
+TEST(ThreadPlan, AllAreToldToEndBeforeAnyIsWaitedFor) {
+  class Ending : public Agent {
+   public:
+    bool do_work() override {
+      std::this_thread::sleep_for(1ms);
+      return true;
+    }
+    void on_close() override {
+      closed = true;
+      for (int tries = 0; tries < 2500 && other != nullptr && !other->closed; ++tries) {
+        std::this_thread::sleep_for(2ms);
+      }
+      together = other == nullptr || other->closed;
+    }
+    const Ending* other = nullptr;
+    std::atomic<bool> closed{false}, together{false};
+  };
+  Ending first, last;
+  last.other = &first;
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::publish, first));
+  ASSERT_TRUE(plan.start(ThreadRole::camera, last));
+  EXPECT_EQ(plan.stop_all(10.0), "");
+  EXPECT_TRUE(last.together);
+}
+
+TEST(ThreadPlan, SomeEndBeforeTheOthers) {
+  Sticky write, status;
+  write.let_go();
+  status.let_go();
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::status, status));
+  ASSERT_TRUE(plan.start(ThreadRole::write, write));
+  plan.end_soon({ThreadRole::write});
+  EXPECT_EQ(plan.wait_for_end({ThreadRole::write}, 10.0), "");
+  EXPECT_TRUE(write.closed);
+  const int turns = status.turns;
+  wait_for([&] { return status.turns > turns + 2; });
+  EXPECT_FALSE(status.closed);
+}
+
 TEST(ThreadPlan, WhoTakesSecondsGivesWayToAllOthers) {
   class Asking : public Agent {
    public:
