@@ -2,6 +2,8 @@
 /// was known of its hologram and settings: all of that stands in the file.
 #include "daemon/record/player.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <cstring>
@@ -91,6 +93,17 @@ bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
          same_bits(now.reconstruction.rms_waves, then.rms_waves);
 }
 
+/// Why pictures of this recording are none that the plan measures; empty: they are.
+std::string other_image(const RecordingHeader& header, const MeasurementPlan& plan) {
+  if (header.width == plan.roi.width && header.height == plan.roi.height &&
+      header.format == plan.format) {
+    return {};
+  }
+  return fmt::format("its plan is for a picture of {} x {}, {}; the recording's are {} x {}, {}",
+                     plan.roi.width, plan.roi.height, pixel_format_name(plan.format), header.width,
+                     header.height, pixel_format_name(header.format));
+}
+
 bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
           std::span<const float> coefficients) {
   return now.spot_count == int(spots.size()) && now.mode_count == int(coefficients.size()) &&
@@ -174,6 +187,10 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
   if (spots->size() != plan->predicted_px.size()) {
     frame.reason = "it has not the spots of its plan";
+    return {};
+  }
+  if (const std::string other = other_image(reader->header(), *plan); !other.empty()) {
+    frame.reason = other;  // the pipeline would drop it, and nothing would come
     return {};
   }
   std::vector<SpotStart> starts;

@@ -261,6 +261,22 @@ class Replay(BenchCase):
         print(f"\n  {tried // 7} changes")
         self.assertIn(1, statuses)
 
+    def test_a_plan_of_another_region_is_told_at_once(self):
+        self.call("record.start", {"name": "region"})
+        wait_for(lambda: self.call("record.get")["frames"] > 20, what="the frames")
+        self.call("record.stop")
+        plans = [place for place in places(next(self.open("region").documents("plan"))) if place[-1] == "width" and "roi" in place]
+        other = self.bench.directory / "region.h5"
+        shutil.copy(self.path("region"), other)
+        change_document(other, "plan", plans[0], 320)
+        begun = time.monotonic()
+        done = self.replay(other)
+        told = json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual((done.returncode, told["replayed"]), (1, 0), told)
+        self.assertRegex(told["first_not_replayed"], "its plan is for a picture of 320 x .*; the recording's are")
+        print(f"\n  {told['frames']} frames in {time.monotonic() - begun:.1f} s")
+        self.assertLess(time.monotonic() - begun, 30.0, "one frame that no plan measures took 5 s")
+
     def test_export_of_a_damaged_recording_says_what_is_damaged(self):
         self.call("record.start", {"name": "whole"})
         wait_for(lambda: self.call("record.get")["frames"] > 20, what="the frames")
