@@ -102,8 +102,9 @@ class Instrument : public Agent {
   /// set_correction for the closed loop.
   void correct(std::vector<Mode> modes, Changed done);
   void show(HologramKind pattern, Changed done);
-  /// Starts a job that averages settled frames; `done` gets its number.
-  void take_reference(int frames, std::function<void(Result<int>)> done);
+  /// Starts a job that averages settled frames; `done` gets its number. Errc::refused (field
+  /// "allow_aberration"): an aberration is introduced, which the reference would hold.
+  void take_reference(ReferenceTake take, std::function<void(Result<int>)> done);
   /// On the disk, too; an error if it cannot be removed there, and then nothing has changed.
   void clear_reference(Changed done);
   /// From now on where spots are expected, and how far they move, is as configured.
@@ -248,7 +249,7 @@ class Instrument : public Agent {
   Reference new_reference(ReferenceSource source) const;
   bool know_camera(const std::optional<CameraInfo>& info);
   void tell_stale();
-  void tell_introduced();
+  void warn_of_introduced(double rms_waves);
   void limit_pictures();
   void keep_reference(Reference reference, Changed done);
   void know_reference_file(const Reference& kept, const std::string& sha256);

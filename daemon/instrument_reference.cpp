@@ -14,10 +14,21 @@ constexpr double kSamePlace = 0.25;       // lambda/d
 constexpr double kMostMotion = 0.05;      // lambda/d, while a reference is taken
 constexpr std::size_t kMostPictures = 8;  // of the references taken last: some MiB each
 
+Result<void> check_introduced(const ReferenceTake& take, const std::vector<Mode>& aberration) {
+  const double introduced = rms_waves(aberration);
+  if (take.allow_aberration || introduced == 0.0) return {};
+  return fail(
+      Errc::refused, "allow_aberration",
+      fmt::format("the SLM shows an introduced aberration of {:.4f} wave RMS, which the reference "
+                  "would make the zero of all coefficients: clear it first (aberration.clear), or "
+                  "set \"allow_aberration\": true",
+                  introduced));
+}
+
 }  // namespace
 
-void Instrument::take_reference(int frames, std::function<void(Result<int>)> done) {
-  mailbox_.post([this, frames, done = std::move(done)] {
+void Instrument::take_reference(ReferenceTake take, std::function<void(Result<int>)> done) {
+  mailbox_.post([this, take, done = std::move(done)] {
     if (reference_job_) {
       return done(fail(Errc::refused, "",
                        fmt::format("job {} is already taking a reference", *reference_job_)));
@@ -26,6 +37,9 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
     if (state_.pattern != HologramKind::sensor) {
       return done(fail(Errc::refused, "",
                        "the SLM does not show the sensor: call slm.show with \"sensor\" first"));
+    }
+    if (auto clean = check_introduced(take, state_.aberration); !clean) {
+      return done(fail(clean.error()));
     }
     const int job = deps_.jobs.begin(
         "reference.take",
@@ -38,7 +52,7 @@ void Instrument::take_reference(int frames, std::function<void(Result<int>)> don
     reference_job_ = job;
     deps_.on_job(true);
     deps_.pictures.begin(state_.sensor_epoch, shown_hologram_id_);
-    deps_.collector.begin(frames, state_.sensor_epoch, shown_hologram_id_,
+    deps_.collector.begin(take.frames, state_.sensor_epoch, shown_hologram_id_,
                           snapshot_.get().subapertures,
                           [this, job](ReferenceCollector::Average average) {
                             mailbox_.post([this, job, average] { finish_reference(job, average); });
@@ -169,9 +183,10 @@ Reference Instrument::new_reference(ReferenceSource source) const {
   reference.t_taken_ns = utc_ns();
   reference.registration = registration_of(state_);
   if (measured) reference.aberration = shown_modes(state_);
-  reference.origin = std::make_shared<const nlohmann::json>(
-      archive_.bench().origin({reference.key, reference.aberration, camera_, camera_info_,
-                               reference.registration, measured ? grey_.get() : nullptr}));
+  if (measured && rms_waves(state_.aberration) > 0.0) reference.introduced = state_.aberration;
+  reference.origin = std::make_shared<const nlohmann::json>(archive_.bench().origin(
+      {reference.key, reference.aberration, camera_, camera_info_, reference.registration,
+       measured ? grey_.get() : nullptr, reference.introduced}));
   return reference;
 }
 
@@ -203,21 +218,24 @@ void Instrument::end_reference(int job, const ReferenceCollector::Average& avera
                                   listed_spots(saturated)),
                       {{"saturated_spots", saturated}});
   }
-  tell_introduced();
-  deps_.jobs.finish(job, {{"frames", average.frames}, {"saturated_spots", saturated}});
+  const double introduced = rms_waves(state_.aberration);
+  if (introduced > 0.0) warn_of_introduced(introduced);
+  deps_.jobs.finish(job, {{"frames", average.frames},
+                          {"saturated_spots", saturated},
+                          {"introduced_rms_waves", introduced},
+                          {"drift_px", average.drift_px},
+                          {"scatter_px", average.scatter_px},
+                          {"noise_px", average.noise_px}});
 }
 
 /// A reference that was taken under an aberration is right, and seldom what was wanted.
-void Instrument::tell_introduced() {
-  double square = 0.0;
-  for (const Mode& mode : state_.aberration) square += mode.waves * mode.waves;
-  if (square == 0.0) return;
+void Instrument::warn_of_introduced(double rms_waves) {
   deps_.events.emit("reference", Severity::warning,
                     fmt::format("the reference holds the introduced aberration of {:.4f} wave RMS: "
                                 "coefficients count from it, and the loop keeps it; for one "
-                                "without: aberration.clear, and take it anew",
-                                std::sqrt(square)),
-                    {{"introduced_rms_waves", std::sqrt(square)}});
+                                "without: aberration.clear, and take it again",
+                                rms_waves),
+                    {{"introduced_rms_waves", rms_waves}});
 }
 
 /// Puts a reference to use, and then on the disk: what cannot be kept is used all the same.

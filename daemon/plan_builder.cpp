@@ -63,7 +63,10 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->roi = inputs.roi;
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);
-  if (inputs.reference) plan->reference_px = inputs.reference->positions_px;
+  if (inputs.reference) {
+    plan->reference_px = inputs.reference->positions_px;
+    plan->reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
+  }
   auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);

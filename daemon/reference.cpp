@@ -53,6 +53,12 @@ ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& t
   return key;
 }
 
+double rms_waves(const std::vector<Mode>& modes) {
+  double square = 0.0;
+  for (const Mode& mode : modes) square += mode.waves * mode.waves;
+  return std::sqrt(square);
+}
+
 void ReferenceCollector::begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id,
                                int subapertures, Done done) {
   const std::lock_guard lock(mutex_);
@@ -96,12 +102,6 @@ void ReferenceCollector::add(const FrameRecord& record) {
   done(std::move(result));
 }
 
-double ReferenceCollector::progress() const {
-  const std::lock_guard lock(mutex_);
-  return wanted_ > 0 ? double(used_) / wanted_ : 0.0;
-}
-
-double ReferenceCollector::idle_s() const {
 void ReferenceCollector::add_position(Sums& sums, Vec2 at, bool in_first_half) {
   if (sums.found > 0) {
     const Vec2 step = at - sums.last;
@@ -116,6 +116,12 @@ void ReferenceCollector::add_position(Sums& sums, Vec2 at, bool in_first_half) {
   sums.mean_first = sums.mean;
 }
 
+double ReferenceCollector::progress() const {
+  const std::lock_guard lock(mutex_);
+  return wanted_ > 0 ? double(used_) / wanted_ : 0.0;
+}
+
+double ReferenceCollector::idle_s() const {
   const std::lock_guard lock(mutex_);
   return wanted_ > 0 ? 1e-9 * double(monotonic_ns() - t_last_used_ns_) : 0.0;
 }
@@ -130,16 +136,10 @@ ReferenceCollector::Average ReferenceCollector::average() const {
     average.standard_error_px.push_back(
         {standard_error(sums.m2.x, sums.found), standard_error(sums.m2.y, sums.found)});
   }
+  measure_motion(average);
   return average;
 }
 
-std::string listed_spots(const std::vector<int>& numbers) {
-  constexpr std::size_t kNamed = 8;
-  const std::size_t named = std::min(numbers.size(), kNamed);
-  measure_motion(average);
-  std::string text = fmt::format("{}", fmt::join(numbers.begin(), numbers.begin() + named, ", "));
-  if (numbers.size() > named) text += fmt::format(" and {} more", numbers.size() - named);
-  return text;
 void ReferenceCollector::measure_motion(Average& average) const {
   double scatter = 0.0, noise = 0.0, drift = 0.0, drift_noise = 0.0;
   int spots = 0, halved = 0;
@@ -166,6 +166,12 @@ void ReferenceCollector::measure_motion(Average& average) const {
   average.drift_noise_px = rms(drift_noise, halved);
 }
 
+std::string listed_spots(const std::vector<int>& numbers) {
+  constexpr std::size_t kNamed = 8;
+  const std::size_t named = std::min(numbers.size(), kNamed);
+  std::string text = fmt::format("{}", fmt::join(numbers.begin(), numbers.begin() + named, ", "));
+  if (numbers.size() > named) text += fmt::format(" and {} more", numbers.size() - named);
+  return text;
 }
 
 std::vector<int> saturated_spots(const ReferenceCollector::Average& average) {

@@ -49,13 +49,17 @@ struct Reference {
   int frames = 0;
   std::int64_t t_taken_ns = 0;
   std::optional<Registration> registration;  ///< in force while it was taken
-  std::vector<Mode> aberration;  ///< shown on purpose while it was taken, RMS-normalised waves
+  std::vector<Mode> aberration;              ///< shown while it was taken, RMS-normalised waves
+  std::vector<Mode> introduced;  ///< the part of it that was introduced, not a correction
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
   std::shared_ptr<const ReferencePicture> picture;  ///< none: too few frames, or long ago
   std::shared_ptr<const nlohmann::json> origin;     ///< see ReferenceBench; none: not of a daemon
   std::string sha256;                               ///< of the file that keeps it; empty: none does
 };
+
+/// Root sum square, RMS-normalised waves.
+double rms_waves(const std::vector<Mode>& modes);
 
 /// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish
 /// thread.
@@ -66,15 +70,15 @@ class ReferenceCollector {
     std::vector<int> found;      ///< in how many of them, per spot
     std::vector<int> saturated;  ///< in how many of them it held a pixel at full scale, per spot
     std::vector<Vec2> mean_px, standard_error_px;
-  };
-  using Done = std::function<void(Average)>;
-
-  /// Averages `frames` settled frames measured with a plan of this epoch while this hologram was
     // RMS over spots, x and y, camera pixels; 0 for a single frame:
     double scatter_px = 0.0;      ///< of single frames about their mean
     double noise_px = 0.0;        ///< the part of it that changes from each frame to the next
     double drift_px = 0.0;        ///< from the mean of the first half to that of the second
     double drift_noise_px = 0.0;  ///< what noise_px alone makes of drift_px
+  };
+  using Done = std::function<void(Average)>;
+
+  /// Averages `frames` settled frames measured with a plan of this epoch while this hologram was
   /// shown, then calls `done` in the publish thread.
   void begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id, int subapertures,
              Done done);
@@ -94,13 +98,13 @@ class ReferenceCollector {
     int found_first = 0;  ///< in the first half of the frames
     Vec2 mean_first;      ///< over those
   };
+  static void add_position(Sums& sums, Vec2 at, bool in_first_half);
   Average average() const;
+  void measure_motion(Average& average) const;
 
   mutable std::mutex mutex_;
   int wanted_ = 0;
-  static void add_position(Sums& sums, Vec2 at, bool in_first_half);
   int used_ = 0;
-  void measure_motion(Average& average) const;
   std::uint64_t sensor_epoch_ = 0;
   std::uint64_t hologram_id_ = 0;
   std::int64_t t_last_used_ns_ = 0;

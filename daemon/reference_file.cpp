@@ -132,6 +132,7 @@ Result<Reference> reference_from(const json& content) {
   if (!mean) return fail(mean.error());
   reference.key = known->key;
   reference.aberration = std::move(known->aberration);
+  reference.introduced = std::move(known->introduced);
   reference.registration = known->registration;
   reference.positions_px = std::move(*positions);
   reference.standard_error_px = std::move(*errors);

@@ -102,17 +102,19 @@ json ReferenceBench::origin(const OriginInputs& inputs) const {
   config.sensor = inputs.key.sensor;
   config.tracking = inputs.key.tracking;
   json all = config_json(config);
-  return {{"program", OVWS_VERSION},
-          {"camera", camera_json(inputs.camera)},
-          {"settings", settings_json(inputs.settings)},
-          {"registration", registration_json(inputs.registration)},
-          {"roi", to_json(inputs.key.roi)},
-          {"sensor", std::move(all["sensor"])},
-          {"tracking", std::move(all["tracking"])},
-          {"optics", bench_["optics"]},
-          {"slm", bench_["slm"]},
-          {"aberration", aberration_json(inputs.aberration)},
-          {"hologram_sha256", inputs.grey != nullptr ? json(hash_of(*inputs.grey)) : json()}};
+  json origin{{"program", OVWS_VERSION},
+              {"camera", camera_json(inputs.camera)},
+              {"settings", settings_json(inputs.settings)},
+              {"registration", registration_json(inputs.registration)},
+              {"roi", to_json(inputs.key.roi)},
+              {"sensor", std::move(all["sensor"])},
+              {"tracking", std::move(all["tracking"])},
+              {"optics", bench_["optics"]},
+              {"slm", bench_["slm"]},
+              {"aberration", aberration_json(inputs.aberration)},
+              {"hologram_sha256", inputs.grey != nullptr ? json(hash_of(*inputs.grey)) : json()}};
+  if (!inputs.introduced.empty()) origin["introduced"] = aberration_json(inputs.introduced);
+  return origin;
 }
 
 Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
@@ -129,10 +131,12 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
   if (!config) return fail(config.error());
   auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
   if (!modes) return fail(modes.error());
+  auto introduced = decode_aberration_set({{"modes", origin.value("introduced", json::array())}});
+  if (!introduced) return fail(introduced.error());
   auto registration = registration_from(origin["registration"]);
   if (!registration) return fail(registration.error());
   return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
-               std::move(*modes), *registration};
+               std::move(*modes), std::move(*introduced), *registration};
 }
 
 /// As of a bench with this LUT and flatness.

@@ -24,6 +24,7 @@ struct OriginInputs {
   const std::optional<CameraInfo>& camera;
   const std::optional<Registration>& registration;
   const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: of the model
+  std::vector<Mode> introduced{};             ///< of a reference: the part of `aberration`
 };
 
 /// {vendor, model, serial}, or null.
@@ -43,7 +44,7 @@ class ReferenceBench {
   /// Of an origin. Errors: it lacks something, or it is not that of a configuration.
   struct Known {
     ReferenceKey key;
-    std::vector<Mode> aberration;
+    std::vector<Mode> aberration, introduced;
     std::optional<Registration> registration;  ///< its map and time
   };
   static Result<Known> known(const nlohmann::json& origin);

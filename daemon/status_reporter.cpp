@@ -58,6 +58,9 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
   part.modes = int(sensor.modes_j.size());
   part.referenced = sensor.reference.has_value();
   part.reference = reference_state(sensor, camera);
+  if (sensor.reference) {
+    part.reference_introduced_rms_waves = rms_waves(sensor.reference->introduced);
+  }
   part.torn = sensor.torn;
   return part;
 }

@@ -36,6 +36,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
     message.exposure_us = record.exposure_us;
   }
   message.saturated = record.saturated_fraction;
+  message.reference_introduced_rms_waves = plan.reference_introduced_rms_waves;
   return message;
 }
 

@@ -106,6 +106,7 @@ void write_frame(ObjectWriter& w, const FrameMessage& m) {
   w.number("exposure_us", m.exposure_us);
   w.number("saturated", m.saturated);
   w.string("loop", m.loop_closed ? "closed" : "open");
+  w.number("reference_introduced_rms_waves", m.reference_introduced_rms_waves);
 }
 
 void write_shape(ObjectWriter& w, std::size_t rows, std::size_t cols, std::string_view dtype) {

@@ -51,6 +51,7 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["modes"] = sensor.modes;
   out["referenced"] = sensor.referenced;
   out["reference"] = sensor.reference;
+  out["reference_introduced_rms_waves"] = sensor.reference_introduced_rms_waves;
   out["torn"] = sensor.torn;
   return out;
 }

@@ -38,6 +38,7 @@ struct FrameMessage {
   std::optional<double> gain_db, exposure_us;  ///< none: not known for this very frame
   double saturated = 0.0;
   bool loop_closed = false;
+  double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
 };
 
 /// `ovws.wavefront/1`.
@@ -128,7 +129,8 @@ struct StatusMessage {
     OperatorReport mode_operator;
     int subapertures = 0, modes = 0;
     bool referenced = false;
-    std::string reference = "none";  ///< "none", "in_force", "stale"
+    std::string reference = "none";               ///< "none", "in_force", "stale"
+    double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   } sensor;
   bool loop_closed = false;

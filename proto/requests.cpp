@@ -218,12 +218,13 @@ Result<std::vector<Mode>> decode_aberration_set(const json& params) {
   return modes;
 }
 
-Result<int> decode_reference_take(const json& params) {
-  int frames = 100;
+Result<ReferenceTake> decode_reference_take(const json& params) {
+  ReferenceTake take;
   ObjectReader reader(params, "");
-  reader.integer("frames", frames, limits::kReferenceFrames.min, limits::kReferenceFrames.max);
+  reader.integer("frames", take.frames, limits::kReferenceFrames.min, limits::kReferenceFrames.max);
+  reader.boolean("allow_aberration", take.allow_aberration);
   if (auto done = reader.finish(); !done) return fail(done.error());
-  return frames;
+  return take;
 }
 
 Result<int> decode_registration_run(const json& params) {

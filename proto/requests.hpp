@@ -84,8 +84,12 @@ Result<RefineSet> decode_refine_set(const nlohmann::json& params);
 /// `aberration.set`: the modes in RMS normalisation whatever `norm` was, in the order given; no
 /// mode twice.
 Result<std::vector<Mode>> decode_aberration_set(const nlohmann::json& params);
-/// `reference.take`: how many frames to average.
-Result<int> decode_reference_take(const nlohmann::json& params);
+/// `reference.take`.
+struct ReferenceTake {
+  int frames = 100;               ///< how many to average
+  bool allow_aberration = false;  ///< take it under an introduced aberration, too
+};
+Result<ReferenceTake> decode_reference_take(const nlohmann::json& params);
 /// `lut.run`.
 struct LutRun {
   int levels = 33;  ///< grey levels that are measured, from 0 to 255

@@ -171,8 +171,9 @@ std::string utc_text(std::int64_t t_ns) {
 json reference_result(const std::optional<ReferenceReport>& reference) {
   if (!reference) {
     json out{{"taken", false}, {"stale", json::array()}};
-    for (const char* key : {"source", "frames", "charge", "tracker", "t_taken_ns", "t_taken",
-                            "positions_px", "standard_error_px", "sha256", "origin"}) {
+    for (const char* key :
+         {"source", "frames", "charge", "tracker", "t_taken_ns", "t_taken", "positions_px",
+          "standard_error_px", "sha256", "origin", "introduced_rms_waves"}) {
       out[key] = nullptr;
     }
     return out;
@@ -192,7 +193,8 @@ json reference_result(const std::optional<ReferenceReport>& reference) {
           {"standard_error_px", points(reference->standard_error_px)},
           {"sha256", reference->sha256.empty() ? json(nullptr) : json(reference->sha256)},
           {"stale", stale},
-          {"origin", reference->origin}};
+          {"origin", reference->origin},
+          {"introduced_rms_waves", reference->introduced_rms_waves}};
 }
 
 json registration_result(const std::optional<Registration>& registration) {

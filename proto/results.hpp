@@ -90,7 +90,8 @@ struct ReferenceReport {
   std::string_view source = "measured";  ///< or "model"
   std::string sha256;                    ///< of the file that keeps it; empty: it is not kept
   std::vector<StaleField> stale;
-  nlohmann::json origin;  ///< what it was taken with; as in the schema
+  nlohmann::json origin;              ///< what it was taken with; as in the schema
+  double introduced_rms_waves = 0.0;  ///< aberration that it holds
 };
 nlohmann::json reference_result(const std::optional<ReferenceReport>& reference);
 

@@ -34,6 +34,7 @@ struct MeasurementPlan {
   /// Where to look for each spot without history; empty: at predicted_px.
   std::vector<Vec2> search_px;
   std::vector<Vec2> reference_px;  ///< what displacements count from; empty: no reference
+  double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
   std::unique_ptr<const SpotTracker> tracker;
   std::unique_ptr<const Reconstructor> reconstructor;
 

@@ -23,9 +23,17 @@ std::string text_or(const json& object, const char* key, const std::string& othe
                                                          : otherwise;
 }
 
-std::string reference_text(const std::string& state) {
+std::string reference_text(const json& sensor) {
+  const std::string state = text_or(sensor, "reference", "none");
   if (state == "none") return "no reference";
-  return state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
+  std::string text = state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
+  const double introduced = sensor.value("reference_introduced_rms_waves", 0.0);
+  if (introduced == 0.0) return text;
+  return text + fmt::format(
+                    "\nreference  holds an introduced aberration of {:.4f} wave RMS: "
+                    "coefficients count from it; for one without: ovws call "
+                    "aberration.clear, then ovws call --wait reference.take",
+                    introduced);
 }
 
 /// Of loop.get: whether it is closed, how it does, and why it is open.
@@ -86,8 +94,7 @@ void print_status(const json& status, const json& loop, const json& aberration) 
   if (slm.at("fault").is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
         sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
-        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""),
-        reference_text(text_or(sensor, "reference", "none")));
+        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""), reference_text(sensor));
   const std::string introduced = aberration_text(aberration);
   if (!introduced.empty()) print("aberration {}\n", introduced);
   print("loop       {}\n", loop_text(loop));

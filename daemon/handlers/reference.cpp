@@ -17,7 +17,8 @@ std::optional<ReferenceReport> report_of(const Services& services,
                          reference_source_name(reference->source),
                          reference->sha256,
                          stale_fields(*reference, services.camera.snapshot().settings),
-                         *reference->origin};
+                         *reference->origin,
+                         rms_waves(reference->introduced)};
 }
 
 Instrument::Changed answer(const Services& services, RpcReply reply) {
@@ -28,9 +29,9 @@ Instrument::Changed answer(const Services& services, RpcReply reply) {
 }
 
 void take(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto frames = decode_reference_take(params);
-  if (!frames) return reply(failed(frames.error()));
-  services.instrument.take_reference(*frames, [reply](Result<int> job) {
+  const auto take = decode_reference_take(params);
+  if (!take) return reply(failed(take.error()));
+  services.instrument.take_reference(*take, [reply](Result<int> job) {
     if (!job) return reply(failed(job.error()));
     reply(job_started_result(*job));
   });

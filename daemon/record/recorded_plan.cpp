@@ -129,6 +129,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->predicted_px = points(from.at("predicted_px"));
   plan->search_px = points(from.at("search_px"));
   plan->reference_px = points(from.at("reference_px"));
+  plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
   const json op = json::parse(documents_.at(from.at("operator").get<std::string>()));
   const auto modes_j = op.at("j").get<std::vector<int>>();
   if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());

@@ -90,6 +90,13 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
 }
 
 void check_counts(const BenchFacts& facts, Findings& findings) {
+  const double introduced = facts.status.at("sensor").value("reference_introduced_rms_waves", 0.0);
+  if (introduced > 0.0) {
+    findings.warning(
+        fmt::format("The reference holds an introduced aberration of {:.4f} wave RMS: coefficients "
+                    "count from it; clear the aberration and take a reference again",
+                    introduced));
+  }
   if (facts.status.at("sensor").at("reference") == "stale") {
     findings.note("The reference was taken with another gain, exposure or pixel format");
   }

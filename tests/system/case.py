@@ -74,8 +74,8 @@ class BenchCase(unittest.TestCase):
         self.assertEqual(ended["state"], "done", ended)
         return ended
 
-    def take_reference(self, frames=50):
-        return self.run_job("reference.take", {"frames": frames})
+    def take_reference(self, frames=50, **params):
+        return self.run_job("reference.take", {"frames": frames} | params)
 
     def settled_frames(self, stream, count, hologram_id=None, timeout_s=10.0):
         """The next `count` settled and valid messages, of that hologram if one is named."""

@@ -76,6 +76,23 @@ class Promises(BenchCase):
         self.assertRegex(ended["error"]["data"]["reason"], r"moved while the reference was taken: by \d\.\d\d px from its first half")
         self.assertFalse(self.call("reference.get")["taken"])
 
+    def test_a_reference_that_holds_an_introduced_aberration_is_asked_for_and_reported(self):
+        wavefronts = self.stream("wavefront")
+        self.call("aberration.set", {"modes": [{"j": 8, "waves": 0.3}]})
+        error = self.refused("reference.take", {"frames": 20})
+        self.assertIn("allow_aberration", str(error))
+        self.assertIn("0.3000 wave RMS", str(error))
+        self.assertEqual(self.take_reference(20, allow_aberration=True)["result"]["introduced_rms_waves"], 0.3)
+        hologram = self.call("aberration.clear")["hologram_id"]
+        for frame in self.settled_frames(wavefronts, 3, hologram):
+            self.assertAlmostEqual(frame["rms_waves"], 0.3, delta=0.02)
+            self.assertEqual(frame["reference_introduced_rms_waves"], 0.3)
+        self.assertEqual(self.call("system.status")["sensor"]["reference_introduced_rms_waves"], 0.3)
+        self.assertEqual(self.call("reference.get")["introduced_rms_waves"], 0.3)
+        self.take_reference(20)
+        self.assertEqual(self.call("system.status")["sensor"]["reference_introduced_rms_waves"], 0.0)
+        self.assertEqual(self.call("reference.get")["introduced_rms_waves"], 0.0)
+
     def test_nothing_changes_under_a_job_and_a_cancelled_one_gives_all_free(self):
         self.take_reference(20)
         before = self.call("reference.get")

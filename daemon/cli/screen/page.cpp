@@ -73,11 +73,14 @@ std::string slm_text(const json& status) {
 }
 
 std::string state_text(const json& status) {
-  const std::string reference = status.at("sensor").at("reference").get<std::string>();
+  const json& sensor = status.at("sensor");
+  const std::string reference = sensor.at("reference").get<std::string>();
+  const bool aberrated = sensor.value("reference_introduced_rms_waves", 0.0) > 0.0;
   return fmt::format("{}  {}  {}  loop {}  {}", status.at("state").get<std::string>(),
-                     reference == "in_force" ? "referenced"
-                     : reference == "stale"  ? "reference stale"
-                                             : "no reference",
+                     aberrated                 ? "reference holds an aberration"
+                     : reference == "in_force" ? "referenced"
+                     : reference == "stale"    ? "reference stale"
+                                               : "no reference",
                      camera_text(status), status.at("loop").get<std::string>(), slm_text(status));
 }
 

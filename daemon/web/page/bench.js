@@ -47,8 +47,8 @@ function buildReference(parent) {
   bar.id = frame.id;
   bar.max = 1;
   bar.hidden = true;
-  const take = button(frame.body, `Take ${REFERENCE_FRAMES} frames`, async () => {
-    take.disabled = true;
+  async function takeReference() {
+    take.disabled = retake.disabled = true;
     bar.hidden = false;
     bar.value = 0;
     const reply = await call("reference.take", { frames: REFERENCE_FRAMES });
@@ -56,11 +56,18 @@ function buildReference(parent) {
     const ended = reply.result ? await follow(reply.result.job, bar) : null;
     if (ended && ended.state !== "done") frame.error(ended.error?.data?.reason || ended.error?.message || ended.state);
     bar.hidden = true;
-    take.disabled = false;
+    take.disabled = retake.disabled = false;
+  }
+  const take = button(frame.body, `Take ${REFERENCE_FRAMES} frames`, takeReference);
+  const retake = button(frame.body, "Clear aberration and take", async () => {
+    const reply = await call("aberration.clear");
+    frame.error(reasonOf(reply));
+    if (reply.result) await takeReference();
   });
+  retake.hidden = true;
   button(frame.body, "Clear", async () => frame.error(reasonOf(await call("reference.clear"))));
   frame.body.append(bar);
-  return { reference: frame };
+  return { reference: frame, retake };
 }
 
 function buildLoop(parent) {
@@ -92,7 +99,8 @@ export function build(mayControl) {
 function referenceText(reference) {
   if (!reference.taken) return reference.source === "model" ? "of the model" : "none";
   const stale = reference.stale?.length ? `; since then changed: ${reference.stale.map((s) => s.field).join(", ")}` : "";
-  return `${reference.frames} frames, ${timeOfDay(reference.t_taken_ns)}${stale}`;
+  const introduced = reference.introduced_rms_waves ? `, holds an introduced aberration of ${brief(reference.introduced_rms_waves)} wave RMS` : "";
+  return `${reference.frames} frames, ${timeOfDay(reference.t_taken_ns)}${introduced}${stale}`;
 }
 
 function loopText(loop) {
@@ -101,7 +109,7 @@ function loopText(loop) {
   return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}` : `open, correction ${brief(loop.correction_rms_waves)} wave RMS`;
 }
 
-function showControls({ camera, sensor, limits, reference, loop }) {
+function showControls({ camera, sensor, limits, reference, aberration, loop }) {
   const { settings } = camera;
   if (camera.limits) {
     const { exposure_us: e, gain_db: g } = camera.limits;
@@ -121,6 +129,7 @@ function showControls({ camera, sensor, limits, reference, loop }) {
   controls.charge.show(sensor.charge, Array.from({ length: max - min + 1 }, (_, i) => min + i));
   controls.tracker.show(sensor.tracker, limits.trackers);
   controls.reference.help(`In force: ${referenceText(reference)}`);
+  controls.retake.hidden = !reference.introduced_rms_waves && !aberration.modes.some((mode) => mode.waves !== 0);
   controls.loop.help(`${loopText(loop)}; gain ${limits.loop_gain.min} to ${limits.loop_gain.max}`);
 }
 

@@ -82,6 +82,8 @@ class FrameMessage(Message):
     saturated: float
     """fraction of spots holding a saturated pixel, 0 to 1"""
     loop: Literal["open", "closed"]
+    reference_introduced_rms_waves: float
+    """RMS of the introduced aberration that the reference holds, and the coefficients therefore do not; 0: none"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -143,7 +143,7 @@ class CalibrationAberration(TypedDict):
 
 
 class Origin(TypedDict):
-    """What it was taken with."""
+    """What it was measured with."""
 
     # version of the daemon
     program: str
@@ -971,6 +971,35 @@ class Stale(TypedDict):
     now: float | str
 
 
+class ReferenceOrigin(TypedDict):
+    """What it was taken with."""
+
+    # version of the daemon
+    program: str
+    # the camera, null: it was not known
+    camera: Camera | None
+    # of the camera, null: they were not known
+    settings: Settings | None
+    # in force then; null: none was, and the map was the configuration's
+    registration: Registration | None
+    # as in camera.set
+    roi: dict[str, Any]
+    # as in the configuration
+    sensor: dict[str, Any]
+    # as in the configuration
+    tracking: dict[str, Any]
+    # as in the configuration
+    optics: dict[str, Any]
+    # the spatial light modulator
+    slm: Slm
+    # shown on purpose, RMS-normalised waves
+    aberration: list[CalibrationAberration]
+    # the part of aberration that was introduced, and is no correction; left out: none
+    introduced: NotRequired[list[CalibrationAberration]]
+    # of the grey picture shown, row by row; null: of the model
+    hologram_sha256: str | None
+
+
 class ReferenceResult(TypedDict):
     # whether there is a reference
     taken: bool
@@ -992,10 +1021,12 @@ class ReferenceResult(TypedDict):
     standard_error_px: list[list[float | None]] | None
     # checksum of the file that keeps it over a restart; null: it is not kept, and status (store) says why
     sha256: str | None
+    # introduced aberration that it holds, so that coefficients do not, RMS-normalised waves; 0: none
+    introduced_rms_waves: float | None
     # settings of the camera that are not those it was taken with; it is in force all the same
     stale: list[Stale]
     # what it was taken with
-    origin: Origin | None
+    origin: ReferenceOrigin | None
 
 
 class RefineResult(TypedDict):
@@ -1294,6 +1325,8 @@ class StatusSensor(TypedDict):
     referenced: bool
     # stale: in force, and taken with another gain, exposure or pixel format; reference.get says which
     reference: Literal["none", "in_force", "stale"]
+    # introduced aberration that the reference holds, so that coefficients do not, RMS-normalised waves; 0: none
+    reference_introduced_rms_waves: float
     # numbers of the spots that the wavefront has torn, followed by the shapes that it gives them
     torn: list[int]
 
@@ -1908,8 +1941,9 @@ class Methods:
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
                 error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; stale: settings of the camera that are not those it was taken with; it is in force all the same;
-                origin: what it was taken with
+                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
+                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
+                same; origin: what it was taken with
         """
         result: ReferenceResult = self.call("reference.clear")
         return result
@@ -1922,8 +1956,9 @@ class Methods:
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
                 error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; stale: settings of the camera that are not those it was taken with; it is in force all the same;
-                origin: what it was taken with
+                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
+                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
+                same; origin: what it was taken with
         """
         result: ReferenceResult = self.call("reference.get")
         return result
@@ -1939,20 +1974,22 @@ class Methods:
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
                 error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; stale: settings of the camera that are not those it was taken with; it is in force all the same;
-                origin: what it was taken with
+                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
+                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
+                same; origin: what it was taken with
         """
         result: ReferenceResult = self.call("reference.set", _given(source=source))
         return result
 
-    def reference_take(self, *, frames: int | LeftOut = LEFT_OUT) -> JobStarted:
+    def reference_take(self, *, frames: int | LeftOut = LEFT_OUT, allow_aberration: bool | LeftOut = LEFT_OUT) -> JobStarted:
         """`reference.take`. Averages the spots of the next frames as what displacements count from; refused if more than a tenth of the
-        spots are saturated. Answers at once; the job tells how it ends.
+        spots are saturated, if the spots move meanwhile, or if an aberration is introduced. Answers at once; the job tells how it ends.
 
         frames: how many frames to average; from 1 to 100000; default 100
+        allow_aberration: take it under an introduced aberration, too, which coefficients then do not hold; default false
         Result: job: number of the job
         """
-        result: JobStarted = self.call("reference.take", _given(frames=frames))
+        result: JobStarted = self.call("reference.take", _given(frames=frames, allow_aberration=allow_aberration))
         return result
 
     def refine_get(self) -> RefineResult:
@@ -2505,13 +2542,13 @@ class AsyncMethods:
         result: ReferenceResult = await self.call("reference.set", _given(source=source))
         return result
 
-    async def reference_take(self, *, frames: int | LeftOut = LEFT_OUT) -> JobStarted:
+    async def reference_take(self, *, frames: int | LeftOut = LEFT_OUT, allow_aberration: bool | LeftOut = LEFT_OUT) -> JobStarted:
         """`reference.take`. Averages the spots of the next frames as what displacements count from; refused if more than a tenth of the
-        spots are saturated. Answers at once; the job tells how it ends.
+        spots are saturated, if the spots move meanwhile, or if an aberration is introduced. Answers at once; the job tells how it ends.
 
         Params and result: `Methods.reference_take`.
         """
-        result: JobStarted = await self.call("reference.take", _given(frames=frames))
+        result: JobStarted = await self.call("reference.take", _given(frames=frames, allow_aberration=allow_aberration))
         return result
 
     async def refine_get(self) -> RefineResult:

@@ -103,6 +103,7 @@ void print_status() {
       status.sensor.tracking.mode_operator = OperatorKind::diffractive;
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
+      status.sensor.reference_introduced_rms_waves = 0.3;
       status.store = {"/var/lib/ovws", "the disk is full"};
       status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright",
                            1767225600000000000};
@@ -346,7 +347,7 @@ void print_all_params() {
   print_params("record.start", {"name", "name", "pictures_every", "limit_s", "limit_mib"},
                decode_record_start, 2000);
   print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
-  print_params("reference.take", {"frames", "frame"}, decode_reference_take);
+  print_params("reference.take", {"frames", "allow_aberration", "frame"}, decode_reference_take);
   print_params("loop.close", {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"},
                decode_loop_close);
   print_params("loop.open", {"keep", "clear"}, decode_loop_open);

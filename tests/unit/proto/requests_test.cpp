@@ -174,8 +174,10 @@ TEST(AberrationRequest, RefusesWhatIsNoMode) {
 }
 
 TEST(OtherRequests, AreStrict) {
-  EXPECT_EQ(decode_reference_take(json::object()), 100);
-  EXPECT_EQ(decode_reference_take({{"frames", 7}}), 7);
+  EXPECT_EQ(decode_reference_take(json::object())->frames, 100);
+  EXPECT_FALSE(decode_reference_take(json::object())->allow_aberration);
+  EXPECT_EQ(decode_reference_take({{"frames", 7}})->frames, 7);
+  EXPECT_TRUE(decode_reference_take({{"allow_aberration", true}})->allow_aberration);
   EXPECT_EQ(error_of(decode_reference_take({{"frames", 0}})).field, "frames");
   EXPECT_TRUE(decode_reference_set({{"source", "model"}}));
   EXPECT_EQ(error_of(decode_reference_set(json::object())).field, "source");

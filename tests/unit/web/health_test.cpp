@@ -80,6 +80,13 @@ TEST_F(HealthTest, SaysWhatToDoWithoutAReference) {
   expect_worst(Wellness::warning, "No reference");
 }
 
+TEST_F(HealthTest, AReferenceThatHoldsAnIntroducedAberrationIsNotWell) {
+  facts.status["sensor"]["reference_introduced_rms_waves"] = 0.0;
+  expect_worst(Wellness::good, "well");
+  facts.status["sensor"]["reference_introduced_rms_waves"] = 0.3;
+  expect_worst(Wellness::warning, "introduced aberration of 0.3000 wave RMS");
+}
+
 TEST_F(HealthTest, AHologramThatIsChangingIsNoFault) {
   facts.wavefront["valid"] = false;
   facts.wavefront["settled"] = false;
