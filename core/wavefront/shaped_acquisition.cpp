@@ -59,7 +59,8 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
       }) {}
 
 int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
-                               TrackScratch& scratch, std::span<SpotFix> out, bool believe_sure) {
+                               TrackScratch& scratch, std::span<SpotFix> out, bool believe_sure,
+                               const std::vector<Vec2>& followed) {
   shapes_.clear();
   torn_.assign(out.size(), false);
   const int found = plain_.acquire(image, tracker, scratch, out);
@@ -73,7 +74,8 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
   for (const auto& starts :
        {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
-        starts_of(out)}) {
+        starts_of(out), followed}) {
+    if (starts.size() != out.size()) continue;
     ShapeFit fit(*model_, cells);
     const int explained = fit.run(starts);
     if (explained <= most) continue;

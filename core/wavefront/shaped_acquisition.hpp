@@ -29,9 +29,12 @@ class ShapedAcquisition {
   /// hundredths of lambda/d, or lost. Half a second at most on the default bench, and it allocates:
   /// not for the frame path. As Acquisition::acquire otherwise; an image of another size has
   /// nothing. Without `believe_sure` the image is explained even if the tracker is sure of every
-  /// spot: it may have found torn ones in their wrong half.
+  /// spot: it may have found torn ones in their wrong half. `followed`: where the spots of earlier
+  /// images are by now, NaN unknown; what a wavefront that grew slowly is explained from, however
+  /// strong it is.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
-              std::span<SpotFix> out, bool believe_sure = true);
+              std::span<SpotFix> out, bool believe_sure = true,
+              const std::vector<Vec2>& followed = {});
 
   // If the last image needed ShapeFit and was explained by it, until the next call:
   /// the wavefront, RMS-normalised waves in the order of the modes, counted from the reference;
