@@ -91,9 +91,12 @@ LoopEnd Integrator::step(std::span<const int> modes_j, std::span<const float> re
   return LoopEnd::none;
 }
 
-LoopEnd Integrator::wait(std::int64_t now_ns) const {
-  return 1e-9 * double(now_ns - t_last_ns_) >= settings_.patience_s ? LoopEnd::too_few_spots
-                                                                    : LoopEnd::none;
+LoopEnd Integrator::wait(std::int64_t now_ns, std::int64_t found_ns) const {
+  const double waited_s = 1e-9 * double(now_ns - t_last_ns_);
+  const double unfound_s = std::min(waited_s, 1e-9 * double(now_ns - found_ns));
+  const bool ends =
+      unfound_s >= settings_.patience_s || waited_s >= kMaxPatience * settings_.patience_s;
+  return ends ? LoopEnd::too_few_spots : LoopEnd::none;
 }
 
 }  // namespace ovws

@@ -50,8 +50,10 @@ class Integrator {
   /// `residual_waves` as `modes_j`.
   LoopEnd step(std::span<const int> modes_j, std::span<const float> residual_waves,
                std::int64_t now_ns);
-  /// No usable frame came until now.
-  LoopEnd wait(std::int64_t now_ns) const;
+  /// No usable frame came until now; lost spots were found at `found_ns` (0: never). Patience
+  /// counts from then on, but ends after kMaxPatience times `patience_s`.
+  LoopEnd wait(std::int64_t now_ns, std::int64_t found_ns = 0) const;
+  static constexpr double kMaxPatience = 5.0;
 
   const std::vector<Mode>& correction() const { return correction_; }
   double residual_rms_waves() const { return residual_rms_waves_; }  ///< of the corrected modes

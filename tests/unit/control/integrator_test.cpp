@@ -98,6 +98,15 @@ TEST(Integrator, WaitsForUsableFramesAsLongAsItsPatience) {
   EXPECT_EQ(loop.wait(2'000'000'000), LoopEnd::too_few_spots);
 }
 
+TEST(Integrator, WaitsLongerWhileLostSpotsAreBeingFound) {
+  constexpr std::int64_t kS = 1'000'000'000;
+  Integrator loop({.patience_s = 2.0}, {}, 0);
+  EXPECT_EQ(loop.wait(3 * kS, 2 * kS), LoopEnd::none);
+  EXPECT_EQ(loop.wait(4 * kS, 2 * kS), LoopEnd::too_few_spots);
+  EXPECT_EQ(loop.wait(9 * kS, 8 * kS), LoopEnd::none);
+  EXPECT_EQ(loop.wait(10 * kS, 9 * kS), LoopEnd::too_few_spots);  // found, and never usable
+}
+
 TEST(LoopSettings, AreRefusedOutOfRange) {
   EXPECT_TRUE(check_loop({}));
   EXPECT_EQ(check_loop({.gain = 0.0}).error().field, "gain");
