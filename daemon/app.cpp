@@ -169,10 +169,12 @@ Result<void> App::Parts::make_instrument() {
       {*instrument, camera, collector, pictures, series, light, slm, jobs},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   loop = std::make_unique<ClosedLoop>(
-      ClosedLoopDeps{*instrument, events, [this](bool closed) {
+      ClosedLoopDeps{*instrument, events,
+                     [this](bool closed) {
                        state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
-                     }});
-  finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument);
+                     },
+                     [this] { return finder->found_ns(); }});
+  finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
                                           *instrument, queue);
   return {};
@@ -205,9 +207,11 @@ Result<void> App::Parts::bind_streams() {
   reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
                                                    *instrument, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
-      StatusDeps{state, camera, slm, *instrument, *images, *loop, *refiner, recorder, jobs,
-                 pipeline, published_latency, counters, events, store, queue, threads, *reloader,
-                 *clients, [this] { end_without_display(); }});
+      StatusDeps{state,    camera,    slm,      *instrument,
+                 *finder,  *images,   *loop,    *refiner,
+                 recorder, jobs,      pipeline, published_latency,
+                 counters, events,    store,    queue,
+                 threads,  *reloader, *clients, [this] { end_without_display(); }});
   return {};
 }
 

@@ -1,5 +1,7 @@
 #include "daemon/spot_finder.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <chrono>
 #include <new>
@@ -25,6 +27,7 @@ constexpr int kDoubtfulInARow = 5;  // valid frames: noise loses a spot now and 
 constexpr std::int64_t kLookPauseNs = 50'000'000;
 constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
 constexpr std::int64_t kWellNs = 1'000'000'000;
+constexpr std::int64_t kAnnounceNs = 500'000'000;
 constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
 constexpr double kCell = 0.5;           // lambda/d: images are compared by the means of such cells
 // Memory is locked: what a search needs grows with both, to some hundred MiB here.
@@ -38,6 +41,7 @@ bool is_doubtful(const FrameRecord& record) {
                             record.reconstruction.fit_residual_px > explained_px);
 }
 
+/// NaN for lost spots.
 std::vector<Vec2> places(std::span<const SpotFix> fixes) {
   std::vector<Vec2> at_px;
   for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
@@ -61,8 +65,8 @@ struct SpotFinder::Bench {
   Reconstructor plain;
 };
 
-SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument)
-    : slm_(slm), instrument_(instrument), inbox_(is_doubtful) {}
+SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument, Events& events)
+    : slm_(slm), instrument_(instrument), events_(events), inbox_(is_doubtful) {}
 
 SpotFinder::~SpotFinder() = default;
 
@@ -76,14 +80,46 @@ void SpotFinder::saw(const FrameRecord& record) {
                       : doubtful_in_a_row_ >= kDoubtfulInARow ? Doubt::partial
                                                               : Doubt::none;
   doubt_.store(doubt, std::memory_order_relaxed);
+  if (!record.plan->referenced()) return;
+  validity_.saw(record.valid, {0, record.tracked, record.spot_count, record.explained},
+                monotonic_ns());
+}
+
+std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() const {
+  const std::int64_t now_ns = monotonic_ns();
+  const auto lack = validity_.lack(now_ns);
+  if (!lack) return std::nullopt;
+  return invalid_in_words(*lack, progress_.get(), now_ns, utc_ns());
+}
+
+/// An event when no frame has been valid for a while, and when one is again.
+void SpotFinder::announce() {
+  const std::int64_t now_ns = monotonic_ns();
+  const auto lack = validity_.lack(now_ns);
+  if (lack && announced_ns_ == 0 && now_ns - lack->since_ns >= kAnnounceNs) {
+    announced_ns_ = lack->since_ns;
+    const auto why = invalid_in_words(*lack, progress_.get(), now_ns, utc_ns());
+    events_.emit("spots", Severity::warning,
+                 fmt::format("no frame has been valid for {:.1f} s: {}; {}",
+                             1e-9 * double(now_ns - lack->since_ns), why.reason, why.action),
+                 {{"valid", false}, {"tracked", lack->tracked}, {"searches", why.searches}});
+  }
+  if (announced_ns_ == 0 || !validity_.is_valid()) return;
+  events_.emit(
+      "spots", Severity::info,
+      fmt::format("frames are valid again, after {:.1f} s", 1e-9 * double(now_ns - announced_ns_)),
+      {{"valid", true}});
+  announced_ns_ = 0;
 }
 
 bool SpotFinder::do_work() {
   const Doubt doubt = doubt_.load(std::memory_order_relaxed);
   const std::int64_t now_ns = monotonic_ns();
+  announce();
   if (doubt == Doubt::none) {
     if (now_ns - doubted_ns_ >= kWellNs) policy_.reset();
     inbox_.forget();
+    progress_.set({});
   } else {
     doubted_ns_ = now_ns;
   }
@@ -111,7 +147,9 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
   }
   policy_.begin(changed);
   searched_ = std::move(cells);
+  progress_.change([](SearchProgress& now) { now.running = true; });
   std::optional<TornSpots> found = search(frame, sensor);
+  if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   // While frames are valid, what follows the spots is better than nothing.
   if (found || doubt == Doubt::blind) {
     const bool changes = found || !sensor.torn.empty();
@@ -119,6 +157,9 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
     instrument_.follow(sensor.plan_id, std::move(found));
   }
   policy_.end(monotonic_ns());
+  progress_.change([&](SearchProgress& now) {
+    now = {false, now.searches + 1, policy_.next_ns()};
+  });
   return true;
 }
 
@@ -136,10 +177,11 @@ std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   const std::size_t count = bench_->reference_px.size();
   std::vector<SpotFix> fixes(count);
   ShapedAcquisition& acquisition = bench_->acquisition;
-  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes);
+  const std::vector<Vec2> followed = places(frame.spots);
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, true, followed);
   if (acquisition.shapes().empty()) {
     if (is_explained_plain(fixes)) return TornSpots{places(fixes), {}};
-    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false);
+    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false, followed);
   }
   if (acquisition.shapes().empty()) return std::nullopt;
   TornSpots out;

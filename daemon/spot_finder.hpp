@@ -9,9 +9,12 @@
 
 #include "core/rt/agent.hpp"
 #include "core/tracking/cell_image.hpp"
+#include "daemon/events.hpp"
 #include "daemon/frame_inbox.hpp"
+#include "daemon/guarded.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/search_policy.hpp"
+#include "daemon/validity_watch.hpp"
 
 namespace ovws {
 
@@ -23,7 +26,7 @@ namespace ovws {
 /// are not searched.
 class SpotFinder : public Agent {
  public:
-  SpotFinder(const SlmGeometry& slm, Instrument& instrument);
+  SpotFinder(const SlmGeometry& slm, Instrument& instrument, Events& events);
   ~SpotFinder() override;
 
   bool do_work() override;
@@ -31,10 +34,15 @@ class SpotFinder : public Agent {
   /// Publish thread: every frame.
   void saw(const FrameRecord& record);
   FrameTaker& taker() { return inbox_; }
+  /// Any thread: why no frame is valid; nothing if frames are.
+  std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
+  /// Any thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.
+  std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }
 
  private:
   struct Bench;
   bool make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
+  void announce();
   bool look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt);
   std::optional<TornSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
   std::optional<TornSpots> explain(const FrameCopy& frame);
@@ -42,9 +50,13 @@ class SpotFinder : public Agent {
 
   SlmGeometry slm_;
   Instrument& instrument_;
+  Events& events_;
   FrameInbox inbox_;
   std::unique_ptr<Bench> bench_;
   std::atomic<Doubt> doubt_{Doubt::none};
+  std::atomic<std::int64_t> found_ns_{0};
+  ValidityWatch validity_;
+  Guarded<SearchProgress> progress_;
   // The publish thread's.
   int doubtful_in_a_row_ = 0, blind_in_a_row_ = 0;
   // The search thread's.
@@ -54,6 +66,7 @@ class SpotFinder : public Agent {
   std::int64_t next_look_ns_ = 0;
   std::uint64_t left_plan_id_ = 0;  ///< what it found takes the place of this plan
   std::int64_t left_ns_ = 0;
+  std::int64_t announced_ns_ = 0;  ///< since when no frame is valid, as announced; 0: frames are
 };
 
 }  // namespace ovws

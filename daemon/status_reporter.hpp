@@ -20,6 +20,7 @@
 #include "daemon/record/recorder.hpp"
 #include "daemon/reload.hpp"
 #include "daemon/slm_loop.hpp"
+#include "daemon/spot_finder.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/stream_queue.hpp"
 #include "daemon/thread_plan.hpp"
@@ -32,6 +33,7 @@ struct StatusDeps {
   const CameraActor& camera;
   const SlmLoop& slm;
   const Instrument& instrument;
+  const SpotFinder& finder;
   const ImagePublisher& images;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;

@@ -53,6 +53,15 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["reference"] = sensor.reference;
   out["reference_introduced_rms_waves"] = sensor.reference_introduced_rms_waves;
   out["torn"] = sensor.torn;
+  out["invalid"] = nullptr;
+  if (const auto& invalid = sensor.invalid) {
+    out["invalid"] = {{"t_since_ns", invalid->t_since_ns},
+                      {"reason", invalid->reason},
+                      {"action", invalid->action},
+                      {"searches", invalid->searches},
+                      {"t_next_search_ns",
+                       invalid->t_next_search_ns ? json(*invalid->t_next_search_ns) : json()}};
+  }
   return out;
 }
 

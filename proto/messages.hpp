@@ -132,6 +132,15 @@ struct StatusMessage {
     std::string reference = "none";               ///< "none", "in_force", "stale"
     double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
+    /// Why no frame is valid although settled frames come and there is a reference.
+    struct Invalid {
+      std::int64_t t_since_ns = 0;  ///< UTC
+      std::string reason;
+      std::string action;                            ///< what is done about it, and when
+      int searches = 0;                              ///< of the whole image, since then
+      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: one is running
+    };
+    std::optional<Invalid> invalid;
   } sensor;
   bool loop_closed = false;
   struct RefinePart {

@@ -90,7 +90,7 @@ bool ClosedLoop::do_work() {
     act();
     return true;
   }
-  const LoopEnd end = integrator_->wait(monotonic_ns());
+  const LoopEnd end = integrator_->wait(monotonic_ns(), deps_.spots_found_ns());
   if (end != LoopEnd::none) give_up(reason_of(end, report_.get().settings));
   return asked;
 }

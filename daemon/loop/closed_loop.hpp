@@ -27,10 +27,13 @@ struct ClosedLoopDeps {
   Events& events;
   /// Loop thread: the loop was closed (true) or opened (false).
   std::function<void(bool)> on_change;
+  /// Loop thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.
+  std::function<std::int64_t()> spots_found_ns;
 };
 
 /// The agent of the loop thread. One step a hologram: a frame counts only if it is valid and was
-/// exposed while the newest hologram stood still.
+/// exposed while the newest hologram stood still. Its patience begins again when
+/// a search finds lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;

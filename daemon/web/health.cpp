@@ -57,6 +57,13 @@ void check_state(const json& status, Findings& findings) {
   }
 }
 
+/// What the daemon does about invalid frames, and when.
+std::string action_of(const json& status) {
+  const json invalid = status.at("sensor").value("invalid", json());
+  if (!invalid.is_object()) return "";
+  return "; " + invalid.at("action").get<std::string>();
+}
+
 /// The sensor's numbers, when both devices work.
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
@@ -73,7 +80,7 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
     const std::string why = cli::why_not_valid(wavefront, status);
     const bool passing = !wavefront.at("settled").get<bool>();
     passing || pattern != "sensor" ? findings.note("No wavefront now: " + why)
-                                   : findings.bad("No wavefront: " + why);
+                                   : findings.bad("No wavefront: " + why + action_of(status));
   }
   const double saturated = wavefront.at("saturated").get<double>();
   if (saturated > 0.0) {

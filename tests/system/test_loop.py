@@ -67,6 +67,18 @@ class Loop(BenchCase):
             self.assertLess(worst, 0.01)
             self.assertFalse(report["closed"])
 
+    def test_closes_on_a_wavefront_that_has_just_split_spots(self):
+        """Their search goes on while the loop is closed, and its patience begins again when they are found."""
+        waves = (-0.139, -0.173, 0.029, -0.141, 0.149, 0.091, -0.254, 0.035, -0.140, 0.004, 0.006, -0.253)
+        self.hide([{"j": j, "waves": w} for j, w in enumerate(waves, 3)])
+        began = time.monotonic()
+        self.call("loop.close")
+        wait_for(lambda: self.true_residual() < 0.01 or not self.call("loop.get")["closed"], 20.0, "a residual below 0.01 wave")
+        report = self.call("loop.get")
+        print(f"\n  below 0.01 wave after {time.monotonic() - began:.1f} s and {report['steps']} steps")
+        self.assertTrue(report["closed"], report)
+        self.assertLess(self.true_residual(), 0.01)
+
     def worst_residual(self):
         began, worst = time.monotonic(), 0.0
         while time.monotonic() - began < HOLD_S:

@@ -93,6 +93,58 @@ class Torn(BenchCase):
         self.assertLess(error, 0.12)
         self.assertGreaterEqual(refused, 3)
 
+    def frames_until_valid(self, stream, limit_s):
+        """Seconds by the camera's stamps from hiding until the first valid frame."""
+        end = time.monotonic() + limit_s
+        while time.monotonic() < end:
+            message = stream.next(0.5)
+            if message is not None and message["settled"] and message["valid"] and message["t_device_ns"] > self.hidden_at_ns:
+                return 1e-9 * (message["t_device_ns"] - self.hidden_at_ns), message
+        self.fail(f"no valid frame within {limit_s} s: {self.call('system.status')['sensor']['invalid']}")
+
+    def test_sudden_wavefronts_do_not_make_the_search_slower(self):
+        """Twelve of them, each before the search of the last one need have ended; then one stays, stands, and goes."""
+        self.take_reference()
+        stream = self.stream("wavefront")
+        valid = count = 0
+        for seed in range(20, 32):
+            self.hide(random_modes(seed))
+            frames = self.newest(stream, 70)
+            valid, count = valid + sum(frame["valid"] for frame in frames), count + len(frames)
+        self.hide(random_modes(32))
+        took_s, _ = self.frames_until_valid(stream, 5.0)
+        error = self.error([frame for frame in self.newest(stream, 40) if frame["valid"]], random_modes(32))
+        frames = self.newest(stream, 400)
+        self.hide({})
+        gone_s, frame = self.frames_until_valid(stream, 2.0)
+        print(f"\n  twelve wavefronts: {valid} of {count} frames valid; the next is after {took_s:.2f} s, error {error:.3f} wave; "
+              f"when it has gone after {gone_s:.2f} s")
+        self.assertLess(error, 0.06)
+        self.assertLess(self.error([frame], {}), 0.05)
+
+    def test_why_no_frame_is_valid_is_said(self):
+        self.take_reference()
+        events = self.stream("event")
+        invalid = lambda: self.call("system.status")["sensor"]["invalid"]  # noqa: E731
+        self.assertIsNone(invalid())
+        self.twin.call("twin.set", {"peak_electrons": 0})
+        said = wait_for(lambda: (now := invalid()) is not None and now["searches"] > 0 and now, 10.0)
+        self.assertEqual(said["reason"], "0 of 19 spots are found")
+        self.assertIn("searched", said["action"])
+        event = self.event(events, False)
+        self.assertEqual((event["severity"], event["data"]["tracked"]), ("warning", 0))
+        self.twin.call("twin.set", {"peak_electrons": 6000})
+        self.assertEqual(self.event(events, True)["severity"], "info")
+        wait_for(lambda: invalid() is None, 5.0)
+
+    def event(self, events, valid):
+        end = time.monotonic() + 20.0
+        while time.monotonic() < end:
+            message = events.next(0.5)
+            if message is not None and message["kind"] == "spots" and message["data"].get("valid") is valid:
+                return message
+        self.fail(f"no event that says valid: {valid}")
+
     def test_with_lg(self):
         self.check("lg")
 

@@ -1286,6 +1286,22 @@ class StatusSlm(TypedDict):
     fault: str | None
 
 
+class Invalid(TypedDict):
+    """Why no frame is valid although settled frames come and there is a reference; null: frames are valid, or another field says why
+    not."""
+
+    # when the first frame of them came, UTC
+    t_since_ns: int
+    # what such a frame lacks
+    reason: str
+    # what the daemon does about it, and when
+    action: str
+    # of the whole image, since then
+    searches: int
+    # when the same image is searched again at the latest, UTC; an image that changes is searched at once; null: a search is running
+    t_next_search_ns: int | None
+
+
 class StatusSensor(TypedDict):
     """The sensor shown."""
 
@@ -1329,6 +1345,8 @@ class StatusSensor(TypedDict):
     reference_introduced_rms_waves: float
     # numbers of the spots that the wavefront has torn, followed by the shapes that it gives them
     torn: list[int]
+    # why no frame is valid although settled frames come and there is a reference; null: frames are valid, or another field says why not
+    invalid: Invalid | None
 
 
 class StatusRefine(TypedDict):

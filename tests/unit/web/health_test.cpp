@@ -95,6 +95,14 @@ TEST_F(HealthTest, AHologramThatIsChangingIsNoFault) {
   expect_worst(Wellness::bad, "explains");
 }
 
+TEST_F(HealthTest, SaysWhatIsDoneAboutInvalidFrames) {
+  facts.wavefront["valid"] = false;
+  facts.wavefront["tracked"] = 7;
+  facts.wavefront["fit_residual_px"] = nullptr;
+  facts.status["sensor"]["invalid"] = {{"action", "the whole image is being searched for spots"}};
+  expect_worst(Wellness::bad, "7 of 19 spots found; the whole image is being searched");
+}
+
 TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
   facts.wavefront["saturated"] = 1.0 / 19.0;
   expect_worst(Wellness::note, "1 of 19 spots saturated");

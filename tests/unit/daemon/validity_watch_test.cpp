@@ -1,0 +1,53 @@
+/// Why no frame is valid, by injected time.
+#include "daemon/validity_watch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kS = 1'000'000'000;
+
+TEST(ValidityWatch, CountsFromTheFirstInvalidFrame) {
+  ValidityWatch watch;
+  EXPECT_FALSE(watch.lack(kS));
+  watch.saw(true, {0, 19, 19, true}, kS);
+  EXPECT_FALSE(watch.lack(kS));
+  watch.saw(false, {0, 7, 19, true}, 2 * kS);
+  watch.saw(false, {0, 5, 19, true}, 3 * kS);
+  const auto lack = watch.lack(3 * kS);
+  ASSERT_TRUE(lack);
+  EXPECT_EQ(lack->since_ns, 2 * kS);
+  EXPECT_EQ(lack->tracked, 5);
+  EXPECT_FALSE(watch.is_valid());
+  watch.saw(true, {0, 19, 19, true}, 4 * kS);
+  EXPECT_FALSE(watch.lack(4 * kS));
+  EXPECT_TRUE(watch.is_valid());
+}
+
+TEST(ValidityWatch, SaysNothingWhenNoFramesCome) {
+  ValidityWatch watch;
+  watch.saw(false, {0, 7, 19, true}, kS);
+  EXPECT_TRUE(watch.lack(2 * kS));
+  EXPECT_FALSE(watch.lack(3 * kS));
+  EXPECT_FALSE(watch.is_valid());
+}
+
+TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
+  const std::int64_t utc_ns = 1000 * kS;
+  const ValidityWatch::Lack lack{2 * kS, 19, 19, false};
+  const auto waiting = invalid_in_words(lack, {false, 3, 5 * kS}, 4 * kS, utc_ns);
+  EXPECT_EQ(waiting.t_since_ns, 998 * kS);
+  EXPECT_EQ(waiting.reason, "19 of 19 spots are found, and no wavefront explains where they are");
+  EXPECT_EQ(waiting.action,
+            "the whole image was searched 3 times for spots; again in 1.0 s, or at once when it "
+            "changes");
+  EXPECT_EQ(waiting.t_next_search_ns, 1001 * kS);
+  const auto running = invalid_in_words({2 * kS, 7, 19, true}, {true, 3, 5 * kS}, 4 * kS, utc_ns);
+  EXPECT_EQ(running.reason, "7 of 19 spots are found");
+  EXPECT_EQ(running.action, "the whole image is being searched for spots");
+  EXPECT_FALSE(running.t_next_search_ns);
+}
+
+}  // namespace
+}  // namespace ovws
