@@ -183,7 +183,10 @@ void Refiner::Impl::descend(Place& place) {
       place.state = next;
       place.sums = summed(place.state);
     }
-    if (place.minimum) return;
+    if (place.minimum) {
+      if (!better && near) system.propagate(place.state);  // the field is that of the refused step
+      return;
+    }
     damping *= better ? 0.1 : 10.0;
   }
 }
