@@ -30,9 +30,9 @@ constexpr double kDiffractiveStep = 0.05;
 /// bench: prepare it off the frame path and keep it. One thread at a time for a model.
 ///
 /// It is the truth for aberrations of about the step. For larger ones slope_matrix is better: the
-/// displacements hold a part from the interference with the neighbours' tails, which follows the
-/// waves between subapertures like a sine and is linear for a tenth of a wave only. No linear
-/// matrix reads 0.3 wave of a mode of n >= 3 to 0.005 wave: see relinearise.
+/// aberration inside a subaperture changes the spot's shape, and with it what the tracker takes for
+/// its place, with a part that is cubic in the waves. Spots without neighbours show the same. No
+/// linear matrix reads 0.3 wave of a mode of n >= 3 to 0.005 wave: see relinearise.
 ///
 /// Errors: as of SensorModel::light for too large a step; Errc::refused, field "tracking", if the
 /// tracker finds fewer than 3 spots, or if `stop`, when not null, became true meanwhile.
