@@ -33,6 +33,8 @@
 
 namespace ovws {
 
+struct ReferenceSpots;
+
 /// Draws a picture of the SLM's size.
 using Painter = std::function<void(const HologramRenderer&, Image<std::uint8_t>&)>;
 
@@ -245,7 +247,8 @@ class Instrument : public Agent {
   std::optional<Reference> reference_for(const State& state) const;
   const OwnTemplates& templates_for(const State& state, const std::optional<Reference>& reference);
   void finish_reference(int job, const ReferenceCollector::Average& average);
-  void end_reference(int job, const ReferenceCollector::Average& average);
+  void end_reference(int job, const ReferenceCollector::Average& average,
+                     const ReferenceSpots& spots, double introduced_rms_waves);
   Reference new_reference(ReferenceSource source) const;
   bool know_camera(const std::optional<CameraInfo>& info);
   void tell_stale();

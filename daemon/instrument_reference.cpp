@@ -6,6 +6,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/instrument.hpp"
+#include "daemon/reference_spots.hpp"
 
 namespace ovws {
 namespace {
@@ -23,6 +24,19 @@ Result<void> check_introduced(const ReferenceTake& take, const std::vector<Mode>
                   "would make the zero of all coefficients: clear it first (aberration.clear), or "
                   "set \"allow_aberration\": true",
                   introduced));
+}
+
+void warn_of_lost(const ReferenceSpots& spots, Events& events) {
+  if (spots.lost.empty()) return;
+  std::string text = fmt::format(
+      "the reference lacks spots {}, which were found in fewer than half of its frames: they are "
+      "not used",
+      listed_spots(spots.lost));
+  if (!spots.weak_modes_j.empty()) {
+    text += fmt::format("; the modes j = {} are noisier for it", listed_spots(spots.weak_modes_j));
+  }
+  events.emit("reference", Severity::warning, text,
+              {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
 }
 
 }  // namespace
@@ -194,22 +208,34 @@ void Instrument::finish_reference(int job, const ReferenceCollector::Average& av
   if (reference_job_ != job || !deps_.jobs.runs(job)) return;
   const double most_motion_px =
       kMostMotion * lambda_d_px(optics_of(state_), slm_geometry_, state_.sensor);
-  const auto usable = check_average(average, most_motion_px);
-  if (!usable) return fail_reference(usable.error());
+  if (auto still = check_average(average, most_motion_px); !still) {
+    return fail_reference(still.error());
+  }
+  const ModeOperator* const own = operator_for(state_);
+  const auto spots = judge_spots(
+      average, own != nullptr
+                   ? *own
+                   : slope_operator(state_.renderer->lattice(), state_.sensor, state_.tracking,
+                                    px_per_cycle(optics_of(state_), slm_geometry_)));
+  if (!spots) return fail_reference(spots.error());
   Reference reference = new_reference(ReferenceSource::measured);
   reference.frames = average.frames;
   reference.positions_px = average.mean_px;
   reference.standard_error_px = average.standard_error_px;
   reference.picture = deps_.pictures.end();
+  place_lost(spots->lost, model_positions(state_), reference);
   end_reference_job();
-  keep_reference(std::move(reference), [this, job, average](const Result<SensorSnapshot>& changed) {
+  const double introduced = rms_waves(reference.introduced);
+  keep_reference(std::move(reference), [this, job, average, spots = *spots,
+                                        introduced](const Result<SensorSnapshot>& changed) {
     if (!changed) return deps_.jobs.fail_job(job, changed.error());
-    end_reference(job, average);
+    end_reference(job, average, spots, introduced);
   });
 }
 
 /// The reference is active, and its disk has answered.
-void Instrument::end_reference(int job, const ReferenceCollector::Average& average) {
+void Instrument::end_reference(int job, const ReferenceCollector::Average& average,
+                               const ReferenceSpots& spots, double introduced_rms_waves) {
   const std::vector<int> saturated = saturated_spots(average);
   if (!saturated.empty()) {
     deps_.events.emit("reference", Severity::warning,
@@ -218,11 +244,14 @@ void Instrument::end_reference(int job, const ReferenceCollector::Average& avera
                                   listed_spots(saturated)),
                       {{"saturated_spots", saturated}});
   }
-  const double introduced = rms_waves(state_.aberration);
-  if (introduced > 0.0) warn_of_introduced(introduced);
+  warn_of_lost(spots, deps_.events);
+  if (introduced_rms_waves > 0.0) warn_of_introduced(introduced_rms_waves);
   deps_.jobs.finish(job, {{"frames", average.frames},
                           {"saturated_spots", saturated},
-                          {"introduced_rms_waves", introduced},
+                          {"lost_spots", spots.lost},
+                          {"weak_spots", spots.weak},
+                          {"weak_modes", spots.weak_modes_j},
+                          {"introduced_rms_waves", introduced_rms_waves},
                           {"drift_px", average.drift_px},
                           {"scatter_px", average.scatter_px},
                           {"noise_px", average.noise_px}});

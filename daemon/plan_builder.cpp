@@ -5,6 +5,7 @@
 #include "core/tracking/mixed_tracker.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/mode_operators.hpp"
+#include "daemon/reference_spots.hpp"
 
 namespace ovws {
 namespace {
@@ -64,7 +65,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);
   if (inputs.reference) {
-    plan->reference_px = inputs.reference->positions_px;
+    plan->reference_px = known_positions(*inputs.reference);
     plan->reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
   }
   auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);

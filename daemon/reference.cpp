@@ -195,17 +195,6 @@ Result<void> check_average(const ReferenceCollector::Average& average, double mo
                     100.0 * saturated, 100.0 * kMostSaturated,
                     listed_spots(saturated_spots(average))));
   }
-  std::vector<int> too_rare;
-  for (std::size_t i = 0; i < average.found.size(); ++i) {
-    if (2 * average.found[i] < average.frames) too_rare.push_back(int(i));
-  }
-  if (!too_rare.empty()) {
-    return fail(
-        Errc::refused, "",
-        fmt::format("spots {} were found in fewer than half of the frames: check the image, the "
-                    "exposure and the region of interest, or use fewer subapertures",
-                    listed_spots(too_rare)));
-  }
   if (!has_moved(average, most_motion_px)) return {};
   return fail(
       Errc::refused, "",

@@ -113,8 +113,8 @@ class ReferenceCollector {
 };
 
 /// Whether frames make a reference. Errc::refused: more than a tenth of all spots in all frames are
-/// saturated (field "camera.exposure_us"); a spot was found in fewer than half of the frames; or
-/// the spots moved by more than `most_motion_px`: drift_px, or scatter_px, without their noise.
+/// saturated (field "camera.exposure_us"), or the spots moved by more than `most_motion_px`:
+/// drift_px, or scatter_px, without their noise.
 Result<void> check_average(const ReferenceCollector::Average& average, double most_motion_px);
 /// Numbers of the spots that were saturated in at least one frame.
 std::vector<int> saturated_spots(const ReferenceCollector::Average& average);

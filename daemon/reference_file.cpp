@@ -1,5 +1,7 @@
 #include "daemon/reference_file.hpp"
 
+#include <cmath>
+
 #include "daemon/reference_origin.hpp"
 #include "daemon/store/encoding.hpp"
 #include "proto/reader.hpp"
@@ -23,16 +25,22 @@ json points_json(const std::vector<Vec2>& points) {
   return all;
 }
 
-Result<std::vector<Vec2>> points_from(const json& content, const char* key) {
+/// `may_lack`: null stands for what is not known.
+Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool may_lack) {
+  const auto fits = [may_lack](const json& number) {
+    return number.is_number() || (may_lack && number.is_null());
+  };
+  const auto value = [](const json& number) {
+    return number.is_null() ? NAN : number.get<double>();
+  };
   if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMostSpots) {
     return unfit(key, "is not a list of positions");
   }
   std::vector<Vec2> points;
   for (const json& point : content[key]) {
-    const bool pair =
-        point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
+    const bool pair = point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
     if (!pair) return unfit(key, "is not a list of [x, y]");
-    points.push_back({point[0].get<double>(), point[1].get<double>()});
+    points.push_back({value(point[0]), value(point[1])});
   }
   return points;
 }
@@ -122,9 +130,9 @@ Result<Reference> reference_from(const json& content) {
   if (!origin->is_object()) return unfit("origin", "is not an object");
   reference.source = ReferenceSource(source);
   reference.t_taken_ns = t_taken_ns->get<std::int64_t>();
-  auto positions = points_from(content, "positions_px");
+  auto positions = points_from(content, "positions_px", false);
   if (!positions) return fail(positions.error());
-  auto errors = points_from(content, "standard_error_px");
+  auto errors = points_from(content, "standard_error_px", true);
   if (!errors) return fail(errors.error());
   auto known = ReferenceBench::known(*origin);
   if (!known) return fail(known.error());

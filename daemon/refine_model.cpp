@@ -5,6 +5,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/reference_spots.hpp"
 
 namespace ovws {
 
@@ -128,10 +129,11 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
                 "its picture was taken in " + std::string(pixel_format_name(picture.format)) +
                     ", and the model knows no colour filters: take it anew");
   }
-  std::vector<SpotFix> spots(reference.positions_px.size());
+  const std::vector<Vec2> known_px = known_positions(reference);
+  std::vector<SpotFix> spots(known_px.size());
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    spots[i].x = float(reference.positions_px[i].x);
-    spots[i].y = float(reference.positions_px[i].y);
+    spots[i].x = float(known_px[i].x);
+    spots[i].y = float(known_px[i].y);
   }
   const auto start = bench_->start_of(spots);
   if (!start) return fail(Errc::refused, "reference", "too few spots were found to begin from");

@@ -18,11 +18,13 @@ tl::unexpected<Error> unfit(const std::string& reason) {
   return fail(Errc::invalid, "path", "a plan of the recording " + reason);
 }
 
+/// Null: not known.
 std::vector<Vec2> points(const json& all) {
+  const auto value = [](const json& number) {
+    return number.is_null() ? NAN : number.get<double>();
+  };
   std::vector<Vec2> out;
-  for (const json& point : all) {
-    out.push_back({point.at(0).get<double>(), point.at(1).get<double>()});
-  }
+  for (const json& point : all) out.push_back({value(point.at(0)), value(point.at(1))});
   return out;
 }
 

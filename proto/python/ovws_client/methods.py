@@ -1017,7 +1017,8 @@ class ReferenceResult(TypedDict):
     t_taken: str | None
     # [x, y] of each subaperture's spot, camera pixels of the region of interest
     positions_px: list[list[float | None]] | None
-    # [x, y] standard error of each position, camera pixels
+    # [x, y] standard error of each position, camera pixels; null: the spot was lost, its position is where it is expected, and it is not
+    # used
     standard_error_px: list[list[float | None]] | None
     # checksum of the file that keeps it over a restart; null: it is not kept, and status (store) says why
     sha256: str | None
@@ -1958,10 +1959,11 @@ class Methods:
                 are, so that misalignment is in the coefficients; frames: how many frames were averaged; charge: charge that it was taken
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
-                error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
-                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
-                same; origin: what it was taken with
+                error of each position, camera pixels; null: the spot was lost, its position is where it is expected, and it is not used;
+                sha256: checksum of the file that keeps it over a restart; null: it is not kept, and status (store) says why;
+                introduced_rms_waves: introduced aberration that it holds, so that coefficients do not, RMS-normalised waves; 0: none;
+                stale: settings of the camera that are not those it was taken with; it is in force all the same; origin: what it was taken
+                with
         """
         result: ReferenceResult = self.call("reference.clear")
         return result
@@ -1973,10 +1975,11 @@ class Methods:
                 are, so that misalignment is in the coefficients; frames: how many frames were averaged; charge: charge that it was taken
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
-                error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
-                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
-                same; origin: what it was taken with
+                error of each position, camera pixels; null: the spot was lost, its position is where it is expected, and it is not used;
+                sha256: checksum of the file that keeps it over a restart; null: it is not kept, and status (store) says why;
+                introduced_rms_waves: introduced aberration that it holds, so that coefficients do not, RMS-normalised waves; 0: none;
+                stale: settings of the camera that are not those it was taken with; it is in force all the same; origin: what it was taken
+                with
         """
         result: ReferenceResult = self.call("reference.get")
         return result
@@ -1991,10 +1994,11 @@ class Methods:
                 are, so that misalignment is in the coefficients; frames: how many frames were averaged; charge: charge that it was taken
                 with; tracker: tracker that it was taken with; t_taken_ns: UNIX epoch UTC, nanoseconds; t_taken: the same as text, ISO 8601;
                 positions_px: [x, y] of each subaperture's spot, camera pixels of the region of interest; standard_error_px: [x, y] standard
-                error of each position, camera pixels; sha256: checksum of the file that keeps it over a restart; null: it is not kept, and
-                status (store) says why; introduced_rms_waves: introduced aberration that it holds, so that coefficients do not,
-                RMS-normalised waves; 0: none; stale: settings of the camera that are not those it was taken with; it is in force all the
-                same; origin: what it was taken with
+                error of each position, camera pixels; null: the spot was lost, its position is where it is expected, and it is not used;
+                sha256: checksum of the file that keeps it over a restart; null: it is not kept, and status (store) says why;
+                introduced_rms_waves: introduced aberration that it holds, so that coefficients do not, RMS-normalised waves; 0: none;
+                stale: settings of the camera that are not those it was taken with; it is in force all the same; origin: what it was taken
+                with
         """
         result: ReferenceResult = self.call("reference.set", _given(source=source))
         return result

@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numeric>
 #include <optional>
 #include <random>
+
+#include "core/optics/lattice.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/reference_spots.hpp"
 
 namespace ovws {
 namespace {
@@ -164,6 +170,65 @@ TEST_F(ReferenceTest, NoiseIsNoMotionHoweverStrong) {
   // All spots shake together, from frame to frame.
   std::normal_distribution<double> shake(0.0, 2.0);
   EXPECT_TRUE(check_average(moving(100, 0.01, [&](int) { return shake(random_); }), kMostMotionPx));
+}
+
+/// 19 spots and 18 modes.
+class ReferenceSpotsTest : public testing::Test {
+ protected:
+  ReferenceSpotsTest() {
+    const SensorConfig sensor;
+    const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
+    modes_.modes_j.resize(18);
+    std::iota(modes_.modes_j.begin(), modes_.modes_j.end(), 1);
+    modes_.slopes = slope_matrix(lattice, sensor, modes_.modes_j, SlopeKind::vortex_tilt, 1928.3);
+    for (const Subaperture& one : lattice.subapertures) {
+      model_px_.push_back(Vec2{256.0, 256.0} + 0.4 * one.centre_px);
+    }
+    average_.frames = 100;
+    average_.found.assign(lattice.subapertures.size(), 100);
+  }
+
+  ModeOperator modes_;
+  std::vector<Vec2> model_px_;
+  ReferenceCollector::Average average_;
+};
+
+TEST_F(ReferenceSpotsTest, SpotsThatComeAndGoAreWeakAndThoseThatAreLostAreLeftOut) {
+  average_.found[0] = 85;
+  average_.found[7] = 0;
+  average_.found[11] = 49;
+  const auto spots = judge_spots(average_, modes_);
+  ASSERT_TRUE(spots) << spots.error().reason;
+  EXPECT_EQ(spots->weak, std::vector<int>{0});
+  EXPECT_EQ(spots->lost, (std::vector<int>{7, 11}));
+  EXPECT_FALSE(spots->weak_modes_j.empty());
+  EXPECT_LT(spots->weak_modes_j.size(), 9U);
+}
+
+TEST_F(ReferenceSpotsTest, IsRefusedOnlyWhereAModeIsNotDetermined) {
+  EXPECT_TRUE(judge_spots(average_, modes_)->weak_modes_j.empty());
+  for (const int i : {0, 1, 2, 3, 6, 7, 11, 12}) average_.found[std::size_t(i)] = 10;
+  const auto refused = judge_spots(average_, modes_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::refused);
+  EXPECT_NE(refused.error().reason.find("spots 0, 1, 2, 3, 6, 7, 11, 12"), std::string::npos)
+      << refused.error().reason;
+  EXPECT_NE(refused.error().reason.find("the modes j = "), std::string::npos);
+}
+
+TEST_F(ReferenceSpotsTest, ALostSpotIsExpectedWhereTheOthersSayAndHasNoReference) {
+  Reference reference;
+  for (const Vec2 at : model_px_) {  // moved, turned and magnified
+    reference.positions_px.push_back(Vec2{3.0, -2.0} + 1.01 * at + 0.02 * Vec2{-at.y, at.x});
+  }
+  const std::vector<Vec2> truth = reference.positions_px;
+  reference.standard_error_px.assign(truth.size(), Vec2{0.01, 0.01});
+  reference.positions_px[7] = {};
+  place_lost({7}, model_px_, reference);
+  EXPECT_NEAR(norm(reference.positions_px[7] - truth[7]), 0.0, 1e-3);
+  const std::vector<Vec2> known = known_positions(reference);
+  EXPECT_TRUE(std::isnan(known[7].x));
+  EXPECT_EQ(known[8].x, truth[8].x);
 }
 
 }  // namespace
