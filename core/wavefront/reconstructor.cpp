@@ -66,8 +66,11 @@ int determined_modes(const Eigen::MatrixXd& slopes) {
 }
 
 Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
-                             std::vector<Vec2> reference_px)
-    : modes_j_(std::move(modes_j)), reference_px_(std::move(reference_px)), slopes_(slopes) {
+                             std::vector<Vec2> reference_px, const Eigen::MatrixXd& nuisance)
+    : modes_j_(std::move(modes_j)),
+      reference_px_(std::move(reference_px)),
+      slopes_(slopes),
+      nuisance_(nuisance) {
   reference_px_.resize(std::size_t(slopes.rows() / 2), Vec2{NAN, NAN});
   Eigen::VectorXd reference = Eigen::VectorXd::Zero(slopes.rows());
   for (std::size_t i = 0; i < reference_px_.size(); ++i) {
@@ -81,22 +84,28 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
     reference(2 * i + 1) = reference_px_[i].y;
     ++referenced_;
   }
-  if (2 * Eigen::Index(referenced_) < slopes_.cols()) return;
-  normal_ = slopes_.transpose() * slopes_;
+  columns_.resize(slopes_.rows(), slopes_.cols() + nuisance_.cols());
+  columns_.leftCols(slopes_.cols()) = slopes_;
+  if (nuisance_.cols() > 0) columns_.rightCols(nuisance_.cols()) = nuisance_;
+  for (std::size_t i = 0; i < reference_px_.size(); ++i) {
+    if (std::isnan(reference_px_[i].x)) columns_.middleRows(2 * i, 2).setZero();
+  }
+  if (2 * Eigen::Index(referenced_) < columns_.cols()) return;
+  normal_ = columns_.transpose() * columns_;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal_);
   determined_ = well_conditioned(eigen.eigenvalues());
   if (!determined_) return;
   const auto& v = eigen.eigenvectors();
   inverse_ =
-      v * eigen.eigenvalues().cwiseInverse().asDiagonal() * v.transpose() * slopes_.transpose();
+      v * eigen.eigenvalues().cwiseInverse().asDiagonal() * v.transpose() * columns_.transpose();
   offset_ = inverse_ * reference;
   variances_ = inverse_.rowwise().squaredNorm();
 }
 
 Reconstructor::Scratch Reconstructor::make_scratch() const {
-  return {Eigen::VectorXd::Zero(slopes_.rows()), Eigen::VectorXd::Zero(slopes_.cols()),
-          Eigen::MatrixXd::Zero(slopes_.cols(), slopes_.cols()),
-          Eigen::VectorXd::Zero(slopes_.cols())};
+  return {Eigen::VectorXd::Zero(columns_.rows()), Eigen::VectorXd::Zero(columns_.cols()),
+          Eigen::MatrixXd::Zero(columns_.cols(), columns_.cols()),
+          Eigen::VectorXd::Zero(columns_.cols())};
 }
 
 bool Reconstructor::usable(const SpotFix& spot, std::size_t i) const {
@@ -114,7 +123,7 @@ Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scr
     scratch.measured(2 * i) = there ? double(spots[i].x) : 0.0;
     scratch.measured(2 * i + 1) = there ? double(spots[i].y) : 0.0;
   }
-  if (!determined_ || 2 * Eigen::Index(found) < slopes_.cols()) return result;
+  if (!determined_ || 2 * Eigen::Index(found) < columns_.cols()) return result;
   if (found == referenced_) {
     scratch.modes.noalias() = inverse_ * scratch.measured;
     scratch.modes -= offset_;
@@ -133,11 +142,11 @@ Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scr
 }
 
 bool Reconstructor::solve_reduced(std::span<const SpotFix> spots, Scratch& scratch) const {
-  const Eigen::Index modes = slopes_.cols();
+  const Eigen::Index modes = columns_.cols();
   scratch.normal = normal_;
   scratch.rhs.setZero();
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    const auto x = slopes_.row(2 * i), y = slopes_.row(2 * i + 1);
+    const auto x = columns_.row(2 * i), y = columns_.row(2 * i + 1);
     if (usable(spots[i], i)) {
       const double dx = scratch.measured(2 * i) - reference_px_[i].x;
       const double dy = scratch.measured(2 * i + 1) - reference_px_[i].y;
@@ -176,8 +185,8 @@ double Reconstructor::residual_px(std::span<const SpotFix> spots, const Scratch&
     if (!usable(spots[i], i)) continue;
     const double x = scratch.measured(2 * i) - reference_px_[i].x;
     const double y = scratch.measured(2 * i + 1) - reference_px_[i].y;
-    const double ex = x - slopes_.row(2 * i).dot(scratch.modes);
-    const double ey = y - slopes_.row(2 * i + 1).dot(scratch.modes);
+    const double ex = x - columns_.row(2 * i).dot(scratch.modes);
+    const double ey = y - columns_.row(2 * i + 1).dot(scratch.modes);
     sum += ex * ex + ey * ey;
     count += 2;
   }

@@ -41,14 +41,16 @@ class Reconstructor {
   };
 
   /// `slopes` as from slope_matrix (2N x Z). `reference_px` N positions, or empty: nothing is
-  /// determined.
+  /// determined. `nuisance` (2N x K, or empty): displacements that no mode makes; they are fitted
+  /// together with the modes, and not reported.
   Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
-                std::vector<Vec2> reference_px);
+                std::vector<Vec2> reference_px, const Eigen::MatrixXd& nuisance = {});
 
   const std::vector<int>& modes_j() const { return modes_j_; }
   /// As given, but for spots without a reference, whose rows are 0; a Reconstructor made of them is
   /// the same.
   const Eigen::MatrixXd& slopes() const { return slopes_; }
+  const Eigen::MatrixXd& nuisance() const { return nuisance_; }
   Scratch make_scratch() const;
 
   /// Writes modes_j().size() coefficients, RMS-normalised waves; all NaN if not determined. With
@@ -65,12 +67,14 @@ class Reconstructor {
   std::vector<int> modes_j_;
   std::vector<Vec2> reference_px_;
   Eigen::MatrixXd slopes_;     ///< rows of spots without a reference are 0
-  Eigen::MatrixXd inverse_;    ///< P: Z x 2N
+  Eigen::MatrixXd inverse_;    ///< P: C x 2N
   Eigen::VectorXd offset_;     ///< P ref
-  Eigen::MatrixXd normal_;     ///< slopes^T slopes
+  Eigen::MatrixXd normal_;     ///< columns^T columns
   Eigen::VectorXd variances_;  ///< diagonal of the inverse of `normal_`
   int referenced_ = 0;         ///< spots with a reference
   bool determined_ = false;    ///< with all of them
+  Eigen::MatrixXd nuisance_;   ///< as given
+  Eigen::MatrixXd columns_;    ///< slopes_, and nuisance_ without those spots: C columns
 };
 
 }  // namespace ovws

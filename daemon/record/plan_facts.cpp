@@ -23,16 +23,22 @@ json modes(const std::vector<Mode>& all) {
   return out;
 }
 
-json operator_content(const PlanFacts& facts) {
+json rows_of(const Eigen::MatrixXd& matrix) {
   json rows = json::array();
-  for (Eigen::Index r = 0; r < facts.slopes.rows(); ++r) {
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
     json row = json::array();
-    for (Eigen::Index c = 0; c < facts.slopes.cols(); ++c) row.push_back(facts.slopes(r, c));
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
     rows.push_back(std::move(row));
   }
-  return {{"operator", operator_name(facts.mode_operator)},
-          {"j", facts.modes_j},
-          {"px_per_wave", std::move(rows)}};
+  return rows;
+}
+
+json operator_content(const PlanFacts& facts) {
+  json content{{"operator", operator_name(facts.mode_operator)},
+               {"j", facts.modes_j},
+               {"px_per_wave", rows_of(facts.slopes)}};
+  if (facts.nuisance.cols() > 0) content["nuisance_px"] = rows_of(facts.nuisance);
+  return content;
 }
 
 json optics_content(const OpticsConfig& optics) {
@@ -105,7 +111,8 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot)
       mode_operator(plan.mode_operator),
       modes_j(plan.reconstructor->modes_j()),
       slopes(plan.reconstructor->slopes()),
-      sensor(std::move(snapshot)) {}
+      sensor(std::move(snapshot)),
+      nuisance(plan.reconstructor->nuisance()) {}
 
 Document make_document(std::string kind, const json& content) {
   // A camera's name may hold bytes that are no UTF-8.

@@ -29,7 +29,8 @@ struct PlanFacts {
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;
   Eigen::MatrixXd slopes;
-  SensorSnapshot sensor;  ///< as it was when the plan was adopted
+  SensorSnapshot sensor;     ///< as it was when the plan was adopted
+  Eigen::MatrixXd nuisance;  ///< see Reconstructor
 };
 
 struct Document {

@@ -135,8 +135,13 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   const json op = json::parse(documents_.at(from.at("operator").get<std::string>()));
   const auto modes_j = op.at("j").get<std::vector<int>>();
   if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
+  const json nuisance = op.value("nuisance_px", json::array());
+  if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
+    return unfit("has not as many rows of nuisance_px as of px_per_wave");
+  }
   plan->reconstructor = std::make_unique<Reconstructor>(
-      matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px);
+      matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px,
+      matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
   TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
   auto own = templates(from, tracking, plan->spots);
   if (!own) return fail(own.error());
