@@ -8,6 +8,7 @@
 #include "daemon/driver_table.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
+#include "daemon/spot_layout.hpp"
 #include "daemon/thread_plan.hpp"
 
 namespace ovws {
@@ -58,6 +59,15 @@ Result<void> check_usable(const Config& config) {
   const auto tracker = make_tracker(config.tracking, spots);
   if (!tracker) return fail(tracker.error());
   return {};
+}
+
+Result<void> check_sees_spots(const Config& config) {
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return fail(lattice.error());
+  const SpotBench bench{*lattice,      config.sensor,       config.tracking,
+                        config.optics, config.slm.geometry, config.camera.settings.roi};
+  if (auto apart = check_spots_apart(bench); !apart) return apart;
+  return check_spots_in_region(bench);
 }
 
 }  // namespace ovws

@@ -9,6 +9,9 @@ namespace ovws {
 /// Errors as the daemon's start would give them: drivers that do not exist, endpoints and keys, LUT
 /// and flatness files, lattice, tracker. Opens no device.
 Result<void> check_usable(const Config& config);
+/// Errc::invalid (field "sensor.spacing" or "camera.roi") if the camera region cannot see the
+/// spots, or the tracker cannot tell them apart, by this configuration alone; see spot_layout.hpp.
+Result<void> check_sees_spots(const Config& config);
 /// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 

@@ -9,6 +9,7 @@
 #include "daemon/config_check.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
+#include "daemon/spot_layout.hpp"
 
 namespace ovws {
 namespace {
@@ -19,6 +20,15 @@ Result<std::shared_ptr<const HologramRenderer>> make_renderer(const HologramConf
   auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return fail(renderer.error());
   return std::make_shared<const HologramRenderer>(std::move(*renderer));
+}
+
+/// It goes on nevertheless: a region or a spacing that works can still be set.
+void report_unseen_spots(Events& events, const SpotBench& bench, Severity severity) {
+  auto seen = check_spots_apart(bench);
+  if (seen) seen = check_spots_in_region(bench);
+  if (seen) return;
+  const Error& why = seen.error();
+  events.emit("sensor", severity, why.field + ": " + why.reason, {{"field", why.field}});
 }
 
 }  // namespace
@@ -51,6 +61,10 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   instrument->grey_ = first.grey;
   instrument->deps_.slm.show_when_possible(std::move(first));
   instrument->adopt(state, std::move(*plan));
+  report_unseen_spots(deps.events,
+                      {state.renderer->lattice(), state.sensor, state.tracking,
+                       instrument->optics_of(state), config.slm.geometry, state.roi},
+                      Severity::error);
   return instrument;
 }
 
@@ -78,7 +92,13 @@ void Instrument::change_sensor(SensorSet change, Changed done) {
   mailbox_.post([this, change, done = std::move(done)] {
     auto next = changed_state(change);
     if (!next) return done(fail(next.error()));
-    done(change_to(std::move(*next)));
+    auto changed = change_to(std::move(*next));
+    if (changed)
+      report_unseen_spots(deps_.events,
+                          {state_.renderer->lattice(), state_.sensor, state_.tracking,
+                           optics_of(state_), slm_geometry_, state_.roi},
+                          Severity::warning);
+    done(std::move(changed));
   });
 }
 
@@ -88,6 +108,11 @@ Result<Instrument::State> Instrument::changed_state(const SensorSet& change) con
   next.tracking = change.applied_to(state_.tracking);
   if (auto there = check_operator(change, next); !there) return fail(there.error());
   if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
+  const auto lattice = make_lattice(next.sensor, slm_geometry_);
+  if (!lattice) return fail(lattice.error());
+  const SpotBench bench{*lattice,        next.sensor,   next.tracking,
+                        optics_of(next), slm_geometry_, next.roi};
+  if (auto apart = check_spots_apart(bench); !apart) return fail(apart.error());
   return next;
 }
 
@@ -164,6 +189,10 @@ void Instrument::camera_changed(const CameraSettings& camera,
     // The same picture stays on the SLM, but what is measured of it belongs to the new image.
     deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
     adopt(std::move(next), std::move(*plan));
+    report_unseen_spots(deps_.events,
+                        {state_.renderer->lattice(), state_.sensor, state_.tracking,
+                         optics_of(state_), slm_geometry_, state_.roi},
+                        Severity::warning);
   });
 }
 

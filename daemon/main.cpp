@@ -93,6 +93,7 @@ int main(int argc, char** argv) {
   if (!config) return complain(config.error());
   if (const auto usable = ovws::check_usable(*config); !usable) return complain(usable.error());
   if (!check_only) return serve(*config, path);
+  if (const auto seen = ovws::check_sees_spots(*config); !seen) return complain(seen.error());
   spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
   std::printf("%s\n", ovws::dump_config(*config).c_str());
   return 0;

@@ -17,8 +17,7 @@ std::string told(const Error& error) {
   return error.field.empty() ? error.reason : error.field + ": " + error.reason;
 }
 
-std::string fix_of(const ConfigurationFacts& facts) {
-  const Error& error = *facts.error;
+std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
   const auto dot = error.field.rfind('.');
   const std::string key = error.field.substr(dot == std::string::npos ? 0 : dot + 1);
   if (!error.nearest.empty()) {
@@ -40,6 +39,7 @@ ConfigurationFacts read_configuration(const std::string& path) {
   }
   facts.config = *config;
   if (const auto usable = check_usable(*config); !usable) facts.error = usable.error();
+  if (const auto seen = check_sees_spots(*config); !seen) facts.unseen = seen.error();
   const auto& secret = config->security.secret_key;
   facts.secret_is_of_other = secret && ::access(secret->c_str(), R_OK) != 0 && errno == EACCES;
   return facts;
@@ -53,7 +53,12 @@ Findings judge(const ConfigurationFacts& facts) {
                      "sudo -u ovws ovws doctor --config " + facts.path)};
   }
   if (facts.error) {
-    return {fault(kName, "no daemon starts with it: " + told(*facts.error), fix_of(facts))};
+    return {fault(kName, "no daemon starts with it: " + told(*facts.error),
+                  fix_of(facts, *facts.error))};
+  }
+  if (facts.unseen) {
+    return {fault(kName, "the sensor would find no spots with it: " + told(*facts.unseen),
+                  fix_of(facts, *facts.unseen))};
   }
   if (facts.path.empty()) {
     return {warning(kName,

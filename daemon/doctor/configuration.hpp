@@ -14,6 +14,7 @@ struct ConfigurationFacts {
   std::string path;                 ///< empty: no file is named, and none is where the service's is
   std::optional<Config> config;     ///< the defaults without a file; none: it does not read well
   std::optional<Error> error;       ///< why there is no config, or why it makes no sensor
+  std::optional<Error> unseen;      ///< why a daemon that starts with it would find no spots
   bool secret_is_of_other = false;  ///< the daemon's keys may be read by another user only
 };
 

@@ -147,6 +147,16 @@ class Refusals(unittest.TestCase):
                        {"camera": {"driver": "webcam"}}):
             self.assertEqual(self.run_daemon(config, "--check-config").returncode, 1, config)
 
+    def test_check_config_names_values_with_which_the_spots_can_be_seen(self):
+        for config, words in (({"slm": {"width": 3840, "height": 2160, "pitch_um": 3.74}}, ["sensor.spacing", "sensor.subapertures_across to 3"]),
+                              ({"slm": {"width": 1920, "height": 1080, "pitch_um": 8}, "optics": {"focal_length_mm": 1000}},
+                               ["camera.roi", "spots fall outside", "optics.focal_length_mm to 140"])):
+            with self.subTest(config):
+                done = self.run_daemon(config, "--check-config")
+                self.assertEqual(done.returncode, 1)
+                for word in words:
+                    self.assertIn(word, done.stderr)
+
     def test_port_in_use(self):
         for key, port in (("control", 7702), ("stream", 7701), ("stream", 7703)):
             with self.subTest(port), socket.socket() as taken:

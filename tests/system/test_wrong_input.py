@@ -55,6 +55,8 @@ class WrongInput(BenchCase):
         self.assert_refused("camera.set", {"roi": {"x": 0, "y": 0, "width": 60000, "height": 512}}, PARAMS, "roi.width")
         self.assert_refused("sensor.set", {"pupil_diameter_px": 5000.0}, PARAMS, "pupil_diameter_px")
         self.assert_refused("sensor.set", {"grooves": [900.0, 20.0]}, PARAMS, "grooves")
+        self.assert_refused("sensor.set", {"subapertures_across": 9}, PARAMS, "spacing", "sensor.subapertures_across to 6")
+        self.assert_refused("sensor.set", {"charge": 7}, PARAMS, "spacing", "sensor.spacing to 0.42")
         self.assert_refused("aberration.set", {"modes": [{"n": 2, "m": 1, "waves": 0.1}]}, PARAMS, "modes[0].n")
         self.assert_refused("aberration.set", {"modes": [{"n": 2, "m": -2, "waves": 200.0}]}, PARAMS, "modes", "too steep")
         self.assert_refused("job.get", {"job": 4711}, PARAMS, "job", 4711)

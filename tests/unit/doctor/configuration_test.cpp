@@ -17,6 +17,16 @@ TEST(DoctorConfiguration, ReadsWellOrNamesTheKeyAndTheOneThatWasMeant) {
   expect(facts, "configuration", Verdict::fault, "sudoedit /etc/ovws/ovwsd.json");
 }
 
+TEST(DoctorConfiguration, ThatSeesNoSpotsIsAFault) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  facts.unseen = Error{Errc::invalid, "camera.roi", "19 of 19 spots fall outside"};
+  expect(facts, "configuration", Verdict::fault, "sudoedit a.json");
+  EXPECT_NE(judge(facts)[0].meaning.find("camera.roi: 19 of 19 spots fall outside"),
+            std::string::npos);
+}
+
 TEST(DoctorConfiguration, NoneIsSaid) {
   ConfigurationFacts facts;
   facts.config = Config{};

@@ -1,0 +1,111 @@
+/// Benches that see their spots, those that cannot, and that the values named in the refusal work.
+#include "daemon/spot_layout.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <string>
+
+#include "daemon/config_check.hpp"
+
+namespace ovws {
+namespace {
+
+Config bench(int charge, TrackerKind tracker, int across = 5, double spacing = 0.25) {
+  Config config;
+  config.sensor.charge = charge;
+  config.sensor.subapertures_across = across;
+  config.sensor.spacing = spacing;
+  config.tracking.tracker = tracker;
+  return config;
+}
+
+/// The refusal's field and reason; empty if it is accepted.
+std::string refusal(const Config& config) {
+  const auto seen = check_sees_spots(config);
+  return seen ? "" : seen.error().field + ": " + seen.error().reason;
+}
+
+/// The number after `words` in the text.
+double number_after(const std::string& text, const std::string& words) {
+  std::smatch found;
+  return std::regex_search(text, found, std::regex(words + " ([0-9.]+)")) ? std::stod(found[1])
+                                                                          : 0.0;
+}
+Roi region_named(const std::string& text) {
+  std::smatch found;
+  if (!std::regex_search(text, found, std::regex("at least (\\d+) x (\\d+) px"))) return {};
+  return {0, 0, std::stoi(found[1]), std::stoi(found[2])};
+}
+
+TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
+  EXPECT_EQ(refusal(Config{}), "");
+  EXPECT_EQ(refusal(bench(0, TrackerKind::matched)), "");
+  EXPECT_EQ(refusal(bench(-1, TrackerKind::matched)), "");
+  EXPECT_EQ(refusal(bench(2, TrackerKind::matched)), "");
+  EXPECT_EQ(refusal(bench(3, TrackerKind::lg)), "");
+  EXPECT_EQ(refusal(bench(0, TrackerKind::thresholded, 7)), "");
+  EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 7)), "");
+  EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 4)), "");
+}
+
+TEST(SpotLayout, SpotsThatATrackerCannotTellApartAreRefusedWithValuesThatWork) {
+  Config large_slm;
+  large_slm.slm.geometry = {3840, 2160, 3.74};
+  for (Config config : {bench(1, TrackerKind::lg, 9), bench(1, TrackerKind::matched, 7),
+                        bench(3, TrackerKind::matched), bench(7, TrackerKind::lg), large_slm,
+                        bench(0, TrackerKind::centroid, 5, 0.09)}) {
+    const std::string reason = refusal(config);
+    SCOPED_TRACE(reason);
+    ASSERT_TRUE(reason.starts_with("sensor.spacing: neighbouring spots are "));
+    EXPECT_NE(reason.find(" to "), std::string::npos);
+    if (const double fewer = number_after(reason, "sensor.subapertures_across to"); fewer > 0) {
+      Config other = config;
+      other.sensor.subapertures_across = int(fewer);
+      EXPECT_FALSE(refusal(other).starts_with("sensor.spacing")) << refusal(other);
+    }
+    const double spacing = number_after(reason, "sensor.spacing to");
+    if (spacing == 0.0) continue;  // its region would see the undiffracted light
+    config.sensor.spacing = spacing;
+    if (reason.find("camera.roi") != std::string::npos) {
+      EXPECT_TRUE(refusal(config).empty() || refusal(config).starts_with("camera.roi"));
+      config.camera.settings.roi = region_named(reason);
+    }
+    EXPECT_EQ(refusal(config), "");
+  }
+}
+
+TEST(SpotLayout, SpotsOutsideTheRegionAreRefusedWithValuesThatWork) {
+  Config long_lens;
+  long_lens.slm.geometry = {1920, 1080, 8.0};
+  long_lens.optics.focal_length_mm = 1000.0;
+  Config small_region;
+  small_region.camera.settings.roi = {0, 0, 512, 192};
+  for (const Config& config : {long_lens, small_region}) {
+    const std::string reason = refusal(config);
+    SCOPED_TRACE(reason);
+    ASSERT_TRUE(reason.starts_with("camera.roi: "));
+    Config larger = config;
+    larger.camera.settings.roi = region_named(reason);
+    EXPECT_EQ(refusal(larger), "");
+    Config other = config;
+    if (const double closer = number_after(reason, "sensor.spacing to"); closer > 0.0) {
+      other.sensor.spacing = closer;
+    } else {
+      other.optics.focal_length_mm = number_after(reason, "optics.focal_length_mm to");
+    }
+    EXPECT_EQ(refusal(other), "");
+  }
+}
+
+TEST(SpotLayout, AFewSpotsOutsideAreNoFaultIfTheOthersTellTheModes) {
+  Config config;
+  config.camera.settings.roi.width = 240;  // the middle row's ends touch the edge
+  EXPECT_EQ(refusal(config), "");
+  config.optics.centre_px = Vec2{20.0, 20.0};
+  EXPECT_TRUE(refusal(config).starts_with("camera.roi: ")) << refusal(config);
+  EXPECT_NE(refusal(config).find("optics.centre_px"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ovws
