@@ -42,6 +42,16 @@ class Install(unittest.TestCase):
         done = run(self.root / "usr/bin/ovwsd", "--check-config", "--config", self.root / "etc/ovws/ovwsd.json")
         self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_programs_are_hardened(self):
+        for name in ("ovwsd", "ovws", "ovws-web", "ovws-twin"):
+            with self.subTest(program=name):
+                said = run("readelf", "--wide", "--file-header", "--program-headers", "--dynamic", "--dyn-syms", self.root / "usr/bin" / name).stdout
+                self.assertRegex(said, r"Type:\s+DYN \(Position-Independent Executable")
+                self.assertRegex(said, r"GNU_RELRO")
+                self.assertRegex(said, r"FLAGS.*BIND_NOW|FLAGS_1.*NOW")
+                self.assertRegex(said, r"__stack_chk_fail")
+                self.assertRegex(said, r"__\w+_chk@GLIBC")
+
     def test_the_daemon_links_no_image_library_for_one_file(self):
         libraries = re.findall(r"^\s*(lib\S+)", run("ldd", self.root / "usr/bin/ovwsd").stdout, re.M)
         print("\n ", len(libraries), "shared libraries")
