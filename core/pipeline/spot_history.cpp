@@ -10,6 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kElsewhere = 0.5;  // lambda/d: less may be the wavefront's way since the search
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -17,6 +18,7 @@ constexpr SpotStart kUnknown{{kNone, kNone}, false};
 SpotHistory::SpotHistory() : tracks_(kMaxSubapertures) {}
 
 bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
+  if (plan.id != seen_plan_id_) believe_search(plan);
   if (plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_) {
     return false;
   }
@@ -25,6 +27,25 @@ bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   count_ = plan.subapertures();
   roi_ = plan.roi;
   return true;
+}
+
+/// A plan that a search made says where the spots are. The history may hold them at another's
+/// place, where they would be found for as long as the light stays.
+void SpotHistory::believe_search(const MeasurementPlan& plan) {
+  seen_plan_id_ = plan.id;
+  if (plan.search_px.empty()) {
+    search_mark_ = {kNone, kNone};
+    return;
+  }
+  const Vec2 mark = plan.search_px.front();
+  const bool same = mark.x == search_mark_.x && mark.y == search_mark_.y;
+  search_mark_ = mark;
+  if (same || !live_ || plan.subapertures() != count_) return;
+  for (int i = 0; i < count_; ++i) {
+    const Vec2 at = plan.search_px[std::size_t(i)];
+    SpotStart& last = tracks_[i].last;
+    if (norm(at - last.at_px) > kElsewhere * plan.spots.lambda_d_px) last = {at, true};
+  }
 }
 
 Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {

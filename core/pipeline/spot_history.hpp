@@ -15,8 +15,9 @@ class SpotHistory {
  public:
   SpotHistory();
 
-  /// Forgets everything if `plan` measures other spots (sensor epoch, count or image size) than
-  /// before.
+  /// Goes to the places that a search found (search_px of a new plan) where they are more than half
+  /// of lambda/d from the history's. Forgets everything if `plan` measures other spots (sensor
+  /// epoch, count or image size) than before.
   bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
   /// False: nothing is known of any spot, a whole-image search is needed.
@@ -39,6 +40,7 @@ class SpotHistory {
     Vec2 expected_px;  ///< what the plan predicted for hologram_id_
   };
 
+  void believe_search(const MeasurementPlan& plan);
   Vec2 moved(const Track& track, int i, const FrameRecord& record) const;
 
   std::vector<Track> tracks_;
@@ -46,6 +48,8 @@ class SpotHistory {
   bool live_ = false;
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
+  std::uint64_t seen_plan_id_ = 0;
+  Vec2 search_mark_;  ///< the first of the searched places that were taken over last
   std::uint64_t sensor_epoch_ = 0;
   Roi roi_;
 };
