@@ -1,7 +1,30 @@
 /// Calibrations: which belongs to the present state, and how one comes in force.
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/instrument.hpp"
 
 namespace ovws {
+namespace {
+
+/// A calibration that lacks spots or modes is usable, and a person must know.
+void warn_of_dropped(const InteractionMatrix& matrix, Events& events) {
+  std::vector<int> dropped_j;
+  for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
+  if (dropped_j.empty() && matrix.lost_spots.empty()) return;
+  std::string text = "the calibration";
+  if (!matrix.lost_spots.empty()) {
+    text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
+  }
+  if (!dropped_j.empty()) {
+    text += fmt::format("{} reads no modes j = {} ({}): what they hold is read as other modes",
+                        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j),
+                        matrix.dropped[0].reason);
+  }
+  events.emit("calibration", Severity::warning, text,
+              {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
+}
+
+}  // namespace
 
 CalibrationKey Instrument::calibration_key(const State& state) const {
   CalibrationKey key =
@@ -40,6 +63,7 @@ void Instrument::adopt_calibration(int job, std::uint64_t sensor_epoch,
   calibration.origin = std::make_shared<const nlohmann::json>(
       archive_.bench().origin({calibration.key.sensor, shown_modes(state_), camera_, camera_info_,
                                registration_of(state_), grey_.get()}));
+  warn_of_dropped(calibration.matrix, deps_.events);
   const std::int64_t t_taken_ns = calibration.t_taken_ns;
   const auto know = [this, t_taken_ns](const std::string& sha256) {
     const auto known = calibrations_.know_file(t_taken_ns, sha256);
