@@ -39,6 +39,10 @@ struct HologramVerdict {
 HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,
                                std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns);
 
+/// Residual up to which a frame's spots are all believed, lambda/d: above, outliers are looked for
+/// (Reconstructor::solve_without_outliers).
+constexpr double kCredibleResidual = 0.03;
+
 /// Whether some wavefront of the modes reconstructed explains where the spots are: the fit residual
 /// is below 0.25 lambda/d, or below 0.045 lambda/d if a spot of quality below 0.65 is among them,
 /// which may be the wrong half of a torn one. Added to either in quadrature: twice what the least

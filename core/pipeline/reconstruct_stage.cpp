@@ -1,6 +1,7 @@
 /// Calls the plan's reconstructor on the frame's spots.
 #include "core/pipeline/reconstruct_stage.hpp"
 
+#include <algorithm>
 #include <span>
 
 #include "core/pipeline/frame_rules.hpp"
@@ -12,10 +13,13 @@ namespace ovws {
 void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.reconstructor->modes_j().size());
-  const std::span<const SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
-  entry.reconstruction = plan.reconstructor->solve(
+  const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
+  entry.reconstruction = plan.reconstructor->solve_without_outliers(
       spots, entry.measurement->reconstruct_scratch,
-      std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)});
+      std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)},
+      kCredibleResidual * plan.spots.lambda_d_px);
+  entry.tracked = int(
+      std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
   const bool told = entry.settled && entry.reconstruction.determined && plan.referenced();
   entry.explained = !told || is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
   entry.valid = told && entry.explained;

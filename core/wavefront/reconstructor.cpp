@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -100,12 +101,15 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
       v * eigen.eigenvalues().cwiseInverse().asDiagonal() * v.transpose() * columns_.transpose();
   offset_ = inverse_ * reference;
   variances_ = inverse_.rowwise().squaredNorm();
+  factor_ = normal_;
+  factorise(factor_);
+  invert_lower(factor_);
 }
 
 Reconstructor::Scratch Reconstructor::make_scratch() const {
   return {Eigen::VectorXd::Zero(columns_.rows()), Eigen::VectorXd::Zero(columns_.cols()),
           Eigen::MatrixXd::Zero(columns_.cols(), columns_.cols()),
-          Eigen::VectorXd::Zero(columns_.cols())};
+          Eigen::VectorXd::Zero(columns_.cols()), false};
 }
 
 bool Reconstructor::usable(const SpotFix& spot, std::size_t i) const {
@@ -124,7 +128,8 @@ Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scr
     scratch.measured(2 * i + 1) = there ? double(spots[i].y) : 0.0;
   }
   if (!determined_ || 2 * Eigen::Index(found) < columns_.cols()) return result;
-  if (found == referenced_) {
+  scratch.reduced = found != referenced_;
+  if (!scratch.reduced) {
     scratch.modes.noalias() = inverse_ * scratch.measured;
     scratch.modes -= offset_;
   } else if (!solve_reduced(spots, scratch)) {
@@ -178,16 +183,83 @@ bool Reconstructor::solve_reduced(std::span<const SpotFix> spots, Scratch& scrat
   return true;
 }
 
+Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
+                                                     std::span<float> coefficients,
+                                                     double credible_px) const {
+  constexpr int kMost = 16;
+  std::array<std::pair<std::size_t, SpotFix>, kMost> lost;
+  const int most = std::clamp(int(spots.size()) / 8, 2, kMost);
+  const Reconstruction all = solve(spots, scratch, coefficients);
+  if (!all.determined || !(all.fit_residual_px > credible_px)) return all;
+  const double most_spread = spread(spots, all) / kOutlierRatio;
+  for (int count = 0; count < most;) {
+    const int worst = most_contradicted(spots, scratch);
+    if (worst < 0) break;
+    SpotFix& spot = spots[std::size_t(worst)];
+    lost[std::size_t(count++)] = {std::size_t(worst), spot};
+    spot = SpotFix{.peak = spot.peak};
+    const Reconstruction rest = solve(spots, scratch, coefficients);
+    if (rest.determined && spread(spots, rest) <= most_spread) return rest;
+    if (rest.determined && count < most) continue;
+    for (int k = 0; k < count; ++k) spots[lost[std::size_t(k)].first] = lost[std::size_t(k)].second;
+    break;
+  }
+  return solve(spots, scratch, coefficients);
+}
+
+/// RMS of the residual per degree of freedom; without bound if there are too few.
+double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstruction& found) const {
+  Eigen::Index count = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) count += usable(spots[i], i) ? 2 : 0;
+  const auto freedom = double(count - columns_.cols());
+  if (freedom < kMinFreedom) return std::numeric_limits<double>::infinity();
+  return found.fit_residual_px * std::sqrt(double(count) / freedom);
+}
+
+/// The spot without which the squares of the residuals are least, of those that were solved for;
+/// -1 if none is checked by the others.
+int Reconstructor::most_contradicted(std::span<const SpotFix> spots, Scratch& scratch) const {
+  constexpr double kLeastChecked = 0.01;  // determinant of the part that the others tell
+  const Eigen::MatrixXd& factor = scratch.reduced ? scratch.normal : factor_;
+  const Eigen::Index modes = columns_.cols();
+  int worst = -1;
+  double most = 0.0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (!usable(spots[i], i)) continue;
+    double xx = 1.0, xy = 0.0, yy = 1.0;  // 1 - H, H the spot's block of the hat matrix
+    for (Eigen::Index k = 0; k < modes; ++k) {
+      double x = 0.0, y = 0.0;
+      for (Eigen::Index j = 0; j <= k; ++j) {
+        x += factor(k, j) * columns_(2 * Eigen::Index(i), j);
+        y += factor(k, j) * columns_(2 * Eigen::Index(i) + 1, j);
+      }
+      xx -= x * x, xy -= x * y, yy -= y * y;
+    }
+    const double det = xx * yy - xy * xy;
+    if (!(det > kLeastChecked)) continue;
+    const Vec2 e = residual_of(i, scratch);
+    const double less = (yy * e.x * e.x - 2.0 * xy * e.x * e.y + xx * e.y * e.y) / det;
+    if (!(less > most)) continue;
+    most = less;
+    worst = int(i);
+  }
+  return worst;
+}
+
+Vec2 Reconstructor::residual_of(std::size_t i, const Scratch& scratch) const {
+  const Eigen::Index row = 2 * Eigen::Index(i);
+  return {
+      scratch.measured(row) - reference_px_[i].x - columns_.row(row).dot(scratch.modes),
+      scratch.measured(row + 1) - reference_px_[i].y - columns_.row(row + 1).dot(scratch.modes)};
+}
+
 double Reconstructor::residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const {
   double sum = 0.0;
   int count = 0;
   for (std::size_t i = 0; i < spots.size(); ++i) {
     if (!usable(spots[i], i)) continue;
-    const double x = scratch.measured(2 * i) - reference_px_[i].x;
-    const double y = scratch.measured(2 * i + 1) - reference_px_[i].y;
-    const double ex = x - columns_.row(2 * i).dot(scratch.modes);
-    const double ey = y - columns_.row(2 * i + 1).dot(scratch.modes);
-    sum += ex * ex + ey * ey;
+    const Vec2 e = residual_of(i, scratch);
+    sum += e.x * e.x + e.y * e.y;
     count += 2;
   }
   return count == 0 ? 0.0 : std::sqrt(sum / count);

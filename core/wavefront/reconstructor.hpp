@@ -38,6 +38,7 @@ class Reconstructor {
     Eigen::VectorXd rhs;
     Eigen::MatrixXd normal;
     Eigen::VectorXd modes;
+    bool reduced = false;  ///< `normal` holds the inverse factor of the spots that were solved for
   };
 
   /// `slopes` as from slope_matrix (2N x Z). `reference_px` N positions, or empty: nothing is
@@ -59,10 +60,24 @@ class Reconstructor {
   Reconstruction solve(std::span<const SpotFix> spots, Scratch& scratch,
                        std::span<float> coefficients) const OVWS_NONBLOCKING;
 
+  /// As solve, but outliers among the spots are lost first: by leave-one-out residuals the one that
+  /// the others contradict most, one after another, at most an eighth of all and 2 at least. They
+  /// stay in if the others, per degree of freedom, do not then agree kOutlierRatio times better
+  /// (RMS), or fewer than kMinFreedom degrees are left to tell. A residual up to `credible_px` is
+  /// not looked into. RT-safe.
+  Reconstruction solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
+                                        std::span<float> coefficients,
+                                        double credible_px) const OVWS_NONBLOCKING;
+  static constexpr double kOutlierRatio = 3.5;
+  static constexpr int kMinFreedom = 8;
+
  private:
   bool usable(const SpotFix& spot, std::size_t i) const;
   bool solve_reduced(std::span<const SpotFix> spots, Scratch& scratch) const;
   double residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const;
+  Vec2 residual_of(std::size_t i, const Scratch& scratch) const;
+  double spread(std::span<const SpotFix> spots, const Reconstruction& found) const;
+  int most_contradicted(std::span<const SpotFix> spots, Scratch& scratch) const;
 
   std::vector<int> modes_j_;
   std::vector<Vec2> reference_px_;
@@ -70,6 +85,7 @@ class Reconstructor {
   Eigen::MatrixXd inverse_;    ///< P: C x 2N
   Eigen::VectorXd offset_;     ///< P ref
   Eigen::MatrixXd normal_;     ///< columns^T columns
+  Eigen::MatrixXd factor_;     ///< inverse of its lower Cholesky factor
   Eigen::VectorXd variances_;  ///< diagonal of the inverse of `normal_`
   int referenced_ = 0;         ///< spots with a reference
   bool determined_ = false;    ///< with all of them

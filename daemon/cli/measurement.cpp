@@ -185,8 +185,11 @@ Measured Measurement::measure(const ImageView& image) {
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
     if (acquisition_.torn()[i]) measured.torn.push_back(int(i));
   }
-  measured.reconstruction =
-      plan_->reconstructor->solve(measured.spots, solve_scratch_, measured.coefficients);
+  measured.reconstruction = plan_->reconstructor->solve_without_outliers(
+      measured.spots, solve_scratch_, measured.coefficients,
+      kCredibleResidual * plan_->spots.lambda_d_px);
+  measured.tracked = int(std::count_if(measured.spots.begin(), measured.spots.end(),
+                                       [](const SpotFix& spot) { return spot.found(); }));
   measured.mode_operator = {plan_->mode_operator, ""};
   if (relineariser_) relinearise(measured);
   measured.explained =

@@ -254,6 +254,61 @@ TEST_F(Reconstruct, AcceptsNoSetOfSpotsThatLetsNoiseGrowBeyondItsLimit) {
   }
 }
 
+TEST_F(Reconstruct, LosesSpotsThatAllOthersContradict) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  coefficients_.resize(modes_.size());
+  for (int i = 0; i < 19; ++i) {
+    for (const int lost : {-1, (i + 5) % 19}) {
+      auto fixes = spots(truth_);
+      if (lost >= 0) fixes[lost] = SpotFix{};
+      fixes[i].x += 11.0F;
+      fixes[i].y -= 15.0F;
+      fixes[i].peak = 7.0F;
+      const test::AllocGuard guard;
+      const Reconstruction found = r.solve_without_outliers(fixes, scratch, coefficients_, 0.4);
+      EXPECT_EQ(guard.allocations(), 0U);
+      ASSERT_TRUE(found.determined);
+      EXPECT_FALSE(fixes[i].found()) << i;
+      EXPECT_EQ(fixes[i].peak, 7.0F);
+      for (std::size_t k = 0; k < modes_.size(); ++k) {
+        EXPECT_NEAR(coefficients_[k], truth_(k), 1e-5) << i << ", " << lost;
+      }
+    }
+  }
+}
+
+TEST_F(Reconstruct, LosesTwoSpotsThatChangedPlaces) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  coefficients_.resize(modes_.size());
+  auto fixes = spots(truth_);
+  std::swap(fixes[9], fixes[10]);
+  r.solve_without_outliers(fixes, scratch, coefficients_, 0.4);
+  EXPECT_FALSE(fixes[9].found());
+  EXPECT_FALSE(fixes[10].found());
+  for (std::size_t k = 0; k < modes_.size(); ++k) EXPECT_NEAR(coefficients_[k], truth_(k), 1e-5);
+}
+
+TEST_F(Reconstruct, LosesNoSpotToNoiseOrToModesThatItDoesNotKnow) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  coefficients_.resize(modes_.size());
+  std::mt19937 random(4);
+  std::normal_distribution<float> off(0.0F, 2.0F);
+  for (int k = 0; k < 300; ++k) {
+    auto fixes = spots(truth_);
+    for (SpotFix& fix : fixes) fix.x += off(random), fix.y += off(random);
+    for (int i = 0; i < k % 7; ++i) fixes[(5 * i + k) % 19] = SpotFix{};
+    const auto count = [&] {
+      return std::count_if(fixes.begin(), fixes.end(), [](const auto& s) { return s.found(); });
+    };
+    const auto before = count();
+    r.solve_without_outliers(fixes, scratch, coefficients_, 0.4);
+    EXPECT_EQ(count(), before) << k;
+  }
+}
+
 TEST_F(Reconstruct, DoesNotAllocate) {
   const Reconstructor r(slopes_, modes_, reference_);
   Reconstructor::Scratch scratch = r.make_scratch();
