@@ -18,34 +18,40 @@ constexpr SpotStart kUnknown{{kNone, kNone}, false};
 SpotHistory::SpotHistory() : tracks_(kMaxSubapertures) {}
 
 bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
-  if (plan.id != seen_plan_id_) believe_search(plan);
-  if (plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_) {
-    return false;
+  const bool same =
+      plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_;
+  if (!same) {
+    live_ = false;
+    sensor_epoch_ = plan.sensor_epoch;
+    count_ = plan.subapertures();
+    roi_ = plan.roi;
   }
-  live_ = false;
-  sensor_epoch_ = plan.sensor_epoch;
-  count_ = plan.subapertures();
-  roi_ = plan.roi;
-  return true;
+  if (plan.id != seen_plan_id_) believe_search(plan);
+  return !same;
 }
 
-/// A plan that a search made says where the spots are. The history may hold them at another's
-/// place, where they would be found for as long as the light stays.
-void SpotHistory::believe_search(const MeasurementPlan& plan) {
+/// A plan that a search made says where the spots are. The tracks may hold some at another spot's
+/// place, where they would be found in every frame. Later plans repeat what an older search found.
+void SpotHistory::believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   seen_plan_id_ = plan.id;
-  if (plan.search_px.empty()) {
-    search_mark_ = {kNone, kNone};
-    return;
-  }
-  const Vec2 mark = plan.search_px.front();
-  const bool same = mark.x == search_mark_.x && mark.y == search_mark_.y;
+  const Vec2 mark = plan.search_px.empty() ? Vec2{kNone, kNone} : plan.search_px.front();
+  const bool repeated = mark.x == search_mark_.x && mark.y == search_mark_.y;
   search_mark_ = mark;
-  if (same || !live_ || plan.subapertures() != count_) return;
+  if (plan.search_px.empty() || repeated) return;
   for (int i = 0; i < count_; ++i) {
-    const Vec2 at = plan.search_px[std::size_t(i)];
-    SpotStart& last = tracks_[i].last;
-    if (norm(at - last.at_px) > kElsewhere * plan.spots.lambda_d_px) last = {at, true};
+    Track& track = tracks_[i];
+    const SpotStart found{plan.search_px[std::size_t(i)], true};
+    const double away_px = norm(found.at_px - track.last.at_px);
+    if (!live_) {
+      track = {found, plan.predicted_px[i]};
+    } else if (!track.last.fresh || away_px > kElsewhere * plan.spots.lambda_d_px) {
+      track.last = found;
+    }
   }
+  if (live_) return;
+  live_ = true;
+  hologram_id_ = plan.hologram_id;
+  plan_id_ = plan.id;
 }
 
 Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {

@@ -15,9 +15,9 @@ class SpotHistory {
  public:
   SpotHistory();
 
-  /// Goes to the places that a search found (search_px of a new plan) where they are more than half
-  /// of lambda/d from the history's. Forgets everything if `plan` measures other spots (sensor
-  /// epoch, count or image size) than before.
+  /// Forgets everything if `plan` measures other spots (sensor epoch, count or image size) than
+  /// before, and returns true. Spots go to where a new search found them (search_px) if they were
+  /// lost, or more than half of lambda/d from there.
   bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
   /// False: nothing is known of any spot, a whole-image search is needed.
@@ -40,7 +40,7 @@ class SpotHistory {
     Vec2 expected_px;  ///< what the plan predicted for hologram_id_
   };
 
-  void believe_search(const MeasurementPlan& plan);
+  void believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING;
   Vec2 moved(const Track& track, int i, const FrameRecord& record) const;
 
   std::vector<Track> tracks_;

@@ -24,31 +24,18 @@ int count_found(std::span<const SpotFix> spots) {
 }  // namespace
 
 TrackStage::TrackStage(const Config& config, const Deps& deps)
-    : config_(config),
-      deps_(deps),
-      doubled_(kMaxSubapertures),
-      searched_(kMaxSubapertures),
-      found_(kMaxSubapertures) {}
+    : config_(config), deps_(deps), doubled_(kMaxSubapertures), searched_(kMaxSubapertures) {}
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
   entry.searched = false;
   if (history_.fit_to(*entry.plan)) search_back_off_.reset();
-  start_at_found_places(*entry.plan);
   history_.starts(entry, entry.starts);
-}
-
-/// A search off the frame path knows more than the tracks, which it was asked to replace.
-void TrackStage::start_at_found_places(const MeasurementPlan& plan) OVWS_NONBLOCKING {
-  if (std::exchange(plan_id_, plan.id) == plan.id || plan.search_px.empty()) return;
-  for (int i = 0; i < plan.subapertures(); ++i) found_[i] = {plan.search_px[i], true};
-  history_.resume(plan, {found_.data(), std::size_t(plan.subapertures())});
 }
 
 void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
                         bool searched) {
   history_.resume(plan, starts);
-  plan_id_ = plan.id;
   search_told_ = searched;
 }
 

@@ -45,7 +45,6 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
-  void start_at_found_places(const MeasurementPlan& plan) OVWS_NONBLOCKING;
   void lose_incredible(Entry& entry) OVWS_NONBLOCKING;
   void retry_lost(Entry& entry) OVWS_NONBLOCKING;
   SpotFix retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING;
@@ -60,8 +59,6 @@ class TrackStage {
   std::optional<bool> search_told_;  ///< for the next frame
   std::vector<char> doubled_;
   std::vector<SpotFix> searched_;
-  std::vector<SpotStart> found_;
-  std::uint64_t plan_id_ = 0;  ///< of the newest frame
 };
 
 }  // namespace ovws
