@@ -1,4 +1,5 @@
 /// From Config to text, keys in the order of ovwsd.json.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "config/config.hpp"
@@ -19,7 +20,10 @@ ordered_json camera_json(const CameraConfig& camera) {
           {"id", camera.id},
           {"pixel_format", pixel_format_name(settings.pixel_format)},
           {"exposure_us", settings.exposure_us},
-          {"gain_db", settings.gain_db},
+          // Of a camera without gain in dB: the value that asks for nothing.
+          {"gain_db", std::isnan(settings.gain_db) ? 0.0 : settings.gain_db},
+          {"gain_raw",
+           std::isnan(settings.gain_raw) ? ordered_json() : ordered_json(settings.gain_raw)},
           {"frame_rate_hz", settings.frame_rate_hz},
           {"roi",
            {{"x", settings.roi.x},

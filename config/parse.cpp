@@ -51,6 +51,9 @@ void read_camera(ObjectReader& r, CameraConfig& camera) {
   choice(r, "pixel_format", settings.pixel_format, pixel_format_names());
   number(r, "exposure_us", settings.exposure_us, limits::kExposureUs);
   number(r, "gain_db", settings.gain_db, limits::kGainDb);
+  std::optional<double> gain_raw;
+  r.optional_number("gain_raw", gain_raw, limits::kGainRaw.min, limits::kGainRaw.max);
+  settings.gain_raw = gain_raw.value_or(settings.gain_raw);
   number(r, "frame_rate_hz", settings.frame_rate_hz, limits::kFrameRateHz);
   r.object("roi", [&settings](ObjectReader& roi) {
     integer(roi, "x", settings.roi.x, limits::kRoiOffset);

@@ -78,6 +78,8 @@ void CameraActor::change(CameraSet change, Applied done) {
   // The camera thread may be busy for seconds with one that does not answer.
   const CameraSnapshot now = snapshot_.get();
   if (!now.connected && !now.at_fault) return done(not_connected(now));
+  if (change.gain_db && now.limits && now.limits->gain_raw)
+    return done(fail(no_gain_in_db("gain_db", *now.limits)));
   mailbox_.post([this, change, done = std::move(done)] {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     carry_out(change, done);
@@ -305,9 +307,11 @@ void CameraActor::tell_frame_path(const CameraSettings& before, const CameraSett
                                   std::int64_t t_begin_ns, std::int64_t t_end_ns) {
   AppliedSettings applied;
   applied.gain_db = after.gain_db;
+  applied.gain_raw = after.gain_raw;
   applied.exposure_us = after.exposure_us;
   applied.frame_rate_hz = after.frame_rate_hz;
   applied.previous_gain_db = before.gain_db;
+  applied.previous_gain_raw = before.gain_raw;
   applied.previous_exposure_us = before.exposure_us;
   applied.roi = after.roi;
   applied.t_previous_end_mono_ns = settings_since_ns_;

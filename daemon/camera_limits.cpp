@@ -3,8 +3,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace ovws {
 namespace {
@@ -27,6 +29,25 @@ class Judge {
     }
   }
 
+  /// Only in the camera's unit.
+  void gain(CameraSettings& settings, const CameraLimits& limits) {
+    const bool in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
+    if (limits.gain_raw) {
+      if (in_db) return refuse(no_gain_in_db("gain_db", limits));
+      if (std::isnan(settings.gain_raw)) return;
+      const Range<double>& range = *limits.gain_raw;
+      return number("gain_raw", settings.gain_raw, range.min, range.max, "in its own steps");
+    }
+    const Range<double>& range = limits.gain_db;
+    if (!std::isnan(settings.gain_raw))
+      return refuse(
+          {Errc::invalid, "gain_raw",
+           fmt::format(
+               "the camera has its gain in dB: leave gain_raw out, and set gain_db, {} to {}",
+               range.min, range.max)});
+    number("gain_db", settings.gain_db, range.min, range.max, "dB");
+  }
+
   void format(PixelFormat wanted, const std::vector<PixelFormat>& known) {
     if (error_ || std::find(known.begin(), known.end(), wanted) != known.end()) return;
     std::string names;
@@ -41,17 +62,27 @@ class Judge {
   const std::optional<Error>& error() const { return error_; }
 
  private:
+  void refuse(Error error) {
+    if (!error_) error_ = std::move(error);
+  }
+
   bool clamp_;
   std::optional<Error> error_;
 };
 
 }  // namespace
 
+Error no_gain_in_db(std::string field, const CameraLimits& limits) {
+  return {Errc::invalid, std::move(field),
+          fmt::format("the camera has no gain in dB, only steps of its own: gain_raw, {} to {}",
+                      limits.gain_raw->min, limits.gain_raw->max)};
+}
+
 Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
                                      bool clamp) {
   CameraSettings settings = wanted;
   Judge judge(clamp);
-  judge.number("gain_db", settings.gain_db, limits.gain_db.min, limits.gain_db.max, "dB");
+  judge.gain(settings, limits);
   if (clamp) {
     settings.exposure_us =
         std::clamp(settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max);

@@ -1,6 +1,9 @@
 /// Holds wanted camera settings against what the device can do.
 #pragma once
 
+#include <string>
+
+#include "core/base/result.hpp"
 #include "core/port/camera.hpp"
 
 namespace ovws {
@@ -12,5 +15,8 @@ namespace ovws {
 /// format cannot be). All or nothing.
 Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
                                      bool clamp);
+
+/// Why `gain_db` cannot be set, or a sweep through dB be run; only with `limits.gain_raw`.
+Error no_gain_in_db(std::string field, const CameraLimits& limits);
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -9,9 +10,10 @@ namespace ovws {
 namespace {
 
 /// What begins so, and is not among the fixed ones, changes live.
-constexpr std::array<std::string_view, 10> kLive{"camera.pixel_format",
+constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
                                                  "camera.exposure_us",
                                                  "camera.gain_db",
+                                                 "camera.gain_raw",
                                                  "camera.frame_rate_hz",
                                                  "camera.roi.",
                                                  "sensor.",
@@ -60,6 +62,7 @@ ConfigDifference difference(const Config& before, const Config& after) {
 CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now) {
   const CameraSettings &asked = now.asked, &in_use = now.settings;
   undo_rounding(file.gain_db, asked.gain_db, in_use.gain_db);
+  undo_rounding(file.gain_raw, asked.gain_raw, in_use.gain_raw);
   undo_rounding(file.exposure_us, asked.exposure_us, in_use.exposure_us);
   undo_rounding(file.frame_rate_hz, asked.frame_rate_hz, in_use.frame_rate_hz);
   undo_rounding(file.roi.x, asked.roi.x, in_use.roi.x);
@@ -71,7 +74,13 @@ CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now) {
 
 CameraSet camera_change(const CameraSettings& before, const CameraSettings& after) {
   CameraSet change;
-  take_difference(change.gain_db, before.gain_db, after.gain_db);
+  if (!same_gain(before, after)) {
+    // Only the gain that is stated: the other one is not known.
+    if (std::isnan(after.gain_raw))
+      change.gain_db = after.gain_db;
+    else
+      change.gain_raw = after.gain_raw;
+  }
   take_difference(change.exposure_us, before.exposure_us, after.exposure_us);
   take_difference(change.frame_rate_hz, before.frame_rate_hz, after.frame_rate_hz);
   take_difference(change.pixel_format, before.pixel_format, after.pixel_format);

@@ -50,6 +50,7 @@ void FrameInbox::take(const FrameRecord& record) {
   frame_.t_arrival_ns = record.frame.t_arrival_ns;
   frame_.charge = record.plan->charge;
   frame_.gain_db = record.gain_db;
+  frame_.gain_raw = record.gain_raw;
   frame_.exposure_us = record.exposure_us;
   frame_.valid = record.valid;
   frame_.coefficients.assign(record.coefficients.begin(),

@@ -23,7 +23,8 @@ void FrameSeriesTaker::begin(const Wanted& wanted) {
 bool FrameSeriesTaker::is_wanted(const FrameRecord& record) const {
   return taken_ < int(frames_.size()) && record.spot_count <= wanted_.spots && record.settled &&
          record.settings_known && record.hologram_id == wanted_.hologram_id &&
-         record.gain_db == wanted_.gain_db && record.plan->sensor_epoch == wanted_.sensor_epoch &&
+         same_number(record.gain_db, wanted_.gain_db) &&
+         record.plan->sensor_epoch == wanted_.sensor_epoch &&
          record.plan->tracker_kind == wanted_.tracker;
 }
 

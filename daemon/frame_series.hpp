@@ -29,7 +29,7 @@ class FrameSeriesTaker : public FrameTaker {
     std::uint64_t sensor_epoch = 0;
     std::uint64_t hologram_id = 0;
     TrackerKind tracker = TrackerKind::lg;
-    double gain_db = 0.0;  ///< as read back
+    double gain_db = 0.0;  ///< as read back; see CameraSettings, as gain_raw
     int spots = 0;         ///< the most a frame has
     /// Not empty: where the tracker found a spot is replaced by the centroid of the cell around its
     /// centre here; see cell_centroid.

@@ -22,15 +22,6 @@ Result<std::shared_ptr<const HologramRenderer>> make_renderer(const HologramConf
   return std::make_shared<const HologramRenderer>(std::move(*renderer));
 }
 
-/// It goes on nevertheless: a region or a spacing that works can still be set.
-void report_unseen_spots(Events& events, const SpotBench& bench, Severity severity) {
-  auto seen = check_spots_apart(bench);
-  if (seen) seen = check_spots_in_region(bench);
-  if (seen) return;
-  const Error& why = seen.error();
-  events.emit("sensor", severity, why.field + ": " + why.reason, {{"field", why.field}});
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
@@ -61,10 +52,6 @@ Result<std::unique_ptr<Instrument>> Instrument::make(const Config& config,
   instrument->grey_ = first.grey;
   instrument->deps_.slm.show_when_possible(std::move(first));
   instrument->adopt(state, std::move(*plan));
-  report_unseen_spots(deps.events,
-                      {state.renderer->lattice(), state.sensor, state.tracking,
-                       instrument->optics_of(state), config.slm.geometry, state.roi},
-                      Severity::error);
   return instrument;
 }
 
@@ -92,13 +79,7 @@ void Instrument::change_sensor(SensorSet change, Changed done) {
   mailbox_.post([this, change, done = std::move(done)] {
     auto next = changed_state(change);
     if (!next) return done(fail(next.error()));
-    auto changed = change_to(std::move(*next));
-    if (changed)
-      report_unseen_spots(deps_.events,
-                          {state_.renderer->lattice(), state_.sensor, state_.tracking,
-                           optics_of(state_), slm_geometry_, state_.roi},
-                          Severity::warning);
-    done(std::move(changed));
+    done(change_to(std::move(*next)));
   });
 }
 
@@ -189,10 +170,6 @@ void Instrument::camera_changed(const CameraSettings& camera,
     // The same picture stays on the SLM, but what is measured of it belongs to the new image.
     deps_.slm.show_when_possible({shown_hologram_id_, shown_epoch(next), next.pattern, grey_});
     adopt(std::move(next), std::move(*plan));
-    report_unseen_spots(deps_.events,
-                        {state_.renderer->lattice(), state_.sensor, state_.tracking,
-                         optics_of(state_), slm_geometry_, state_.roi},
-                        Severity::warning);
   });
 }
 
@@ -373,6 +350,8 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   now.templates = templates_for(state_, now.reference).report;
   now.mode_operator = report_operator(*plan);
   if (torn_) now.torn = torn_->numbers();
+  judge_layout();
+  now.layout_fault = layout_fault_;
   const SensorSnapshot before = snapshot_.get();
   tell_torn(before.torn, now.torn);
   tell_operator(before.mode_operator.in_force, now.mode_operator.in_force);
@@ -381,6 +360,29 @@ void Instrument::adopt(State state, std::unique_ptr<MeasurementPlan> plan) {
   deps_.pipeline.use_plan(plan.get());
   plans_.push_back(std::move(plan));
   tell_stale();
+}
+
+/// Whether the camera can see the spots. If not, all goes on: a region or a spacing that works can
+/// still be set.
+void Instrument::judge_layout() {
+  const OpticsConfig optics = optics_of(state_);
+  LayoutKey key{state_.sensor, state_.tracking.tracker, optics.registered, optics.centre_px,
+                state_.roi};
+  if (layout_key_ == key) return;
+  const bool first = !layout_key_;
+  layout_key_ = std::move(key);
+  const SpotBench bench{state_.renderer->lattice(),
+                        state_.sensor,
+                        state_.tracking,
+                        optics,
+                        slm_geometry_,
+                        state_.roi};
+  auto seen = check_spots_apart(bench);
+  if (seen) seen = check_spots_in_region(bench);
+  layout_fault_ = seen ? "" : seen.error().field + ": " + seen.error().reason;
+  if (seen) return;
+  deps_.events.emit("sensor", first ? Severity::error : Severity::warning, layout_fault_,
+                    {{"field", seen.error().field}});
 }
 
 void Instrument::tell_torn(const std::vector<int>& before, const std::vector<int>& now) {

@@ -7,6 +7,8 @@
 #include <list>
 #include <memory>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "config/config.hpp"
@@ -61,6 +63,8 @@ struct SensorSnapshot {
   std::uint64_t plan_id = 0;  ///< frames measured with this plan are of all that stands here
   int subapertures = 0;
   std::vector<int> modes_j;
+  std::string layout_fault;  ///< why the camera cannot see the spots, or the tracker tell them
+                             ///< apart; empty: nothing is known to be wrong
   std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
   std::optional<Reference> reference;              ///< the one in force
   std::shared_ptr<const Calibration> calibration;  ///< that belongs to all this; null: none
@@ -221,6 +225,7 @@ class Instrument : public Agent {
   Result<std::unique_ptr<MeasurementPlan>> plan_for(const State& state, std::uint64_t hologram_id,
                                                     const TornSpots* torn);
   void adopt(State state, std::unique_ptr<MeasurementPlan> plan);
+  void judge_layout();
   void tell_torn(const std::vector<int>& before, const std::vector<int>& now);
   const ModeOperator* operator_for(const State& state) const;
   OperatorReport report_operator(const MeasurementPlan& plan);
@@ -291,8 +296,13 @@ class Instrument : public Agent {
   std::optional<CameraSettings> camera_;               ///< as last told
   std::optional<CameraInfo> camera_info_;              ///< the same
   std::vector<std::string> stale_told_;                ///< fields, by the last event
-  std::optional<TornSpots> torn_;                      ///< of the plan in use
-  std::optional<int> reference_job_;                   ///< the job's number
+  /// All that decides where spots fall, and who finds them.
+  using LayoutKey =
+      std::tuple<SensorConfig, TrackerKind, std::optional<PxPerCycle>, std::optional<Vec2>, Roi>;
+  std::optional<LayoutKey> layout_key_;  ///< of layout_fault_
+  std::string layout_fault_;
+  std::optional<TornSpots> torn_;     ///< of the plan in use
+  std::optional<int> reference_job_;  ///< the job's number
   std::optional<Lease> lease_;
   bool looping_ = false;    ///< the loop is closed
   bool reloading_ = false;  ///< begin_reload, until end_reload

@@ -108,6 +108,7 @@ void LiveRefiner::publish(const FrameCopy& frame, const SensorSnapshot& sensor,
   message.against_reference = refined.against_reference;
   message.wavelength_nm = wavelength_nm_;
   message.gain_db = frame.gain_db;
+  message.gain_raw = frame.gain_raw;
   message.exposure_us = frame.exposure_us;
   message.j = sensor.modes_j;
   message.duration_ms = refined.duration_ms;

@@ -48,7 +48,7 @@ Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool
 json picture_json(const ReferencePicture* picture) {
   if (picture == nullptr) return nullptr;
   return {{"frames", picture->frames},
-          {"gain_db", picture->gain_db},
+          {"gain_db", std::isnan(picture->gain_db) ? json() : json(picture->gain_db)},
           {"pixel_format", pixel_format_name(picture->format)},
           {"width", picture->mean_dn.width},
           {"height", picture->mean_dn.height},
@@ -58,6 +58,7 @@ json picture_json(const ReferencePicture* picture) {
 Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content) {
   if (content.is_null()) return nullptr;
   auto picture = std::make_shared<ReferencePicture>();
+  std::optional<double> gain_db;
   std::string format, pixels;
   int width = 0, height = 0;
   ObjectReader r(content, "picture");
@@ -65,7 +66,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
     r.require(key);
   }
   r.integer("frames", picture->frames, 1, ReferencePictureTaker::kMostFrames);
-  r.number("gain_db", picture->gain_db, -1e3, 1e3);
+  r.optional_number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
   r.integer("width", width, 1, kMostPixels);
   r.integer("height", height, 1, kMostPixels);
@@ -74,6 +75,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   const auto known = pixel_format_from_name(format);
   auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
   if (!known || !values) return unfit("picture", "has not the pixels that it says");
+  picture->gain_db = gain_db.value_or(kNotKnown);
   picture->format = *known;
   picture->mean_dn.width = width;
   picture->mean_dn.height = height;

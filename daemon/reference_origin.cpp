@@ -51,9 +51,11 @@ Result<std::optional<Registration>> registration_from(const json& content) {
 
 json settings_json(const std::optional<CameraSettings>& settings) {
   if (!settings) return nullptr;
-  return {{"gain_db", settings->gain_db},
-          {"exposure_us", settings->exposure_us},
-          {"pixel_format", pixel_format_name(settings->pixel_format)}};
+  json out = to_json(*settings);
+  out.erase("frame_rate_hz");
+  out.erase("roi");
+  if (out["gain_raw"].is_null()) out.erase("gain_raw");
+  return out;
 }
 
 std::string hash_of(const Image<std::uint8_t>& grey) {

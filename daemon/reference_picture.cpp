@@ -64,11 +64,13 @@ void ReferencePictureTaker::take(const FrameRecord& record) {
   const ImageView& image = record.frame.image;
   if (sum_->frames == 0) {
     sum_->gain_db = record.gain_db;
+    sum_->gain_raw = record.gain_raw;
     sum_->format = image.format;
     sum_->mean_dn = Image<float>(image.width, image.height);
   }
   const bool same = image.width == sum_->mean_dn.width && image.height == sum_->mean_dn.height &&
-                    image.format == sum_->format && record.gain_db == sum_->gain_db;
+                    image.format == sum_->format && same_number(record.gain_db, sum_->gain_db) &&
+                    same_number(record.gain_raw, sum_->gain_raw);
   if (!same) return;
   add_to(image, *sum_);
 }

@@ -1,5 +1,6 @@
 #include "daemon/refine_model.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "core/optics/lattice.hpp"
@@ -8,6 +9,12 @@
 #include "daemon/reference_spots.hpp"
 
 namespace ovws {
+namespace {
+
+constexpr const char* kNoGainInDb =
+    "the camera has no gain in dB, so that electrons_per_dn at its gain is not known";
+
+}  // namespace
 
 /// All that one sensor's images of one size need.
 struct RefineModel::Bench {
@@ -57,6 +64,7 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   if (traits_of(frame.image.format).filter != ColourFilter::none) {
     return refused("the model knows no colour filters: set a Mono pixel_format");
   }
+  if (std::isnan(frame.gain_db)) return refused(kNoGainInDb);
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   std::optional<std::vector<double>> start;
   const RefinedModes* reference = nullptr;
@@ -124,6 +132,7 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
     return fail(Errc::refused, "reference", kNoPicture);
   }
   const ReferencePicture& picture = *reference.picture;
+  if (std::isnan(picture.gain_db)) return fail(Errc::refused, "reference", kNoGainInDb);
   if (!shows(picture.format, {})) {
     return fail(Errc::refused, "reference",
                 "its picture was taken in " + std::string(pixel_format_name(picture.format)) +

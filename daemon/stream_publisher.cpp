@@ -33,6 +33,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
   }
   if (record.settings_known) {
     message.gain_db = record.gain_db;
+    message.gain_raw = record.gain_raw;
     message.exposure_us = record.exposure_us;
   }
   message.saturated = record.saturated_fraction;

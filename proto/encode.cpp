@@ -103,6 +103,7 @@ void write_frame(ObjectWriter& w, const FrameMessage& m) {
   w.number("rms_waves", m.valid ? m.rms_waves : std::nullopt);
   w.number("fit_residual_px", m.fit_residual_px);
   w.number("gain_db", m.gain_db);
+  w.number("gain_raw", m.gain_raw);
   w.number("exposure_us", m.exposure_us);
   w.number("saturated", m.saturated);
   w.string("loop", m.loop_closed ? "closed" : "open");

@@ -18,6 +18,10 @@ json or_null(const std::optional<std::string>& text) {
   return text ? json(*text) : json(nullptr);
 }
 
+json or_null(double number) {
+  return std::isnan(number) ? json() : json(number);
+}
+
 json camera_part(const StatusMessage::CameraPart& camera) {
   return {{"connected", camera.connected},
           {"streaming", camera.streaming},
@@ -52,6 +56,7 @@ json sensor_part(const StatusMessage::SensorPart& sensor) {
   out["referenced"] = sensor.referenced;
   out["reference"] = sensor.reference;
   out["reference_introduced_rms_waves"] = sensor.reference_introduced_rms_waves;
+  out["layout_fault"] = sensor.layout_fault.empty() ? json() : json(sensor.layout_fault);
   out["torn"] = sensor.torn;
   out["invalid"] = nullptr;
   if (const auto& invalid = sensor.invalid) {
@@ -166,7 +171,8 @@ std::string encode(const RefinedMessage& message) {
                   {"basis", "zernike-osa-rms"},
                   {"orientation", "x-right-y-down"},
                   {"rms_waves", message.valid ? json(rms_waves(message)) : json()},
-                  {"gain_db", message.gain_db},
+                  {"gain_db", or_null(message.gain_db)},
+                  {"gain_raw", or_null(message.gain_raw)},
                   {"exposure_us", message.exposure_us},
                   {"j", message.j},
                   {"coefficients", message.valid ? json(message.coefficients) : unknown},

@@ -14,6 +14,7 @@ struct Integers {
 };
 
 constexpr Numbers kGainDb{-100.0, 100.0};
+constexpr Numbers kGainRaw{-1e9, 1e9};
 constexpr Numbers kExposureUs{0.1, 60e6};
 constexpr Numbers kFrameRateHz{0.001, 100e3};
 constexpr Integers kRoiOffset{0, 65535};

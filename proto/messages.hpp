@@ -34,8 +34,8 @@ struct FrameMessage {
   bool valid = false;
   double wavelength_nm = 632.0;
   std::optional<double> rms_waves,
-      fit_residual_px;                         ///< rms_waves is null in the message if not valid
-  std::optional<double> gain_db, exposure_us;  ///< none: not known for this very frame
+      fit_residual_px;  ///< rms_waves is null in the message if not valid
+  std::optional<double> gain_db, gain_raw, exposure_us;  ///< none: not known for this very frame
   double saturated = 0.0;
   bool loop_closed = false;
   double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
@@ -63,7 +63,8 @@ struct RefinedMessage {
   std::string reason;              ///< why not valid; empty if it is
   bool against_reference = false;  ///< else against the model
   double wavelength_nm = 632.0;
-  double gain_db = 0.0, exposure_us = 0.0;
+  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double exposure_us = 0.0;
   std::vector<int> j;
   /// waves, as many as `j`; every one null in the message if not valid
   std::vector<double> coefficients, sigma;
@@ -131,6 +132,8 @@ struct StatusMessage {
     bool referenced = false;
     std::string reference = "none";               ///< "none", "in_force", "stale"
     double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
+    /// why the camera cannot see the spots, or the tracker tell them apart; empty: null
+    std::string layout_fault;
     std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
     /// Why no frame is valid although settled frames come and there is a reference.
     struct Invalid {

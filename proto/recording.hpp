@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "core/base/pixel_format.hpp"
@@ -25,6 +26,9 @@ struct RecordedFrame {
   std::int64_t t_device_ns = 0, t_arrival_ns = 0, t_arrival_mono_ns = 0;
   std::int64_t t_tracked_mono_ns = 0, t_reconstructed_mono_ns = 0;
   double gain_db = 0.0, exposure_us = 0.0;  ///< 0 unless settings_known
+  /// NaN unless settings_known, or if the camera has its gain in dB; of such without, gain_db is
+  /// NaN
+  double gain_raw = std::numeric_limits<double>::quiet_NaN();
   double fit_residual_px = 0.0, rms_waves = 0.0;
   float saturated = 0.0F;
   std::uint32_t tracked = 0;
@@ -101,6 +105,7 @@ inline constexpr std::array kFrameFields{
     OVWS_FIELD(RecordedFrame, t_reconstructed_mono_ns, i64, "ns"),
     OVWS_FIELD(RecordedFrame, gain_db, f64, "dB"),
     OVWS_FIELD(RecordedFrame, exposure_us, f64, "us"),
+    OVWS_FIELD(RecordedFrame, gain_raw, f64, ""),
     OVWS_FIELD(RecordedFrame, fit_residual_px, f64, "px"),
     OVWS_FIELD(RecordedFrame, rms_waves, f64, "wave"),
     OVWS_FIELD(RecordedFrame, saturated, f32, ""),

@@ -105,7 +105,11 @@ bool is_plain_name(const std::string& name) {
 }  // namespace
 
 CameraSettings CameraSet::applied_to(CameraSettings settings) const {
+  // One gain in the unit that it was asked for in.
+  if (gain_db) settings.gain_raw = kNotKnown;
+  if (gain_raw) settings.gain_db = kNotKnown;
   settings.gain_db = gain_db.value_or(settings.gain_db);
+  settings.gain_raw = gain_raw.value_or(settings.gain_raw);
   settings.exposure_us = exposure_us.value_or(settings.exposure_us);
   settings.frame_rate_hz = frame_rate_hz.value_or(settings.frame_rate_hz);
   settings.pixel_format = pixel_format.value_or(settings.pixel_format);
@@ -151,7 +155,12 @@ Result<CameraSet> decode_camera_set(const json& params) {
   CameraSet set;
   ObjectReader reader(params, "");
   set.clamp = read_clamp(reader);
-  read_number(reader, "gain_db", set.gain_db, limits::kGainDb);
+  // Null as camera.get gives them: leave it.
+  reader.optional_number("gain_db", set.gain_db, limits::kGainDb.min, limits::kGainDb.max);
+  reader.optional_number("gain_raw", set.gain_raw, limits::kGainRaw.min, limits::kGainRaw.max);
+  if (set.gain_db && set.gain_raw)
+    reader.fault("gain_raw",
+                 "cannot be set together with gain_db: set the one that camera.get has");
   read_number(reader, "exposure_us", set.exposure_us, limits::kExposureUs);
   read_number(reader, "frame_rate_hz", set.frame_rate_hz, limits::kFrameRateHz);
   read_choice(reader, "pixel_format", set.pixel_format, pixel_format_names());

@@ -24,6 +24,7 @@ namespace ovws {
 /// `camera.set`: what is absent stays as it is. The device's own limits are the daemon's to check.
 struct CameraSet {
   std::optional<double> gain_db, exposure_us, frame_rate_hz;
+  std::optional<double> gain_raw;  ///< not together with gain_db
   std::optional<PixelFormat> pixel_format;
   struct {
     std::optional<int> x, y, width, height;

@@ -1,6 +1,7 @@
 #include "proto/results.hpp"
 
 #include <array>
+#include <cmath>
 #include <ctime>
 
 #include "proto/names.hpp"
@@ -14,6 +15,10 @@ using nlohmann::json;
 template <class T>
 json range(const Range<T>& r) {
   return {{"min", r.min}, {"max", r.max}, {"increment", r.increment}};
+}
+
+json or_null(double number) {
+  return std::isnan(number) ? json() : json(number);
 }
 
 /// The params of a set without what only says how to set.
@@ -48,7 +53,8 @@ json to_json(const Roi& roi) {
 }
 
 json to_json(const CameraSettings& settings) {
-  return {{"gain_db", settings.gain_db},
+  return {{"gain_db", or_null(settings.gain_db)},
+          {"gain_raw", or_null(settings.gain_raw)},
           {"exposure_us", settings.exposure_us},
           {"frame_rate_hz", settings.frame_rate_hz},
           {"pixel_format", pixel_format_name(settings.pixel_format)},
@@ -59,7 +65,8 @@ json to_json(const CameraLimits& limits) {
   json formats = json::array();
   for (const PixelFormat format : limits.pixel_formats)
     formats.push_back(pixel_format_name(format));
-  return {{"gain_db", range(limits.gain_db)},
+  return {{"gain_db", limits.gain_raw ? json() : range(limits.gain_db)},
+          {"gain_raw", limits.gain_raw ? range(*limits.gain_raw) : json()},
           {"exposure_us", range(limits.exposure_us)},
           {"frame_rate_hz", range(limits.frame_rate_hz)},
           {"roi_width", range(limits.roi_width)},

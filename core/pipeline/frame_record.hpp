@@ -37,6 +37,7 @@ struct ShownHologram {
 struct AppliedSettings {
   double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
   double previous_gain_db = 0.0, previous_exposure_us = 0.0;
+  double gain_raw = kNotKnown, previous_gain_raw = kNotKnown;  ///< see CameraSettings
   Roi roi;                                  ///< does not change within one stream
   std::int64_t t_previous_end_mono_ns = 0;  ///< the write of the previous values had ended
   std::int64_t t_write_begin_mono_ns = 0;
@@ -63,7 +64,8 @@ struct FrameRecord {
   bool still = false;           ///< that hologram stood still for the whole exposure; not late
   bool settled = false;         ///< still, and it is the sensor's that the plan is for
   bool settings_known = false;  ///< gain and exposure are of this very frame
-  double gain_db = 0.0, exposure_us = 0.0;
+  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double exposure_us = 0.0;
 
   std::uint64_t number = 0;    ///< of published records, from 1
   bool pixels_missed = false;  ///< its pixels were to be recorded, and too many were lent already

@@ -27,16 +27,17 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
   // A frame of the previous, longer exposure may have begun before the write although one of the
   // new exposure would not have: only the longer of the two proves that the values are the new.
   if (settings.exposure_us > 0.0 && earliest >= settings.t_write_end_mono_ns) {
-    return {true, settings.gain_db, settings.exposure_us,
+    return {true, settings.gain_db, settings.gain_raw, settings.exposure_us,
             exposure_begin(settings, settings.exposure_us, arrival_mono_ns)};
   }
   const std::int64_t previous =
       exposure_begin(settings, settings.previous_exposure_us, arrival_mono_ns);
   if (settings.previous_exposure_us > 0.0 && arrival_mono_ns <= settings.t_write_begin_mono_ns &&
       previous >= settings.t_previous_end_mono_ns) {
-    return {true, settings.previous_gain_db, settings.previous_exposure_us, previous};
+    return {true, settings.previous_gain_db, settings.previous_gain_raw,
+            settings.previous_exposure_us, previous};
   }
-  return {false, settings.gain_db, settings.exposure_us, earliest};
+  return {false, settings.gain_db, settings.gain_raw, settings.exposure_us, earliest};
 }
 
 bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,

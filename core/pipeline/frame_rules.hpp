@@ -11,7 +11,7 @@ namespace ovws {
 
 struct SettingsVerdict {
   bool known = false;  ///< false: the exposure overlaps a change, or nothing was ever applied
-  double gain_db = 0.0;
+  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
   double exposure_us = 0.0;
   /// Earliest CLOCK_MONOTONIC time at which the exposure can have begun: arrival - exposure -
   /// transfer; with unknown settings, of the longer exposure of the two.

@@ -164,6 +164,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const SettingsVerdict settings = judge_settings(applied, unhindered);
   entry.settings_known = settings.known;
   entry.gain_db = settings.gain_db;
+  entry.gain_raw = settings.gain_raw;
   entry.exposure_us = settings.exposure_us;
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
                                                   settings.exposure_begin_mono_ns, arrival);

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +20,32 @@ struct Roi {
   friend bool operator==(const Roi&, const Roi&) = default;
 };
 
+/// A number that is not known, or that a camera does not have.
+inline constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+
+/// Equal, or both not known.
+inline bool same_number(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
 struct CameraSettings {
+  /// kNotKnown of a camera that has gain_raw. As wanted of such a camera, 0 asks for nothing.
   double gain_db = 0.0;
   double exposure_us = 2000.0;
   double frame_rate_hz = 100.0;
   PixelFormat pixel_format = PixelFormat::mono8;
   Roi roi;
-  friend bool operator==(const CameraSettings&, const CameraSettings&) = default;
+  /// Gain in steps of the camera's own, if it has no gain in dB; otherwise kNotKnown. As wanted,
+  /// kNotKnown leaves the gain as it is.
+  double gain_raw = kNotKnown;
+
+  friend bool same_gain(const CameraSettings& a, const CameraSettings& b) {
+    return same_number(a.gain_db, b.gain_db) && same_number(a.gain_raw, b.gain_raw);
+  }
+  friend bool operator==(const CameraSettings& a, const CameraSettings& b) {
+    return same_gain(a, b) && a.exposure_us == b.exposure_us &&
+           a.frame_rate_hz == b.frame_rate_hz && a.pixel_format == b.pixel_format && a.roi == b.roi;
+  }
 };
 
 template <class T>
@@ -33,6 +55,7 @@ struct Range {
 
 struct CameraLimits {
   Range<double> gain_db, exposure_us, frame_rate_hz;
+  std::optional<Range<double>> gain_raw;  ///< of a camera without gain in dB: gain_db is void
   Range<int> roi_width, roi_height;
   int sensor_width = 0, sensor_height = 0;
   std::vector<PixelFormat> pixel_formats;

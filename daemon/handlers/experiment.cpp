@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "daemon/camera_limits.hpp"
 #include "daemon/handlers/methods.hpp"
 #include "daemon/procedures/gain_sweep.hpp"
 #include "daemon/procedures/sweep_bench.hpp"
@@ -16,6 +17,7 @@ using nlohmann::json;
 
 /// Gains that the camera has not are an error, or left out.
 Result<GainSweep> within(GainSweep sweep, const CameraLimits& limits) {
+  if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
   const Range<double>& range = limits.gain_db;
   const auto check = [&range](const char* field, double gain_db) -> Result<void> {
     if (gain_db >= range.min && gain_db <= range.max) return {};

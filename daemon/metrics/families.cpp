@@ -28,6 +28,8 @@ constexpr GaugeRow kStatusGauges[]{
     {"/camera/connected", "ovws_camera_connected", "Whether there is a camera."},
     {"/camera/streaming", "ovws_camera_streaming", "Whether frames come."},
     {"/camera/settings/gain_db", "ovws_camera_gain_decibels", "The camera's gain."},
+    {"/camera/settings/gain_raw", "ovws_camera_gain_raw",
+     "The camera's gain in steps of its own, if it has none in dB."},
     {"/camera/settings/exposure_us", "ovws_camera_exposure_seconds", "The camera's exposure.",
      1e-6},
     {"/camera/settings/frame_rate_hz", "ovws_camera_frame_rate_hertz",

@@ -22,6 +22,7 @@ RecordedFrame row_of(const FrameRecord& record) {
   row.t_reconstructed_mono_ns = record.t_reconstructed_mono_ns;
   if (record.settings_known) {
     row.gain_db = record.gain_db;
+    row.gain_raw = record.gain_raw;
     row.exposure_us = record.exposure_us;
   }
   row.fit_residual_px = record.reconstruction.fit_residual_px;

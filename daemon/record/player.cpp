@@ -164,6 +164,7 @@ void Player::Impl::use_plan(std::uint64_t id) {
 void Player::Impl::tell(const RecordedFrame& frame) {
   AppliedSettings applied;
   applied.gain_db = applied.previous_gain_db = frame.gain_db;
+  applied.gain_raw = applied.previous_gain_raw = frame.gain_raw;
   applied.exposure_us = applied.previous_exposure_us = frame.exposure_us;
   applied.roi = plan->roi;
   applied.t_previous_end_mono_ns = ShownHologram::kNever;

@@ -33,7 +33,10 @@ Result<CameraFeatures> CameraFeatures::find(GenicamDevice& device) {
   const auto lacks = [](const char* field, const char* what) {
     return fail(Errc::device, field, std::string("this camera has no feature ") + what);
   };
-  if (!pick(found.gain_, {"Gain", "GainAbs", "GainRaw"})) return lacks("camera.gain_db", "Gain");
+  if (!pick(found.gain_, {"Gain", "GainAbs"})) {
+    if (!pick(found.gain_, {"GainRaw"})) return lacks("camera.gain_db", "Gain");
+    found.gain_is_raw_ = true;
+  }
   if (!pick(found.exposure_, {"ExposureTime", "ExposureTimeAbs"}))
     return lacks("camera.exposure_us", "ExposureTime");
   if (!pick(found.rate_, {"AcquisitionFrameRate", "AcquisitionFrameRateAbs"}))
@@ -125,7 +128,9 @@ Result<CameraLimits> CameraFeatures::limits() {
     return {};
   };
   Range<double> width, height;
-  if (auto r = range(gain_, limits.gain_db); !r) return fail(r.error());
+  if (gain_is_raw_) limits.gain_raw.emplace();
+  if (auto r = range(gain_, gain_is_raw_ ? *limits.gain_raw : limits.gain_db); !r)
+    return fail(r.error());
   if (auto r = range(exposure_, limits.exposure_us); !r) return fail(r.error());
   if (auto r = range(rate_, limits.frame_rate_hz); !r) return fail(r.error());
   auto sensor_width = sensor_extent(sensor_width_, "Width", "OffsetX");
@@ -163,7 +168,8 @@ Result<CameraSettings> CameraFeatures::read() {
     else
       all = fail(number.error());
   };
-  take("camera.gain_db", gain_, settings.gain_db);
+  settings.gain_db = kNotKnown;
+  take(gain_field(), gain_, gain_of(settings));
   take("camera.exposure_us", exposure_, settings.exposure_us);
   take("camera.frame_rate_hz", rate_, settings.frame_rate_hz);
   take("camera.roi", "Width", settings.roi.width);

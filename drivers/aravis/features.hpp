@@ -18,8 +18,8 @@ Result<T> at_field(const char* field, Result<T> result) {
   return result;
 }
 
-/// Camera thread only. The device must outlive it. A camera that knows gain only as GainRaw has it
-/// in steps of its own, not in dB: gain_db then holds these steps.
+/// Camera thread only. The device must outlive it. A camera that has its gain only as GainRaw has
+/// it in steps of its own, gain_raw: what these are in dB is not known.
 class CameraFeatures {
  public:
   /// Finds the names that this camera uses. Errc::device, naming the feature, if it has none of
@@ -50,13 +50,25 @@ class CameraFeatures {
   Result<CameraSettings> write_and_read(const CameraSettings& wanted, const CameraSettings& current,
                                         Undo& undo);
   Result<void> write(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
+  Result<void> fit_gain(const CameraSettings& current, const CameraLimits& limits,
+                        CameraSettings& settings) const;
   Result<void> write_roi(const Roi& roi);
   Result<void> write_exposure(const CameraSettings& wanted, const CameraSettings& current,
                               Undo& undo);
   Result<void> write_rate(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
 
   GenicamDevice* device_;
+  /// The gain of such settings in the camera's own unit.
+  double& gain_of(CameraSettings& settings) const {
+    return gain_is_raw_ ? settings.gain_raw : settings.gain_db;
+  }
+  double gain_of(const CameraSettings& settings) const {
+    return gain_is_raw_ ? settings.gain_raw : settings.gain_db;
+  }
+  const char* gain_field() const { return gain_is_raw_ ? "camera.gain_raw" : "camera.gain_db"; }
+
   const char* gain_ = nullptr;
+  bool gain_is_raw_ = false;
   const char* exposure_ = nullptr;
   const char* rate_ = nullptr;
   const char* sensor_width_ = nullptr;

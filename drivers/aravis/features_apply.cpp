@@ -1,4 +1,5 @@
 /// How the port's settings are checked, written in an order that cameras accept, and undone.
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -34,9 +35,7 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   fitted.roi = *roi;
   if (auto whole = check_region_suits_format(fitted.pixel_format, fitted.roi); !whole)
     return fail(whole.error());
-  auto gain = fit_value("camera.gain_db", "a gain", wanted.gain_db, now->gain_db);
-  if (!gain) return fail(gain.error());
-  fitted.gain_db = *gain;
+  if (auto done = fit_gain(current, *now, fitted); !done) return fail(done.error());
   // The ranges of exposure and rate are checked when they are set, because they may depend on each
   // other. Only if the two exclude each other is the better reason looked for here.
   if (auto both = check_exposure_fits_rate(wanted, current); !both) {
@@ -48,6 +47,26 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
     return fail(rate ? both.error() : rate.error());
   }
   return fitted;
+}
+
+/// `settings`, as wanted, get the gain that is written: in the camera's unit, and in no other.
+Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const CameraLimits& limits,
+                                      CameraSettings& settings) const {
+  const bool asked_in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
+  const bool asked_raw = !std::isnan(settings.gain_raw);
+  if (gain_is_raw_ && asked_in_db)
+    return fail(Errc::invalid, "camera.gain_db",
+                "this camera has no gain in dB, only steps of its own: set gain_raw");
+  if (!gain_is_raw_ && asked_raw)
+    return fail(Errc::invalid, "camera.gain_raw", "this camera has its gain in dB: set gain_db");
+  if (gain_is_raw_) settings.gain_db = kNotKnown;
+  double& gain = gain_of(settings);
+  if (std::isnan(gain) && gain_is_raw_) gain = gain_of(current);
+  auto fitted =
+      fit_value(gain_field(), "a gain", gain, gain_is_raw_ ? *limits.gain_raw : limits.gain_db);
+  if (!fitted) return fail(fitted.error());
+  gain = *fitted;
+  return {};
 }
 
 Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
@@ -99,9 +118,9 @@ Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSet
     undo.emplace_back([this, roi = current.roi] { (void)write_roi(roi); });
     if (auto done = at_field("camera.roi", write_roi(wanted.roi)); !done) return done;
   }
-  if (wanted.gain_db != current.gain_db) {
-    undo.emplace_back([=, this] { (void)device_->set_number(gain_, current.gain_db); });
-    if (auto done = at_field("camera.gain_db", device_->set_number(gain_, wanted.gain_db)); !done)
+  if (gain_of(wanted) != gain_of(current)) {
+    undo.emplace_back([=, this] { (void)device_->set_number(gain_, gain_of(current)); });
+    if (auto done = at_field(gain_field(), device_->set_number(gain_, gain_of(wanted))); !done)
       return done;
   }
   if (wanted.frame_rate_hz < current.frame_rate_hz) {

@@ -121,7 +121,7 @@ bool changed_unasked(const CameraSettings& wanted, const CameraSettings& before,
   return (wanted.roi == before.roi && applied.roi != before.roi) ||
          (wanted.pixel_format == before.pixel_format &&
           applied.pixel_format != before.pixel_format) ||
-         (wanted.gain_db == before.gain_db && applied.gain_db != before.gain_db) ||
+         (same_gain(wanted, before) && !same_gain(applied, before)) ||
          (same_times && (applied.exposure_us != before.exposure_us ||
                          applied.frame_rate_hz != before.frame_rate_hz));
 }

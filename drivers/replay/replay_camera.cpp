@@ -46,7 +46,8 @@ class ReplayCamera final : public Camera {
                  first.exposure_us,
                  header.frame_rate_hz,
                  header.format,
-                 {header.x, header.y, header.width, header.height}};
+                 {header.x, header.y, header.width, header.height},
+                 first.gain_raw};
     for (auto& buffer : buffers_) buffer.resize(reader_->picture_bytes());
   }
 
@@ -85,6 +86,7 @@ class ReplayCamera final : public Camera {
 Result<CameraLimits> ReplayCamera::limits() {
   CameraLimits limits;
   limits.gain_db = {-100.0, 100.0, 0.0};
+  if (std::isnan(settings_.gain_db)) limits.gain_raw = {-1e9, 1e9, 0.0};
   limits.exposure_us = {0.0, 1e9, 0.0};
   limits.frame_rate_hz = kPaceHz;
   limits.roi_width = {settings_.roi.width, settings_.roi.width, 1};

@@ -56,6 +56,13 @@ std::string number_or_dash(const json& value, const char* form) {
   return value.is_number() ? fmt::format(fmt::runtime(form), value.get<double>()) : "-";
 }
 
+/// In the unit that the camera has. A daemon of before has no `gain_raw`.
+std::string gain_text(const json& frame) {
+  const json raw = frame.value("gain_raw", json());
+  if (raw.is_number()) return fmt::format("{:.0f} (raw)", raw.get<double>());
+  return number_or_dash(frame.at("gain_db"), "{:.1f}") + " dB";
+}
+
 std::string camera_text(const json& status) {
   const json& camera = status.at("camera");
   if (camera.at("fault").is_string()) return "camera: " + camera.at("fault").get<std::string>();
@@ -120,9 +127,8 @@ void draw_frame(Canvas& canvas, const View& view) {
       canvas.text(0, 2, canvas.width(),
                   fmt::format("RMS {:.4f} wave  Strehl {:.3f}", rms_waves, strehl), Style::strong);
   canvas.text(end, 2, canvas.width() - end,
-              fmt::format("  residual {} px  gain {} dB  exposure {} us",
-                          number_or_dash(frame.at("fit_residual_px"), "{:.3f}"),
-                          number_or_dash(frame.at("gain_db"), "{:.1f}"),
+              fmt::format("  residual {} px  gain {}  exposure {} us",
+                          number_or_dash(frame.at("fit_residual_px"), "{:.3f}"), gain_text(frame),
                           number_or_dash(frame.at("exposure_us"), "{:.0f}")));
 }
 

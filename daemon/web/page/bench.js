@@ -8,18 +8,25 @@ let view = null; // the newest bench message
 const REFERENCE_FRAMES = 100;
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
 
+/** In the unit that the camera has: dB, or steps of its own. */
+function gainOf(settings) {
+  return settings?.gain_db === null
+    ? { key: "gain_raw", value: settings.gain_raw, unit: "(raw)", step: 1 }
+    : { key: "gain_db", value: settings?.gain_db, unit: "dB", step: 0.1 };
+}
+
 function buildCamera(parent) {
   const errors = (reply) => {
-    const at = reply.error?.data?.field ?? "";
-    exposure.error(at.endsWith("gain_db") ? "" : reasonOf(reply));
-    gain.error(at.endsWith("gain_db") ? reasonOf(reply) : "");
+    const atGain = /gain_(db|raw)$/.test(reply.error?.data?.field ?? "");
+    exposure.error(atGain ? "" : reasonOf(reply));
+    gain.error(atGain ? reasonOf(reply) : "");
     const applied = reply.result?.applied ?? view.camera.settings;
     exposure.show(applied.exposure_us, true);
-    gain.show(applied.gain_db, true);
+    gain.show(gainOf(applied).value, true);
   };
   const sender = new Sender("camera.set", errors);
   const exposure = new NumberControl(parent, "Exposure", "\u00b5s", { map: LOG, onChange: (value) => sender.send({ exposure_us: value }) });
-  const gain = new NumberControl(parent, "Gain", "dB", { onChange: (value) => sender.send({ gain_db: value }) });
+  const gain = new NumberControl(parent, "Gain", gainOf(view?.camera.settings).unit, { onChange: (value) => sender.send({ [gainOf(view.camera.settings).key]: value }) });
   return { exposure, gain };
 }
 
@@ -112,19 +119,21 @@ function loopText(loop) {
 function showControls({ camera, sensor, limits, reference, aberration, loop }) {
   const { settings } = camera;
   if (camera.limits) {
-    const { exposure_us: e, gain_db: g } = camera.limits;
+    const { exposure_us: e } = camera.limits;
+    const { key, unit, step } = gainOf(settings);
+    const g = camera.limits[key] ?? camera.limits.gain_db ?? camera.limits.gain_raw;
     // An exposure ends before the next one begins.
     const longest = Math.min(e.max, 1e6 / settings.frame_rate_hz);
     controls.exposure.limits(e.min, longest);
     controls.exposure.reach(e.min, longest);
     controls.gain.limits(g.min, g.max);
-    controls.gain.reach(g.min, g.max, 0.1);
+    controls.gain.reach(g.min, g.max, step);
     const why = longest < e.max ? `, at ${brief(settings.frame_rate_hz)} frames/s` : "";
     controls.exposure.help(`${brief(e.min)} to ${grouped(longest)} \u00b5s${why}`);
-    controls.gain.help(`${brief(g.min)} to ${brief(g.max)} dB`);
+    controls.gain.help(`${brief(g.min)} to ${brief(g.max)} ${unit}`);
   }
   controls.exposure.show(settings.exposure_us);
-  controls.gain.show(settings.gain_db);
+  controls.gain.show(gainOf(settings).value);
   const { min, max } = limits.charge;
   controls.charge.show(sensor.charge, Array.from({ length: max - min + 1 }, (_, i) => min + i));
   controls.tracker.show(sensor.tracker, limits.trackers);
@@ -153,7 +162,7 @@ export function takeBench(message) {
   const { settings } = camera;
   return showFacts(byId("bench-facts"), [
     ["Exposure", `${grouped(settings.exposure_us)} \u00b5s`],
-    ["Gain", `${brief(settings.gain_db)} dB`],
+    ["Gain", `${brief(gainOf(settings).value)} ${gainOf(settings).unit}`],
     ["Frame rate asked for", `${brief(settings.frame_rate_hz)} frames/s`],
     ["Charge", String(sensor.charge)],
     ["Tracker", sensor.tracker],

@@ -14,6 +14,7 @@ import numpy
 from .recording import Recording, RecordingError, reading
 
 FRAME_COLUMNS = ("frame_id", "t_arrival_ns", "hologram_id", "valid", "settled", "tracked", "gain_db", "exposure_us", "rms_waves", "fit_residual_px")
+SETTINGS = ("gain_db", "gain_raw", "exposure_us")
 EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES", "AOT_SCORING_CAMERAS", "AOT_WAVEFRONT_CORRECTORS", "AOT_LOOPS")
 
 
@@ -25,14 +26,16 @@ def good_coefficients(run):
 
 
 def to_csv(run, path):
-    """One line a frame: its stamps and settings, then j1, j2, … in waves; empty what is not known or not valid. A ValueError if the
+    """One line a frame: its stamps and settings (gain_raw only of a camera without gain in dB), then j1, j2, … in waves; empty what is not known or not valid. A ValueError if the
     number of modes changed meanwhile; then there is no file."""
     names = [f"j{j}" for j in run.modes(0)] if len(run.frames) else []
     all_coefficients = good_coefficients(run)
+    raw = "gain_raw" in run.frames.dtype.names and not numpy.isnan(run.frames["gain_raw"]).all()
+    columns = (*FRAME_COLUMNS, "gain_raw") if raw else FRAME_COLUMNS
     with open(path, "w", encoding="ascii") as out:
-        print(*FRAME_COLUMNS, *names, sep=",", file=out)
+        print(*columns, *names, sep=",", file=out)
         for row, coefficients in zip(run.frames, all_coefficients):
-            known = ("" if name in ("gain_db", "exposure_us") and not row["settings_known"] else row[name] for name in FRAME_COLUMNS)
+            known = ("" if name in SETTINGS and (not row["settings_known"] or numpy.isnan(row[name])) else row[name] for name in columns)
             print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
 
 

@@ -78,6 +78,8 @@ class FrameMessage(Message):
     fit_residual_px: float | None
     """camera pixels"""
     gain_db: float | None
+    gain_raw: float | None = None
+    """in steps of the camera's own, if it has no gain in dB"""
     exposure_us: float | None
     saturated: float
     """fraction of spots holding a saturated pixel, 0 to 1"""
@@ -151,6 +153,8 @@ class Refined(Message):
     wavelength_nm: float
     rms_waves: float | None
     gain_db: float | None
+    gain_raw: float | None = None
+    """in steps of the camera's own, if it has no gain in dB"""
     exposure_us: float | None
     chi2_per_pixel: float | None
     peak_e: float | None

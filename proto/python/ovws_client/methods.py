@@ -101,8 +101,10 @@ class Camera(TypedDict):
 class Settings(TypedDict):
     """Of the camera, null: they were not known."""
 
-    # analogue gain, dB
-    gain_db: float
+    # analogue gain, dB; null: the camera has none in dB
+    gain_db: float | None
+    # of a camera without gain in dB: in steps of its own
+    gain_raw: NotRequired[float]
     # exposure time, microseconds
     exposure_us: float
     # GenICam name
@@ -244,8 +246,10 @@ class Roi(TypedDict):
 class CameraSettings(TypedDict):
     """The camera's settings."""
 
-    # analogue gain, dB; from -100 to 100
-    gain_db: float
+    # analogue gain, dB; null: the camera has none in dB; from -100 to 100
+    gain_db: float | None
+    # gain in steps of the camera's own, if it has no gain in dB; otherwise null
+    gain_raw: float | None
     # exposure time, microseconds; from 0.1 to 60000000
     exposure_us: float
     # frames per second; from 0.001 to 100000
@@ -281,8 +285,10 @@ class CameraRoiWidth(TypedDict):
 class Limits(TypedDict):
     """What the connected camera allows now."""
 
-    # dB
-    gain_db: Range
+    # dB; null: the camera has no gain in dB
+    gain_db: Range | None
+    # gain in steps of the camera's own, if it has no gain in dB; otherwise null
+    gain_raw: Range | None
     # microseconds
     exposure_us: Range
     # frames per second
@@ -327,7 +333,9 @@ class Requested(TypedDict):
     """As it was asked for."""
 
     # analogue gain, dB
-    gain_db: NotRequired[float]
+    gain_db: NotRequired[float | None]
+    # gain in steps of the camera's own
+    gain_raw: NotRequired[float | None]
     # exposure time, microseconds
     exposure_us: NotRequired[float]
     # frames per second
@@ -360,6 +368,9 @@ class ConfigCamera(TypedDict):
     exposure_us: float
     # analogue gain, dB; from -100 to 100
     gain_db: float
+    # gain in steps of the camera's own, for a camera without gain in dB, whose gain_db stays 0; null: as the camera has it; from
+    # -1000000000 to 1000000000
+    gain_raw: float | None
     # frames per second; from 0.001 to 100000
     frame_rate_hz: float
     # region of interest of the sensor
@@ -964,11 +975,11 @@ class RecordResult(TypedDict):
 
 class Stale(TypedDict):
     # key of camera.set
-    field: Literal["gain_db", "exposure_us", "pixel_format"]
+    field: Literal["gain_db", "gain_raw", "exposure_us", "pixel_format"]
     # when it was taken
-    then: float | str
+    then: float | str | None
     # in use
-    now: float | str
+    now: float | str | None
 
 
 class ReferenceOrigin(TypedDict):
@@ -1344,6 +1355,9 @@ class StatusSensor(TypedDict):
     reference: Literal["none", "in_force", "stale"]
     # introduced aberration that the reference holds, so that coefficients do not, RMS-normalised waves; 0: none
     reference_introduced_rms_waves: float
+    # why the camera's region cannot see the spots, or the tracker cannot tell them apart, with values that work; null: nothing is known to
+    # be wrong
+    layout_fault: str | None
     # numbers of the spots that the wavefront has torn, followed by the shapes that it gives them
     torn: list[int]
     # why no frame is valid although settled frames come and there is a reference; null: frames are valid, or another field says why not
@@ -1580,7 +1594,8 @@ class Methods:
     def camera_set(
         self,
         *,
-        gain_db: float | LeftOut = LEFT_OUT,
+        gain_db: float | None | LeftOut = LEFT_OUT,
+        gain_raw: float | None | LeftOut = LEFT_OUT,
         exposure_us: float | LeftOut = LEFT_OUT,
         frame_rate_hz: float | LeftOut = LEFT_OUT,
         pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"] | LeftOut = LEFT_OUT,
@@ -1590,7 +1605,9 @@ class Methods:
         """`camera.set`. All or nothing; what is left out stays. The stream survives it. The camera may allow less than the ranges here: its
         limits are in the result and in the error.
 
-        gain_db: analogue gain, dB; from -100 to 100
+        gain_db: analogue gain, dB; null leaves it; from -100 to 100
+        gain_raw: gain in steps of the camera's own, for a camera without gain in dB; null leaves it; not together with gain_db; from
+                  -1000000000 to 1000000000
         exposure_us: exposure time, microseconds; from 0.1 to 60000000
         frame_rate_hz: frames per second; from 0.001 to 100000
         pixel_format: GenICam name; of a Bayer format the pixels that see the laser are measured
@@ -1600,7 +1617,8 @@ class Methods:
         Result: requested: as it was asked for; applied: the camera's settings; limits: what the connected camera allows now
         """
         result: CameraSetResult = self.call("camera.set", _given(
-            gain_db=gain_db, exposure_us=exposure_us, frame_rate_hz=frame_rate_hz, pixel_format=pixel_format, roi=roi, clamp=clamp
+            gain_db=gain_db, gain_raw=gain_raw, exposure_us=exposure_us, frame_rate_hz=frame_rate_hz, pixel_format=pixel_format, roi=roi,
+            clamp=clamp
         ))
         return result
 
@@ -2292,7 +2310,8 @@ class AsyncMethods:
     async def camera_set(
         self,
         *,
-        gain_db: float | LeftOut = LEFT_OUT,
+        gain_db: float | None | LeftOut = LEFT_OUT,
+        gain_raw: float | None | LeftOut = LEFT_OUT,
         exposure_us: float | LeftOut = LEFT_OUT,
         frame_rate_hz: float | LeftOut = LEFT_OUT,
         pixel_format: Literal["Mono8", "Mono10", "Mono12", "Mono14", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG10", "BayerGR10", "BayerGB10", "BayerBG10", "BayerRG12", "BayerGR12", "BayerGB12", "BayerBG12", "BayerRG10p", "BayerGR10p", "BayerGB10p", "BayerBG10p", "BayerRG12p", "BayerGR12p", "BayerGB12p", "BayerBG12p"] | LeftOut = LEFT_OUT,
@@ -2305,7 +2324,8 @@ class AsyncMethods:
         Params and result: `Methods.camera_set`.
         """
         result: CameraSetResult = await self.call("camera.set", _given(
-            gain_db=gain_db, exposure_us=exposure_us, frame_rate_hz=frame_rate_hz, pixel_format=pixel_format, roi=roi, clamp=clamp
+            gain_db=gain_db, gain_raw=gain_raw, exposure_us=exposure_us, frame_rate_hz=frame_rate_hz, pixel_format=pixel_format, roi=roi,
+            clamp=clamp
         ))
         return result
 

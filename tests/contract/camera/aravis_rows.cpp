@@ -1,6 +1,7 @@
 /// Rows of the camera contract: the Aravis driver against a GigE Vision camera in another process.
 #include <signal.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,6 +20,7 @@ constexpr const char* kAddress = "127.0.0.1";
 struct Description {
   const char* xml;        ///< "-": Aravis's own
   double gain_per_count;  ///< of register 0x110
+  bool gain_is_raw = false;
 };
 
 class AravisBench final : public CameraBench {
@@ -33,15 +35,20 @@ class AravisBench final : public CameraBench {
   }
   CameraSettings settings() const override {
     CameraSettings settings;
-    settings.gain_db = 0.0;
+    if (description_.gain_is_raw) settings.gain_db = kNotKnown;
+    settings.*gain() = 0.0;
     settings.exposure_us = 2000.0;
     settings.frame_rate_hz = 200.0;
     settings.roi = {16, 8, 192, 128};
     return settings;
   }
+  double CameraSettings::*gain() const override {
+    return description_.gain_is_raw ? &CameraSettings::gain_raw : &CameraSettings::gain_db;
+  }
   std::optional<CameraSettings> truth() override {
     CameraSettings truth;
-    truth.gain_db = read(0x110) * description_.gain_per_count;
+    if (description_.gain_is_raw) truth.gain_db = kNotKnown;
+    truth.*gain() = read(0x110) * description_.gain_per_count;
     truth.exposure_us = read(0x120);
     truth.frame_rate_hz = 1e6 / read(0x138);
     truth.roi = {int(read(0x130)), int(read(0x134)), int(read(0x100)), int(read(0x104))};
@@ -94,7 +101,7 @@ class AravisBench final : public CameraBench {
 };
 
 std::unique_ptr<CameraBench> old_names() {
-  return std::make_unique<AravisBench>(Description{"-", 1.0});
+  return std::make_unique<AravisBench>(Description{"-", 1.0, true});
 }
 std::unique_ptr<CameraBench> todays_names() {
   return std::make_unique<AravisBench>(Description{OVWS_SFNC_CAMERA_XML, 0.1});
@@ -137,6 +144,33 @@ std::string unreadable_at_7_db() {
   std::string path = own_folder("unreadable") + ".xml";
   std::ofstream(path) << xml;
   return path;
+}
+
+TEST(AravisCamera, GainThatIsInNoUnitIsNotGivenOutAsDb) {
+  const auto bench = old_names();
+  auto camera = bench->open();
+  ASSERT_TRUE(camera) << camera.error().reason;
+  const auto limits = (*camera)->limits();
+  ASSERT_TRUE(limits && limits->gain_raw);
+  EXPECT_EQ(limits->gain_raw->min, 0.0);
+  EXPECT_EQ(limits->gain_raw->max, 10.0);
+  CameraSettings wanted;  // the configuration's defaults
+  auto applied = (*camera)->apply(wanted);
+  ASSERT_TRUE(applied) << applied.error().reason;
+  EXPECT_TRUE(std::isnan(applied->gain_db));
+  wanted.gain_raw = 7.0;
+  applied = (*camera)->apply(wanted);
+  ASSERT_TRUE(applied) << applied.error().reason;
+  EXPECT_TRUE(std::isnan(applied->gain_db));
+  EXPECT_EQ(applied->gain_raw, 7.0);
+  EXPECT_EQ(bench->truth(), *applied);
+  wanted.gain_raw = kNotKnown;  // leaves it
+  EXPECT_EQ((*camera)->apply(wanted), *applied);
+  wanted.gain_db = 6.0;
+  const auto refused = (*camera)->apply(wanted);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "camera.gain_db");
+  EXPECT_NE(refused.error().reason.find("gain_raw"), std::string::npos);
 }
 
 TEST(AravisCamera, SettingsThatCannotBeReadBackAreTakenBack) {

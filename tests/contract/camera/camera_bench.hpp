@@ -20,6 +20,9 @@ class CameraBench {
   /// Small frames at a fast rate that every one of the tests can stream.
   virtual CameraSettings settings() const = 0;
 
+  /// The unit that the device has its gain in.
+  virtual double CameraSettings::*gain() const { return &CameraSettings::gain_db; }
+
   /// What the device has, asked past the driver.
   virtual std::optional<CameraSettings> truth() { return std::nullopt; }
   /// The pixel that the device puts at x, y of the sensor.

@@ -29,7 +29,7 @@ TEST_P(CameraContract, LimitsAreSane) {
   ASSERT_TRUE(camera);
   auto limits = camera->limits();
   ASSERT_TRUE(limits) << limits.error().reason;
-  expect_sane(limits->gain_db, "gain");
+  expect_sane(limits->gain_raw.value_or(limits->gain_db), "gain");
   expect_sane(limits->exposure_us, "exposure");
   expect_sane(limits->frame_rate_hz, "frame rate");
   expect_sane(limits->roi_width, "width");
@@ -77,13 +77,13 @@ TEST_P(CameraContract, ApplyReturnsWhatTheDeviceReallyHas) {
   auto camera = open_ready();
   ASSERT_TRUE(camera);
   CameraSettings wanted = bench_->settings();
-  wanted.gain_db = 3.0;
+  wanted.*bench_->gain() = 3.0;
   wanted.exposure_us = 1500.0;
   wanted.frame_rate_hz = 125.0;
   wanted.roi = {64, 128, 160, 96};
   auto applied = camera->apply(wanted);
   ASSERT_TRUE(applied) << applied.error().reason;
-  EXPECT_NEAR(applied->gain_db, wanted.gain_db, 1e-6);
+  EXPECT_NEAR(*applied.*bench_->gain(), wanted.*bench_->gain(), 1e-6);
   EXPECT_NEAR(applied->exposure_us, wanted.exposure_us, 1e-6);
   EXPECT_NEAR(applied->frame_rate_hz, wanted.frame_rate_hz, 1e-6);
   EXPECT_EQ(applied->roi, wanted.roi);
@@ -118,8 +118,9 @@ TEST_P(CameraContract, BothEndsOfEveryRangeAreAccepted) {
     setting = before;
     EXPECT_TRUE(camera->apply(settings));
   };
-  accepted(settings.gain_db, limits->gain_db.min, "gain");
-  accepted(settings.gain_db, limits->gain_db.max, "gain");
+  const Range<double> gain = limits->gain_raw.value_or(limits->gain_db);
+  accepted(settings.*bench_->gain(), gain.min, "gain");
+  accepted(settings.*bench_->gain(), gain.max, "gain");
   accepted(settings.exposure_us, limits->exposure_us.min, "exposure");
   accepted(settings.exposure_us, std::min(limits->exposure_us.max, 1e6), "exposure");
   accepted(settings.frame_rate_hz, limits->frame_rate_hz.max, "frame rate");
@@ -138,11 +139,12 @@ TEST_P(CameraContract, AValueBetweenTwoStepsGoesToTheNearest) {
   auto limits = camera->limits();
   ASSERT_TRUE(limits);
   CameraSettings wanted = bench_->settings();
-  wanted.gain_db = limits->gain_db.min + 3.3 * limits->gain_db.increment;
+  const Range<double> gain = limits->gain_raw.value_or(limits->gain_db);
+  wanted.*bench_->gain() = gain.min + 3.3 * gain.increment;
   wanted.exposure_us = 1000.0 + 0.4 * limits->exposure_us.increment;
   auto applied = camera->apply(wanted);
   ASSERT_TRUE(applied) << applied.error().reason;
-  EXPECT_NEAR(applied->gain_db, limits->gain_db.min + 3.0 * limits->gain_db.increment, 1e-6);
+  EXPECT_NEAR(*applied.*bench_->gain(), gain.min + 3.0 * gain.increment, 1e-6);
   EXPECT_NEAR(applied->exposure_us, 1000.0, 1e-6);
 }
 
@@ -173,11 +175,13 @@ TEST_P(CameraContract, AValueOutOfRangeIsRefusedAndNothingChanges) {
     Range<double> range;
   };
   const Setting settings[] = {
-      {&CameraSettings::gain_db, "camera.gain_db", limits->gain_db},
+      {bench_->gain(), limits->gain_raw ? "camera.gain_raw" : "camera.gain_db",
+       limits->gain_raw.value_or(limits->gain_db)},
       {&CameraSettings::exposure_us, "camera.exposure_us", limits->exposure_us},
       {&CameraSettings::frame_rate_hz, "camera.frame_rate_hz", limits->frame_rate_hz}};
   for (const auto& [member, field, range] : settings)
     for (double bad : {range.min - 1e-3, range.max + 1.0, -1e9, 1e12, inf, -inf, nan}) {
+      if (std::isnan(bad) && member == &CameraSettings::gain_raw) continue;  // leaves it
       CameraSettings wanted = good;
       wanted.*member = bad;
       std::vector<std::string> words = {as_text(range.min), as_text(range.max)};
@@ -192,7 +196,7 @@ TEST_P(CameraContract, OneBadValueKeepsTheGoodOnesFromBeingApplied) {
   auto limits = camera->limits();
   ASSERT_TRUE(limits);
   CameraSettings wanted = bench_->settings();
-  wanted.gain_db = 2.0;
+  wanted.*bench_->gain() = 2.0;
   wanted.roi = {32, 32, 64, 64};
   // Fits the period, so that the rate's own limit is met only after the others were written.
   wanted.exposure_us = 100.0;

@@ -190,7 +190,7 @@ TEST_P(CameraContract, GainExposureAndRateChangeWhileFramesCome) {
   CameraSettings wanted = bench_->settings();
   std::uint64_t last = 0;
   for (int i = 0; i < 10; ++i) {
-    wanted.gain_db = 1.0 + i % 5;
+    wanted.*bench_->gain() = 1.0 + i % 5;
     wanted.exposure_us = 1000.0 + 50.0 * i;
     wanted.frame_rate_hz = i % 2 ? 100.0 : 125.0;
     auto applied = camera->apply(wanted);

@@ -35,6 +35,24 @@ TEST(CameraLimits, ARefusalNamesTheFieldAndTheRange) {
   EXPECT_EQ(checked.error().max, 48.0);
 }
 
+TEST(CameraLimits, AGainIsTakenInTheUnitOfTheCameraOnly) {
+  CameraLimits raw = limits();
+  raw.gain_raw = {0.0, 10.0, 1.0};
+  CameraSettings wanted;
+  EXPECT_TRUE(within_limits(wanted, raw, false)) << "0 dB, the default, asks for nothing";
+  wanted.gain_db = 3.0;
+  EXPECT_EQ(within_limits(wanted, raw, false).error().field, "gain_db");
+  EXPECT_EQ(within_limits(wanted, raw, true).error().field, "gain_db") << "cannot be clamped";
+  wanted.gain_db = kNotKnown;
+  wanted.gain_raw = 11.0;
+  EXPECT_EQ(within_limits(wanted, raw, false).error().field, "gain_raw");
+  EXPECT_EQ(within_limits(wanted, raw, true)->gain_raw, 10.0);
+  wanted.gain_raw = 5.0;
+  EXPECT_EQ(within_limits(wanted, raw, false), wanted);
+  const auto other = within_limits(wanted, limits(), false);  // of a camera that has dB
+  EXPECT_EQ(other.error().field, "gain_raw");
+}
+
 TEST(CameraLimits, ClampBringsNumbersIntoRange) {
   CameraSettings wanted;
   wanted.gain_db = -3.0;

@@ -69,5 +69,18 @@ TEST(CameraChange, HoldsWhatDiffersAndMakesTheOneOfTheOther) {
   EXPECT_FALSE(change.frame_rate_hz);
 }
 
+TEST(CameraChange, OfAGainNamesTheOneThatIsStated) {
+  CameraSettings in_db, raw;
+  in_db.gain_db = 3.0;
+  raw.gain_db = kNotKnown;
+  raw.gain_raw = 7.0;
+  EXPECT_EQ(camera_change(in_db, raw).gain_raw, 7.0);
+  EXPECT_FALSE(camera_change(in_db, raw).gain_db);
+  EXPECT_EQ(camera_change(raw, in_db).gain_db, 3.0);
+  EXPECT_FALSE(camera_change(raw, in_db).gain_raw);
+  EXPECT_FALSE(camera_change(raw, raw).gain_db);
+  EXPECT_FALSE(camera_change(raw, raw).gain_raw);
+}
+
 }  // namespace
 }  // namespace ovws

@@ -211,6 +211,13 @@ TEST_F(Archive, GainExposureAndFormatOnlyMakeItStale) {
   EXPECT_EQ(stale[1].field, "gain_db");
   EXPECT_EQ(stale[1].then, 0.0);
   EXPECT_EQ(stale[1].now, 20.0);
+  CameraSettings raw = config_.camera.settings;
+  raw.gain_db = kNotKnown;
+  raw.gain_raw = 7.0;
+  const auto other_unit = stale_fields(reference, raw);
+  ASSERT_EQ(other_unit.size(), 1U);
+  EXPECT_EQ(other_unit[0].field, "gain_db");
+  EXPECT_EQ(other_unit[0].now, nlohmann::json());
   Reference model = reference;
   model.source = ReferenceSource::model;
   EXPECT_TRUE(stale_fields(model, now).empty());

@@ -106,6 +106,8 @@ AppliedSettings changed() {
   settings.gain_db = 6.0;
   settings.exposure_us = 4000.0;
   settings.previous_gain_db = 0.0;
+  settings.gain_raw = 7.0;
+  settings.previous_gain_raw = 2.0;
   settings.previous_exposure_us = 1000.0;
   settings.t_write_begin_mono_ns = 500 * kMs;
   settings.t_write_end_mono_ns = 503 * kMs;
@@ -117,6 +119,7 @@ TEST(SettingsRule, AnExposureThatBeginsAsTheWriteEndsHasTheNewValues) {
   const SettingsVerdict verdict = judge_settings(changed(), 509 * kMs);  // 509 - 4 - 2 = 503
   EXPECT_TRUE(verdict.known);
   EXPECT_EQ(verdict.gain_db, 6.0);
+  EXPECT_EQ(verdict.gain_raw, 7.0);
   EXPECT_EQ(verdict.exposure_us, 4000.0);
   EXPECT_EQ(verdict.exposure_begin_mono_ns, 503 * kMs);
 }
@@ -131,6 +134,7 @@ TEST(SettingsRule, AFrameThatArrivesAsTheWriteBeginsHasThePreviousValues) {
   const SettingsVerdict verdict = judge_settings(changed(), 500 * kMs);
   EXPECT_TRUE(verdict.known);
   EXPECT_EQ(verdict.gain_db, 0.0);
+  EXPECT_EQ(verdict.gain_raw, 2.0);
   EXPECT_EQ(verdict.exposure_us, 1000.0);
   EXPECT_EQ(verdict.exposure_begin_mono_ns, 497 * kMs);
 }

@@ -33,9 +33,9 @@ void print_result(const char* method, const json& value) {
 }
 
 const CameraInfo kInfo{"Vendor", "Model", "S1", "127.0.0.1"};
-const CameraLimits kLimits{
-    {0, 24, 0},   {10, 1e6, 1}, {0.1, 1000, 0}, {16, 2048, 16},
-    {2, 2048, 2}, 2048,         2048,           {PixelFormat::mono8, PixelFormat::mono12}};
+const CameraLimits kLimits{{0, 24, 0},   {10, 1e6, 1},   {0.1, 1000, 0},
+                           std::nullopt, {16, 2048, 16}, {2, 2048, 2},
+                           2048,         2048,           {PixelFormat::mono8, PixelFormat::mono12}};
 
 void print_frames() {
   const std::array<int, 3> j{1, 2, 3};

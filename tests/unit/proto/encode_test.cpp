@@ -44,10 +44,24 @@ TEST(EncodeWavefront, SaysAllThatItHolds) {
   }
   EXPECT_EQ(out.at("rms_waves"), 0.5);
   EXPECT_EQ(out.at("gain_db"), json());
+  EXPECT_EQ(out.at("gain_raw"), json());
   EXPECT_EQ(out.at("unit"), "wave");
   EXPECT_EQ(out.at("basis"), "zernike-osa-rms");
   EXPECT_EQ(out.at("orientation"), "x-right-y-down");
   EXPECT_EQ(out.at("loop"), "open");
+}
+
+TEST(EncodeWavefront, AGainThatIsNotInDbIsNullAndGivenRaw) {
+  WavefrontMessage m;
+  m.gain_db = kNotKnown;
+  m.gain_raw = 7.0;
+  m.exposure_us = 2000.0;
+  std::string text;
+  encode(m, text);
+  const json out = json::parse(text);
+  EXPECT_EQ(out.at("gain_db"), json());
+  EXPECT_EQ(out.at("gain_raw"), 7.0);
+  EXPECT_EQ(out.at("exposure_us"), 2000.0);
 }
 
 TEST(EncodeWavefront, IsNullThroughoutIfNotValid) {

@@ -52,6 +52,22 @@ TEST(CameraSetRequest, RefusesOrClampsNumbersOutOfRange) {
   EXPECT_TRUE(clamped->clamp);
 }
 
+TEST(CameraSetRequest, TakesAGainInOneUnitAndNullAsLeft) {
+  const auto raw = decode_camera_set({{"gain_raw", 7}, {"gain_db", nullptr}});
+  ASSERT_TRUE(raw);
+  const CameraSettings after = raw->applied_to({});
+  EXPECT_TRUE(std::isnan(after.gain_db));
+  EXPECT_EQ(after.gain_raw, 7.0);
+  const auto back = decode_camera_set({{"gain_db", 3}, {"gain_raw", nullptr}});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->applied_to(after).gain_db, 3.0);
+  EXPECT_TRUE(std::isnan(back->applied_to(after).gain_raw));
+  EXPECT_EQ(error_of(decode_camera_set({{"gain_db", 3}, {"gain_raw", 7}})).field, "gain_raw");
+  EXPECT_EQ(to_json(after).at("gain_db"), json());
+  EXPECT_EQ(to_json(after).at("gain_raw"), 7.0);
+  EXPECT_EQ(to_json(CameraSettings{}).at("gain_raw"), json());
+}
+
 TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
   EXPECT_EQ(error_of(decode_camera_set({{"gain", 3}})).nearest, "gain_db");
   EXPECT_EQ(error_of(decode_camera_set({{"pixel_format", "Mono11"}})).field, "pixel_format");
