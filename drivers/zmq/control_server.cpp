@@ -17,8 +17,9 @@ constexpr long kWaitMs = 50;
 constexpr int kLingerMs = 100;  // what was answered last may leave before the socket closes
 constexpr int kTurn = 64;       // requests received before any is served
 constexpr auto kServeFor = std::chrono::milliseconds(10);  // before replies are sent
-// ROUTER drops what one client's queue does not hold: all that can be outstanding must fit.
-constexpr int kReplyQueue = int(kMostOfOneClient.requests + kMostOfOneClient.replies) + 64;
+// ROUTER drops what one client's queue does not hold, and counts what was written long ago until
+// the next exchange with its thread. What is outstanding is bounded in the ReplyBox instead.
+constexpr int kReplyQueue = 0;                    // without limit
 constexpr int kReceiveQueue = 32;                 // requests held for one client
 constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // beyond, libzmq ends the connection
 constexpr std::size_t kMaxParts = 16;             // of one request, its envelope included
@@ -94,7 +95,7 @@ void ControlServer::Impl::send(ReplyBox::Reply reply) {
     std::shared_ptr<ReplyBox> box;
     ReplyBox::Reply reply;
   };
-  // To a client that is gone, or whose queue is full, ROUTER drops: its own loss.
+  // ROUTER drops what is for a client that is gone.
   for (const auto& frame : reply.envelope) {
     (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
   }
@@ -139,6 +140,7 @@ void ControlServer::Impl::take(const Incoming& in) {
   Envelope envelope = request.envelope;
   if (turns.push(std::move(request))) return;
   auto client = turns.load_of(envelope.front());
+  if (!box->can_refuse(*client)) return;  // it does not read: its own loss
   box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply);
 }
 

@@ -99,6 +99,11 @@ bool ReplyBox::has_room(const ClientLoad& client) {
   return room;
 }
 
+bool ReplyBox::can_refuse(const ClientLoad& client) const {
+  const std::lock_guard lock(mutex_);
+  return client.replies < kMaxRefusals && all_.replies < kMostOfAllClients.replies;
+}
+
 bool ReplyBox::is_idle(const ClientLoad& client) const {
   const std::lock_guard lock(mutex_);
   return idle(client);

@@ -25,6 +25,9 @@ constexpr ClientLoad kMostOfOneClient{64, 8 << 10, 128, 4 << 20};
 /// Of all clients together; beyond, only a client with nothing outstanding is served.
 constexpr ClientLoad kMostOfAllClients{128, 1 << 20, 16384, 32 << 20};
 
+/// Beyond so many replies that a client has not read, further refusals to it are dropped.
+constexpr std::size_t kMaxRefusals = 1024;
+
 /// Outlives its server for as long as a reply function or an unsent reply exists; then replies go
 /// nowhere.
 class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
@@ -49,6 +52,9 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
                                             std::size_t request_bytes);
   /// Whether the limits above admit a further request of the client. Thread-safe.
   bool has_room(const ClientLoad& client);
+  /// Whether a request of the client that cannot wait may still be answered by an error.
+  /// Thread-safe.
+  bool can_refuse(const ClientLoad& client) const;
   /// Whether the client has nothing outstanding. Thread-safe.
   bool is_idle(const ClientLoad& client) const;
   /// Takes all replies that are there. They count as outstanding until `sent`. Control thread.
