@@ -60,27 +60,24 @@ void measure_drift(const PushPullRun& run, const std::vector<std::size_t>& spots
   matrix.drift_noise_px = std::sqrt(variance / count);
 }
 
+/// In floats, as it is kept: what is read from a file is the same. (GCC 12 leaves out the rounding
+/// of double(float(value)) where it vectorises neighbours.)
 struct Column {
-  Eigen::VectorXd slopes, standard_error;
+  Eigen::VectorXf slopes, standard_error;
 };
 
-/// To the precision of a float, which is how it is kept: what is read from a file is the same.
-double kept(double value) {
-  return double(float(value));
-}
-
 Column column_of(const PushPull& push, const std::vector<std::size_t>& spots, std::size_t all) {
-  Column c{Eigen::VectorXd::Zero(2 * Eigen::Index(all)),
-           Eigen::VectorXd::Zero(2 * Eigen::Index(all))};
+  Column c{Eigen::VectorXf::Zero(2 * Eigen::Index(all)),
+           Eigen::VectorXf::Zero(2 * Eigen::Index(all))};
   const double by = 1.0 / (2.0 * push.amplitude_waves);
   for (const std::size_t i : spots) {
     const auto row = 2 * Eigen::Index(i);
     const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
     const Vec2 &a = push.plus.standard_error_px[i], &b = push.minus.standard_error_px[i];
-    c.slopes(row) = kept(by * moved.x);
-    c.slopes(row + 1) = kept(by * moved.y);
-    c.standard_error(row) = kept(by * std::hypot(a.x, b.x));
-    c.standard_error(row + 1) = kept(by * std::hypot(a.y, b.y));
+    c.slopes(row) = float(by * moved.x);
+    c.slopes(row + 1) = float(by * moved.y);
+    c.standard_error(row) = float(by * std::hypot(a.x, b.x));
+    c.standard_error(row + 1) = float(by * std::hypot(a.y, b.y));
   }
   return c;
 }
@@ -95,12 +92,12 @@ double least_singular_value(const Eigen::MatrixXd& slopes) {
 bool append(InteractionMatrix& matrix, const Column& column) {
   const Eigen::Index before = matrix.slopes.cols();
   Eigen::MatrixXd with(column.slopes.size(), before + 1);
-  with << matrix.slopes, column.slopes;
+  with << matrix.slopes, column.slopes.cast<double>();
   if (determined_modes(with) != int(with.cols())) return false;
-  if (column.standard_error.norm() > kMostNoise * least_singular_value(with)) return false;
+  if (double(column.standard_error.norm()) > kMostNoise * least_singular_value(with)) return false;
   matrix.slopes = std::move(with);
   matrix.standard_error.conservativeResize(Eigen::NoChange, before + 1);
-  matrix.standard_error.col(before) = column.standard_error;
+  matrix.standard_error.col(before) = column.standard_error.cast<double>();
   return true;
 }
 
@@ -111,8 +108,8 @@ void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pu
   matrix.standard_error.resize(2 * Eigen::Index(all), 0);
   for (const PushPull* push : pushes) {
     const Column column = column_of(*push, spots, all);
-    const double signal = column.slopes.norm();
-    const double noise = column.standard_error.norm();
+    const double signal = double(column.slopes.norm());
+    const double noise = double(column.standard_error.norm());
     if (!(noise <= kMostNoise * signal)) {
       matrix.dropped.push_back(
           {push->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
