@@ -349,7 +349,8 @@ void App::Parts::end_without_display() {
 }
 
 /// First who needs the others to end, and the disk: procedures and the loop the camera, which needs
-/// the frame path. Then all others at once.
+/// the frame path. Camera and sensor answer what waits for them before control ends. Then all
+/// others at once.
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread ends without us
   service::notify_stopping();
@@ -361,10 +362,11 @@ Result<void> App::Parts::stop() {
   slm.close();
   threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write, ThreadRole::disk});
   (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopPatienceS);
-  threads.end_soon({ThreadRole::camera});
+  const std::vector<ThreadRole> asked{ThreadRole::camera, ThreadRole::prepare};
+  threads.end_soon(asked);
   auto written = end_disk_work();
   end_whatever_holds_after(kLastPatienceS);
-  std::string held = threads.wait_for_end({ThreadRole::camera}, kStopPatienceS);
+  std::string held = threads.wait_for_end(asked, kStopPatienceS);
   const std::string other = threads.stop_all(held.empty() ? kStopPatienceS : kDiskLookS);
   if (held.empty()) held = other;
   if (written) written = check_kept();

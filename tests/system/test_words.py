@@ -118,7 +118,7 @@ class Completions(unittest.TestCase):
         shell.press(f"source {MADE / 'completion.bash'}; clear\n")
         for keys, line in (("ovws wa\t--pl\t", "ovws watch --plain"), ("ovws call sensor.se\t", "ovws call sensor.set"),
                            ("ovws call sensor.set '{\"track\t\"mat\t", "ovws call sensor.set '{\"tracker\": \"matched\"}'"),
-                           ("ovws call camera.set \tgai\t12}'", "ovws call camera.set '{\"gain_db\": 12}'")):
+                           ("ovws call camera.set \tgain_d\t12}'", "ovws call camera.set '{\"gain_db\": 12}'")):
             with self.subTest(line):
                 shell.press("\x15\x0c" + keys)
                 wait_on(lambda: any(row.rstrip() == "$ " + line for row in shell.rows()), shell)
