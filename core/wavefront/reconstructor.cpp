@@ -127,6 +127,8 @@ Reconstruction Reconstructor::solve(std::span<const SpotFix> spots, Scratch& scr
     scratch.measured(2 * i) = there ? double(spots[i].x) : 0.0;
     scratch.measured(2 * i + 1) = there ? double(spots[i].y) : 0.0;
   }
+  result.used = found;
+  result.lost = referenced_ - found;
   if (!determined_ || 2 * Eigen::Index(found) < columns_.cols()) return result;
   scratch.reduced = found != referenced_;
   if (!scratch.reduced) {
@@ -192,7 +194,9 @@ Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, S
   const Reconstruction all = solve(spots, scratch, coefficients);
   if (!all.determined || !(all.fit_residual_px > credible_px)) return all;
   const double most_spread = spread(spots, all) / kOutlierRatio;
-  for (int count = 0; count < most;) {
+  if (!std::isfinite(most_spread)) return all;
+  int count = 0;
+  while (count < most) {
     const int worst = most_contradicted(spots, scratch);
     if (worst < 0) break;
     SpotFix& spot = spots[std::size_t(worst)];
@@ -200,14 +204,13 @@ Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, S
     spot = SpotFix{.peak = spot.peak};
     const Reconstruction rest = solve(spots, scratch, coefficients);
     if (rest.determined && spread(spots, rest) <= most_spread) return rest;
-    if (rest.determined && count < most) continue;
-    for (int k = 0; k < count; ++k) spots[lost[std::size_t(k)].first] = lost[std::size_t(k)].second;
-    break;
+    if (!rest.determined) break;
   }
+  for (int k = 0; k < count; ++k) spots[lost[std::size_t(k)].first] = lost[std::size_t(k)].second;
   return solve(spots, scratch, coefficients);
 }
 
-/// RMS of the residual per degree of freedom; without bound if there are too few.
+/// RMS of the residual per degree of freedom; infinite if there are too few.
 double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstruction& found) const {
   Eigen::Index count = 0;
   for (std::size_t i = 0; i < spots.size(); ++i) count += usable(spots[i], i) ? 2 : 0;

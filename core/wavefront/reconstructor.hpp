@@ -16,6 +16,8 @@ struct Reconstruction {
   double fit_residual_px =
       0.0;                 ///< RMS over the found spots' x and y of what the modes do not explain
   double rms_waves = 0.0;  ///< root sum square of the coefficients without tilts (j = 1, 2)
+  int used = 0;            ///< spots that were found and have a reference
+  int lost = 0;            ///< spots that have a reference and were not found
 };
 
 /// How many of the first columns of `slopes` (2N x Z, as from slope_matrix) the whole lattice

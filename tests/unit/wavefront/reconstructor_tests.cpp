@@ -309,6 +309,27 @@ TEST_F(Reconstruct, LosesNoSpotToNoiseOrToModesThatItDoesNotKnow) {
   }
 }
 
+/// 12 of 19 spots tell 18 modes with 6 degrees of freedom: without its worst spot any such set
+/// agrees better.
+TEST_F(Reconstruct, LosesNoSpotWhereTooFewAreLeftToTell) {
+  const Reconstructor r(slopes_, modes_, reference_);
+  Reconstructor::Scratch scratch = r.make_scratch();
+  coefficients_.resize(modes_.size());
+  std::mt19937 random(5);
+  std::normal_distribution<float> off(0.0F, 2.0F);
+  int determined = 0;
+  for (int k = 0; k < 100; ++k) {
+    auto fixes = spots(truth_);
+    for (SpotFix& fix : fixes) fix.x += off(random), fix.y += off(random);
+    for (int i = 0; i < 7; ++i) fixes[std::size_t((8 * i + k) % 19)] = SpotFix{};
+    const Reconstruction found = r.solve_without_outliers(fixes, scratch, coefficients_, 0.4);
+    determined += found.determined ? 1 : 0;
+    EXPECT_EQ(found.used, 12) << k;
+    EXPECT_EQ(found.lost, 7) << k;
+  }
+  EXPECT_GT(determined, 20);
+}
+
 TEST_F(Reconstruct, DoesNotAllocate) {
   const Reconstructor r(slopes_, modes_, reference_);
   Reconstructor::Scratch scratch = r.make_scratch();
