@@ -10,6 +10,7 @@ namespace {
 constexpr double kMostResidual = 0.25;        // lambda/d
 constexpr double kMostResidualTorn = 0.045;   // lambda/d, if a spot may be half of one
 constexpr float kWhole = 0.65F;               // quality
+constexpr int kOneLostOf = 6;                 // spots
 constexpr double kResidualOfNoisePx = 1.25;   // px for a noise as large as the spot's level
 constexpr std::int64_t kLateNs = 50'000'000;  // a busy machine is that late now and then
 constexpr double kLatePeriods = 3.0;
@@ -65,7 +66,8 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
 }
 
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, double lambda_d_px) {
-  bool all_whole = true;
+  if (kOneLostOf * found.lost > found.used + found.lost) return false;
+  bool all_whole = found.lost == 0;
   double squares = 0.0;
   int count = 0;
   for (const SpotFix& spot : spots) {

@@ -19,7 +19,8 @@ namespace ovws {
 ///
 /// A frame without history, or with more than a few spots lost, is searched whole, at most every
 /// 16th frame while that does not help (BackOff). The search counts only if it finds more.
-/// In the first frame measured with a plan that has search_px, spots are tracked from there.
+/// A plan with search_px says where spots are looked for that were lost, or are elsewhere
+/// (SpotHistory).
 class TrackStage {
  public:
   struct Config {

@@ -64,11 +64,13 @@ TEST(HologramRule, APatternThatIsNoSensorNeverCounts) {
 
 constexpr double kLambdaD = 12.55;
 
-bool explained(double residual_lambda_d, float quality, float noise = 0.0F) {
+bool explained(double residual_lambda_d, float quality, float noise = 0.0F, int lost = 0) {
   std::vector<SpotFix> spots(19, SpotFix{1.0F, 1.0F, 250.0F, 0.9F, 200.0F, noise});
-  spots[3] = {};  // lost
   spots[7].quality = quality;
+  for (int i = 0; i < lost; ++i) spots[std::size_t(18 - i)] = {};
   Reconstruction found;
+  found.used = 19 - lost;
+  found.lost = lost;
   found.determined = true;
   found.fit_residual_px = residual_lambda_d * kLambdaD;
   return is_explained(found, spots, kLambdaD);
@@ -84,6 +86,17 @@ TEST(ExplainedRule, MoreIsExplainedWhileEverySpotIsWhole) {
   EXPECT_FALSE(explained(0.07, 0.64F));
   EXPECT_TRUE(explained(0.22, 0.9F));
   EXPECT_FALSE(explained(0.26, 0.9F));
+}
+
+TEST(ExplainedRule, LessIsExplainedWhileASpotIsLost) {
+  EXPECT_TRUE(explained(0.04, 0.9F, 0.0F, 3));
+  EXPECT_FALSE(explained(0.06, 0.9F, 0.0F, 1));
+}
+
+TEST(ExplainedRule, NothingIsExplainedByFewerThanFiveSixths) {
+  EXPECT_TRUE(explained(0.0, 0.9F, 0.0F, 3));
+  EXPECT_FALSE(explained(0.0, 0.9F, 0.0F, 4));
+  EXPECT_FALSE(explained(0.0, 0.9F, 180.0F, 4));
 }
 
 TEST(ExplainedRule, NoiseMayLeaveMore) {
