@@ -31,26 +31,6 @@ void add(std::vector<Vec2>& points, const std::vector<Vec2>& moves, double sign)
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + sign * moves[i];
 }
 
-/// What turns the spots about the pupil's centre, one column; none if positions count from where
-/// the bench showed them. Light that falls off towards the rim moves a vortex's core across the
-/// gradient of the amplitude, which is a turn of all, and so does a camera that stands askew: no
-/// wavefront does, but with spots lost the modes would take it for one.
-Eigen::MatrixXd rotation(const PlanInputs& inputs) {
-  const bool of_model = inputs.reference && inputs.reference->source == ReferenceSource::model;
-  if (!of_model || inputs.sensor.charge == 0) return {};
-  const auto& spots = inputs.lattice.subapertures;
-  const PxPerCycle map = px_per_cycle(inputs.optics, inputs.slm);
-  const double diameter_px = inputs.sensor.pupil_diameter_px;
-  Eigen::MatrixXd column(2 * Eigen::Index(spots.size()), 1);
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const Vec2 at = (4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
-    const Vec2 moved = map * Vec2{-at.y, at.x};  // by one wave over the radius, at the rim
-    column(2 * Eigen::Index(i), 0) = moved.x;
-    column(2 * Eigen::Index(i) + 1, 0) = moved.y;
-  }
-  return column;
-}
-
 std::vector<Vec2> predicted(const PlanInputs& inputs) {
   if (!inputs.reference) {
     auto spots = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
@@ -70,6 +50,22 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
                      PixelFormat format) {
   return {sensor.charge, lambda_d_px(optics, slm, sensor),
           lit_pixels(format, optics.wavelength_nm)};
+}
+
+Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
+                              const PxPerCycle& map, const std::optional<Reference>& reference) {
+  const bool of_model = reference && reference->source == ReferenceSource::model;
+  if (!of_model || sensor.charge == 0) return {};
+  const auto& spots = lattice.subapertures;
+  const double diameter_px = sensor.pupil_diameter_px;
+  Eigen::MatrixXd column(2 * Eigen::Index(spots.size()), 1);
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const Vec2 at = (4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
+    const Vec2 moved = map * Vec2{-at.y, at.x};  // by one wave over the radius, at the rim
+    column(2 * Eigen::Index(i), 0) = moved.x;
+    column(2 * Eigen::Index(i) + 1, 0) = moved.y;
+  }
+  return column;
 }
 
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
@@ -103,8 +99,10 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
                                   : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
                                                    px_per_cycle(inputs.optics, inputs.slm));
   plan->mode_operator = modes.kind;
-  plan->reconstructor = std::make_unique<Reconstructor>(modes.slopes, modes.modes_j,
-                                                        plan->reference_px, rotation(inputs));
+  plan->reconstructor = std::make_unique<Reconstructor>(
+      modes.slopes, modes.modes_j, plan->reference_px,
+      turn_of_spots(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
+                    inputs.reference));
   return plan;
 }
 

@@ -1,6 +1,7 @@
 /// From what the sensor is to what a frame is measured with: pure computation, off the frame path.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -39,6 +40,14 @@ struct PlanInputs {
 /// What the spots of this sensor are on a camera of this pixel format.
 SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, const SlmGeometry& slm,
                      PixelFormat format);
+
+/// What turns the spots about the pupil's centre, one column (2N x 1) for Reconstructor's nuisance;
+/// empty if positions count from where the bench showed them. Light that falls off towards the rim
+/// moves a vortex's core across the gradient of the amplitude, which is a turn of all, and so does
+/// a camera that stands askew: no wavefront does, but with spots lost the modes would take it for
+/// one.
+Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
+                              const PxPerCycle& map, const std::optional<Reference>& reference);
 
 /// Errors as of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);

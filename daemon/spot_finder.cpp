@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
 #include <thread>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "core/wavefront/shaped_acquisition.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/plan_builder.hpp"
+#include "daemon/reference_spots.hpp"
 
 namespace ovws {
 namespace {
@@ -29,16 +31,19 @@ constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
 constexpr std::int64_t kWellNs = 1'000'000'000;
 constexpr std::int64_t kAnnounceNs = 500'000'000;
 constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
+constexpr double kElsewhere = 0.5;      // lambda/d
 constexpr double kCell = 0.5;           // lambda/d: images are compared by the means of such cells
 // Memory is locked: what a search needs grows with both, to some hundred MiB here.
 constexpr std::size_t kMostSpots = 200;
 constexpr double kMostSpotPx = 40.0;  // lambda/d
 
 /// A torn spot may be lost, or found in its wrong half: then no wavefront explains the positions.
+/// One that the reference lacks, too, is dark, and missed by nobody.
 bool is_doubtful(const FrameRecord& record) {
   const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
-  return record.settled && (record.tracked < record.spot_count ||
-                            record.reconstruction.fit_residual_px > explained_px);
+  const int lost =
+      record.plan->referenced() ? record.reconstruction.lost : record.spot_count - record.tracked;
+  return record.settled && (lost > 0 || record.reconstruction.fit_residual_px > explained_px);
 }
 
 /// NaN for lost spots.
@@ -46,6 +51,20 @@ std::vector<Vec2> places(std::span<const SpotFix> fixes) {
   std::vector<Vec2> at_px;
   for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
   return at_px;
+}
+
+/// Nothing is torn, and every spot that the reference has is followed where a search found it: a
+/// new plan would measure the same.
+bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
+                         const SensorSnapshot& sensor, double lambda_d_px) {
+  if (!sensor.torn.empty() || !found.numbers().empty() || !sensor.reference) return false;
+  const std::vector<Vec2> known = known_positions(*sensor.reference);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const Vec2 followed{double(frame.spots[i].x), double(frame.spots[i].y)};
+    const bool there = norm(found.at_px[i] - followed) <= kElsewhere * lambda_d_px;
+    if (!std::isnan(known[i].x) && !there) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -152,6 +171,7 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
   if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   // While frames are valid, what follows the spots is better than nothing.
   if (found || doubt == Doubt::blind) {
+    if (found && is_followed_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
     const bool changes = found || !sensor.torn.empty();
     if (changes) left_plan_id_ = sensor.plan_id, left_ns_ = monotonic_ns();
     instrument_.follow(sensor.plan_id, std::move(found));
@@ -193,16 +213,14 @@ std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   return out;
 }
 
-/// All spots are found, and a wavefront explains where they are.
+/// All spots that have a reference are found, and a wavefront explains where they are.
 bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
-  const bool all =
-      std::all_of(fixes.begin(), fixes.end(), [](const SpotFix& fix) { return fix.found(); });
-  if (!all) return false;
   const Reconstructor& plain = bench_->plain;
   Reconstructor::Scratch scratch = plain.make_scratch();
   std::vector<float> coefficients(plain.modes_j().size());
   const Reconstruction found = plain.solve(fixes, scratch, coefficients);
-  return found.determined && found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
+  return found.determined && found.lost == 0 &&
+         found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
 }
 
 /// False: what stands in the snapshot makes no sensor, or one too large to search.
@@ -235,7 +253,9 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
                               reference_px, cols, rows),
             template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
                             spots.on_lattice()),
-            Reconstructor(slopes, sensor.modes_j, reference_px)});
+            Reconstructor(slopes, sensor.modes_j,
+                          sensor.reference ? known_positions(*sensor.reference) : reference_px,
+                          turn_of_spots(*lattice, sensor.sensor, map, sensor.reference))});
   return true;
 }
 
