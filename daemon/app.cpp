@@ -264,6 +264,7 @@ Result<void> App::Parts::start_threads() {
   starts.push_back({ThreadRole::camera, camera});
   starts.push_back({ThreadRole::procedure, *procedures});
   starts.push_back({ThreadRole::loop, *loop});
+  disk.begin();  // before any thread that could hand it something
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }

@@ -100,24 +100,41 @@ void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>
   }
 }
 
-/// Of one kind and name only the newest is to be on the disk.
+/// The items of its kind and name but the one that is being tried, of which turn() says what
+/// becomes of it.
+std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
+  std::list<Item> taken;
+  for (auto at = items_.begin(); at != items_.end();) {
+    const auto one = at++;
+    if (one->kind != newer.kind || one->name != newer.name) continue;
+    if (trying_ == one->number) {
+      items_.erase(one);
+    } else {
+      taken.splice(taken.end(), items_, one);
+    }
+  }
+  return taken;
+}
+
+/// Of one kind and name only the newest is to be on the disk. Of one that is too much for the queue
+/// what remains to be done is that the outdated one goes.
 void DaemonStore::queue(Item item) {
   std::list<Item> displaced;
-  bool too_much = false;
+  Tried refused;
   {
     const std::lock_guard lock(mutex_);
-    for (auto at = items_.begin(); at != items_.end();) {
-      const auto one = at++;
-      if (one->kind != item.kind || one->name != item.name) continue;
-      queued_bytes_ -= bytes_of(one->text);
-      displaced.splice(displaced.end(), items_, one);
+    std::size_t bytes = bytes_of(item.text);
+    for (const Item& one : items_) {
+      const bool same = one.kind == item.kind && one.name == item.name;
+      bytes += same ? 0 : bytes_of(one.text);
     }
-    const bool trying = !displaced.empty() && trying_ == displaced.back().number;
-    if (trying) displaced.pop_back();  // turn() says what becomes of it
-    too_much = item.text && queued_bytes_ + item.text->size() > kMaxQueuedBytes;
-    if (!too_much) {
+    if (bytes > kMaxQueuedBytes) {
+      refused = std::exchange(item.tried, [](const Result<std::string>&) {});
+      item.text = nullptr;
+    }
+    if (!refused || item.older == Older::set_aside) {
+      displaced = take_out(item);
       item.number = ++last_number_;
-      queued_bytes_ += bytes_of(item.text);
       items_.push_back(std::move(item));
     }
   }
@@ -125,8 +142,8 @@ void DaemonStore::queue(Item item) {
     if (one.why) continue;  // it was told already
     one.tried(fail(Errc::refused, "", "a newer one took its place before it was written"));
   }
-  if (too_much) {
-    return item.tried(fail(
+  if (refused) {
+    refused(fail(
         Errc::unavailable, "state.directory",
         fmt::format("{} MiB wait for the disk already: check the disk", kMaxQueuedBytes >> 20)));
   }
@@ -147,9 +164,9 @@ bool DaemonStore::turn() {
     const auto next =
         std::find_if(items_.begin(), items_.end(), [](const Item& one) { return one.due; });
     if (next == items_.end() || trying_) return false;
+    item = *next;
     next->due = false;
     trying_ = next->number;
-    item = *next;
   }
   const Result<std::string> done = carry_out(item);
   bool all_written = false, more = false;
@@ -170,9 +187,21 @@ bool DaemonStore::turn() {
   return more;
 }
 
+/// An exception is one more reason not to be kept: the item is tried again.
 Result<std::string> DaemonStore::carry_out(const Item& item) {
+  try {
+    return write(item);
+  } catch (const std::exception& error) {
+    return fail(Errc::internal, "", error.what());
+  }
+}
+
+Result<std::string> DaemonStore::write(const Item& item) {
   if (!item.text) {
-    if (auto dropped = store_->drop(item.kind, item.name); !dropped) return fail(dropped.error());
+    const bool aside = item.older == Older::set_aside;
+    auto gone =
+        aside ? store_->set_aside(item.kind, item.name) : store_->drop(item.kind, item.name);
+    if (!gone) return fail(gone.error());
     return std::string();
   }
   auto kept = store_->put_text(item.kind, item.name, *item.text);
@@ -202,7 +231,6 @@ void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
     now->why = done.error().reason;
     return;
   }
-  queued_bytes_ -= bytes_of(now->text);
   items_.erase(now);
 }
 
@@ -241,6 +269,12 @@ std::optional<std::string> DaemonStore::why_queued(std::string_view kind) const 
     if (item.kind == kind && item.why) why = item.why;
   }
   return why;
+}
+
+bool DaemonStore::is_queued(std::string_view kind, std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(items_.begin(), items_.end(),
+                     [&](const Item& one) { return one.kind == kind && one.name == name; });
 }
 
 StatusMessage::StorePart DaemonStore::report() const {

@@ -61,6 +61,7 @@ class DaemonStore {
                   std::function<void(const std::string& sha256)> then);
   /// Why an item of this kind is still queued; none: none was refused.
   std::optional<std::string> why_queued(std::string_view kind) const;
+  bool is_queued(std::string_view kind, std::string_view name) const;
   StatusMessage::StorePart report() const;
   /// `task` is carried out in the disk thread, after what was asked for before.
   Result<void> request(Disk::Task task);
@@ -87,7 +88,7 @@ class DaemonStore {
  private:
   struct Item {
     std::string kind, name;
-    std::shared_ptr<const std::string> text;  ///< null: to be dropped
+    std::shared_ptr<const std::string> text;  ///< null: to be dropped, or set aside
     Older older = Older::stays;
     Tried tried;
     std::uint64_t number = 0;          ///< of the order in which they were asked for
@@ -95,7 +96,9 @@ class DaemonStore {
     std::optional<std::string> why{};  ///< it was refused for
   };
   void queue(Item item);
+  std::list<Item> take_out(const Item& newer);  // call with mutex_ locked
   Result<std::string> carry_out(const Item& item);
+  Result<std::string> write(const Item& item);
   void settle(const Item& item, const Result<std::string>& done);  // call with mutex_ locked
   std::vector<Item> queued_of(std::string_view kind) const;
   bool any_due() const;  // call with mutex_ locked
@@ -114,7 +117,6 @@ class DaemonStore {
   std::list<Item> items_;                ///< oldest first
   std::optional<std::uint64_t> trying_;  ///< its number
   std::uint64_t last_number_ = 0;
-  std::size_t queued_bytes_ = 0;
   std::int64_t next_try_ns_ = 0;
   int refused_ = 0;                           ///< items since all was written
   std::optional<std::string> why_read_only_;  ///< at the start, and until something is kept

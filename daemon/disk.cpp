@@ -28,7 +28,6 @@ Result<void> Disk::request(Task task) {
 }
 
 bool Disk::do_work() {
-  begun_.store(true);
   const bool worked = mailbox_.run_one(more_ ? kNow : kIdle);
   more_ = work_ && work_();
   return worked || more_;

@@ -17,8 +17,10 @@ class Disk : public Agent {
   /// Requests of clients that may wait at once: a disk that stands still must not fill the memory.
   static constexpr int kMaxRequests = 64;
 
+  /// From now on tasks wait for the disk thread, which is about to be made.
+  void begin() { begun_.store(true); }
   /// Thread-safe, never waits for the disk. Tasks are carried out in order, in the disk thread;
-  /// before that has begun (at the start, and in tests) at once, in the calling thread.
+  /// before begin (at the start, and in tests) at once, in the calling thread.
   void post(Task task);
   /// The same for a client's request. Errc::unavailable if too many wait already.
   Result<void> request(Task task);

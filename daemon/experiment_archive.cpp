@@ -37,7 +37,7 @@ Result<void> ExperimentArchive::open(bool anew) {
   read_if_known(held());
   const ExperimentRun opened = held();
   files_.try_again();
-  note(opened, files_.put_header(opened));
+  note(files_.put_header(opened));
   if (anew) {
     if (auto dropped = files_.drop_measured(opened); !dropped) return dropped;
   }
@@ -57,9 +57,8 @@ void ExperimentArchive::read_if_known(ExperimentRun run) {
   read(run);
 }
 
-/// What the disk refused the store tries again, and has until then.
-bool ExperimentArchive::note(const ExperimentRun& run, const Result<void>& kept) {
-  if (kept || files_.why_not_kept(run)) return true;
+bool ExperimentArchive::note(const Result<void>& kept) {
+  if (kept) return true;
   const std::lock_guard lock(mutex_);
   not_kept_reason_ = kept.error().reason;
   return false;
@@ -80,7 +79,7 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  note(run, files_.put_reference(run, arm, std::move(reference)));
+  note(files_.put_reference(run, arm, std::move(reference)));
 }
 
 /// The disk has answered before it is told: who was told of a cell finds it again.
@@ -90,12 +89,12 @@ void ExperimentArchive::put_cell(int cell, json measured) {
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!note(run, files_.put_picture(run, cell, base64))) {
+    if (!note(files_.put_picture(run, cell, base64))) {
       const std::lock_guard lock(mutex_);
       pictures_[cell] = std::move(base64);
     }
   }
-  note(run, files_.put_cell(run, cell, measured));
+  note(files_.put_cell(run, cell, measured));
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;

@@ -59,7 +59,7 @@ class ExperimentArchive {
   void read_if_known(ExperimentRun run);
   ExperimentRun held() const;
   /// False: the store has none of it, and why is remembered.
-  bool note(const ExperimentRun& run, const Result<void>& kept);
+  bool note(const Result<void>& kept);
   std::optional<std::string> picture_in_memory(const ExperimentRun& run, int cell) const;
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
   std::optional<double> time_left_s() const;        // call with mutex_ locked

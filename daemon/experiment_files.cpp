@@ -112,8 +112,8 @@ std::optional<std::string> ExperimentFiles::picture(const ExperimentRun& run, in
 Result<void> ExperimentFiles::put(const std::string& kind, const std::string& name,
                                   const json& content) {
   const auto kept = store_.put_and_wait(kind, name, content);
-  if (!kept) return fail(kept.error());
-  return {};
+  if (kept || store_.is_queued(kind, name)) return {};
+  return fail(kept.error());
 }
 
 Result<void> ExperimentFiles::put_header(const ExperimentRun& run) {

@@ -34,6 +34,7 @@ class ExperimentFiles {
   Measured measured(const ExperimentRun& run) const;
   std::optional<std::string> picture(const ExperimentRun& run, int cell) const;
 
+  /// Errors: neither the disk nor the store's queue has it.
   Result<void> put_header(const ExperimentRun& run);
   Result<void> put_reference(const ExperimentRun& run, int arm, nlohmann::json reference);
   Result<void> put_cell(const ExperimentRun& run, int cell, nlohmann::json measured);

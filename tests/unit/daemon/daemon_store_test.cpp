@@ -200,6 +200,21 @@ TEST_F(Store, MoreThanItsMemoryIsNotKept) {
   EXPECT_EQ(store_.queued(), 1);
 }
 
+TEST_F(Store, WhatIsOutdatedIsNotLoadedAlsoIfTheNewIsTooMuch) {
+  Answers first, second, third;
+  put("a", 1, first);
+  ASSERT_EQ(first.kept, 1);
+  const std::string too_much(DaemonStore::kMaxQueuedBytes, 'x');
+  store_.put("kind", "a", too_much, DaemonStore::Older::stays, second.tried());
+  EXPECT_EQ(second.refused, 1);
+  EXPECT_EQ(value("a"), 1);
+  store_.put("kind", "a", too_much, DaemonStore::Older::set_aside, third.tried());
+  EXPECT_EQ(third.refused, 1);
+  EXPECT_EQ(store_.queued(), 0);
+  EXPECT_EQ(value("a"), json());
+  EXPECT_TRUE(fs::exists(file("kind.a.json.outdated")));
+}
+
 /// The disk thread, which waits for a disk until it is let go.
 TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
   const std::string folder = own_folder("standing_disk");
@@ -209,17 +224,13 @@ TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
   DaemonStore store({folder}, events, &disk);
   disk.each_turn([&] { return store.turn(); });
   std::promise<void> go;
-  std::atomic<bool> stop{false}, stands{false};
+  std::atomic<bool> stop{false};
+  disk.begin();
+  disk.post([&] { go.get_future().wait(); });
   std::thread thread([&] {
     while (!stop) disk.do_work();
     disk.on_close();
   });
-  while (!stands) {
-    disk.post([&] {
-      if (std::this_thread::get_id() != thread.get_id() || stands.exchange(true)) return;
-      go.get_future().wait();
-    });
-  }
   std::atomic<int> kept{0};
   store.put("kind", "a", {{"value", 1}}, DaemonStore::Older::set_aside,
             [&](const Result<std::string>& done) { kept += done ? 1 : 0; });
