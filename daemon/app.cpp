@@ -349,9 +349,9 @@ void App::Parts::end_without_display() {
   end_at_once("the display does not let go", end_disk_work());
 }
 
-/// First who needs the others to end, and the disk: procedures and the loop the camera, which needs
-/// the frame path. Camera and sensor answer what waits for them before control ends. Then all
-/// others at once.
+/// First who needs the others to end: procedures and the loop the camera, which needs the frame
+/// path. Camera and sensor answer what waits for them before control ends. Then the disk, which all
+/// of these may have given work; then all others at once.
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread ends without us
   service::notify_stopping();
@@ -361,13 +361,14 @@ Result<void> App::Parts::stop() {
   refiner->end_soon();
   operators.end_soon();
   slm.close();
-  threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write, ThreadRole::disk});
+  threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write});
   (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopPatienceS);
   const std::vector<ThreadRole> asked{ThreadRole::camera, ThreadRole::prepare};
   threads.end_soon(asked);
-  auto written = end_disk_work();
-  end_whatever_holds_after(kLastPatienceS);
   std::string held = threads.wait_for_end(asked, kStopPatienceS);
+  auto written = end_disk_work();
+  if (!threads.fatal_failure().empty()) exit_status.store(1);
+  end_whatever_holds_after(kLastPatienceS);
   const std::string other = threads.stop_all(held.empty() ? kStopPatienceS : kDiskLookS);
   if (held.empty()) held = other;
   if (written) written = check_kept();

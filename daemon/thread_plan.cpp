@@ -289,7 +289,11 @@ std::vector<HungThread> ThreadPlan::hung_threads() const {
     const double turn_s = 1e-9 * double(now_ns - running.turn_began_ns.load());
     if (turn_s > running.row->longest_turn_s) hung.push_back({running.row, turn_s});
   };
-  for (const auto& running : threads_) look_at(*running);
+  for (const auto& running : threads_) {
+    const bool ended =
+        running->ended.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!ended) look_at(*running);
+  }
   if (stop_here_ != nullptr) look_at(*here_);
   return hung;
 }

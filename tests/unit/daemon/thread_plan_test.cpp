@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <semaphore>
@@ -54,6 +55,19 @@ TEST(ThreadPlan, ATurnThatTakesTooLongIsNamedUntilItEnds) {
   wait_for([&] { return plan.hung_threads().empty(); });
 }
 
+TEST(ThreadPlan, AThreadThatHasEndedDoesNotHang) {
+  Sticky agent;
+  agent.let_go();
+  ThreadPlan plan(RealtimePolicy::ignore);
+  ASSERT_TRUE(plan.start(ThreadRole::track, agent));
+  plan.end_soon({ThreadRole::track});
+  wait_for([&] { return agent.closed.load(); });
+  const auto track = std::find_if(kThreadTable.begin(), kThreadTable.end(),
+                                  [](const auto& row) { return row.role == ThreadRole::track; });
+  std::this_thread::sleep_for(std::chrono::duration<double>(track->longest_turn_s) + 100ms);
+  EXPECT_EQ(names(plan.hung_threads()), "");
+}
+
 TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
   Sticky agent;
   Sticky other;
@@ -62,8 +76,9 @@ TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
   ASSERT_TRUE(plan.start(ThreadRole::publish, other));
   ASSERT_TRUE(plan.start(ThreadRole::camera, agent));
   wait_for([&] { return agent.turns == 2; });
+  plan.end_soon({ThreadRole::publish});
+  wait_for([&] { return other.closed.load(); });
   EXPECT_EQ(plan.stop_all(0.05), "camera");
-  EXPECT_TRUE(other.closed);
   EXPECT_FALSE(agent.closed);
   agent.let_go();
 }
