@@ -9,7 +9,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostLost = 0.25;  // of the spots, by one mode
 constexpr double kMostNoise = 0.1;  // of a column's signal
 constexpr std::size_t kFewestSpots = 3;
 
@@ -153,7 +152,7 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most
   for (const std::size_t i : resting) lost[i] = false;
   for (const PushPull& push : run.modes) {
     const std::vector<int> gone = lost_by(push, run.before);
-    if (double(gone.size()) > kMostLost * double(resting.size())) {
+    if (double(gone.size()) > kMostLostByMode * double(resting.size())) {
       matrix.dropped.push_back(
           {push.j, "its pictures lose the spots " + listed(gone) + ": push by fewer waves"});
       continue;

@@ -31,6 +31,9 @@ struct PushPullRun {
   std::vector<PushPull> modes;
 };
 
+/// A mode that loses more than this share of the spots that are there without a push is dropped.
+constexpr double kMostLostByMode = 0.25;
+
 struct DroppedMode {
   int j = 0;
   std::string reason;  ///< for a person
@@ -50,8 +53,8 @@ struct InteractionMatrix {
   int spots() const { return int(slopes.rows() / 2); }
 };
 
-/// Column = (plus - minus) / (2 amplitude). A mode is dropped if it loses more than a quarter of
-/// the spots that are there without a push, if its noise is over a tenth of its signal, or if with
+/// Column = (plus - minus) / (2 amplitude). A mode is dropped if it loses more than
+/// kMostLostByMode of the spots, if its noise is over a tenth of its signal, or if with
 /// it the modes before it are no longer determined: condition over 1000, or a singular value below
 /// ten times its noise. A spot that is lost in any picture of the modes that stay has rows of 0 in
 /// every column, for a Reconstructor uses a spot for all modes or for none. Errors (Errc::refused):

@@ -5,16 +5,15 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "core/wavefront/lost_pushes.hpp"
 #include "core/wavefront/matrix_comparison.hpp"
 #include "daemon/mode_operators.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kMostDrift = 0.05;   // lambda/d, from the first picture to the last
-constexpr int kMostHalvings = 2;      // of the amplitude
-constexpr double kMostFilled = 0.25;  // of the spots, by both pictures of a mode
-constexpr double kModelError = 0.2;   // of what the model says of a spot that was lost
+constexpr double kMostDrift = 0.05;  // lambda/d, from the first picture to the last
+constexpr int kMostHalvings = 2;     // of the amplitude
 
 std::vector<Mode> with_push(std::vector<Mode> shown, int j, double waves) {
   const auto at =
@@ -43,57 +42,6 @@ Result<SpotMeans> look(Bench& bench, const std::vector<Mode>& aberration, int fr
   const auto average = bench.spots(frames);
   if (!average) return fail(average.error());
   return means_of(*average);
-}
-
-bool is_known(const SpotMeans& spots, std::size_t i) {
-  return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
-}
-
-/// How many times as far as the model says the spots moved that both pictures of a mode show.
-double factor_of(const PushPull& push, const Eigen::Ref<const Eigen::VectorXd>& model) {
-  double both = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < push.plus.at_px.size(); ++i) {
-    if (!is_known(push.plus, i) || !is_known(push.minus, i)) continue;
-    const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
-    const auto row = 2 * Eigen::Index(i);
-    const double x = 2.0 * push.amplitude_waves * model[row];
-    const double y = 2.0 * push.amplitude_waves * model[row + 1];
-    both += moved.x * x + moved.y * y;
-    squares += x * x + y * y;
-  }
-  return squares > 0.0 ? both / squares : 1.0;
-}
-
-/// A spot that one picture lost moved as far the other way as the other picture shows.
-void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, SpotMeans& lost) {
-  const Vec2 &a = seen.standard_error_px[i], &b = resting.standard_error_px[i];
-  lost.at_px[i] = 2.0 * resting.at_px[i] - seen.at_px[i];
-  lost.standard_error_px[i] = {std::hypot(a.x, 2.0 * b.x), std::hypot(a.y, 2.0 * b.y)};
-}
-
-/// Puts in what the pictures of a mode lack of the resting spots: from the other picture, or, where
-/// both lost the spot, from the model's column times what the other spots moved of theirs. Else the
-/// spot would count for no mode. Nothing of the model if both lost too many.
-void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
-               PushPull& push) {
-  for (const int spot : lost_by(push, resting)) {
-    const auto i = std::size_t(spot);
-    const bool up = is_known(push.plus, i), down = is_known(push.minus, i);
-    if (up) mirror(push.plus, resting, i, push.minus);
-    if (down) mirror(push.minus, resting, i, push.plus);
-  }
-  const std::vector<int> lost = lost_by(push, resting);
-  if (double(lost.size()) > kMostFilled * double(resting.at_px.size())) return;
-  const double factor = factor_of(push, model);
-  for (const int spot : lost) {
-    const auto i = std::size_t(spot);
-    const auto row = 2 * Eigen::Index(i);
-    const Vec2 moved = push.amplitude_waves * factor * Vec2{model[row], model[row + 1]};
-    push.plus.at_px[i] = resting.at_px[i] + moved;
-    push.minus.at_px[i] = resting.at_px[i] - moved;
-    const double error_px = kModelError * norm(moved);
-    push.plus.standard_error_px[i] = push.minus.standard_error_px[i] = {error_px, error_px};
-  }
 }
 
 Result<std::vector<int>> modes_to_push(const CalibrationRun& run, const ModeOperator& model) {

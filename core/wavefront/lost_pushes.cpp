@@ -1,0 +1,65 @@
+#include "core/wavefront/lost_pushes.hpp"
+
+#include <cmath>
+
+namespace ovws {
+namespace {
+
+constexpr double kModelError = 0.2;  // of what the model says of a spot that was lost
+
+bool is_known(const SpotMeans& spots, std::size_t i) {
+  return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
+}
+
+/// How many times as far as the model says the spots moved that both pictures of a mode show.
+double factor_of(const PushPull& push, const Eigen::Ref<const Eigen::VectorXd>& model) {
+  double both = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < push.plus.at_px.size(); ++i) {
+    if (!is_known(push.plus, i) || !is_known(push.minus, i)) continue;
+    const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
+    const auto row = 2 * Eigen::Index(i);
+    const double x = 2.0 * push.amplitude_waves * model[row];
+    const double y = 2.0 * push.amplitude_waves * model[row + 1];
+    both += moved.x * x + moved.y * y;
+    squares += x * x + y * y;
+  }
+  return squares > 0.0 ? both / squares : 1.0;
+}
+
+/// A spot that one picture lost moved as far the other way as the other picture shows.
+void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, SpotMeans& lost) {
+  const Vec2 &a = seen.standard_error_px[i], &b = resting.standard_error_px[i];
+  lost.at_px[i] = 2.0 * resting.at_px[i] - seen.at_px[i];
+  lost.standard_error_px[i] = {std::hypot(a.x, 2.0 * b.x), std::hypot(a.y, 2.0 * b.y)};
+}
+
+/// Both pictures lost the spot: it moved as the model says, known to a fifth.
+void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, std::size_t i,
+                  PushPull& push) {
+  const Vec2 moved = push.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};
+  push.plus.at_px[i] = resting.at_px[i] + moved;
+  push.minus.at_px[i] = resting.at_px[i] - moved;
+  const double error_px = kModelError * norm(moved);
+  push.plus.standard_error_px[i] = push.minus.standard_error_px[i] = {error_px, error_px};
+}
+
+}  // namespace
+
+void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
+               PushPull& push) {
+  const std::vector<int> lost = lost_by(push, resting);
+  if (double(lost.size()) > kMostLostByMode * double(resting.at_px.size())) return;
+  const double factor = factor_of(push, model);
+  for (const int spot : lost) {
+    const auto i = std::size_t(spot);
+    if (is_known(push.plus, i)) {
+      mirror(push.plus, resting, i, push.minus);
+    } else if (is_known(push.minus, i)) {
+      mirror(push.minus, resting, i, push.plus);
+    } else {
+      follow_model(resting, factor * model.segment<2>(2 * spot), i, push);
+    }
+  }
+}
+
+}  // namespace ovws
