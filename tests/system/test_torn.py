@@ -119,6 +119,7 @@ class Torn(BenchCase):
         gone_s, frame = self.frames_until_valid(stream, 2.0)
         print(f"\n  twelve wavefronts: {valid} of {count} frames valid; the next is after {took_s:.2f} s, error {error:.3f} wave; "
               f"when it has gone after {gone_s:.2f} s")
+        self.assertGreater(valid, count // 4)  # 75 % on a quiet machine
         self.assertLess(error, 0.06)
         self.assertLess(self.error([frame], {}), 0.05)
 
