@@ -27,7 +27,6 @@
 #include "daemon/slm_loop.hpp"
 #include "daemon/spot_finder.hpp"
 #include "daemon/status_reporter.hpp"
-#include "daemon/store/atomic_file.hpp"
 #include "daemon/stream_publisher.hpp"
 #include "daemon/thread_plan.hpp"
 #include "drivers/zmq/control_server.hpp"
@@ -71,8 +70,7 @@ void end_whatever_holds_after(double patience_s) {
 /// In the order in which each needs the ones before; destroyed in reverse.
 struct App::Parts {
   Config config;
-  Guarded<Config> config_in_force;
-  std::string config_path;
+  Guarded<LoadedConfig> loaded;
   Counters counters;
   StreamQueue queue;
   Events events{queue};
@@ -108,10 +106,9 @@ struct App::Parts {
   std::atomic<bool> ending{false};
   ThreadPlan threads;
 
-  Parts(const Config& c, std::string path)
-      : config(c),
-        config_in_force(c),
-        config_path(std::move(path)),
+  explicit Parts(const LoadedConfig& as_loaded)
+      : config(as_loaded.effective),
+        loaded(as_loaded),
         pipeline(config.pipeline, {counters, shown, settings}),
         recorder(config, pipeline, events),
         operators(config.slm.geometry),
@@ -204,8 +201,8 @@ Result<void> App::Parts::bind_streams() {
                                         &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
-  reloader = std::make_unique<Reloader>(ReloadDeps{config_path, config_in_force, state, camera,
-                                                   *instrument, *refiner, *images, events, disk});
+  reloader = std::make_unique<Reloader>(
+      ReloadDeps{config, loaded, state, camera, *instrument, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
       StatusDeps{state,    camera,    slm,      *instrument,
                  *finder,  *images,   *loop,    *refiner,
@@ -216,9 +213,9 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(
-      Services{config, config_in_force, config_path, state, camera, *instrument, jobs, *procedures,
-               experiments, *loop, *refiner, recorder, *status, slm, counters, *clients, disk});
+  services = std::make_unique<Services>(Services{config, loaded, state, camera, *instrument, jobs,
+                                                 *procedures, experiments, *loop, *refiner,
+                                                 recorder, *status, slm, counters, *clients, disk});
   const ControlHandler handle = [this](std::string_view request, const std::string& key,
                                        std::function<void(std::string)> reply) {
     const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
@@ -275,9 +272,8 @@ App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 App::~App() = default;
 
-Result<std::unique_ptr<App>> App::make(const Config& config, const std::string& config_path) {
-  if (!config_path.empty()) remove_leftovers_of(config_path);
-  auto parts = std::make_unique<Parts>(config, config_path);
+Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
+  auto parts = std::make_unique<Parts>(loaded);
   if (auto made = parts->make_instrument(); !made) return fail(made.error());
   parts->experiments.load();
   if (auto made = parts->make_guard(); !made) return fail(made.error());

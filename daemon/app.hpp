@@ -4,10 +4,9 @@
 
 #include <atomic>
 #include <memory>
-#include <string>
 
-#include "config/config.hpp"
 #include "core/base/result.hpp"
+#include "daemon/saved_config.hpp"
 
 namespace ovws {
 
@@ -17,7 +16,7 @@ class App {
   /// Errors say what at start-up cannot be mended by waiting: a configuration that makes no sensor,
   /// a port in use, a missing privilege under `"realtime": "enforce"`. A camera or a display that
   /// is absent is no error.
-  static Result<std::unique_ptr<App>> make(const Config& config, const std::string& config_path);
+  static Result<std::unique_ptr<App>> make(const LoadedConfig& loaded);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;

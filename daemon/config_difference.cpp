@@ -23,15 +23,18 @@ constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
                                                  "log.level"};
 constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
 
-bool is_live(std::string_view key) {
-  const auto begins = [key](std::string_view start) { return key.starts_with(start); };
-  return std::any_of(kLive.begin(), kLive.end(), begins) &&
-         std::none_of(kFixed.begin(), kFixed.end(), begins);
-}
-
-template <class T>
-void undo_rounding(T& file, const T& asked, const T& in_use) {
-  if (file == in_use) file = asked;
+/// `rule` of each setting that a camera may round.
+template <class Rule>
+void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraSettings& b,
+                      Rule rule) {
+  rule(to.gain_db, a.gain_db, b.gain_db);
+  rule(to.gain_raw, a.gain_raw, b.gain_raw);
+  rule(to.exposure_us, a.exposure_us, b.exposure_us);
+  rule(to.frame_rate_hz, a.frame_rate_hz, b.frame_rate_hz);
+  rule(to.roi.x, a.roi.x, b.roi.x);
+  rule(to.roi.y, a.roi.y, b.roi.y);
+  rule(to.roi.width, a.roi.width, b.roi.width);
+  rule(to.roi.height, a.roi.height, b.roi.height);
 }
 
 template <class T>
@@ -40,6 +43,12 @@ void take_difference(std::optional<T>& change, const T& before, const T& after) 
 }
 
 }  // namespace
+
+bool changes_live(std::string_view key) {
+  const auto begins = [key](std::string_view start) { return key.starts_with(start); };
+  return std::any_of(kLive.begin(), kLive.end(), begins) &&
+         std::none_of(kFixed.begin(), kFixed.end(), begins);
+}
 
 ConfigDifference difference(const Config& before, const Config& after) {
   const auto now = nlohmann::json::parse(dump_config(before), nullptr, false).flatten();
@@ -51,7 +60,7 @@ ConfigDifference difference(const Config& before, const Config& after) {
       if (there && (!all || others[pointer] == value)) continue;
       std::string key = pointer.substr(1);
       std::replace(key.begin(), key.end(), '/', '.');
-      (is_live(key) ? keys.live : keys.restart).push_back(std::move(key));
+      (changes_live(key) ? keys.live : keys.restart).push_back(std::move(key));
     }
   };
   look_at(wanted, now, true);
@@ -60,16 +69,19 @@ ConfigDifference difference(const Config& before, const Config& after) {
 }
 
 CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now) {
-  const CameraSettings &asked = now.asked, &in_use = now.settings;
-  undo_rounding(file.gain_db, asked.gain_db, in_use.gain_db);
-  undo_rounding(file.gain_raw, asked.gain_raw, in_use.gain_raw);
-  undo_rounding(file.exposure_us, asked.exposure_us, in_use.exposure_us);
-  undo_rounding(file.frame_rate_hz, asked.frame_rate_hz, in_use.frame_rate_hz);
-  undo_rounding(file.roi.x, asked.roi.x, in_use.roi.x);
-  undo_rounding(file.roi.y, asked.roi.y, in_use.roi.y);
-  undo_rounding(file.roi.width, asked.roi.width, in_use.roi.width);
-  undo_rounding(file.roi.height, asked.roi.height, in_use.roi.height);
+  for_each_rounded(file, now.asked, now.settings,
+                   [](auto& value, const auto& asked, const auto& in_use) {
+                     if (value == in_use) value = asked;
+                   });
   return file;
+}
+
+CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
+                          const CameraSettings& file) {
+  for_each_rounded(in_use, asked, file, [](auto& value, const auto& wanted, const auto& written) {
+    if (wanted == written) value = written;
+  });
+  return in_use;
 }
 
 CameraSet camera_change(const CameraSettings& before, const CameraSettings& after) {

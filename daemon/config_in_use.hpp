@@ -1,15 +1,16 @@
 /// The configuration that a restart would need to come back as things are now.
 #pragma once
 
-#include "config/config.hpp"
 #include "daemon/camera_actor.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/saved_config.hpp"
 
 namespace ovws {
 
-/// Thread-safe: `base` with what camera, sensor and refinement use now.
-Config config_in_use(Config base, const CameraActor& camera, const Instrument& instrument,
-                     const LiveRefiner& refiner);
+/// Thread-safe: `started` with what was reloaded of streams and log, and with what camera, sensor
+/// and refinement use now.
+Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
+                     const Instrument& instrument, const LiveRefiner& refiner);
 
 }  // namespace ovws

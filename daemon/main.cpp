@@ -10,10 +10,10 @@
 #include <atomic>
 #include <csignal>
 
-#include "config/config.hpp"
 #include "daemon/app.hpp"
 #include "daemon/config_check.hpp"
 #include "daemon/log.hpp"
+#include "daemon/saved_config.hpp"
 #include "daemon/thread_plan.hpp"
 
 namespace {
@@ -59,12 +59,21 @@ void give_large_blocks_back() {
   mallopt(M_TRIM_THRESHOLD, kSpareBytes);
 }
 
-int serve(const ovws::Config& config, const std::string& path) {
+/// Which saved values are active; a warning if they cannot be used.
+void report_saved(const ovws::LoadedConfig& loaded) {
+  const std::string saved = ovws::describe_saved(loaded);
+  if (saved.empty()) return;
+  spdlog::log(loaded.why_unused.empty() ? spdlog::level::info : spdlog::level::warn, saved);
+}
+
+int serve(ovws::LoadedConfig loaded) {
+  ovws::set_aside_if_invalid(loaded);
+  report_saved(loaded);
   std::signal(SIGTERM, request_stop);
   std::signal(SIGINT, request_stop);
   std::signal(SIGHUP, request_reload);
   std::signal(SIGPIPE, SIG_IGN);
-  auto app = ovws::App::make(config, path);
+  auto app = ovws::App::make(loaded);
   if (!app) return complain(app.error());
   reloadable.store(app->get());
   const auto done = (*app)->run(stop_requested);
@@ -83,18 +92,21 @@ int main(int argc, char** argv) {
   std::string path;
   bool check_only = false;
   line.add_option("--config,-c", path, "configuration file; defaults without it");
-  line.add_flag("--check-config", check_only, "read the configuration, say what is wrong, and end");
+  line.add_flag("--check-config", check_only,
+                "check the configuration, print it with the saved settings, and end");
   line.set_version_flag("--version", OVWS_VERSION);
   CLI11_PARSE(line, argc, argv);
 
-  const auto config =
-      path.empty() ? ovws::Result<ovws::Config>{ovws::Config{}} : ovws::load_config(path);
-  ovws::start_log(config ? config->log.level : "info");
-  if (!config) return complain(config.error());
-  if (const auto usable = ovws::check_usable(*config); !usable) return complain(usable.error());
-  if (!check_only) return serve(*config, path);
-  if (const auto seen = ovws::check_sees_spots(*config); !seen) return complain(seen.error());
+  const auto loaded =
+      ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);
+  ovws::start_log(loaded ? loaded->effective.log.level : "info");
+  if (!loaded) return complain(loaded.error());
+  const ovws::Config& config = loaded->effective;
+  if (const auto usable = ovws::check_usable(config); !usable) return complain(usable.error());
+  if (!check_only) return serve(*loaded);
+  report_saved(*loaded);
+  if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
   spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
-  std::printf("%s\n", ovws::dump_config(*config).c_str());
+  std::printf("%s\n", ovws::dump_config(config).c_str());
   return 0;
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "daemon/config_check.hpp"
@@ -38,13 +39,17 @@ RefineSet refine_set(const RefineSetup& to) {
   return change;
 }
 
-/// The parts name their keys as their methods do, a file's reader knows them with their room.
-Error in_room(std::string room, Error error) {
+/// The parts name their keys as their methods do, a file's reader knows them with their room. A
+/// saved value is not in the file, where a person would look for it.
+Error in_room(std::string room, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator"}) {
     if (error.field == key) room = "tracking";
   }
   if (!error.field.empty() && !error.field.starts_with(room)) {
     error.field = room + "." + error.field;
+  }
+  if (std::find(read.saved.begin(), read.saved.end(), error.field) != read.saved.end()) {
+    error.reason += " (a saved value: remove " + *read.overlay + " to use the file's)";
   }
   return error;
 }
@@ -63,7 +68,7 @@ void Reloader::look() {
 }
 
 void Reloader::begin() {
-  if (deps_.path.empty()) {
+  if (deps_.loaded.get().path.empty()) {
     return refuse({Errc::refused, "", "the daemon was started without --config FILE"});
   }
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
@@ -71,9 +76,10 @@ void Reloader::begin() {
   }
   if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
   deps_.disk.post([this] {
-    auto read = load_config(deps_.path);
+    auto read = load_with_saved(deps_.loaded.get().path);
     if (read) {
-      if (const auto usable = check_usable(*read); !usable) read = fail(usable.error());
+      const auto usable = check_usable(read->effective);
+      if (!usable) read = fail(usable.error());
     }
     deps_.instrument.after_changes([this, read = std::move(read)] {
       if (!read) return refuse(read.error());
@@ -82,13 +88,15 @@ void Reloader::begin() {
   });
 }
 
-void Reloader::change(const Config& read) {
+void Reloader::change(const LoadedConfig& read) {
   Reload reload;
-  reload.before = config_in_use(deps_.config.get(), deps_.camera, deps_.instrument, deps_.refiner);
-  reload.after = read;
+  reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.instrument,
+                                deps_.refiner);
+  reload.after = read.effective;
+  reload.read = read;
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload.before.camera.settings = camera.asked;
-  reload.after.camera.settings = as_asked(read.camera.settings, camera);
+  reload.after.camera.settings = as_asked(read.effective.camera.settings, camera);
   reload.keys = difference(reload.before, reload.after);
   change_camera(reload);
 }
@@ -99,7 +107,8 @@ void Reloader::change_camera(const Reload& reload) {
   if (after == before) return change_refine(reload);
   deps_.camera.change_or_want(camera_change(before, after),
                               [this, reload](const Result<CameraSnapshot>& used) {
-                                if (!used) return refuse(in_room("camera", used.error()));
+                                if (!used)
+                                  return refuse(in_room("camera", used.error(), reload.read));
                                 change_refine(reload);
                               });
 }
@@ -107,7 +116,7 @@ void Reloader::change_camera(const Reload& reload) {
 void Reloader::change_refine(const Reload& reload) {
   const auto used = deps_.refiner.change(refine_set(reload.after.refine),
                                          reload.after.camera.settings.pixel_format);
-  if (!used) return put_back_camera(reload, in_room("refine", used.error()));
+  if (!used) return put_back_camera(reload, in_room("refine", used.error(), reload.read));
   change_sensor(reload);
 }
 
@@ -120,7 +129,7 @@ void Reloader::change_sensor(const Reload& reload) {
                     change.applied_to(reload.before.tracking) == reload.before.tracking;
   if (same) return finish(reload);
   deps_.instrument.reload_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
-    if (!used) return put_back(reload, in_room("sensor", used.error()));
+    if (!used) return put_back(reload, in_room("sensor", used.error(), reload.read));
     finish(reload);
   });
 }
@@ -150,16 +159,26 @@ void Reloader::put_back_camera(const Reload& reload, const Error& why) {
 void Reloader::finish(const Reload& reload) {
   deps_.images.set_rate(reload.after.stream.image_rate_hz);
   set_log_level(reload.after.log.level);
-  deps_.config.change([&](Config& config) {
-    config.stream.image_rate_hz = reload.after.stream.image_rate_hz;
-    config.log.level = reload.after.log.level;
+  deps_.loaded.set(reload.read);
+  deps_.disk.post([this, used = reload]() mutable {
+    set_aside_if_invalid(used.read);
+    report(used);
   });
+}
+
+void Reloader::report(const Reload& reload) {
   const auto& [live, restart] = reload.keys;
   std::string text = "configuration reloaded: ";
   text += live.empty() ? "nothing that can change now has changed" : "applied " + listed(live);
   if (!restart.empty()) text += "; left until a restart: " + listed(restart);
-  end(restart.empty() ? Severity::info : Severity::warning, std::move(text),
-      {{"reloaded", true}, {"applied", live}, {"restart", restart}});
+  if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
+  const bool all_used = restart.empty() && reload.read.why_unused.empty();
+  end(all_used ? Severity::info : Severity::warning, std::move(text),
+      {{"reloaded", true},
+       {"applied", live},
+       {"restart", restart},
+       {"saved", reload.read.saved},
+       {"edited", reload.read.edited}});
 }
 
 void Reloader::refuse(const Error& why, const char* what_stays) {

@@ -1,4 +1,5 @@
-/// SIGHUP: reads the configuration's file again and applies what can change while the daemon runs.
+/// SIGHUP: reads the configuration file and the saved values again and applies what can change
+/// while the daemon runs.
 #pragma once
 
 #include <atomic>
@@ -13,13 +14,14 @@
 #include "daemon/image_publisher.hpp"
 #include "daemon/instrument.hpp"
 #include "daemon/live_refiner.hpp"
+#include "daemon/saved_config.hpp"
 #include "daemon/state_keeper.hpp"
 
 namespace ovws {
 
 struct ReloadDeps {
-  const std::string& path;  ///< empty: the daemon was started without a file
-  Guarded<Config>& config;  ///< as started, and as reloaded where the daemon follows it live
+  const Config& config;           ///< as the daemon was started with
+  Guarded<LoadedConfig>& loaded;  ///< as last loaded; a reload that is applied replaces it
   const StateKeeper& state;
   CameraActor& camera;
   Instrument& instrument;
@@ -46,15 +48,17 @@ class Reloader {
   struct Reload {
     Config before, after;  ///< the camera's settings as asked for, not as read back
     ConfigDifference keys;
+    LoadedConfig read;
   };
 
   void begin();
-  void change(const Config& read);
+  void change(const LoadedConfig& read);
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
   void put_back(const Reload& reload, const Error& why);
   void finish(const Reload& reload);
+  void report(const Reload& reload);
   void put_back_camera(const Reload& reload, const Error& why);
   void refuse(const Error& why, const char* what_stays = "everything goes on as it was");
   void end(Severity severity, std::string text, nlohmann::json data);

@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "daemon/config_check.hpp"
+#include "daemon/saved_config.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -32,15 +33,18 @@ ConfigurationFacts read_configuration(const std::string& path) {
   ConfigurationFacts facts;
   facts.path = path;
   if (path.empty() && ::access(kServicePath, F_OK) == 0) facts.path = kServicePath;
-  const auto config = facts.path.empty() ? Result<Config>{Config{}} : load_config(facts.path);
-  if (!config) {
-    facts.error = config.error();
+  const auto loaded = load_with_saved(facts.path, service_state_folder(facts.path));
+  if (!loaded) {
+    facts.error = loaded.error();
     return facts;
   }
-  facts.config = *config;
-  if (const auto usable = check_usable(*config); !usable) facts.error = usable.error();
-  if (const auto seen = check_sees_spots(*config); !seen) facts.unseen = seen.error();
-  const auto& secret = config->security.secret_key;
+  const Config& config = loaded->effective;
+  facts.config = config;
+  facts.saved = describe_saved(*loaded);
+  facts.saved_is_unused = !loaded->why_unused.empty();
+  if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
+  if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
+  const auto& secret = config.security.secret_key;
   facts.secret_is_of_other = secret && ::access(secret->c_str(), R_OK) != 0 && errno == EACCES;
   return facts;
 }
@@ -67,7 +71,11 @@ Findings judge(const ConfigurationFacts& facts) {
                                 kServicePath),
                     "ovws doctor --config FILE")};
   }
-  return {ok(kName, facts.path + " reads well and makes a sensor")};
+  const std::string good = facts.path + " reads well and makes a sensor";
+  if (facts.saved_is_unused) {
+    return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
+  }
+  return {ok(kName, facts.saved.empty() ? good : good + "; " + facts.saved)};
 }
 
 }  // namespace ovws::doctor

@@ -16,6 +16,8 @@ struct ConfigurationFacts {
   std::optional<Error> error;       ///< why there is no config, or why it makes no sensor
   std::optional<Error> unseen;      ///< why a daemon that starts with it would find no spots
   bool secret_is_of_other = false;  ///< the daemon's keys may be read by another user only
+  std::string saved;                ///< as of describe_saved; empty: config.save saved nothing
+  bool saved_is_unused = false;     ///< the saved values are damaged, or of another file
 };
 
 /// Empty path: the service's file, if there is one.

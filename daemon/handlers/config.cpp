@@ -1,12 +1,12 @@
+#include "daemon/config_difference.hpp"
 #include "daemon/config_in_use.hpp"
 #include "daemon/handlers/methods.hpp"
-#include "daemon/store/atomic_file.hpp"
 
 namespace ovws {
 namespace {
 
 Config in_use(const Services& services) {
-  return config_in_use(services.config_in_force.get(), services.camera, services.instrument,
+  return config_in_use(services.config, services.loaded.get(), services.camera, services.instrument,
                        services.refiner);
 }
 
@@ -15,16 +15,20 @@ void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
 }
 
 void save(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  if (services.config_path.empty()) {
-    return reply(failed({Errc::refused, "",
-                         "the daemon was started without a configuration file: start it with "
-                         "--config FILE"}));
+  const LoadedConfig loaded = services.loaded.get();
+  if (!loaded.overlay) {
+    return reply(failed({Errc::refused, "state.directory",
+                         "there is no folder to save to: set state.directory in the configuration "
+                         "file, or $STATE_DIRECTORY, and restart the daemon"}));
   }
-  const auto asked = services.disk.request(
-      [path = services.config_path, text = dump_config(in_use(services)), reply] {
-        const auto saved = replace_file(path, text);
+  Config now = in_use(services);
+  now.camera.settings = as_in_file(now.camera.settings, services.camera.snapshot().asked,
+                                   loaded.file.camera.settings);
+  const auto asked =
+      services.disk.request([path = *loaded.overlay, values = values_to_save(loaded, now), reply] {
+        const auto saved = write_saved(path, values);
         if (!saved) return reply(failed(saved.error()));
-        reply(nlohmann::json{{"path", path}});
+        reply(nlohmann::json{{"path", path}, {"saved", values.keys}});
       });
   if (!asked) reply(failed(asked.error()));
 }

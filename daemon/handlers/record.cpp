@@ -16,7 +16,7 @@ Recorder::Done answer_with(RpcReply reply) {
 void start(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto asked = decode_record_start(params);
   if (!asked) return reply(failed(asked.error()));
-  const Config in_use = config_in_use(services.config_in_force.get(), services.camera,
+  const Config in_use = config_in_use(services.config, services.loaded.get(), services.camera,
                                       services.instrument, services.refiner);
   services.recorder.start({*asked, dump_config(in_use), in_use.camera.settings,
                            services.camera.snapshot().info, "ovwsd " OVWS_VERSION},

@@ -1,8 +1,6 @@
 /// What the handlers of the control socket may use.
 #pragma once
 
-#include <string>
-
 #include "config/config.hpp"
 #include "core/rt/counters.hpp"
 #include "daemon/camera_actor.hpp"
@@ -16,15 +14,15 @@
 #include "daemon/loop/closed_loop.hpp"
 #include "daemon/procedures/procedures.hpp"
 #include "daemon/record/recorder.hpp"
+#include "daemon/saved_config.hpp"
 #include "daemon/state_keeper.hpp"
 #include "daemon/status_reporter.hpp"
 
 namespace ovws {
 
 struct Services {
-  const Config& config;                    ///< as the daemon was started with
-  const Guarded<Config>& config_in_force;  ///< the same, and what was reloaded of streams and log
-  const std::string& config_path;          ///< empty: started without a file
+  const Config& config;                 ///< as the daemon was started with
+  const Guarded<LoadedConfig>& loaded;  ///< as last loaded: at the start, or by a reload
   StateKeeper& state;
   CameraActor& camera;
   Instrument& instrument;

@@ -29,16 +29,6 @@ class Disk(BenchCase):
         self.addCleanup(subprocess.run, ["umount", "-l", self.state], check=True)
         super().start()
 
-    def start_daemon(self):
-        """Its configuration is saved to that disk, too."""
-        link, saved = self.bench.directory / "ovwsd.json", self.state / "ovwsd.json"
-        link.unlink(missing_ok=True)
-        super().start_daemon()
-        if not saved.exists():
-            saved.write_bytes(link.read_bytes())
-        link.unlink()
-        link.symlink_to(saved)
-
     def restart(self):
         self.bench.stop("ovwsd")
         self.client.close()
@@ -170,7 +160,7 @@ class Disk(BenchCase):
         for method, params, _ in RUNS:
             self.run_job(method, params, 60.0)
         self.sweep(3)
-        names = [name for name in sorted(self.files()) if name != "ovwsd.json" and "picture" not in name]  # pictures are read when asked for
+        names = [name for name in sorted(self.files()) if "picture" not in name]  # pictures are read when asked for
         self.assertEqual(len(names), 4 + 1 + 1 + 2, names)
         for cut in range(CUTS):
             path = self.state / names[cut % len(names)]

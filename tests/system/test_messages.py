@@ -9,7 +9,7 @@ PICTURES = "tcp://127.0.0.1:7703"
 
 
 class Messages(BenchCase):
-    daemon_config = {"record": {"directory": "recordings"}}
+    daemon_config = {"state": {"directory": "state"}}
 
     def setUp(self):
         super().setUp()

@@ -16,6 +16,8 @@ def blocks(language):
 
 
 class Readme(BenchCase):
+    daemon_config = {"state": {"directory": "state"}}
+
     def run_here(self, command):
         done = subprocess.run(command, capture_output=True, text=True, timeout=30, cwd=self.bench.directory)
         print("\n  $", shlex.join(map(str, command))[:100])

@@ -24,6 +24,8 @@ def root_sum_square(values):
 
 
 class RefinedCase(BenchCase):
+    daemon_config = {"state": {"directory": "state"}}
+
     def setUp(self):
         super().setUp()
         self.schema = self.call("system.describe")["streams"]["refined"]

@@ -89,6 +89,38 @@ class Reload(BenchCase):
         (self.bench.directory / "ovwsd.json").unlink()
         self.assert_frames(hologram)
 
+    def test_saved_settings_are_laid_over_the_file(self):
+        overlay = self.bench.directory / "state" / "config.json"
+        self.call("camera.set", {"exposure_us": 1500.0, "gain_db": 3.0})
+        self.call("sensor.set", {"tracker": "matched"})
+        self.assertEqual(self.call("config.save")["saved"], ["camera.exposure_us", "camera.gain_db", "tracking.tracker"])
+        self.call("camera.set", {"exposure_us": 1600.0})
+        file = {"camera": {"gain_db": 0.0}, "state": {"directory": "state"}}
+        event = self.reload(file)
+        print("\n ", event["text"])
+        self.assertEqual(event["data"]["applied"], ["camera.exposure_us"])
+        self.assertEqual((event["severity"], event["data"]["saved"], event["data"]["edited"]),
+                         ("info", ["camera.exposure_us", "camera.gain_db", "tracking.tracker"], []))
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 1500.0)
+        event = self.reload(file | {"camera": {"gain_db": 1.0}, "slm": {"settle_ms": 25.0}})
+        self.assertEqual((event["data"]["saved"], event["data"]["edited"]), (["camera.exposure_us", "tracking.tracker"], ["camera.gain_db"]))
+        self.assertIn("the file's values are used: camera.gain_db", event["text"])
+        self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 1.0)
+        self.call("config.save")  # what waits for a restart is not saved
+        self.assertEqual(set(json.loads(overlay.read_text())["saved"]), {"camera.exposure_us", "tracking.tracker"})
+        for bad in ("{", overlay.read_text().replace('"matched"', '"best"')):
+            overlay.write_text(bad)
+            event = self.reload(file)
+            self.assertEqual((event["severity"], event["data"]["reloaded"], event["data"]["saved"]), ("warning", True, []), event)
+            self.assertIn("renamed to state/config.json.rejected", event["text"])
+            self.assertEqual(self.call("config.get")["tracking"]["tracker"], "lg")
+        self.assertFalse(overlay.exists())
+        # A value that the camera refuses is none of the file's.
+        text = json.dumps({"file": str(self.bench.directory / "ovwsd.json"), "saved": {"camera.gain_db": {"value": 90.0, "instead_of": 0.0}}})
+        overlay.write_text(text)
+        self.assert_refused(file, "camera.gain_db", "a saved value: remove state/config.json")
+        self.assertEqual(overlay.read_text(), text)
+
     def test_a_job_and_the_closed_loop_refuse_it(self):
         self.take_reference(20)
         self.call("loop.close", {"gain": 0.3})
@@ -123,12 +155,14 @@ class Reload(BenchCase):
         used = self.call("camera.get")["settings"]
         self.assertEqual((used["gain_db"], used["exposure_us"], used["roi"]["x"]), (2.0, 1500.0, 16))
         self.assertEqual(self.reload(rounded)["data"]["applied"], [])
-        self.call("config.save")  # of what the camera made of it
-        saved = (self.bench.directory / "ovwsd.json").read_text()
-        self.assertIn("1500.0", saved)
-        self.assertEqual(self.reload(saved)["data"]["applied"], [])
+        self.assertEqual(self.call("config.save")["saved"], [], "rounding is no change of the file")
+        as_used = json.dumps(rounded | {"camera": {key: used[key] for key in ("gain_db", "exposure_us", "roi")}})
+        self.assertEqual(self.reload(as_used)["data"]["applied"], [])
         self.assertEqual(self.reload(rounded)["data"]["applied"], [])
         self.call("camera.set", {"exposure_us": 1600.2})
+        self.assertEqual(self.call("config.save")["saved"], ["camera.exposure_us"])
+        self.assertEqual(self.reload(rounded)["data"]["applied"], [])
+        (self.bench.directory / "state" / "config.json").unlink()
         self.assertEqual(self.reload(rounded)["data"]["applied"], ["camera.exposure_us"])
         # What was asked for comes back, too, where a later part of the file refuses.
         self.assert_refused({"camera": {"exposure_us": 900.0}, "tracking": {"operator": "measured"}}, "tracking.operator")

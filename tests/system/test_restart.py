@@ -8,6 +8,7 @@ import os
 import random
 import re
 import statistics
+import subprocess
 import threading
 
 from case import BenchCase, Client, ClientError, main, wait_for
@@ -21,7 +22,8 @@ class Restart(BenchCase):
     twin_config = {"aberration": [{"n": 2, "m": 2, "waves": 0.2}]}
 
     def files(self):
-        return sorted((self.bench.directory / "state").iterdir())
+        """What is kept besides the saved settings."""
+        return sorted(path for path in (self.bench.directory / "state").iterdir() if path.name != "config.json")
 
     def new_client(self):
         self.client.close()
@@ -47,8 +49,8 @@ class Restart(BenchCase):
 
     def test_the_reference_is_in_force_again_after_a_kill(self):
         self.call("camera.set", {"gain_db": 3.0, "exposure_us": 1400.0})
-        self.call("config.save")
-        saved = (self.bench.directory / "ovwsd.json").read_text()
+        saved = self.call("config.save")
+        self.assertEqual(saved["saved"], ["camera.exposure_us", "camera.gain_db"])
         self.take_reference(50)
         before = self.call("reference.get")
         self.assertEqual(before["source"], "measured")
@@ -59,7 +61,8 @@ class Restart(BenchCase):
         self.assertEqual((kept["schema"], kept["sha256"]), ("ovws.state.reference/1", before["sha256"]))
         self.assertEqual(kept["content"]["origin"], before["origin"])
         self.kill()
-        log = self.start_again(saved)
+        log = self.start_again()
+        self.assertIn(f"saved values active: camera.exposure_us, camera.gain_db ({saved['path']})", log)
         self.assertIn(before["sha256"], log)
         self.assertIn(before["t_taken"], log)
         self.assertEqual(self.call("reference.get"), before)
@@ -164,6 +167,43 @@ class Restart(BenchCase):
         self.take_reference(20)
         self.assertIsNone(self.call("reference.get")["sha256"])
 
+    def test_saved_settings_are_laid_over_the_file(self):
+        config, overlay = self.bench.directory / "ovwsd.json", self.bench.directory / "state" / "config.json"
+        file = config.read_bytes()
+        self.call("camera.set", {"gain_db": 3.0, "exposure_us": 1400.0})
+        self.assertEqual(self.call("config.save"), {"path": "state/config.json", "saved": ["camera.exposure_us", "camera.gain_db"]})
+        self.assertEqual(config.read_bytes(), file)
+        # A key that is edited afterwards is the file's, and all others are as saved.
+        self.kill()
+        log = self.start_again(self.daemon_config | {"camera": {"gain_db": 6.0}})
+        self.assertIn("saved values active: camera.exposure_us (", log)
+        self.assertIn("the file's values are used: camera.gain_db", log)
+        settings = self.call("camera.get")["settings"]
+        self.assertEqual((settings["gain_db"], settings["exposure_us"]), (6.0, 1400.0))
+        checked = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", config], cwd=self.bench.directory, capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        self.assertIn("saved values active: camera.exposure_us (", checked.stderr)
+        self.assertEqual(json.loads(checked.stdout)["camera"]["exposure_us"], 1400.0)
+        # A bad one stops nothing.
+        for bad in (overlay.read_text()[:40], overlay.read_text().replace("1400.0", "-1.0")):
+            self.kill()
+            overlay.write_text(bad)
+            self.assertRegex(self.start_again(), r"warning.*state/config.json are not used: .*renamed to state/config.json.rejected")
+            self.assertEqual(overlay.with_name("config.json.rejected").read_text(), bad)
+            self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0)
+        # Saved with the file's own values there is nothing to keep.
+        self.call("camera.set", {"exposure_us": 1400.0})
+        self.call("config.save")
+        self.assertTrue(overlay.exists())
+        self.call("camera.set", {"exposure_us": 2000.0})
+        self.assertEqual(self.call("config.save")["saved"], [])
+        self.assertFalse(overlay.exists())
+        self.kill()
+        self.start_again({"log": {"level": "debug"}})
+        refused = self.refused("config.save")
+        self.assertEqual(refused.data["field"], "state.directory")
+        self.assertIn("set state.directory", refused.data["reason"])
+
     def kept(self):
         """What is to survive: the reference and the calibration by their checksums (None: there is none), and the gain in the saved configuration."""
         return {"reference": self.call("reference.get")["sha256"], "calibration": self.call("calibration.get")["sha256"],
@@ -209,7 +249,6 @@ class Restart(BenchCase):
 
     def test_kills_at_any_moment_leave_the_old_or_the_new(self):
         random.seed(11)
-        path = self.bench.directory / "ovwsd.json"
         self.call("camera.set", {"exposure_us": 500.0})  # saturates nothing at any gain of these
         self.call("config.save")
         old, found_new, interrupted = self.kept(), 0, collections.Counter()
@@ -221,7 +260,7 @@ class Restart(BenchCase):
             killer.join()
             self.bench.stop("ovwsd")
             self.new_client()  # what the old one has asked for must not reach the next daemon
-            log = self.start_again(path.read_text())
+            log = self.start_again()
             self.assertNotRegex(log, BY_DEFECT)
             now = self.kept()
             found_new += self.check_found(old, now, action, log)
@@ -229,7 +268,7 @@ class Restart(BenchCase):
             if now["reference"]:
                 self.assertTrue(self.settled_frames(self.stream("wavefront"), 1, timeout_s=30.0))
             old = now
-        self.assertEqual([p.name for p in self.bench.directory.iterdir() if p.name.endswith(".ovws-tmp")], [])
+        self.assertEqual([p.name for p in self.bench.directory.glob("**/*.ovws-tmp")], [])
         print(f"\n  {KILLS} kills, {found_new} of them found the new one of what was interrupted: {dict(interrupted)}")
 
 

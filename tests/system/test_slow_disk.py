@@ -27,9 +27,6 @@ class SlowDisk(BenchCase):
             subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
         self.folder = self.bench.directory / "slow-disk"
         self.folder.mkdir(exist_ok=True)
-        link = self.bench.directory / "ovwsd.json"  # its configuration lies on that disk, too
-        if not link.is_symlink():
-            link.symlink_to(self.folder / "ovwsd.json")
         seen = {"LD_PRELOAD": str(library), "OVWS_SLOW_FOLDER": "slow-disk", "OVWS_SLOW_DISK": str(self.speed_file)}
         os.environ.update(seen)
         try:
@@ -104,7 +101,8 @@ class Standing(SlowDisk):
         self.assertEqual(status["counters"]["frames_dropped"], dropped)
         hung = {text for event in iter(lambda: events.next(0.2), None) if event["kind"] == "thread" for text in [event["text"]]}
         self.assertEqual({text.split()[1] for text in hung}, {"disk"}, hung)
-        self.assertEqual(json.loads(pathlib.Path(saved[0]["path"]).read_text())["camera"]["exposure_us"], 1900.0)
+        overlay = json.loads((self.bench.directory / saved[0]["path"]).read_text())
+        self.assertEqual(overlay["saved"]["camera.exposure_us"], {"value": 1900.0, "instead_of": 2000.0})
         self.bench.stop("ovwsd")
         self.client.close()
         self.start_daemon()

@@ -11,7 +11,7 @@ FRAMES = 50
 
 class Templates(BenchCase):
     twin_config = {"aberration": HIDDEN}
-    daemon_config = {"tracking": {"tracker": "matched"}}
+    daemon_config = {"state": {"directory": "state"}, "tracking": {"tracker": "matched"}}
 
     def qualities(self, count=FRAMES):
         """Each spot's median quality; 0 for a lost one."""

@@ -566,8 +566,10 @@ class ConfigGetResult(TypedDict):
 
 
 class ConfigSaveResult(TypedDict):
-    # the file written
+    # the overlay: a file in the state directory; removed if nothing differs
     path: str
+    # dotted keys of the values that differ from the configuration file, sorted
+    saved: list[str]
 
 
 class Picture(TypedDict):
@@ -1634,9 +1636,11 @@ class Methods:
         return result
 
     def config_save(self) -> ConfigSaveResult:
-        """`config.save`. Writes the effective configuration to the file that the daemon was started with, atomically.
+        """`config.save`. Saves the settings in use that differ from the configuration file, atomically, to an overlay in the state
+        directory. The daemon lays it over the file at its start and at every reload.
 
-        Result: path: the file written
+        Result: path: the overlay: a file in the state directory; removed if nothing differs; saved: dotted keys of the values that differ
+                from the configuration file, sorted
         """
         result: ConfigSaveResult = self.call("config.save")
         return result
@@ -2338,7 +2342,8 @@ class AsyncMethods:
         return result
 
     async def config_save(self) -> ConfigSaveResult:
-        """`config.save`. Writes the effective configuration to the file that the daemon was started with, atomically.
+        """`config.save`. Saves the settings in use that differ from the configuration file, atomically, to an overlay in the state
+        directory. The daemon lays it over the file at its start and at every reload.
 
         Params and result: `Methods.config_save`.
         """

@@ -33,6 +33,17 @@ TEST(DoctorConfiguration, NoneIsSaid) {
   expect(facts, "configuration", Verdict::warning, "ovws doctor --config FILE");
 }
 
+TEST(DoctorConfiguration, SavedValuesAreNamedAndUnusedOnesAreAWarning) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  facts.saved = "saved values active: camera.gain_db (state/config.json)";
+  expect(facts, "configuration", Verdict::ok);
+  EXPECT_NE(judge(facts)[0].meaning.find(facts.saved), std::string::npos);
+  facts.saved_is_unused = true;
+  expect(facts, "configuration", Verdict::warning, "ovws call config.save");
+}
+
 TEST(DoctorConfiguration, KeysThatOnlyTheDaemonsUserReadsAreNotCalledWrong) {
   ConfigurationFacts facts;
   facts.path = "a.json";

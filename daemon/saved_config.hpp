@@ -1,0 +1,53 @@
+/// The saved settings: an overlay in the state directory that `config.save` writes, and that is
+/// laid over the configuration file whenever the file is read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+
+namespace ovws {
+
+/// A configuration as read: the file, the saved values, and what came of both.
+struct LoadedConfig {
+  std::string path;                    ///< of the file, as given; empty: none, `file` is defaults
+  Config file;                         ///< what the file says, with defaults
+  Config effective;                    ///< `file` with the saved values laid over it
+  std::optional<std::string> overlay;  ///< path of the saved values; none: no state directory
+  std::vector<std::string> saved;      ///< dotted keys whose saved values are active
+  std::vector<std::string> edited;     ///< keys edited in the file since they were saved: file wins
+  std::string why_unused;  ///< why the overlay is not used; empty: it is, or none exists
+  bool invalid = false;    ///< the overlay is damaged, or no sensor can be made with it
+};
+
+/// The folder of the service's state if `path` is the service's configuration file: a person who
+/// examines that file has no $STATE_DIRECTORY.
+std::optional<std::string> service_state_folder(const std::string& path);
+
+/// Reads the file (empty path: the defaults) and its overlay `config.json`, which lies in
+/// state_directory_of the file or else in `folder`. Waits for the disk, changes nothing. Errors as
+/// of load_config; a bad overlay is no error: `effective` is then `file`.
+Result<LoadedConfig> load_with_saved(const std::string& path,
+                                     const std::optional<std::string>& folder = std::nullopt);
+
+/// Renames an invalid overlay, so that it is not read again, and adds to `why_unused` what was
+/// done. Waits for the disk.
+void set_aside_if_invalid(LoadedConfig& loaded);
+
+/// One line for a person: which saved values are active, which are not, and why. Empty: none exist.
+std::string describe_saved(const LoadedConfig& loaded);
+
+/// What `config.save` writes: the settings that can change at run time and differ from the file.
+struct SavedValues {
+  std::vector<std::string> keys;  ///< dotted, sorted; empty: nothing differs
+  std::string text;               ///< of the overlay
+};
+SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use);
+
+/// Writes the overlay whole or not at all; without keys it is removed. Waits for the disk. Errors
+/// as of replace_file.
+Result<void> write_saved(const std::string& overlay, const SavedValues& values);
+
+}  // namespace ovws
