@@ -77,23 +77,10 @@ std::string target_of(const std::string& path) {
 }
 
 /// NAME.123456.ovws-tmp
-bool is_leftover(std::string_view file, std::string_view name) {
+bool is_leftover(std::string_view file) {
   if (!file.ends_with(kTemporary)) return false;
   file.remove_suffix(kTemporary.size());
-  if (file.size() <= kUnique.size() || file[file.size() - kUnique.size()] != '.') return false;
-  file.remove_suffix(kUnique.size());
-  return name.empty() || file == name;
-}
-
-/// An empty name: any.
-int remove_in(const fs::path& folder, std::string_view name) {
-  int removed = 0;
-  std::error_code failed;
-  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
-    const bool left = is_leftover(at->path().filename().string(), name);
-    if (left && ::unlink(at->path().c_str()) == 0) ++removed;
-  }
-  return removed;
+  return file.size() > kUnique.size() && file[file.size() - kUnique.size()] == '.';
 }
 
 using Dress = bool (*)(int fd, const std::string& path);
@@ -139,12 +126,13 @@ Result<void> remove_file(const std::string& path, const FileCalls& calls) {
 }
 
 int remove_leftovers(const std::string& folder) {
-  return remove_in(folder, "");
-}
-
-int remove_leftovers_of(const std::string& path) {
-  const fs::path target = fs::absolute(target_of(path));
-  return remove_in(target.parent_path(), target.filename().string());
+  int removed = 0;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+    const bool left = is_leftover(at->path().filename().string());
+    if (left && ::unlink(at->path().c_str()) == 0) ++removed;
+  }
+  return removed;
 }
 
 }  // namespace ovws

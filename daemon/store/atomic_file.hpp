@@ -36,9 +36,8 @@ Result<void> replace_secret_file(const std::string& path, std::string_view conte
 /// Removes a file for good; it is no error if there is none. Otherwise as replace_file.
 Result<void> remove_file(const std::string& path, const FileCalls& calls = {});
 
-/// Removes what writers that were killed left behind: of any file in `folder`, or of the one file.
-/// Returns how many. To be called when nobody writes there.
+/// Removes the temporary files of writers that were killed, and returns how many. To be called when
+/// no writer uses `folder`.
 int remove_leftovers(const std::string& folder);
-int remove_leftovers_of(const std::string& path);
 
 }  // namespace ovws

@@ -122,7 +122,7 @@ class KilledWriter : public testing::Test {
 
   Found find() const {
     Found found;
-    remove_leftovers_of(folder_ + "/config.json");
+    remove_leftovers(folder_);
     const auto store = StateStore::open(folder_ + "/state");
     EXPECT_TRUE(store);
     const auto all_bad = store->load("item", [&found](const StateItem& item) {
