@@ -123,7 +123,7 @@ class Install(unittest.TestCase):
             self.assertIn("\nDynamicUser=yes\n", unit)
             self.assertIn(f"\nLoadCredential=ovws.key:{name}.key\n", unit)
             self.assertNotRegex(unit, r"(?m)^(User|Group|SupplementaryGroups)=")
-            # What the daemon's user may write gives no other service its options.
+            # Options of the service come from the unit alone, never from the daemon's configuration.
             self.assertNotRegex(unit, r"(?m)^EnvironmentFile=.*/etc/ovws")
 
     def test_who_reads_recordings_can_write_nothing(self):
@@ -131,15 +131,20 @@ class Install(unittest.TestCase):
             root = pathlib.Path(name)
             for folder in ("etc", "var/lib"):
                 (root / folder).mkdir(parents=True)
+            # As an earlier version left them, whose daemon wrote its configuration.
+            configuration = root / "etc/ovws/ovwsd.json"
+            configuration.parent.mkdir(mode=0o775)
+            configuration.write_text("{}")
+            os.chown(configuration, 990, 990)
             for program, file in (("systemd-sysusers", "sysusers"), ("systemd-tmpfiles --create", "tmpfiles")):
                 done = run(*program.split(), f"--root={root}", self.root / f"usr/lib/{file}.d/ovws.conf")
                 self.assertEqual(done.returncode, 0, done.stderr)
             groups = {line.split(":")[0]: line.split(":")[2:] for line in (root / "etc/group").read_text().splitlines()}
             self.assertEqual({group[1] for group in groups.values()}, {""}, "nobody is a member by itself")
-            folders = {folder: (root / folder).stat() for folder in ("etc/ovws", "var/lib/ovws", "var/lib/ovws/recordings")}
+            folders = {folder: (root / folder).stat() for folder in ("etc/ovws", "etc/ovws/ovwsd.json", "var/lib/ovws", "var/lib/ovws/recordings")}
             shown = {folder: (f"{about.st_mode & 0o7777:o}", about.st_gid) for folder, about in folders.items()}
             daemon, data = int(groups["ovws"][0]), int(groups["ovws-data"][0])
-            self.assertEqual(shown, {"etc/ovws": ("775", daemon), "var/lib/ovws": ("755", daemon), "var/lib/ovws/recordings": ("2750", data)})
+            self.assertEqual(shown, {"etc/ovws": ("755", 0), "etc/ovws/ovwsd.json": ("644", 0), "var/lib/ovws": ("755", daemon), "var/lib/ovws/recordings": ("2750", data)})
 
 
 if __name__ == "__main__":
