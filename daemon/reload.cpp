@@ -58,6 +58,18 @@ std::string listed(const std::vector<std::string>& keys) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 
+/// An exception would leave the sensor held for ever.
+Result<LoadedConfig> read_again(const std::string& path) {
+  try {
+    auto read = load_with_saved(path);
+    if (!read) return read;
+    if (const auto usable = check_usable(read->effective); !usable) return fail(usable.error());
+    return read;
+  } catch (const std::exception& error) {
+    return fail(Errc::internal, "", error.what());
+  }
+}
+
 }  // namespace
 
 void Reloader::look() {
@@ -76,11 +88,7 @@ void Reloader::begin() {
   }
   if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
   deps_.disk.post([this] {
-    auto read = load_with_saved(deps_.loaded.get().path);
-    if (read) {
-      const auto usable = check_usable(read->effective);
-      if (!usable) read = fail(usable.error());
-    }
+    auto read = read_again(deps_.loaded.get().path);
     deps_.instrument.after_changes([this, read = std::move(read)] {
       if (!read) return refuse(read.error());
       change(*read);
