@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -153,7 +154,9 @@ std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
 
 double least_spot_distance(int charge, TrackerKind tracker) {
   const int l = std::abs(charge);
-  const double radii = tracker == TrackerKind::matched ? 1.48 : l == 0 ? 1.5 : l <= 3 ? 0.93 : 1.35;
+  constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
+  const double by_charge = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
+  const double radii = tracker == TrackerKind::matched ? 1.48 : by_charge;
   return radii * spot_geometry(l).dark;
 }
 

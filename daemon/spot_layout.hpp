@@ -9,9 +9,9 @@ namespace ovws {
 
 /// Distance of neighbouring spots in lambda/d from which the tracker finds them in a flat
 /// wavefront. In units of the radius of the spot's first dark ring (spot_geometry): `matched`,
-/// whose template covers all within that ring, 1.48; others 0.93 for charges 1 to 3, 1.35 for
-/// higher ones, and 1.5 for bright spots. Measured with `ovws farfield` and the twin, 5 and 7
-/// subapertures across, charges 0 to 7: just below nothing or a part is found.
+/// whose template covers all within that ring, 1.48; others 0.93 for charge 1, 1.05 for 2 and 3,
+/// 1.35 for higher ones, and 1.5 for bright spots. Measured with `ovws farfield` and the twin, 5
+/// and 7 subapertures across, charges 0 to 7: just below nothing or a part is found.
 double least_spot_distance(int charge, TrackerKind tracker);
 
 /// The same with room for aberrations, 1.6 such radii: all spots are found, and the modes are

@@ -36,9 +36,9 @@ class Hologram(BenchCase):
         self.call("aberration.set", {"modes": [{"n": 2, "m": -2, "waves": 0.5}, {"n": 4, "m": 0, "waves": 0.1}], "norm": "unit"})
         aberrated = self.expected(path, "--modes", "2,-2:0.5;4,0:0.1", "--norm", "unit")
         self.assert_shown(aberrated)
-        self.call("sensor.set", {"charge": -2, "subapertures_across": 7})
+        self.call("sensor.set", {"charge": -2, "subapertures_across": 7, "spacing": 0.28})
         changed = self.bench.directory / "changed.json"
-        changed.write_text(json.dumps(config | {"sensor": {"charge": -2, "subapertures_across": 7}}))
+        changed.write_text(json.dumps(config | {"sensor": {"charge": -2, "subapertures_across": 7, "spacing": 0.28}}))
         self.assert_shown(self.expected(changed, "--modes", "2,-2:0.5;4,0:0.1", "--norm", "unit"))
 
     def test_default(self):

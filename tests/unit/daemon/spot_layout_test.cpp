@@ -52,9 +52,11 @@ TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
 TEST(SpotLayout, SpotsThatATrackerCannotTellApartAreRefusedWithValuesThatWork) {
   Config large_slm;
   large_slm.slm.geometry = {3840, 2160, 3.74};
-  for (Config config : {bench(1, TrackerKind::lg, 9), bench(1, TrackerKind::matched, 7),
-                        bench(3, TrackerKind::matched), bench(7, TrackerKind::lg), large_slm,
-                        bench(0, TrackerKind::centroid, 5, 0.09)}) {
+  for (Config config :
+       {bench(1, TrackerKind::lg, 9), bench(1, TrackerKind::matched, 7),
+        bench(3, TrackerKind::matched), bench(7, TrackerKind::lg), large_slm,
+        bench(2, TrackerKind::lg, 7), bench(3, TrackerKind::lg, 7, 0.31),
+        bench(3, TrackerKind::lg, 5, 0.16), bench(0, TrackerKind::centroid, 5, 0.09)}) {
     const std::string reason = refusal(config);
     SCOPED_TRACE(reason);
     ASSERT_TRUE(reason.starts_with("sensor.spacing: neighbouring spots are "));
