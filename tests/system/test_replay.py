@@ -167,8 +167,9 @@ class Replay(BenchCase):
         self.assertEqual(self.call("camera.get")["info"]["serial"], "TWIN0001")
         same = []
         for message in self.settled_frames(stream, 60, timeout_s=20.0):
-            if message["frame_id"] in then:
-                same.append(list(then[message["frame_id"]]) == [numpy.float32(c) for c in message["coefficients"]])
+            number = message["frame_id"]
+            if number in then and number - 1 in then:  # after a lost frame the spots were looked for elsewhere
+                same.append(list(then[number]) == [numpy.float32(c) for c in message["coefficients"]])
         print(f"\n  {sum(same)} of {len(same)} the same bit for bit")
         self.assertGreater(len(same), 20)
         self.assertTrue(all(same[5:]), same)  # the first are where a search has found the spots
@@ -186,9 +187,10 @@ class Replay(BenchCase):
         coefficients = run.coefficients()
         with open(folder / "out.csv", newline="") as file:
             lines = list(csv.DictReader(file))
-        self.assertEqual([float(line["j3"]) for line in lines], [float(c) for c in coefficients[:, 2]])
+        written = [float(line["j3"] or "nan") for line in lines]  # a frame that came incomplete has no modes
+        self.assertTrue(numpy.array_equal(written, coefficients[:, 2].astype(float), equal_nan=True))
         with numpy.load(folder / "out.npz") as arrays:
-            self.assertTrue((arrays["coefficients"] == coefficients).all())
+            self.assertTrue(numpy.array_equal(arrays["coefficients"], coefficients, equal_nan=True))
             self.assertEqual(list(arrays["frames"]["frame_id"]), list(run.frames["frame_id"]))
         with fits.open(folder / "out.fits") as hdus:
             hdus.verify("exception")

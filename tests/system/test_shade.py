@@ -1,0 +1,54 @@
+"""A subaperture without light, before and after the reference: it costs information, and nothing else."""
+import statistics
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+MODES = {4: 0.1, 5: -0.08, 8: 0.06}
+PITCH_PX = 768 / 5
+
+
+class Shade(BenchCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def shade(self, *discs):
+        keys = ("x_px", "y_px", "radius_px", "transmission")
+        self.twin.call("twin.set", {"shades": [dict(zip(keys, disc)) for disc in discs]})
+
+    def measured(self, stream):
+        """The mean of each mode over frames begun from now on, and the least number of spots."""
+        since_ns = time.time_ns()
+        wait_for(lambda: (frame := stream.next(1.0)) is not None and frame["t_device_ns"] > since_ns, 10.0)
+        frames = self.settled_frames(stream, 20)
+        means = [statistics.fmean(values) for values in zip(*(frame["coefficients"] for frame in frames))]
+        return dict(zip(frames[0]["j"], means)), min(frame["tracked"] for frame in frames)
+
+    def error(self, found):
+        return sum((waves - MODES.get(j, 0.0)) ** 2 for j, waves in found.items() if j > 2) ** 0.5
+
+    def test_dark_before_the_reference_and_after_it(self):
+        middle = (639.5, 383.5, 0.52 * PITCH_PX, 0.0)
+        right = (639.5 + PITCH_PX, 383.5, 0.52 * PITCH_PX, 0.0)
+        stream = self.stream("wavefront")
+        for name, before, after in (("dark before", [middle], [middle]), ("dark after", [], [middle]), ("another one dark after", [middle], [middle, right]),
+                                    ("half dark after", [], [(639.5 + 0.5 * PITCH_PX, 383.5, 0.5 * PITCH_PX, 0.0)])):
+            with self.subTest(name):
+                self.shade(*before)
+                self.twin.call("twin.set", {"aberration": []})
+                taken = self.take_reference()
+                self.assertEqual(taken["lost_spots"], [9] if before else [])
+                self.shade(*after)
+                self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
+                found, tracked = self.measured(stream)
+                print(f"\n  {name}: {tracked} spots, error {self.error(found):.4f} wave")
+                self.assertLess(self.error(found), 0.02)
+                self.assertIsNone(self.call("system.status")["sensor"]["invalid"])
+
+
+if __name__ == "__main__":
+    main()
