@@ -232,8 +232,9 @@ void ShapeFit::seek(int spot, const Rules& rules) {
                 down + vertex(explained(0, -1), best.explained, explained(0, 1))};
   lay(spot);
   best = match(spot, 0, 0);
-  s = {accepted(spot, best, rules), image_.to_px(middle_cells(spot) + laid.aside), best.amplitude,
-       best.unexplained};
+  const bool found = accepted(spot, best, rules);
+  if (!found) laid.aside = {};
+  s = {found, image_.to_px(middle_cells(spot) + laid.aside), best.amplitude, best.unexplained};
 }
 
 void ShapeFit::look(const Rules& rules) {

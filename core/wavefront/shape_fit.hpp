@@ -27,7 +27,7 @@ struct ShapeModel {
 /// One spot in one image.
 struct ShapedSpot {
   bool found = false;
-  Vec2 at_px;              ///< where the slopes of its wavefront put it, and as much aside as seen
+  Vec2 at_px;              ///< where the slopes of its wavefront put it; if found, as seen
   double amplitude = 0.0;  ///< DN, of a flat spot of that light
   double unexplained =
       1.0;  ///< share of the contrast that the shape leaves and noise does not make

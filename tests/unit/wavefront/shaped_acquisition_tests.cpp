@@ -252,6 +252,10 @@ TEST(ShapedAcquisition, WhereASpotIsMissingNoneIsFound) {
   const Counts counts = count(fixes, at, 0.5 * bench.spots.lambda_d_px);
   EXPECT_EQ(counts.wrong, 0);
   EXPECT_LE(counts.refused, 2);
+  // Where it is looked for from now on: what noise put elsewhere would be, for good.
+  const ShapedSpot& dark = bench.acquisition.shapes().at(0);
+  EXPECT_FALSE(dark.found);
+  EXPECT_LT(norm(dark.at_px - at[0]), 0.25 * bench.spots.lambda_d_px);
 }
 
 TEST(ShapedAcquisition, AnImageOfAnotherSizeHasNothingWhateverWasBefore) {
