@@ -140,13 +140,14 @@ bool Bench::move_air(const State& now) {
 }
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
-  const bool aberration_changed = now.truth.aberration != last_.truth.aberration;
+  const bool light_changed =
+      now.truth.aberration != last_.truth.aberration || now.truth.shades != last_.truth.shades;
   const bool window_changed =
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
-  if (aberration_changed) model_.set_aberration(now.truth.aberration);
+  if (light_changed) model_.set_aberration(now.truth.aberration, now.truth.shades);
   if (window_changed) model_.set_window(*now.window, now.truth.geometry);
   const bool air_moved = move_air(now);
-  if (aberration_changed || window_changed || air_moved || now.grey != last_.grey) {
+  if (light_changed || window_changed || air_moved || now.grey != last_.grey) {
     last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
   }
   last_ = now;

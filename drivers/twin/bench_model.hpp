@@ -20,7 +20,9 @@ class BenchModel {
  public:
   explicit BenchModel(const Config& config);
 
-  void set_aberration(std::span<const Mode> modes) { slm_.set_aberration(modes); }
+  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {}) {
+    slm_.set_aberration(modes, shades);
+  }
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
     slm_.set_turbulence(turbulence, t_ns);
   }

@@ -35,6 +35,17 @@ Json json_of(const std::vector<Mode>& aberration) {
   return modes;
 }
 
+Json json_of(const std::vector<Shade>& shades) {
+  Json json = Json::array();
+  for (const Shade& shade : shades) {
+    json.push_back({{"x_px", shade.centre_px.x},
+                    {"y_px", shade.centre_px.y},
+                    {"radius_px", shade.radius_px},
+                    {"transmission", shade.transmission}});
+  }
+  return json;
+}
+
 }  // namespace
 
 const std::vector<std::string>& fault_names() {
@@ -106,6 +117,7 @@ Json json_of(const Config& config, const Truth& truth) {
   const DetectorConfig& d = truth.detector;
   return {{"aberration", json_of(truth.aberration)},
           {"norm", "rms"},
+          {"shades", json_of(truth.shades)},
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
           {"turbulence", json_of(truth.turbulence)},

@@ -71,6 +71,16 @@ Image<float> make_gaussian_beam(const SlmGeometry& slm, double diameter_px) {
   return amplitude;
 }
 
+void dim(Image<std::complex<float>>& field, const Shade& shade) {
+  const auto amplitude = float(std::sqrt(shade.transmission));
+  for (int y = 0; y < field.height; ++y) {
+    const Columns behind =
+        columns_in_circle(shade.centre_px, 2.0 * shade.radius_px, y, field.width);
+    std::complex<float>* row = field.row(y);
+    for (int x = behind.begin; x < behind.end; ++x) row[x] *= amplitude;
+  }
+}
+
 }  // namespace
 
 SlmModel::SlmModel(const Config& config)
@@ -81,10 +91,10 @@ SlmModel::SlmModel(const Config& config)
   if (config.light.shape == LightShape::gaussian) {
     amplitude_ = make_gaussian_beam(config.slm.geometry, config.light.diameter_px);
   }
-  set_aberration(config.truth.aberration);
+  set_aberration(config.truth.aberration, config.truth.shades);
 }
 
-void SlmModel::set_aberration(std::span<const Mode> modes) {
+void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
   const int width = incident_.width, height = incident_.height;
   const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
   const double diameter = config_.sensor.pupil_diameter_px;
@@ -101,6 +111,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes) {
       if (amplitude_.width > 0) row[x] *= amplitude_.at(x, y);
     }
   }
+  for (const Shade& shade : shades) dim(incident_, shade);
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {

@@ -21,8 +21,9 @@ class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// The wavefront of the light that meets the SLM, over the sensor's pupil; 0 outside.
-  void set_aberration(std::span<const Mode> modes);
+  /// The wavefront of the light that meets the SLM, over the sensor's pupil; 0 outside. And what
+  /// stands in its way.
+  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
 
   /// And what turbulence adds to it at this moment; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);

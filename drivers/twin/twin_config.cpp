@@ -99,6 +99,7 @@ void read(ObjectReader& r, Config& c) {
   r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
   read_aberration(r, c.truth);
+  read_shades(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
 }
@@ -128,6 +129,23 @@ void read_aberration(ObjectReader& r, Truth& truth) {
   }
   const std::string within = decoded.error().field.substr(std::string("modes").size());
   r.fault("aberration" + within, decoded.error().reason);
+}
+
+void read_shades(ObjectReader& r, Truth& truth) {
+  constexpr std::size_t kMostShades = 64;
+  if (!r.has("shades")) return;
+  truth.shades.clear();
+  r.objects("shades", kMostShades, [&truth](ObjectReader& in, std::size_t) {
+    Shade shade;
+    in.require("x_px");
+    in.require("y_px");
+    in.require("radius_px");
+    in.number("x_px", shade.centre_px.x, -1e5, 1e5);
+    in.number("y_px", shade.centre_px.y, -1e5, 1e5);
+    in.number("radius_px", shade.radius_px, 0.0, 1e5);
+    in.number("transmission", shade.transmission, 0.0, 1.0);
+    truth.shades.push_back(shade);
+  });
 }
 
 void read_detector(ObjectReader& r, Truth& truth) {

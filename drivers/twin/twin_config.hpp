@@ -55,6 +55,15 @@ struct LightConfig {
   double diameter_px = 1200.0;  ///< SLM pixels: 1/e^2 diameter of a Gaussian beam; else not used
 };
 
+/// Something in the beam, in front of the SLM.
+struct Shade {
+  Vec2 centre_px;  ///< SLM pixels
+  double radius_px = 0.0;
+  double transmission = 0.0;  ///< of the light that meets it
+
+  bool operator==(const Shade&) const = default;
+};
+
 enum class Noise {
   fresh,  ///< a new realisation for each frame; when that is too slow an old one again, counted
   pool,   ///< 32 realisations in turn: little work for the machine
@@ -65,6 +74,7 @@ enum class Noise {
 struct Truth {
   /// The wavefront of the light that meets the SLM, over the sensor's pupil.
   std::vector<Mode> aberration;
+  std::vector<Shade> shades;
   /// Electrons in the brightest pixel of an ideal charge-1 spot after kReferenceExposureUs. The
   /// laser's power stays what that makes it: a charge-0 spot peaks 3.9 times higher, and where
   /// neighbouring spots interfere a charge-1 spot reaches 1.2 to 1.4 times as much.
@@ -101,6 +111,7 @@ Result<Config> load_config(const std::string& path);
 
 /// Reads the keys of Truth from an object: `aberration`, `norm`, and `peak_electrons` …
 void read_aberration(ObjectReader& reader, Truth& truth);
+void read_shades(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
 /// `turbulence`: null, or an object that replaces what was there.

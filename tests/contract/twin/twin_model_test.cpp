@@ -140,6 +140,22 @@ TEST(BenchModel, AHiddenTiltMovesTheBrightSpotRightAndDownAsTheTruthSays) {
   EXPECT_LT(norm(centre_of_light(model.intensity(grey)) - truth), 0.5);
 }
 
+TEST(BenchModel, AShadeTakesItsShareOfTheLightOfTheSubapertureBehindIt) {
+  const Config config = config_of(
+      R"({"sensor": {"charge": 0}, "shades": [{"x_px": 639.5, "y_px": 383.5, "radius_px": 77, "transmission": 0.25}]})");
+  ASSERT_EQ(config.truth.shades.size(), 1U);
+  BenchModel model(config);
+  model.set_window({240, 240, 32, 32}, {});  // the middle subaperture's spot
+  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const auto light = [&] {
+    const Image<float> image = model.intensity(grey);
+    return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0);
+  };
+  const double shaded = light();
+  model.set_aberration({}, {});
+  EXPECT_NEAR(shaded / light(), 0.25, 0.05);  // the neighbours' light is in the window, too
+}
+
 TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
   const Config config = config_of(R"({"slm": {"depth_waves": 0.7}, "sensor": {"charge": 0}})");
   const Config perfect = config_of(R"({"sensor": {"charge": 0}})");
