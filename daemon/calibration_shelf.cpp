@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/optics/lattice.hpp"
 #include "daemon/calibration_file.hpp"
@@ -204,8 +205,9 @@ void CalibrationShelf::forget(const std::string& name) {
 
 void CalibrationShelf::drop_oldest() {
   while (kept_.size() > kMost) {
+    // But the newest: the time of day may have been set back.
     const auto oldest =
-        std::min_element(kept_.begin(), kept_.end(),
+        std::min_element(kept_.begin(), std::prev(kept_.end()),
                          [](const Kept& a, const Kept& b) { return a.t_taken_ns < b.t_taken_ns; });
     const std::string name = oldest->name;
     drop_quietly(store_, events_, {name});

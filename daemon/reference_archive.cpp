@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "daemon/reference_file.hpp"
 
@@ -121,8 +122,9 @@ void ReferenceArchive::forget(const std::string& name) {
 
 void ReferenceArchive::drop_oldest() {
   while (kept_.size() > kMostKept) {
+    // But the newest: the time of day may have been set back.
     const auto oldest =
-        std::min_element(kept_.begin(), kept_.end(),
+        std::min_element(kept_.begin(), std::prev(kept_.end()),
                          [](const Kept& a, const Kept& b) { return a.t_taken_ns < b.t_taken_ns; });
     drop_quietly(store_, events_, {oldest->name});
     aside_.erase(oldest->name);

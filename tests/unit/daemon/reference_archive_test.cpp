@@ -280,6 +280,20 @@ TEST_F(Archive, OnlySoManyAreKept) {
   EXPECT_EQ(all.front().t_taken_ns, 103);
 }
 
+TEST_F(Archive, TheNewestIsKeptWhateverTheTimeOfDay) {
+  auto daemon = started(config_);
+  for (int n = 0; n <= int(ReferenceArchive::kMostKept); ++n) {
+    Config config = config_;
+    config.camera.settings.roi.x = n;
+    const bool last = n == int(ReferenceArchive::kMostKept);
+    daemon->archive.keep(taken(*daemon, config, last ? 7 : 100 + n));
+  }
+  const auto all = found(config_);
+  ASSERT_EQ(all.size(), ReferenceArchive::kMostKept);
+  EXPECT_EQ(all[0].t_taken_ns, 7);
+  EXPECT_EQ(all[1].t_taken_ns, 101);
+}
+
 TEST_F(Archive, ContentThatDoesNotFitTogetherIsRefused) {
   auto daemon = started(config_);
   const json right = reference_content(taken(*daemon, config_));
