@@ -175,6 +175,18 @@ void read_overlay(LoadedConfig& loaded) {
   if (const auto laid = lay_over(loaded, *overlay); !laid) reject(laid.error());
 }
 
+/// Another configuration file's saved values stay: its daemon comes back to them.
+Result<void> check_ours(const std::string& overlay, const json& owner) {
+  const auto text = read_text(overlay);
+  if (!text || !*text) return {};
+  const auto there = parse_overlay(**text);
+  if (!there || there->file == owner) return {};
+  return fail(Errc::refused, "state.directory",
+              fmt::format("{} holds the values saved for another configuration file, {}: give this "
+                          "one a state.directory of its own, or remove that file",
+                          overlay, there->file.is_null() ? "none" : there->file.dump()));
+}
+
 std::string listed(const std::vector<std::string>& keys) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
@@ -241,12 +253,14 @@ SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
   for (const auto& [key, entry] : saved.items()) {
     if (entry["value"] != entry["instead_of"]) values.keys.push_back(key);
   }
-  const json all{{"file", owner_of(loaded.path)}, {"saved", saved}};
+  values.owner = owner_of(loaded.path);
+  const json all{{"file", values.owner}, {"saved", saved}};
   values.text = all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
   return values;
 }
 
 Result<void> write_saved(const std::string& overlay, const SavedValues& values) {
+  if (auto ours = check_ours(overlay, values.owner); !ours) return ours;
   if (values.keys.empty()) return remove_file(overlay);
   std::error_code ignored;  // replace_file reports a folder that is missing
   fs::create_directories(fs::path(overlay).parent_path(), ignored);

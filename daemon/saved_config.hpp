@@ -2,6 +2,7 @@
 /// laid over the configuration file whenever the file is read.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,11 +44,13 @@ std::string describe_saved(const LoadedConfig& loaded);
 struct SavedValues {
   std::vector<std::string> keys;  ///< dotted, sorted; empty: nothing differs
   std::string text;               ///< of the overlay
+  nlohmann::json owner;           ///< the configuration file that they are laid over; null: none
 };
 SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use);
 
-/// Writes the overlay whole or not at all; without keys it is removed. Waits for the disk. Errors
-/// as of replace_file.
+/// Writes the overlay whole or not at all; without keys it is removed. Waits for the disk. Errors:
+/// Errc::refused, field "state.directory", if it is that of another configuration file; else as of
+/// replace_file.
 Result<void> write_saved(const std::string& overlay, const SavedValues& values);
 
 }  // namespace ovws

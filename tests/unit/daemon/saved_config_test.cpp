@@ -136,6 +136,11 @@ TEST_F(SavedConfig, OfAnotherFileIsNotUsedAndLeft) {
     EXPECT_EQ(dump_config(loaded.effective), dump_config(loaded.file));
     set_aside_if_invalid(loaded);
     EXPECT_TRUE(fs::exists(overlay_));
+    for (const Config& in_use : {loaded.file, changed()}) {
+      const auto saved = write_saved(overlay_, values_to_save(loaded, in_use));
+      ASSERT_FALSE(saved) << "the other daemon's values";
+      EXPECT_EQ(saved.error().field, "state.directory");
+    }
   }
   // The same file by another name of its path.
   EXPECT_EQ(load_with_saved(folder_ + "/state/../ovwsd.json", folder_ + "/state")->saved.size(),
