@@ -52,7 +52,7 @@ std::string asker_of(const zmq::message_t& part) {
 struct ControlServer::Impl {
   explicit Impl(Gate* by)
       : gate(by), context(context_of(gate)), socket(*context, zmq::socket_type::router) {
-    if (gate != nullptr) gate->parts().guard(socket);
+    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::Stranger::ends);
   }
 
   Gate* gate;

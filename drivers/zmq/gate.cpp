@@ -11,9 +11,11 @@ namespace ovws {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
-constexpr const char* kDomain = "ovws";
+constexpr const char* kEnds = "ends";  // ZAP domains, by what becomes of a stranger
+constexpr const char* kComesAgain = "comes again";
 constexpr int kIoThreads = 3;  // one a socket: encrypting pictures delays no measurement
 constexpr int kTurn = 64;
+constexpr int kHandshakeMs = 5000;  // a stranger that comes again hangs in its handshake until then
 /// What ZAP is not asked for. A client without a key may see first that keys are asked for, and
 /// hang up: no detail.
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
@@ -80,12 +82,13 @@ void Gate::end_streams() {
   parts_->generation.fetch_add(1);
 }
 
-void Gate::Parts::guard(zmq::socket_t& socket) {
+void Gate::Parts::guard(zmq::socket_t& socket, Stranger stranger) {
   const std::size_t k = monitors.size();
   socket.set(zmq::sockopt::affinity, std::uint64_t(1) << (k % kIoThreads));
   socket.set(zmq::sockopt::curve_server, true);
   socket.set(zmq::sockopt::curve_secretkey, secret_key);
-  socket.set(zmq::sockopt::zap_domain, kDomain);
+  socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
+  socket.set(zmq::sockopt::zap_domain, stranger == Stranger::ends ? kEnds : kComesAgain);
   const std::string endpoint = "inproc://gate-" + std::to_string(k);
   zmq_socket_monitor(socket.handle(), endpoint.c_str(), kEvents);
   monitors.emplace_back(*context, zmq::socket_type::pair);
@@ -118,8 +121,10 @@ bool Gate::Parts::answer_one() {
                    " is not among the clients");
   }
   const std::string number = request.size() > 1 ? request[1].to_string() : "";
+  const bool ends = request.size() > 2 && request[2].to_string_view() == kEnds;
+  const char* const refusal = ends ? "400" : "300";
   const std::array<std::string, 6> reply{
-      "1.0", number, known ? "200" : "400", known ? "OK" : "unknown key", known ? key : "", ""};
+      "1.0", number, known ? "200" : refusal, known ? "OK" : "unknown key", known ? key : "", ""};
   for (std::size_t k = 0; k < reply.size(); ++k) {
     const auto flags = k + 1 < reply.size() ? zmq::send_flags::sndmore | zmq::send_flags::dontwait
                                             : zmq::send_flags::dontwait;

@@ -19,8 +19,14 @@ struct Gate::Parts {
   std::vector<zmq::socket_t> monitors;  ///< tell of handshakes that never came to ZAP
   std::atomic<unsigned> generation{0};  ///< a publisher's connections are of one generation
 
+  /// What a client whose key is not known does then, by ZAP's status code.
+  enum class Stranger {
+    ends,         ///< 400: it is told, and does not come again by itself
+    comes_again,  ///< 300: a subscriber is never told why nothing comes, so its key may be given
+                  ///< back
+  };
   /// Before the socket is bound.
-  void guard(zmq::socket_t& socket);
+  void guard(zmq::socket_t& socket, Stranger stranger);
   /// Appends what `serve` waits for.
   void add_to(std::vector<zmq_pollitem_t>& items);
   /// Answers and counts what is there; never waits.

@@ -24,7 +24,7 @@ struct Publisher::Impl {
         gate(by),
         context(context_of(gate)),
         socket(*context, zmq::socket_type::pub) {
-    if (gate != nullptr) gate->parts().guard(socket);
+    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::Stranger::comes_again);
   }
 
   std::string endpoint;

@@ -179,6 +179,8 @@ class Secured(BenchCase):
         self.assertTrue(late is None or late["seq"] < seq, "no message once the others came in anew")
         self.assertIsNone(streams["leaver"].next(2.5))
         self.assert_shut_out(lambda: self.connect("leaver", timeout_s=1.0), "the withdrawn key")
+        self.write_clients("boss", "guest", "leaver")
+        self.assertIsNotNone(streams["leaver"].next(10.0), "the same socket, once its key is known again")
 
     def test_a_file_of_clients_that_is_wrong_changes_nothing(self):
         events = self.subscribe("boss", "event", "status")
