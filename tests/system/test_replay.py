@@ -148,6 +148,10 @@ class Replay(BenchCase):
         print("\n ", changes, len(list(self.open("changes").documents("plan"))), "plans")
         self.assertEqual(changes["same"], changes["frames"])
         self.assertGreater(changes["frames"], changes["valid"])
+        frames = self.open("changes").frames
+        for name in ("rms_waves", "fit_residual_px"):
+            self.assertFalse(numpy.isnan(frames[name][frames["valid"] == 1]).any())
+        self.assertTrue(numpy.isnan(frames["rms_waves"][frames["valid"] == 0]).all(), "not known is not 0")
 
     def test_the_daemon_measures_it_as_a_camera(self):
         self.take_reference(20)

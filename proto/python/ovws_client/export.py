@@ -35,7 +35,7 @@ def to_csv(run, path):
     with open(path, "w", encoding="ascii") as out:
         print(*columns, *names, sep=",", file=out)
         for row, coefficients in zip(run.frames, all_coefficients):
-            known = ("" if name in SETTINGS and (not row["settings_known"] or numpy.isnan(row[name])) else row[name] for name in columns)
+            known = ("" if numpy.isnan(row[name]) or (name in SETTINGS and not row["settings_known"]) else row[name] for name in columns)
             print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
 
 

@@ -46,6 +46,10 @@ class Recording:
                     raise ValueError(f"{path}: not a recording of schema {SCHEMA}")
             #: One row a frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; fields and units are in RECORDING.md.
             self.frames = self._rows("frames")
+            with reading("frames"):  # where the stream has null, the file has 0
+                valid, explained = self.frames["valid"] != 0, self.frames["explained"] != 0
+                self.frames["rms_waves"][~valid] = numpy.nan
+                self.frames["fit_residual_px"][~valid & explained] = numpy.nan
         except ValueError:
             self.close()
             raise
