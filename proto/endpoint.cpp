@@ -46,4 +46,13 @@ bool is_reached_from_here_only(std::string_view endpoint) {
   return host == "[::1]";
 }
 
+std::string local_endpoint(std::string_view endpoint) {
+  const auto colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return std::string(endpoint);
+  const auto host = endpoint.substr(kTcp.size(), colon - kTcp.size());
+  const std::string port(endpoint.substr(colon));
+  if (host == "*" || host == "0.0.0.0") return "tcp://127.0.0.1" + port;
+  return host == "[::]" ? "tcp://[::1]" + port : std::string(endpoint);
+}
+
 }  // namespace ovws

@@ -15,4 +15,8 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint);
 /// reach it: a loopback address in numbers, or an ipc path (not "@name", which has no file).
 bool is_reached_from_here_only(std::string_view endpoint);
 
+/// Where a client on the same machine connects to what is bound to `endpoint`: the loopback address
+/// in place of `*`, 0.0.0.0 and [::], any other endpoint as it is.
+std::string local_endpoint(std::string_view endpoint);
+
 }  // namespace ovws

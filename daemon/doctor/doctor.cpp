@@ -7,6 +7,7 @@
 #include "daemon/doctor/display.hpp"
 #include "daemon/doctor/host.hpp"
 #include "daemon/doctor/state.hpp"
+#include "proto/endpoint.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -20,7 +21,7 @@ void add(Findings& all, Findings more) {
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask) {
   const ConfigurationFacts configuration = read_configuration(path);
   const Config config = configuration.config.value_or(Config{});
-  DaemonFacts daemon = ask(endpoint.empty() ? config.control.endpoint : endpoint);
+  DaemonFacts daemon = ask(endpoint.empty() ? local_endpoint(config.control.endpoint) : endpoint);
   daemon.asks_for_keys = config.security.secret_key.has_value();
   Findings found = judge(configuration);
   if (configuration.config) {

@@ -101,6 +101,14 @@ class Secured(BenchCase):
         self.assertEqual(self.call("system.status")["counters"]["clients_rejected"], 0)
         self.assertIsNotNone(self.subscribe("guest", "status").next(10.0))
 
+    def test_the_doctor_finds_a_daemon_at_all_addresses(self):
+        done = subprocess.run([self.bench.programs / "ovws", "--json", "--key", self.folder / "boss.json", "--server-key", self.server_key,
+                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=60)
+        findings = {one["name"]: one for one in json.loads(done.stdout)["findings"]}
+        self.assertEqual(findings["daemon.answer"]["verdict"], "ok", findings["daemon.answer"])
+        self.assertIn("tcp://127.0.0.1:7702", findings["daemon.answer"]["meaning"])
+        self.assertEqual(findings["configuration"]["verdict"], "ok", findings["configuration"])
+
     def test_who_has_no_right_key_gets_nothing_and_is_counted(self):
         self.assert_shut_out(lambda: self.connect("stranger", timeout_s=1.0), "a client that is not known")
         self.assert_shut_out(lambda: Client(timeout_s=1.0), "a client without keys")

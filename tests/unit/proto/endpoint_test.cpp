@@ -47,5 +47,16 @@ TEST(Endpoint, IsReachedByOthersOtherwise) {
   }
 }
 
+TEST(Endpoint, BoundToAllAddressesIsDialledAtTheLoopbackAddress) {
+  for (const auto& [bound, local] :
+       {std::pair{"tcp://*:7702", "tcp://127.0.0.1:7702"},
+        std::pair{"tcp://0.0.0.0:1", "tcp://127.0.0.1:1"},
+        std::pair{"tcp://[::]:2", "tcp://[::1]:2"},
+        std::pair{"tcp://192.168.1.2:7702", "tcp://192.168.1.2:7702"},
+        std::pair{"ipc:///run/*:1", "ipc:///run/*:1"}, std::pair{"tcp:", "tcp:"}}) {
+    EXPECT_EQ(local_endpoint(bound), local);
+  }
+}
+
 }  // namespace
 }  // namespace ovws
