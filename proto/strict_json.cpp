@@ -1,5 +1,7 @@
 #include "proto/strict_json.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -9,10 +11,52 @@ namespace {
 
 using nlohmann::json;
 
+/// "line 3" of the character at this offset.
+std::string line_of(std::string_view text, std::size_t offset) {
+  return "line " + std::to_string(std::ranges::count(text.substr(0, offset), '\n') + 1);
+}
+
+/// "line 3, column 5"; columns count characters, not bytes.
+std::string place_of(std::string_view text, std::size_t offset) {
+  const auto before = text.substr(0, offset);
+  const auto line = before.substr(before.rfind('\n') + 1);  // npos + 1: the first line
+  const auto column = std::ranges::count_if(line, [](char c) { return (c & 0xC0) != 0x80; });
+  return line_of(text, offset) + ", column " + std::to_string(column + 1);
+}
+
+/// Reads the text for the parser and notes how far it has read: the library names no place to what
+/// listens to it.
+class TrackedText {
+ public:
+  using iterator_category = std::forward_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  TrackedText(const char* at, const char*& furthest) : at_(at), furthest_(&furthest) {}
+  reference operator*() const { return *at_; }
+  TrackedText& operator++() {
+    *furthest_ = ++at_;
+    return *this;
+  }
+  TrackedText operator++(int) {
+    const TrackedText before = *this;
+    ++*this;
+    return before;
+  }
+  friend bool operator==(const TrackedText& a, const TrackedText& b) { return a.at_ == b.at_; }
+
+ private:
+  const char* at_;
+  const char** furthest_;
+};
+
 /// Looks through the text without building anything; stops at the first fault.
 class Inspector : public nlohmann::json_sax<json> {
  public:
-  explicit Inspector(int max_depth) : max_depth_(max_depth) {}
+  Inspector(std::string_view text, const char* const& read, int max_depth)
+      : text_(text), read_(read), max_depth_(max_depth) {}
 
   JsonFault fault;
 
@@ -31,14 +75,16 @@ class Inspector : public nlohmann::json_sax<json> {
   bool key(string_t& name) override {
     if (keys_.back().insert(name).second) return true;
     const bool shown = name.size() <= 40;
-    fault = {false, shown ? "the key \"" + name + "\" is given twice in one object"
-                          : "a key is given twice in one object"};
+    fault = {false, (shown ? "the key \"" + name + "\"" : "a key") +
+                        " is given twice in one object, the second time in " +
+                        line_of(text_, std::size_t(read_ - text_.data()))};
     return false;
   }
 
   bool parse_error(std::size_t position, const std::string&,
                    const json::exception& error) override {
-    fault = {true, "not JSON at byte " + std::to_string(position) + ": " + cause(error.what())};
+    fault = {true, "not JSON at " + place_of(text_, position - std::min<std::size_t>(position, 1)) +
+                       ": " + cause(error.what())};
     return false;
   }
 
@@ -64,6 +110,8 @@ class Inspector : public nlohmann::json_sax<json> {
                                                              : "syntax error";
   }
 
+  std::string_view text_;
+  const char* const& read_;
   int max_depth_;
   std::vector<std::set<std::string>> keys_;
 };
@@ -76,11 +124,12 @@ tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_d
   if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: there is nothing to read"});
   if (const auto nul = text.find('\0'); nul != text.npos) {  // the library takes it for the end
     return tl::make_unexpected(
-        JsonFault{true, "not JSON at byte " + std::to_string(nul + 1) + ": a NUL byte"});
+        JsonFault{true, "not JSON at " + place_of(text, nul) + ": a NUL byte"});
   }
-  Inspector inspector(max_depth);
-  if (!json::sax_parse(text.begin(), text.end(), &inspector, json::input_format_t::json, true,
-                       ignore_comments)) {
+  const char* read = text.data();
+  Inspector inspector(text, read, max_depth);
+  if (!json::sax_parse(TrackedText(text.data(), read), TrackedText(text.data() + text.size(), read),
+                       &inspector, json::input_format_t::json, true, ignore_comments)) {
     return tl::make_unexpected(inspector.fault);
   }
   return json::parse(text.begin(), text.end(), nullptr, false, ignore_comments);

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "proto/strict_json.hpp"
+
 namespace ovws {
 namespace {
 
@@ -207,6 +209,24 @@ TEST(ObjectReader, RefusesNumbersThatAreNotFinite) {
   r.clamp(true);
   r.number("b", a, 0, 1);
   EXPECT_EQ(first_error(r).field, "b");
+}
+
+std::string fault_of(const std::string& text) {
+  const auto read = parse_strict_json(text, 4, JsonComments::allowed);
+  return read ? "" : read.error().reason;
+}
+
+TEST(StrictJson, NamesLineAndColumnOfASyntaxError) {
+  EXPECT_EQ(fault_of("{\n  \"a\": 1,\n  \"b\" 2\n}").find("not JSON at line 3, column 7: "), 0U);
+  EXPECT_EQ(fault_of("[1, x]").find("not JSON at line 1, column 5: "), 0U);
+  EXPECT_EQ(fault_of("{\"a\": 1\n").find("not JSON at line 2, column 1: "), 0U);
+  EXPECT_EQ(fault_of("// one\n[\"\u00b5\", x]").find("not JSON at line 2, column 7: "), 0U);
+  EXPECT_EQ(fault_of(std::string("[\n\0]", 4)), "not JSON at line 2, column 1: a NUL byte");
+}
+
+TEST(StrictJson, NamesTheLineOfAKeyGivenTwice) {
+  EXPECT_EQ(fault_of("{\"a\": 1,\n /* \n */ \"b\": {\"a\": 2},\n  \"a\"\n: 3}"),
+            "the key \"a\" is given twice in one object, the second time in line 4");
 }
 
 }  // namespace
