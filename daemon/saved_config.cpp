@@ -69,6 +69,22 @@ json owner_of(const std::string& path) {
   return (unknown ? fs::path(path) : whole).lexically_normal().string();
 }
 
+/// However the two paths are spelled, and through links.
+bool is_same_file(const std::string& one, const std::string& other) {
+  const auto canonical = [](const std::string& path) {
+    std::error_code unknown;
+    const auto found = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
+    return unknown ? fs::path(path) : found;
+  };
+  return canonical(one) == canonical(other);
+}
+
+/// Whether the overlay was saved for this file.
+bool is_for(const json& file, const std::string& path) {
+  if (!file.is_string() || path.empty()) return file == owner_of(path);
+  return is_same_file(file.get<std::string>(), path);
+}
+
 struct Saved {
   json value, instead_of;
 };
@@ -167,7 +183,7 @@ void read_overlay(LoadedConfig& loaded) {
   if (!*text) return;
   const auto overlay = parse_overlay(**text);
   if (!overlay) return reject(overlay.error());
-  if (overlay->file != owner_of(loaded.path)) {
+  if (!is_for(overlay->file, loaded.path)) {
     loaded.why_unused = "its values were saved for another configuration file, " +
                         (overlay->file.is_null() ? "none" : overlay->file.dump());
     return;
@@ -193,8 +209,12 @@ std::string listed(const std::vector<std::string>& keys) {
 
 }  // namespace
 
+bool is_service_config(const std::string& path) {
+  return !path.empty() && is_same_file(path, kServicePath);
+}
+
 std::optional<std::string> service_state_folder(const std::string& path) {
-  if (path != kServicePath) return std::nullopt;
+  if (!is_service_config(path)) return std::nullopt;
   return kServiceFolder;
 }
 

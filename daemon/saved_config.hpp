@@ -23,6 +23,9 @@ struct LoadedConfig {
   bool invalid = false;    ///< the overlay is damaged, or no sensor can be made with it
 };
 
+/// Whether this path, however it is spelled, leads to the service's configuration file.
+bool is_service_config(const std::string& path);
+
 /// The folder of the service's state if `path` is the service's configuration file: a person who
 /// examines that file has no $STATE_DIRECTORY.
 std::optional<std::string> service_state_folder(const std::string& path);

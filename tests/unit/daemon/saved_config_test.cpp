@@ -188,6 +188,32 @@ TEST_F(SavedConfig, AFileThatMakesNoSensorDoesNotCondemnIt) {
   EXPECT_FALSE(load_with_saved(path_, folder_ + "/state"));
 }
 
+TEST_F(SavedConfig, BelongsToTheFileHoweverItsPathIsSpelled) {
+  save(changed());
+  const std::string name = "/" + fs::path(path_).filename().string();
+  for (const std::string& path : {folder_ + "/state/.." + name, folder_ + "//." + name}) {
+    EXPECT_EQ(load_with_saved(path, folder_ + "/state")->saved.size(), 2U) << path;
+  }
+  fs::create_symlink(path_, folder_ + "/link.json");
+  EXPECT_EQ(load_with_saved(folder_ + "/link.json", folder_ + "/state")->saved.size(), 2U);
+  fs::copy_file(path_, folder_ + "/copy.json");
+  EXPECT_TRUE(load_with_saved(folder_ + "/copy.json", folder_ + "/state")->saved.empty());
+}
+
+TEST_F(SavedConfig, OfTheServiceIsFoundHoweverItsPathIsSpelled) {
+  for (const char* path : {"/etc/ovws/ovwsd.json", "/etc//ovws/./ovwsd.json",
+                           "/etc/ovws/../ovws/ovwsd.json", "/proc/self/root/etc/ovws/ovwsd.json"}) {
+    EXPECT_EQ(service_state_folder(path), "/var/lib/ovws") << path;
+  }
+  for (const char* path : {"", "ovwsd.json", "/etc/ovws/ovwsd.json.default"}) {
+    EXPECT_EQ(service_state_folder(path), std::nullopt) << path;
+  }
+  const fs::path before = fs::current_path();
+  fs::current_path("/etc");
+  EXPECT_EQ(service_state_folder("ovws/ovwsd.json"), "/var/lib/ovws");
+  fs::current_path(before);
+}
+
 TEST_F(SavedConfig, NeedsAStateDirectoryWhichItMakesAgain) {
   ASSERT_EQ(::unsetenv("STATE_DIRECTORY"), 0);
   EXPECT_FALSE(load_with_saved(path_)->overlay);
