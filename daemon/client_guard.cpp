@@ -43,13 +43,17 @@ std::int64_t ns_of(const timespec& time) {
 
 }  // namespace
 
+Result<void> check_clients(const std::string& path) {
+  const auto list = named(load_client_list(path), kClientsField);
+  if (!list) return fail(list.error());
+  return {};
+}
+
 Result<void> check_security(const Config& config) {
   if (config.security.secret_key && config.security.clients) {
     auto keys = named(load_key_file(*config.security.secret_key), kSecretField);
     if (!keys) return fail(keys.error());
-    auto list = named(load_client_list(*config.security.clients), kClientsField);
-    if (!list) return fail(list.error());
-    return {};
+    return check_clients(*config.security.clients);
   }
   const std::pair<const char*, const std::string&> endpoints[]{
       {"control.endpoint", config.control.endpoint},

@@ -20,6 +20,8 @@ namespace ovws {
 /// Errors as the daemon's start would give them: an endpoint that other machines reach without
 /// keys, a file of keys or clients that cannot be used. The field is the configuration's key.
 Result<void> check_security(const Config& config);
+/// The part of check_security that is about the file of clients.
+Result<void> check_clients(const std::string& path);
 
 /// Every question has the disk thread look first whether the clients' file has changed, and read it
 /// again; it waits a tenth of a second at most, and while the disk has not answered not at all:

@@ -4,7 +4,6 @@
 
 #include "core/optics/hologram.hpp"
 #include "core/tracking/tracker.hpp"
-#include "daemon/client_guard.hpp"
 #include "daemon/driver_table.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
@@ -46,7 +45,6 @@ Result<void> check_usable(const Config& config) {
     return known;
   }
   if (auto there = check_cpus(config.frame_path_cpus); !there) return there;
-  if (auto safe = check_security(config); !safe) return safe;
   const auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);

@@ -67,7 +67,7 @@ Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
   if ((about.st_mode & forbidden) != 0) return trouble(Errc::invalid, path, secrecy);
   if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
     return trouble(Errc::invalid, path,
-                   "belongs to somebody else, who could change it: chown it to the user of this "
+                   "belongs to another user, who could change it: chown it to the user of this "
                    "program, or to root");
   }
   std::string text(kMaxFileBytes + 1, '\0');

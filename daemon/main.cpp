@@ -11,7 +11,9 @@
 #include <csignal>
 
 #include "daemon/app.hpp"
+#include "daemon/client_guard.hpp"
 #include "daemon/config_check.hpp"
+#include "daemon/key_check.hpp"
 #include "daemon/log.hpp"
 #include "daemon/saved_config.hpp"
 #include "daemon/thread_plan.hpp"
@@ -66,7 +68,38 @@ void report_saved(const ovws::LoadedConfig& loaded) {
   spdlog::log(loaded.why_unused.empty() ? spdlog::level::info : spdlog::level::warn, saved);
 }
 
+/// False: no daemon could use the files of `security`. A warning where this user may not look.
+bool check_key_files(const std::string& path, const ovws::Config& config) {
+  const ovws::KeyCheck keys = ovws::check_keys(path, config);
+  if (keys.error) {
+    ovws::Error error = *keys.error;
+    if (!keys.fix.empty()) error.reason += "; fix: " + keys.fix;
+    complain(error);
+    return false;
+  }
+  if (!keys.read) {
+    spdlog::warn(
+        "security.secret_key: not checked, this user may not read it; to check it: sudo -u {} "
+        "ovwsd --check-config --config {}",
+        keys.user, path);
+  }
+  return true;
+}
+
+int check(const std::string& path, const ovws::LoadedConfig& loaded) {
+  const ovws::Config& config = loaded.effective;
+  if (!check_key_files(path, config)) return 1;
+  report_saved(loaded);
+  if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
+  spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
+  std::printf("%s\n", ovws::dump_config(config).c_str());
+  return 0;
+}
+
 int serve(ovws::LoadedConfig loaded) {
+  if (const auto safe = ovws::check_security(loaded.effective); !safe) {
+    return complain(safe.error());
+  }
   ovws::set_aside_if_invalid(loaded);
   report_saved(loaded);
   std::signal(SIGTERM, request_stop);
@@ -101,12 +134,8 @@ int main(int argc, char** argv) {
       ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);
   ovws::start_log(loaded ? loaded->effective.log.level : "info");
   if (!loaded) return complain(loaded.error());
-  const ovws::Config& config = loaded->effective;
-  if (const auto usable = ovws::check_usable(config); !usable) return complain(usable.error());
-  if (!check_only) return serve(*loaded);
-  report_saved(*loaded);
-  if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
-  spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
-  std::printf("%s\n", ovws::dump_config(config).c_str());
-  return 0;
+  if (const auto usable = ovws::check_usable(loaded->effective); !usable) {
+    return complain(usable.error());
+  }
+  return check_only ? check(path, *loaded) : serve(*loaded);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "daemon/client_guard.hpp"
 #include "daemon/config_check.hpp"
 #include "daemon/config_in_use.hpp"
 #include "daemon/log.hpp"
@@ -64,6 +65,7 @@ Result<LoadedConfig> read_again(const std::string& path) {
     auto read = load_with_saved(path);
     if (!read) return read;
     if (const auto usable = check_usable(read->effective); !usable) return fail(usable.error());
+    if (const auto safe = check_security(read->effective); !safe) return fail(safe.error());
     return read;
   } catch (const std::exception& error) {
     return fail(Errc::internal, "", error.what());

@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <cerrno>
-
 #include "daemon/config_check.hpp"
 #include "daemon/saved_config.hpp"
 
@@ -44,21 +42,18 @@ ConfigurationFacts read_configuration(const std::string& path) {
   facts.saved_is_unused = !loaded->why_unused.empty();
   if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
   if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
-  const auto& secret = config.security.secret_key;
-  facts.secret_is_of_other = secret && ::access(secret->c_str(), R_OK) != 0 && errno == EACCES;
+  facts.keys = check_keys(facts.path, config);
   return facts;
 }
 
 Findings judge(const ConfigurationFacts& facts) {
-  if (facts.error && facts.secret_is_of_other && facts.error->field.starts_with("security")) {
-    return {not_here(kName,
-                     "the daemon's keys may be read by its own user only, so whether they are "
-                     "right is not known here",
-                     "sudo -u ovws ovws doctor --config " + facts.path)};
-  }
   if (facts.error) {
     return {fault(kName, "no daemon starts with it: " + told(*facts.error),
                   fix_of(facts, *facts.error))};
+  }
+  if (const auto& keys = facts.keys; keys.error) {
+    return {fault(kName, "no daemon starts with it: " + told(*keys.error),
+                  keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
   }
   if (facts.unseen) {
     return {fault(kName, "the sensor would find no spots with it: " + told(*facts.unseen),
@@ -74,6 +69,11 @@ Findings judge(const ConfigurationFacts& facts) {
   const std::string good = facts.path + " reads well and makes a sensor";
   if (facts.saved_is_unused) {
     return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
+  }
+  if (!facts.keys.read) {
+    return {not_here(kName,
+                     good + "; the daemon's secret key was not checked: this user may not read it",
+                     "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path)};
   }
   return {ok(kName, facts.saved.empty() ? good : good + "; " + facts.saved)};
 }

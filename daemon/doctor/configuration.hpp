@@ -7,17 +7,18 @@
 #include "config/config.hpp"
 #include "core/base/result.hpp"
 #include "daemon/doctor/finding.hpp"
+#include "daemon/key_check.hpp"
 
 namespace ovws::doctor {
 
 struct ConfigurationFacts {
-  std::string path;                 ///< empty: no file is named, and none is where the service's is
-  std::optional<Config> config;     ///< the defaults without a file; none: it does not read well
-  std::optional<Error> error;       ///< why there is no config, or why it makes no sensor
-  std::optional<Error> unseen;      ///< why a daemon that starts with it would find no spots
-  bool secret_is_of_other = false;  ///< the daemon's keys may be read by another user only
-  std::string saved;                ///< as of describe_saved; empty: config.save saved nothing
-  bool saved_is_unused = false;     ///< the saved values are damaged, or of another file
+  std::string path;              ///< empty: no file is named, and none is where the service's is
+  std::optional<Config> config;  ///< the defaults without a file; none: it does not read well
+  std::optional<Error> error;    ///< why there is no config, or why it makes no sensor
+  std::optional<Error> unseen;   ///< why a daemon that starts with it would find no spots
+  KeyCheck keys;
+  std::string saved;             ///< as of describe_saved; empty: config.save saved nothing
+  bool saved_is_unused = false;  ///< the saved values are damaged, or of another file
 };
 
 /// Empty path: the service's file, if there is one.

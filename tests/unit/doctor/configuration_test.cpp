@@ -44,13 +44,23 @@ TEST(DoctorConfiguration, SavedValuesAreNamedAndUnusedOnesAreAWarning) {
   expect(facts, "configuration", Verdict::warning, "ovws call config.save");
 }
 
-TEST(DoctorConfiguration, KeysThatOnlyTheDaemonsUserReadsAreNotCalledWrong) {
+TEST(DoctorConfiguration, KeysThatTheDaemonCannotUseAreAFaultWithTheirOwnFix) {
   ConfigurationFacts facts;
   facts.path = "a.json";
   facts.config = Config{};
-  facts.error = Error{Errc::unavailable, "security.secret_key", "cannot be read"};
-  expect(facts, "configuration", Verdict::fault);
-  facts.secret_is_of_other = true;
+  facts.keys.error = Error{Errc::invalid, "security.secret_key", "cannot be read"};
+  facts.keys.fix = "sudo chown ovws key.json";
+  expect(facts, "configuration", Verdict::fault, "sudo chown ovws key.json");
+  facts.keys = {Error{Errc::invalid, "control.endpoint", "others can reach it"}, "", true, ""};
+  expect(facts, "configuration", Verdict::fault, "sudoedit a.json");
+}
+
+TEST(DoctorConfiguration, KeysThatThisUserMayNotReadAreNotJudged) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  facts.keys.read = false;
+  facts.keys.user = "ovws";
   expect(facts, "configuration", Verdict::not_here, "sudo -u ovws ovws doctor --config a.json");
 }
 
