@@ -230,6 +230,8 @@ Result<LoadedConfig> load_with_saved(const std::string& path,
   if (!state) state = folder;
   if (!state) return loaded;
   loaded.overlay = *state + kFileName;
+  std::error_code unknown;
+  if (fs::exists(*loaded.overlay + kAside, unknown)) loaded.rejected = *loaded.overlay + kAside;
   read_overlay(loaded);
   return loaded;
 }

@@ -20,6 +20,7 @@ struct LoadedConfig {
   std::vector<std::string> saved;      ///< dotted keys whose saved values are active
   std::vector<std::string> edited;     ///< keys edited in the file since they were saved: file wins
   std::string why_unused;  ///< why the overlay is not used; empty: it is, or none exists
+  std::string rejected;    ///< path of an overlay that was set aside before; empty: there is none
   bool invalid = false;    ///< the overlay is damaged, or no sensor can be made with it
 };
 

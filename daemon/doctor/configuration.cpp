@@ -39,6 +39,7 @@ ConfigurationFacts read_configuration(const std::string& path) {
   const Config& config = loaded->effective;
   facts.config = config;
   facts.saved = describe_saved(*loaded);
+  facts.rejected = loaded->rejected;
   facts.saved_is_unused = !loaded->why_unused.empty();
   if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
   if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
@@ -69,6 +70,14 @@ Findings judge(const ConfigurationFacts& facts) {
   const std::string good = facts.path + " reads well and makes a sensor";
   if (facts.saved_is_unused) {
     return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
+  }
+  if (!facts.rejected.empty()) {
+    return {warning(kName,
+                    good + "; saved settings could not be used and were renamed to " +
+                        facts.rejected +
+                        ": set what is missing again, save it with config.save, "
+                        "and remove that file",
+                    "sudo rm " + facts.rejected)};
   }
   if (!facts.keys.read) {
     return {not_here(kName,

@@ -16,6 +16,7 @@ struct ConfigurationFacts {
   std::optional<Config> config;  ///< the defaults without a file; none: it does not read well
   std::optional<Error> error;    ///< why there is no config, or why it makes no sensor
   std::optional<Error> unseen;   ///< why a daemon that starts with it would find no spots
+  std::string rejected;          ///< path of saved values that were set aside; empty: none
   KeyCheck keys;
   std::string saved;             ///< as of describe_saved; empty: config.save saved nothing
   bool saved_is_unused = false;  ///< the saved values are damaged, or of another file

@@ -56,6 +56,7 @@ class SavedConfig : public testing::Test {
     EXPECT_FALSE(fs::exists(overlay_));
     EXPECT_EQ(content_of(overlay_ + ".rejected"), text);
     EXPECT_NE(describe_saved(loaded).find(".rejected"), std::string::npos);
+    EXPECT_EQ(load().rejected, overlay_ + ".rejected");
     EXPECT_EQ(describe_saved(load()), "");
   }
 

@@ -44,6 +44,14 @@ TEST(DoctorConfiguration, SavedValuesAreNamedAndUnusedOnesAreAWarning) {
   expect(facts, "configuration", Verdict::warning, "ovws call config.save");
 }
 
+TEST(DoctorConfiguration, RejectedSavedValuesAreAWarningUntilTheyAreRemoved) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  facts.rejected = "state/config.json.rejected";
+  expect(facts, "configuration", Verdict::warning, "sudo rm state/config.json.rejected");
+}
+
 TEST(DoctorConfiguration, KeysThatTheDaemonCannotUseAreAFaultWithTheirOwnFix) {
   ConfigurationFacts facts;
   facts.path = "a.json";
