@@ -102,9 +102,9 @@ Finding judge_sleep(const HostFacts& facts) {
   if (facts.of_service) {
     return not_here(kName, meaning + " of a daemon that it starts; the service has its own group");
   }
-  return missing(facts, kName, meaning,
-                 "sudo usermod -aG ovws \"$USER\" && sudo udevadm control --reload && sudo udevadm "
-                 "trigger, and log in again");
+  return missing(facts, kName, meaning + " of a daemon that it starts; the service may write it",
+                 "sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=misc && "
+                 "sudo systemctl start ovwsd");
 }
 
 Finding judge_clock_source(const HostFacts& facts) {

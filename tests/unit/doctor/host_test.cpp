@@ -43,7 +43,7 @@ TEST(DoctorHost, WhatIsMissingForRealTimeIsAFaultOnlyWhereItIsEnforced) {
     expect(facts, "realtime.priority", verdict, "rtprio 90");
     expect(facts, "realtime.memory", verdict, "memlock unlimited");
     expect(facts, "realtime.throttling", verdict, "sched_rt_runtime_us=950000");
-    expect(facts, "cpu.sleep", verdict, "usermod -aG ovws");
+    expect(facts, "cpu.sleep", verdict, "sudo systemctl start ovwsd");
   }
   facts.of_service = true;
   expect(facts, "realtime.priority", Verdict::fault, "systemctl revert ovwsd");
