@@ -1,8 +1,12 @@
 /// Types, shapes and sizes first: HDF5 is asked for nothing that would not fit.
 #include "drivers/replay/recording_reader.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 
 #include "drivers/hdf5/types.hpp"
@@ -106,6 +110,19 @@ bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void*
 template <std::size_t N>
 std::string text_of(const std::array<char, N>& text) {
   return {text.begin(), std::find(text.begin(), text.end(), '\0')};
+}
+
+/// HDF5 gives no reason.
+std::string why_not_opened(const std::string& path) {
+  if (::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0) {
+    return "cannot be opened as HDF5: it is damaged, or no recording";
+  }
+  const int error = errno;
+  const std::string reason = std::strerror(error);
+  if (error != EACCES) return reason;
+  return reason +
+         "; members of the group ovws-data may read what the service records: sudo adduser $USER "
+         "ovws-data, then log in again";
 }
 
 }  // namespace
@@ -237,8 +254,7 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   if (!impl->open_file()) {
-    return fail(Errc::unavailable, "path",
-                path + ": cannot be opened as HDF5; is the path right, and is it a recording?");
+    return fail(Errc::unavailable, "path", path + ": " + why_not_opened(path));
   }
   if (!impl->read_header()) {
     return impl->unfit(std::string("is no recording of schema ") + kRecordingSchema);

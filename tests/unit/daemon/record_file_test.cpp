@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 
 #include "daemon/record/frame_store.hpp"
 #include "drivers/replay/recording_reader.hpp"
@@ -122,6 +124,26 @@ TEST(RecordFile, AnotherFileOfThatNameStaysAsItIs) {
   ASSERT_TRUE((*RecordFile::create(path, small_header()))->close(0, 0));
   EXPECT_FALSE(RecordFile::create(path, small_header()));
   EXPECT_TRUE(RecordingReader::open(path));
+  std::filesystem::remove(path);
+}
+
+TEST(RecordFile, ThatCannotBeOpenedSaysWhy) {
+  const auto reason = [](const std::string& path) {
+    const auto reader = RecordingReader::open(path);
+    return reader ? "" : reader.error().reason;
+  };
+  const std::string path = own_folder("record_file_closed") + ".h5";
+  EXPECT_EQ(reason(path), path + ": No such file or directory");
+  std::ofstream(path) << "no HDF5";
+  EXPECT_NE(reason(path).find("cannot be opened as HDF5"), std::string::npos);
+  if (::geteuid() == 0) {
+    std::filesystem::permissions(path, std::filesystem::perms(0600));
+    ASSERT_EQ(::seteuid(65534), 0);
+    const std::string refused = reason(path);
+    ASSERT_EQ(::seteuid(0), 0);
+    EXPECT_EQ(refused.find(path + ": Permission denied; "), 0U) << refused;
+    EXPECT_NE(refused.find("ovws-data"), std::string::npos);
+  }
   std::filesystem::remove(path);
 }
 
