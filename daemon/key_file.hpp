@@ -22,8 +22,8 @@ Result<KeyFile> load_key_file(const std::string& path);
 /// The file of that name which systemd's LoadCredential= gave this service; empty: it gave none.
 std::string credential_path(const std::string& name);
 /// Writes a new file of mode 0600. Errors (field "path"): Errc::refused if there is one and
-/// `replace` is false. Whoever reads it while it is replaced finds the old keys or the new ones; an
-/// error leaves the old ones.
+/// `replace` is false. A file that is replaced keeps its owner. Whoever reads it while it is
+/// replaced finds the old keys or the new ones; an error leaves the old ones.
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
 
 /// The text of a file with none of the mode bits `forbidden`. Errors as of load_key_file; `secrecy`

@@ -40,7 +40,8 @@ void add_keygen(CLI::App& app, const Common& common, int& status) {
       "the public one; with --server-key that of the daemon is kept beside them; asks no daemon");
   auto options = std::make_shared<KeygenOptions>();
   command->add_option("--output,-o", options->output, "JSON file to write")->required();
-  command->add_flag("--replace", options->replace, "take the place of a file that is there");
+  command->add_flag("--replace", options->replace,
+                    "take the place of a file that is there, and keep its owner");
   command->callback([&common, &status, options] { status = keygen(common, *options); });
 }
 

@@ -70,6 +70,16 @@ bool like_before(int fd, const std::string& path) {
   return ::fchmod(fd, before.st_mode & 07777) == 0;
 }
 
+/// The file keeps its owner, and its permissions as long as they are its owner's alone. A link's
+/// are not taken: nothing keeps it from leading to a file that another user chose.
+bool secret_like_before(int fd, const std::string& path) {
+  struct stat before {};
+  if (::lstat(path.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return true;
+  if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
+  const mode_t mode = before.st_mode & 07777;
+  return (mode & ~mode_t(S_IRWXU)) != 0 || ::fchmod(fd, mode) == 0;
+}
+
 std::string target_of(const std::string& path) {
   std::error_code unknown;
   const auto target = fs::canonical(path, unknown);
@@ -110,8 +120,7 @@ Result<void> replace_file(const std::string& path, std::string_view content,
 
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls) {
-  const auto as_made = [](int, const std::string&) { return true; };  // mkostemps makes it 0600
-  return replace(path, content, as_made, calls);
+  return replace(path, content, secret_like_before, calls);  // mkostemps makes it 0600
 }
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {

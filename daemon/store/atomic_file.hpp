@@ -28,8 +28,8 @@ struct FileCalls {
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls = {});
 
-/// The same for a secret: the new file is of mode 0600 from the beginning, and belongs to who
-/// calls, whatever the old one was; a link itself is replaced.
+/// The same for a secret: the new file is of mode 0600 from the beginning. It takes the old one's
+/// owner, and its permissions unless group or others had any; a link itself is replaced.
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls = {});
 

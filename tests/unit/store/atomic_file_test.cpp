@@ -176,5 +176,24 @@ TEST_F(AtomicFile, OfASecretIsNobodyElsesFromTheBeginning) {
   EXPECT_EQ(content_of(path_), "secret");
 }
 
+TEST_F(AtomicFile, OfASecretKeepsItsOwnerAndAStricterMode) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to give a file to another user";
+  constexpr uid_t kOther = 65534;
+  ASSERT_EQ(::chown(path_.c_str(), kOther, kOther), 0);
+  fs::permissions(path_, fs::perms(0400));
+  ASSERT_TRUE(replace_secret_file(path_, "secret"));
+  struct stat about {};
+  ASSERT_EQ(::stat(path_.c_str(), &about), 0);
+  EXPECT_EQ(about.st_uid, kOther);
+  EXPECT_EQ(about.st_gid, kOther);
+  EXPECT_EQ(about.st_mode & 07777U, 0400U);
+  fs::remove(path_);
+  fs::create_symlink(folder_ + "elsewhere", path_);
+  ASSERT_EQ(::lchown(path_.c_str(), kOther, kOther), 0);
+  ASSERT_TRUE(replace_secret_file(path_, "secret"));
+  ASSERT_EQ(::lstat(path_.c_str(), &about), 0);
+  EXPECT_EQ(about.st_uid, 0U);
+}
+
 }  // namespace
 }  // namespace ovws
