@@ -11,6 +11,12 @@
 
 namespace ovws::cli {
 
+/// Of commands that work offline: what a bench measured and saved stays out of a computation that
+/// should be the same everywhere.
+inline constexpr const char* kConfigHelp =
+    "the daemon's configuration file (default: every key's default); what config.save saved is not "
+    "laid over it: ovwsd --check-config --config FILE > NEW prints a file that has both";
+
 // Exit codes.
 constexpr int kOk = 0;
 constexpr int kError = 1;     ///< the daemon, or the work, answered with an error

@@ -183,8 +183,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); asks no daemon");
   auto options = std::make_shared<MeasureOptions>();
-  command->add_option("--config,-c", options->config_path,
-                      "the daemon's configuration file (default: every key's default)");
+  command->add_option("--config,-c", options->config_path, kConfigHelp);
   auto* reference = command->add_option("--reference,-r", options->reference,
                                         "image without aberration: positions count from it");
   command

@@ -35,8 +35,7 @@ struct FarFieldOptions {
 };
 
 void add_picture_options(CLI::App& command, PictureOptions& options) {
-  command.add_option("--config,-c", options.config_path,
-                     "the daemon's configuration file (default: every key's default)");
+  command.add_option("--config,-c", options.config_path, kConfigHelp);
   command.add_option(
       "--modes", options.modes,
       "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
