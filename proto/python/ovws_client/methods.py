@@ -566,7 +566,7 @@ class ConfigGetResult(TypedDict):
 
 
 class ConfigSaveResult(TypedDict):
-    # the overlay: a file in the state directory; removed if nothing differs
+    # the overlay, a file in the state directory; with an empty saved it does not exist, because nothing differs
     path: str
     # dotted keys of the values that differ from the configuration file, sorted
     saved: list[str]
@@ -1639,8 +1639,8 @@ class Methods:
         """`config.save`. Saves the settings in use that differ from the configuration file, atomically, to an overlay in the state
         directory. The daemon lays it over the file at its start and at every reload.
 
-        Result: path: the overlay: a file in the state directory; removed if nothing differs; saved: dotted keys of the values that differ
-                from the configuration file, sorted
+        Result: path: the overlay, a file in the state directory; with an empty saved it does not exist, because nothing differs; saved:
+                dotted keys of the values that differ from the configuration file, sorted
         """
         result: ConfigSaveResult = self.call("config.save")
         return result
