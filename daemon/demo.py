@@ -5,6 +5,7 @@ Run it by daemon/demo, which installs and builds what is missing.
 import argparse
 import math
 import os
+import shutil
 import signal
 import statistics
 import subprocess
@@ -180,7 +181,7 @@ def main():
             Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
                 print(f"\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C ends it\n"
-                      f"what is wrong with it: DISPLAY={bench.display} ovws doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
+                      f"what is wrong with it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
                 wait_for_ctrl_c()
     except KeyboardInterrupt:
         print()
@@ -189,6 +190,11 @@ def main():
         print(f"ovws demo: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def name_of_ovws(bench):
+    """What a person types: its path where no installed one would be found."""
+    return "ovws" if shutil.which("ovws") else bench.programs / "ovws"
 
 
 def wait_for_ctrl_c():

@@ -2,6 +2,7 @@
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -56,6 +57,8 @@ class Demo(unittest.TestCase):
         with demo:
             while "staying up" not in (line := demo.stdout.readline()):
                 self.assertTrue(line, "the demo ended by itself")
+            program = re.search(r"DISPLAY=\S+ (\S+) doctor", demo.stdout.readline())[1]
+            self.assertTrue(shutil.which(program), "a command that can be typed")
             for port in (7702, 7790):
                 with self.subTest(port):
                     client = Client(f"tcp://127.0.0.1:{port}")
