@@ -20,6 +20,11 @@
 
 namespace {
 
+constexpr int kUsage = 2;
+constexpr const char* kExitCodes =
+    "Exit codes: 0 ended by a signal, or the configuration is valid; 1 the configuration is not "
+    "valid, the\nstart failed, or the daemon had to give up; 2 the command line is wrong.";
+
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 std::atomic<ovws::App*> reloadable{nullptr};
@@ -124,11 +129,16 @@ int main(int argc, char** argv) {
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;
-  line.add_option("--config,-c", path, "configuration file; defaults without it");
+  line.add_option("--config,-c", path, "configuration file; without it every key has its default");
   line.add_flag("--check-config", check_only,
                 "check the configuration, print it with the saved settings, and end");
   line.set_version_flag("--version", OVWS_VERSION);
-  CLI11_PARSE(line, argc, argv);
+  line.footer(kExitCodes);
+  try {
+    line.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return line.exit(error) == 0 ? 0 : kUsage;
+  }
 
   const auto loaded =
       ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);

@@ -87,7 +87,7 @@ def new_page(name, version):
     return page
 
 
-def program_page(name, programs, version, describe, environment):
+def program_page(name, programs, version, describe, environment, files=()):
     """`describe` adds what stands between the synopsis and the options."""
     help_ = Help(programs / name)
     page = new_page(name, version)
@@ -102,6 +102,11 @@ def program_page(name, programs, version, describe, environment):
     for variable, words in environment:
         page.tagged([("b", variable)])
         page.text(words)
+    if files:
+        page.section("Files")
+        for file, words in files:
+            page.tagged([("i", file)])
+            page.text(words)
     put_end(page, name, help_.footer)
     return page
 
@@ -130,7 +135,13 @@ def ovwsd_page(programs, version):
 
     return program_page("ovwsd", programs, version, describe, [
         ("STATE_DIRECTORY", "as systemd sets it: where is kept what survives a restart, unless the configuration names a folder"),
-        ("DISPLAY, XAUTHORITY", "the X server of the SLM"), ("NOTIFY_SOCKET, WATCHDOG_USEC", "as systemd sets them")])
+        ("DISPLAY, XAUTHORITY", "the X server of the SLM"), ("NOTIFY_SOCKET, WATCHDOG_USEC", "as systemd sets them")], [
+        ("/etc/ovws/ovwsd.json", "the service's configuration, ovwsd.json(5); ovwsd reads it only if --config names it, as the service's unit does"),
+        ("/var/lib/ovws", "the service's state directory: references, calibrations, the registration, what was measured of the SLM, gain sweeps"),
+        ("/var/lib/ovws/config.json", "the overlay: settings that config.save saved, laid over the configuration at the start and at every reload"),
+        ("/var/lib/ovws/config.json.rejected", "an overlay that could not be used"),
+        ("/var/lib/ovws/recordings", "recordings of record.start, for members of the group ovws-data to read"),
+        ("/var/lib/ovws/xauthority", "the cookie of the SLM's X server")])
 
 
 def twin_page(programs, version):

@@ -91,6 +91,8 @@ class CommandLine(BenchCase):
             self.assertIn("tcp://HOST:PORT", self.ovws("--endpoint", endpoint, "status", code=2))
         self.ovws("call", "sensor.get", "{not json", code=2)
         self.ovws(code=2)
+        daemon = subprocess.run([self.bench.programs / "ovwsd", "--no-such-option"], capture_output=True, text=True, timeout=30)
+        self.assertEqual(daemon.returncode, 2, daemon.stderr)
         self.ovws("status", "more", code=2)
         for timeout in ("nan", "-nan", "inf", "0", "soon"):
             self.assertIn("timeout", self.ovws("--timeout", timeout, "status", code=2))

@@ -60,6 +60,8 @@ class Pages(unittest.TestCase):
             for option in options_in(help_of("ovws", command)) - {"-h", "--help"}:
                 self.assertRegex(text, rf"(?<![\w-]){option}[ ,]")
         self.assertIn("3 no daemon answered in time", text)
+        for said in ("EXIT STATUS", "2 the command line is wrong", "/var/lib/ovws/config.json"):
+            self.assertIn(said, self.read("ovwsd.8"))
         for program, page in (("ovwsd", "ovwsd.8"), ("ovws-twin", "ovws-twin.1")):
             for option in options_in(help_of(program)):
                 self.assertRegex(self.read(page), rf"(?<![\w-]){option}[ ,]")
