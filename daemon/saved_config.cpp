@@ -196,7 +196,7 @@ Result<void> check_ours(const std::string& overlay, const json& owner) {
   const auto text = read_text(overlay);
   if (!text || !*text) return {};
   const auto there = parse_overlay(**text);
-  if (!there || there->file == owner) return {};
+  if (!there || is_for(there->file, owner.is_string() ? owner.get<std::string>() : "")) return {};
   return fail(Errc::refused, "state.directory",
               fmt::format("{} holds the values saved for another configuration file, {}: give this "
                           "one a state.directory of its own, or remove that file",
