@@ -258,7 +258,7 @@ TEST(ParseConfig, ReadsAPairAsXThenY) {
 
 TEST(ParseConfig, AllowsCommentsAndSaysWhereTheTextIsWrong) {
   EXPECT_TRUE(parse_config("/* all */ { // none\n }"));
-  EXPECT_NE(error_of("{\"camera\": }").reason.find("byte 12"), std::string::npos);
+  EXPECT_NE(error_of("{\"camera\": }").reason.find("line 1, column 12"), std::string::npos);
   EXPECT_FALSE(parse_config(""));
   EXPECT_FALSE(parse_config("{\"log\": {}, \"log\": {}}"));
   EXPECT_FALSE(parse_config(std::string(100000, '[')));
