@@ -53,7 +53,7 @@ std::vector<Vec2> places(std::span<const SpotFix> fixes) {
   return at_px;
 }
 
-/// Nothing is torn, and every spot that the reference has is followed where a search found it: a
+/// No spot is split, and every spot that the reference has is followed where a search found it: a
 /// new plan would measure the same.
 bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
                          const SensorSnapshot& sensor, double lambda_d_px) {

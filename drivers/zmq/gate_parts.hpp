@@ -21,7 +21,7 @@ struct Gate::Parts {
 
   /// What a client whose key is not known does then, by ZAP's status code.
   enum class Stranger {
-    ends,         ///< 400: it is told, and does not come again by itself
+    ends,         ///< 400: its connection ends for good, with a reason
     comes_again,  ///< 300: a subscriber is never told why nothing comes, so its key may be given
                   ///< back
   };
