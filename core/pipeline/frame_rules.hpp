@@ -46,7 +46,7 @@ constexpr double kCredibleResidual = 0.03;
 /// Whether some wavefront of the modes reconstructed explains where the spots are: at most a sixth
 /// of those with a reference is lost, and the fit residual is below 0.25 lambda/d, or below 0.045
 /// lambda/d if a spot is lost or one of quality below 0.65 is among them, which may be the wrong
-/// half of a torn one. Added to either in quadrature: twice what the least exact tracker makes of
+/// half of a split one. Added to either in quadrature: twice what the least exact tracker makes of
 /// the pixels' noise, 1.25 px RMS(noise / level).
 ///
 /// Measured with every tracker, 5 and 7 subapertures across, SNR 2 to 22, 2 waves of astigmatism
@@ -57,8 +57,8 @@ constexpr double kCredibleResidual = 0.03;
 /// reconstructed leave 0.07 for Kolmogorov turbulence of D/r0 = 2, where all spots are whole, and
 /// 0.22 for 8, where some are not. With 13 spots of 19 a wrong one hides: the modes then explain it
 /// to 0.006 lambda/d, and are wrong by 0.2 wave (charge 0 after sudden changes of 0.3 to 1.2 wave
-/// RMS: of frames with more than a sixth lost one in seven, with fewer lost and a residual below
-/// 0.045 lambda/d none by more than a fifth). RT-safe.
+/// RMS: one in seven of the frames with more than a sixth lost). What remains wrong with fewer lost
+/// is in daemon/ACCURACY.md. RT-safe.
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots,
                   double lambda_d_px) OVWS_NONBLOCKING;
 
