@@ -27,6 +27,7 @@
 #include "daemon/slm_loop.hpp"
 #include "daemon/spot_finder.hpp"
 #include "daemon/status_reporter.hpp"
+#include "daemon/store/folder_lock.hpp"
 #include "daemon/stream_publisher.hpp"
 #include "daemon/thread_plan.hpp"
 #include "drivers/zmq/control_server.hpp"
@@ -71,6 +72,7 @@ void end_whatever_holds_after(double patience_s) {
 struct App::Parts {
   Config config;
   Guarded<LoadedConfig> loaded;
+  FolderLock state_lock;
   Counters counters;
   StreamQueue queue;
   Events events{queue};
@@ -106,9 +108,10 @@ struct App::Parts {
   std::atomic<bool> ending{false};
   ThreadPlan threads;
 
-  explicit Parts(const LoadedConfig& as_loaded)
+  Parts(const LoadedConfig& as_loaded, FolderLock lock)
       : config(as_loaded.effective),
         loaded(as_loaded),
+        state_lock(std::move(lock)),
         pipeline(config.pipeline, {counters, shown, settings}),
         recorder(config, pipeline, events),
         operators(config.slm.geometry),
@@ -273,7 +276,10 @@ App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 App::~App() = default;
 
 Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
-  auto parts = std::make_unique<Parts>(loaded);
+  const auto state = state_directory_of(loaded.effective.state);
+  auto lock = state ? lock_folder(*state) : FolderLock();
+  if (!lock) return fail(lock.error());
+  auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
   if (auto made = parts->make_instrument(); !made) return fail(made.error());
   parts->experiments.load();
   if (auto made = parts->make_guard(); !made) return fail(made.error());

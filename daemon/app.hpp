@@ -13,9 +13,9 @@ namespace ovws {
 /// Main thread only, but for what says otherwise.
 class App {
  public:
-  /// Errors say what at start-up cannot be mended by waiting: a configuration that makes no sensor,
-  /// a port in use, a missing privilege under `"realtime": "enforce"`. A camera or a display that
-  /// is absent is no error.
+  /// Errors say what at start-up waiting cannot repair: a configuration that makes no sensor, a port
+  /// or a state folder in use, a missing privilege under `"realtime": "enforce"`. A camera or a
+  /// display that is absent is no error.
   static Result<std::unique_ptr<App>> make(const LoadedConfig& loaded);
   ~App();
   App(const App&) = delete;

@@ -48,6 +48,15 @@ class Disk(BenchCase):
         """Whether a calibration is in force is the configuration's to say."""
         return {method: {key: value for key, value in self.call(method).items() if key != "in_force"} for method in ITEMS}
 
+    def test_a_second_daemon_does_not_share_the_folder(self):
+        before = self.files()
+        second = subprocess.run([self.bench.programs / "ovwsd", "--config", "ovwsd.json"], cwd=self.bench.directory,
+                                capture_output=True, text=True, timeout=30.0)
+        self.assertEqual(second.returncode, 1, second.stderr)
+        self.assertIn("another daemon uses", second.stdout + second.stderr)
+        self.assertEqual(self.files(), before)
+        self.assertEqual(self.restart().count("another daemon uses"), 0)
+
     def files(self):
         """What is kept, and what was set aside because it is outdated: whole, all of it."""
         return {path.name.removesuffix(".outdated"): path.read_bytes() for path in self.state.iterdir() if path.name != "filler"}
