@@ -1,5 +1,6 @@
 #include "daemon/cli/modes_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -36,6 +37,10 @@ Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm)
     if (part.find_first_not_of(" \t") == std::string::npos) continue;
     auto mode = parse_mode(part, norm);
     if (!mode) return fail(mode.error());
+    const auto same = [&](const Mode& other) { return other.j == mode->j; };
+    if (std::any_of(modes.begin(), modes.end(), same)) {
+      return fail(Errc::invalid, "modes", "\"" + part + "\": this mode is given twice");
+    }
     modes.push_back(*mode);
   }
   return modes;

@@ -10,7 +10,7 @@
 namespace ovws::cli {
 
 /// RMS-normalised modes; empty text: none. Errors (Errc::invalid, field "modes") name the part at
-/// fault; text without a mode, a lone ";", is one.
+/// fault; text without a mode, a lone ";", is one, and a mode given twice.
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm);
 
 }  // namespace ovws::cli

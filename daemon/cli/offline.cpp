@@ -173,7 +173,8 @@ void add_farfield(CLI::App& app, const Common& common, int& status) {
   command->add_option("--bits", options->bits, "of a pixel; above 8 the PNG has 16")
       ->check(CLI::Range(8, 16))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the noise: the same seed gives the same picture")
+  command->add_option("--seed", options->seed, "of the noise: the same seed gives the same image")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--noise-free", options->noise_free, "no noise of any kind");
   command->callback([&common, &status, options] {

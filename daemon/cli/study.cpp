@@ -138,6 +138,7 @@ void add_study(CLI::App& app, const Common& common, int& status) {
   command
       ->add_option("--seed", options->seed,
                    "of all that is random: the same seed gives the same numbers")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
       ->add_option("--seconds", options->seconds,

@@ -222,6 +222,7 @@ class CommandLine(BenchCase):
         first = self.ovws("farfield", "--seed", 7, "-o", far) and far.read_bytes()
         again = self.ovws("farfield", "--seed", 7, "-o", far) and far.read_bytes()
         self.assertEqual(first, again)
+        self.ovws("farfield", "--seed", -1, "-o", far, code=2)
         self.assertIn("too steep", self.ovws("hologram", "--modes", "2,-2:200", "-o", hologram, code=1))
         self.assertIn("n,m:waves", self.ovws("hologram", "--modes", "2;-2", "-o", hologram, code=1))
 

@@ -23,7 +23,7 @@ TEST(ModesText, UnitAmplitudeIsTurnedIntoRms) {
 
 TEST(ModesText, WhatIsNoModeIsNamed) {
   for (const char* text : {";", " ; ", " ", "2;-2", "2,-2", "2,-2:", "2,-2:x", "2,1:0.5",
-                           "2,-2:0.5 waves", "2,-2:nan"}) {
+                           "2,-2:0.5 waves", "2,-2:nan", "2,-2:0.5;4,0:1;2,-2:0.5"}) {
     const auto modes = parse_modes(text, ZernikeNorm::rms);
     ASSERT_FALSE(modes) << text;
     EXPECT_EQ(modes.error().field, "modes");
