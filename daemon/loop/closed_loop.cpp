@@ -15,6 +15,9 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
+constexpr std::int64_t kInvalidNs = 300'000'000;
+constexpr int kOneLostOf = 3;
+constexpr double kMostResidual = 0.06;  // lambda/d
 
 std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   switch (end) {
@@ -60,6 +63,14 @@ double rms_of(const std::vector<Mode>& modes) {
   return std::sqrt(squares);
 }
 
+/// Whether the modes of a frame that is not valid lead the right way.
+bool is_rough_guide(const FrameRecord& record) {
+  const Reconstruction& found = record.reconstruction;
+  return record.settled && record.plan->referenced() && found.determined &&
+         kOneLostOf * found.lost <= found.used + found.lost &&
+         found.fit_residual_px <= kMostResidual * record.plan->spots.lambda_d_px;
+}
+
 }  // namespace
 
 void ClosedLoop::close(const LoopSettings& settings, Done done) {
@@ -71,7 +82,10 @@ void ClosedLoop::open(bool keep, Done done) {
 }
 
 void ClosedLoop::saw(const FrameRecord& record) {
-  if (!is_closed() || !record.valid) return;
+  const std::int64_t now_ns = monotonic_ns();
+  if (record.valid || !is_closed()) valid_ns_ = now_ns;
+  if (!is_closed()) return;
+  if (!record.valid && (now_ns - valid_ns_ < kInvalidNs || !is_rough_guide(record))) return;
   {
     const std::lock_guard lock(mutex_);
     newest_.hologram_id = record.hologram_id;

@@ -31,9 +31,11 @@ struct ClosedLoopDeps {
   std::function<std::int64_t()> spots_found_ns;
 };
 
-/// The agent of the loop thread. One step a hologram: a frame counts only if it is valid and was
-/// exposed while the newest hologram stood still. Its patience begins again when
-/// a search finds lost spots.
+/// The agent of the loop thread. One step a hologram: a frame counts only if it was exposed while
+/// the newest hologram stood still and is valid. Where no frame has been valid for 0.3 s, one of
+/// which up to a third of the spots is lost counts as well: its modes may be wrong, which the next
+/// step corrects, and spots that overlap come apart. Its patience begins again when a search finds
+/// lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -77,6 +79,7 @@ class ClosedLoop : public Agent {
   std::mutex mutex_;
   std::condition_variable filled_;
   Sample newest_;
+  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC, of the last valid frame; publish thread
   bool filled_once_ = false;  ///< newest_ was not taken yet
   Guarded<LoopReport> report_;
 
