@@ -1,7 +1,6 @@
 #include "daemon/cli/client.hpp"
 
-#include <fmt/core.h>
-
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <chrono>
 #include <string_view>

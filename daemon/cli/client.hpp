@@ -1,15 +1,43 @@
-/// A call to a daemon as the command line makes it.
+/// A client of the daemon's sockets: how `ovws` and `ovws-web` connect, call and subscribe.
 #pragma once
 
+#include <fmt/core.h>
+
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/base/result.hpp"
-#include "daemon/cli/commands.hpp"
 #include "drivers/zmq/client.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace ovws::cli {
+
+// Exit codes.
+constexpr int kOk = 0;
+constexpr int kError = 1;     ///< the daemon, or the work, returned an error
+constexpr int kUsage = 2;     ///< the command line is wrong
+constexpr int kNoDaemon = 3;  ///< no answer in time
+
+/// Options that all subcommands share.
+struct Common {
+  std::string endpoint = "tcp://127.0.0.1:7702";
+  std::string key_path;    ///< empty: without keys
+  std::string server_key;  ///< empty: that of the key file
+  bool json = false;
+  double timeout_s = 3.0;
+};
+
+/// Prints on standard output. A failure stays in ferror(stdout); `main` makes an exit code of it.
+template <class... Args>
+void print(fmt::format_string<Args...> format, Args&&... args) {
+  const std::string text = fmt::format(format, std::forward<Args>(args)...);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
 
 struct CallFailure {
   bool answered = false;  ///< false: nobody did, in time
@@ -28,8 +56,11 @@ tl::expected<std::vector<nlohmann::json>, CallFailure> call_all(
 /// --endpoint, --key and --server-key.
 void add_connection_options(CLI::App& app, Common& common);
 
-/// Tells the failure, and returns kError or kNoDaemon.
+/// Prints the failure on stderr (as JSON on stdout with --json); returns kError or kNoDaemon.
 int report_failure(const Common& common, const CallFailure& failure);
+
+/// Prints an error in the same way and returns kError.
+int report(const Common& common, const Error& error);
 
 /// A stream's endpoint as the daemon has it configured ("endpoint" or "image_endpoint").
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
