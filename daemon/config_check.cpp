@@ -23,19 +23,6 @@ Result<void> check_driver(const char* field, const std::string& name,
 
 }  // namespace
 
-Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
-  if (tracking.tracker == TrackerKind::lg_contour) {
-    return fail(Errc::invalid, "tracker",
-                "lg_contour is exact and slow, for work offline: choose lg, which finds the same");
-  }
-  if (tracking.mode_operator == OperatorKind::relinearised) {
-    return fail(Errc::invalid, "operator",
-                "relinearised takes a tenth of a second an image, for work offline: enable refine, "
-                "which is better, at a rate of its own");
-  }
-  return {};
-}
-
 Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("camera.driver", config.camera.driver, camera_driver_names());
       !known) {

@@ -12,7 +12,5 @@ Result<void> check_usable(const Config& config);
 /// Errc::invalid (field "sensor.spacing" or "camera.roi") if the camera region cannot see the
 /// spots, or the tracker cannot tell them apart, by this configuration alone; see spot_layout.hpp.
 Result<void> check_sees_spots(const Config& config);
-/// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
-Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 
 }  // namespace ovws

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
-#include "daemon/config_check.hpp"
 #include "daemon/plan_builder.hpp"
 #include "daemon/slm_files.hpp"
 #include "daemon/spot_layout.hpp"

@@ -1,5 +1,5 @@
 #include "core/optics/lattice.hpp"
-#include "daemon/config_check.hpp"
+#include "daemon/plan_builder.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-#include "daemon/config_check.hpp"
+#include "daemon/plan_builder.hpp"
 #include "daemon/instrument.hpp"
 
 namespace ovws {

@@ -68,6 +68,19 @@ Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor
   return column;
 }
 
+Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
+  if (tracking.tracker == TrackerKind::lg_contour) {
+    return fail(Errc::invalid, "tracker",
+                "lg_contour is exact and slow, for work offline: choose lg, which finds the same");
+  }
+  if (tracking.mode_operator == OperatorKind::relinearised) {
+    return fail(Errc::invalid, "operator",
+                "relinearised takes a tenth of a second an image, for work offline: enable refine, "
+                "which is better, at a rate of its own");
+  }
+  return {};
+}
+
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = inputs.id;

@@ -49,6 +49,9 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
                               const PxPerCycle& map, const std::optional<Reference>& reference);
 
+/// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
+Result<void> check_daemon_tracker(const TrackingSettings& tracking);
+
 /// Errors as of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);
 
