@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "config/config.hpp"
+#include "core/optics/flatness.hpp"
 #include "core/optics/hologram.hpp"
 #include "daemon/slm_files.hpp"
-#include "daemon/slm_measured.hpp"
 #include "drivers/png/grey_png.hpp"
 #include "proto/names.hpp"
 
@@ -52,12 +52,9 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
     configured.flatness_waves = std::move(*map);
   }
   if (!sources.flatness["measured"].get<bool>()) return configured;
-  auto measured = std::make_shared<MeasuredFlatness>();
-  measured->modes = modes_of(sources.flatness["modes"]);
-  measured->pupil_diameter_px = sources.flatness["pupil_diameter_px"].get<double>();
-  HologramConfig flattened = slm_in_force(config, configured, nullptr, measured)->hologram;
-  flattened.sensor = config.sensor;
-  return flattened;
+  configured.flatness_waves = flattened(configured, modes_of(sources.flatness["modes"]),
+                                        sources.flatness["pupil_diameter_px"].get<double>());
+  return configured;
 }
 
 /// Whether all answers are of one hologram.
