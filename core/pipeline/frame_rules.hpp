@@ -58,7 +58,7 @@ constexpr double kCredibleResidual = 0.03;
 /// 0.22 for 8, where some are not. With 13 spots of 19 a wrong one hides: the modes then explain it
 /// to 0.006 lambda/d, and are wrong by 0.2 wave (charge 0 after sudden changes of 0.3 to 1.2 wave
 /// RMS: one in seven of the frames with more than a sixth lost). What remains wrong with fewer lost
-/// is in daemon/ACCURACY.md. RT-safe.
+/// is in daemon/guide/accuracy.md. RT-safe.
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots,
                   double lambda_d_px) OVWS_NONBLOCKING;
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 #include "daemon/web/hologram_picture.hpp"
 
 namespace ovws::web {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 #include "daemon/web/access.hpp"
 
 namespace ovws::web {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 #include "daemon/web/bench_view.hpp"
 #include "daemon/web/board.hpp"
 #include "daemon/web/health.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 
 namespace ovws::web {
 namespace {

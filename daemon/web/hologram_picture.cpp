@@ -7,7 +7,7 @@
 #include "config/config.hpp"
 #include "core/optics/flatness.hpp"
 #include "core/optics/hologram.hpp"
-#include "daemon/slm_files.hpp"
+#include "daemon/shared/slm_files.hpp"
 #include "drivers/png/grey_png.hpp"
 #include "proto/names.hpp"
 

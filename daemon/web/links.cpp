@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "daemon/key_file.hpp"
-#include "daemon/store/atomic_file.hpp"
+#include "daemon/shared/atomic_file.hpp"
+#include "daemon/shared/key_file.hpp"
 
 namespace ovws::web {
 namespace {

@@ -7,9 +7,9 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "daemon/cli/client.hpp"
-#include "daemon/log.hpp"
-#include "daemon/service_notify.hpp"
+#include "daemon/shared/client.hpp"
+#include "daemon/shared/log.hpp"
+#include "daemon/shared/service_notify.hpp"
 #include "daemon/web/feeds.hpp"
 #include "daemon/web/links.hpp"
 #include "daemon/web/options.hpp"

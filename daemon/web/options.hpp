@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 
 namespace ovws::web {
 

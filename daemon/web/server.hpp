@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/result.hpp"
-#include "daemon/cli/client.hpp"
+#include "daemon/shared/client.hpp"
 #include "daemon/web/access.hpp"
 #include "daemon/web/board.hpp"
 #include "daemon/web/hologram_picture.hpp"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[2]).resolve()
 
-# Each room may include itself and the rooms named here: dependencies point one way.
+# The top rooms: each may use itself and the rooms named here.
 MAY_INCLUDE = {
     "core": set(),
     "proto": {"core"},
@@ -27,18 +27,18 @@ VENDORS = {
     r"hdf5\.h": ("drivers/hdf5/",),
     r"libdeflate": ("drivers/record/", "drivers/replay/"),
     r"nlohmann/": ("proto/", "config/", "daemon/", "drivers/twin/"),
-    r"opencv2/": ("daemon/cli/",),
+    r"opencv2/": ("daemon/ovws/cli/",),
     r"png\.h": ("drivers/png/",),
     r"systemd/": ("daemon/",),
     r"CLI/": ("daemon/", "drivers/twin/"),
     r"spdlog/": ("daemon/", "drivers/twin/"),
-    r"prometheus/": ("daemon/metrics/",),
-    r"n?curses": ("daemon/cli/screen/",),
+    r"prometheus/": ("daemon/ovws/metrics/",),
+    r"n?curses": ("daemon/ovws/screen/",),
     r"boost/": ("daemon/web/",),
 }
 SHARED_BY_DRIVERS = "hdf5"  # no driver, but what two of them stand on
 # Threads are made in one place a program.
-THREAD_OWNERS = ("daemon/thread_plan.", "daemon/doctor/display.", "daemon/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
+THREAD_OWNERS = ("daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MADE = ("proto/python/ovws_client/methods.py",)  # by a script: nobody writes it, and a test holds it to its source
@@ -54,10 +54,45 @@ def room_of(name):
     return name.split("/")[0]
 
 
+def read_targets():
+    """{folder: {target: [what it links]}}: every folder's targets, as its CMakeLists.txt declares them."""
+    folders = {}
+    for name in tracked("*CMakeLists.txt"):
+        text = re.sub(r"#[^\n]*", "", (ROOT / name).read_text())
+        for target, arguments in re.findall(r"\bovws_(?:module|program)\(\s*(?:NAME\s+)?([\w-]+)([^)]*)\)", text):
+            links = re.sub(r"\b(SOURCES|PRECOMPILED|PRECOMPILED_BY)\b.*?(?=\b(?:PUBLIC|PRIVATE|SOURCES|PRECOMPILED\w*)\b|$)", "", arguments, flags=re.S)
+            folders.setdefault(str(Path(name).parent), {})[target] = [w for w in links.split() if w not in ("PUBLIC", "PRIVATE")]
+    return folders
+
+
+TARGETS = read_targets()
+LINKS = {target: links for targets in TARGETS.values() for target, links in targets.items()}
+
+
+def targets_of(name):
+    """The targets of the nearest folder above a file that has any."""
+    for folder in Path(name).parents:
+        if str(folder) in TARGETS:
+            return TARGETS[str(folder)]
+    return {}
+
+
+def usable(target, seen):
+    """All targets that one links, directly or not."""
+    for linked in LINKS.get(target, ()):
+        if linked not in seen:
+            seen.add(linked)
+            usable(linked, seen)
+    return seen
+
+
 def check_include(name, included):
     room, other = room_of(name), room_of(included)
     if other in MAY_INCLUDE and other != room and other not in MAY_INCLUDE[room]:
         yield f"{room} must not include {included}"
+    own, others = targets_of(name), targets_of(included)
+    if other in MAY_INCLUDE and not any(others.keys() & usable(target, {target}) for target in own):
+        yield f"{included} belongs to a target that {' or '.join(own)} does not link"
     if room == "drivers" and other == "drivers" and included.split("/")[1] not in (name.split("/")[1], SHARED_BY_DRIVERS):
         yield f"drivers never see each other: {included}"
     for vendor, homes in VENDORS.items():

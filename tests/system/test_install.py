@@ -15,7 +15,7 @@ FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
          "usr/share/ovws/python/ovws_client/py.typed")
-DOCUMENTS = ("README.md", "proto/RECORDING.md", "daemon/FAULTS.md", "daemon/ACCURACY.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "daemon/ARCHITECTURE.md", "drivers/twin/README.md")
+DOCUMENTS = ("README.md", "proto/RECORDING.md", "daemon/guide/faults.md", "daemon/guide/accuracy.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "daemon/guide/architecture.md", "drivers/twin/README.md")
 
 
 def run(*command, **more):

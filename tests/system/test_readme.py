@@ -48,7 +48,7 @@ class Readme(BenchCase):
             self.assertTrue((ROOT / link).exists(), link)
 
     def test_the_documents_about_faults_and_accuracy_name_what_exists(self):
-        faults, accuracy = ((ROOT / "daemon" / name).read_text() for name in ("FAULTS.md", "ACCURACY.md"))
+        faults, accuracy = ((ROOT / "daemon/guide" / name).read_text() for name in ("faults.md", "accuracy.md"))
         named = re.findall(r"`system_(\w+)`", faults)
         self.assertGreater(len(named), 15)
         for name in named:

@@ -1,15 +1,15 @@
 /// Calibrations: what they belong to, and that they outlive the daemon.
-#include "daemon/calibration.hpp"
+#include "daemon/ovwsd/sensor/calibration.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/calibration_file.hpp"
-#include "daemon/calibration_shelf.hpp"
-#include "daemon/mode_operators.hpp"
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/sensor/calibration_file.hpp"
+#include "daemon/ovwsd/sensor/calibration_shelf.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

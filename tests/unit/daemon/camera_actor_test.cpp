@@ -7,8 +7,8 @@
 #include <optional>
 #include <thread>
 
-#include "daemon/camera_actor.hpp"
-#include "daemon/driver_table.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/devices/driver_table.hpp"
 
 namespace ovws {
 namespace {

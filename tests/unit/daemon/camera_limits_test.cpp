@@ -1,4 +1,4 @@
-#include "daemon/camera_limits.hpp"
+#include "daemon/ovwsd/camera/camera_limits.hpp"
 
 #include <gtest/gtest.h>
 

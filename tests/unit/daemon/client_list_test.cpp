@@ -1,4 +1,4 @@
-#include "daemon/client_list.hpp"
+#include "daemon/ovwsd/access/client_list.hpp"
 
 #include <gtest/gtest.h>
 

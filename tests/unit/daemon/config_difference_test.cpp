@@ -1,4 +1,4 @@
-#include "daemon/config_difference.hpp"
+#include "daemon/ovwsd/settings/config_difference.hpp"
 
 #include <gtest/gtest.h>
 

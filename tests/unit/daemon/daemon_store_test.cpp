@@ -1,6 +1,6 @@
 /// What the disk refuses waits, is tried again, and says why; what the disk holds up holds up
 /// nobody.
-#include "daemon/daemon_store.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 #include <future>
 #include <thread>
 
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-#include "daemon/frame_series.hpp"
+#include "daemon/ovwsd/frames/frame_series.hpp"
 
 #include <gtest/gtest.h>
 

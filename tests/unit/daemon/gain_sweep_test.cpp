@@ -1,4 +1,4 @@
-#include "daemon/procedures/sweep_frames.hpp"
+#include "daemon/ovwsd/procedures/sweep_frames.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/residual_variance.hpp"
-#include "daemon/experiment_archive.hpp"
-#include "daemon/mode_operators.hpp"
-#include "daemon/procedures/sweep_bench.hpp"
-#include "daemon/store/encoding.hpp"
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/procedures/experiment_archive.hpp"
+#include "daemon/ovwsd/procedures/sweep_bench.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/shared/encoding.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

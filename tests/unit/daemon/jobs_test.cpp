@@ -1,4 +1,4 @@
-#include "daemon/jobs.hpp"
+#include "daemon/ovwsd/actor/jobs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/key_check.hpp"
+#include "daemon/ovwsd/settings/key_check.hpp"
 
 #include <gtest/gtest.h>
 #include <pwd.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/key_file.hpp"
+#include "daemon/shared/key_file.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

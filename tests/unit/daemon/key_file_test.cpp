@@ -1,4 +1,4 @@
-#include "daemon/key_file.hpp"
+#include "daemon/shared/key_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 /// The log against a reader of standard error that does not read.
-#include "daemon/log.hpp"
+#include "daemon/shared/log.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

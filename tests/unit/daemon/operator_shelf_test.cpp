@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "daemon/mode_operators.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
 
 namespace ovws {
 namespace {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/record/frame_store.hpp"
+#include "daemon/ovwsd/record/frame_store.hpp"
 #include "drivers/replay/recording_reader.hpp"
 #include "tests/support/own_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/reference_archive.hpp"
+#include "daemon/ovwsd/sensor/reference_archive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/reference_file.hpp"
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

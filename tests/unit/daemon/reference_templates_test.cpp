@@ -1,12 +1,12 @@
 /// Whose template finds a spot: what is said of it, and what the plan has.
-#include "daemon/reference_templates.hpp"
+#include "daemon/ovwsd/sensor/reference_templates.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/tracking/spot_shape.hpp"
-#include "daemon/plan_builder.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
 
 namespace ovws {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/reference.hpp"
+#include "daemon/ovwsd/sensor/reference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/slope_model.hpp"
-#include "daemon/reference_spots.hpp"
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
 
 namespace ovws {
 namespace {

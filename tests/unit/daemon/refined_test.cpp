@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/wavefront/reconstructor.hpp"
-#include "daemon/frame_inbox.hpp"
-#include "daemon/reference_picture.hpp"
-#include "daemon/refined_modes.hpp"
+#include "daemon/ovwsd/frames/frame_inbox.hpp"
+#include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/refined_modes.hpp"
 
 namespace ovws {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/study/rejection.hpp"
+#include "daemon/ovws/study/rejection.hpp"
 
 #include <gtest/gtest.h>
 

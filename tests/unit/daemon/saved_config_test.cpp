@@ -1,4 +1,4 @@
-#include "daemon/saved_config.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

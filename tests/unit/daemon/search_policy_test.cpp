@@ -1,5 +1,5 @@
 /// When the image is searched again, by injected time.
-#include "daemon/search_policy.hpp"
+#include "daemon/ovwsd/sensor/search_policy.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/slm_archive.hpp"
+#include "daemon/ovwsd/slm/slm_archive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "core/optics/zernike.hpp"
-#include "daemon/reference_origin.hpp"
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-#include "daemon/slm_files.hpp"
+#include "daemon/shared/slm_files.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 /// Benches that see their spots, those that cannot, and that the values named in the refusal work.
-#include "daemon/spot_layout.hpp"
+#include "daemon/ovwsd/sensor/spot_layout.hpp"
 
 #include <gtest/gtest.h>
 
 #include <regex>
 #include <string>
 
-#include "daemon/config_check.hpp"
+#include "daemon/ovwsd/settings/config_check.hpp"
 
 namespace ovws {
 namespace {

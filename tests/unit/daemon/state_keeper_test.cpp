@@ -1,4 +1,4 @@
-#include "daemon/state_keeper.hpp"
+#include "daemon/ovwsd/actor/state_keeper.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/stream_queue.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// Threads that hang and threads that do not end, with agents that do so when told.
-#include "daemon/thread_plan.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -1,5 +1,5 @@
 /// Why no frame is valid, by injected time.
-#include "daemon/validity_watch.hpp"
+#include "daemon/ovwsd/sensor/validity_watch.hpp"
 
 #include <gtest/gtest.h>
 

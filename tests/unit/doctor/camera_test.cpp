@@ -1,4 +1,4 @@
-#include "daemon/doctor/camera.hpp"
+#include "daemon/ovws/doctor/camera.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/doctor/configuration.hpp"
+#include "daemon/ovws/doctor/configuration.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/doctor/display.hpp"
+#include "daemon/ovws/doctor/display.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "daemon/doctor/finding.hpp"
+#include "daemon/ovws/doctor/finding.hpp"
 
 namespace ovws::doctor {
 

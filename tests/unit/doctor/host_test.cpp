@@ -1,4 +1,4 @@
-#include "daemon/doctor/host.hpp"
+#include "daemon/ovws/doctor/host.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/doctor/state.hpp"
+#include "daemon/ovws/doctor/state.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -1,12 +1,12 @@
 /// What becomes of a status and a wavefront message, whole ones and such as no daemon should send.
-#include "daemon/metrics/families.hpp"
+#include "daemon/ovws/metrics/families.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "core/rt/counters.hpp"
-#include "daemon/metrics/exporter.hpp"
+#include "daemon/ovws/metrics/exporter.hpp"
 #include "proto/schemas.hpp"
 
 namespace ovws::metrics {

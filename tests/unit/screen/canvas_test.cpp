@@ -1,5 +1,5 @@
 /// What may reach a terminal, and where.
-#include "daemon/cli/screen/canvas.hpp"
+#include "daemon/ovws/screen/canvas.hpp"
 
 #include <gtest/gtest.h>
 

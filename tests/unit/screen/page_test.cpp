@@ -1,5 +1,5 @@
 /// What a person reads on the page.
-#include "daemon/cli/screen/page.hpp"
+#include "daemon/ovws/screen/page.hpp"
 
 #include <gtest/gtest.h>
 

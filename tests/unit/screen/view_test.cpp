@@ -1,5 +1,5 @@
 /// Which messages count as the bench's state.
-#include "daemon/cli/screen/view.hpp"
+#include "daemon/ovws/screen/view.hpp"
 
 #include <gtest/gtest.h>
 

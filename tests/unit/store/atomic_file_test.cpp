@@ -1,4 +1,4 @@
-#include "daemon/store/atomic_file.hpp"
+#include "daemon/shared/atomic_file.hpp"
 #include "tests/support/own_folder.hpp"
 
 #include <gtest/gtest.h>

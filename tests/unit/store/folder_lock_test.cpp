@@ -1,4 +1,4 @@
-#include "daemon/store/folder_lock.hpp"
+#include "daemon/ovwsd/store/folder_lock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -17,9 +17,9 @@
 #include <sstream>
 #include <thread>
 
-#include "daemon/store/atomic_file.hpp"
-#include "daemon/store/encoding.hpp"
-#include "daemon/store/state_store.hpp"
+#include "daemon/ovwsd/store/state_store.hpp"
+#include "daemon/shared/atomic_file.hpp"
+#include "daemon/shared/encoding.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-#include "daemon/store/state_store.hpp"
+#include "daemon/ovwsd/store/state_store.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -14,8 +14,8 @@
 #include <limits>
 #include <random>
 
-#include "daemon/store/atomic_file.hpp"
-#include "daemon/store/encoding.hpp"
+#include "daemon/shared/atomic_file.hpp"
+#include "daemon/shared/encoding.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {

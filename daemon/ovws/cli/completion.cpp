@@ -1,0 +1,185 @@
+#include "daemon/ovws/cli/completion.hpp"
+
+#include <fmt/core.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "proto/schemas.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+/// By "command", "command option", "command place", "method" or "method key"; sorted, so that the
+/// same program gives the same script.
+using Words = std::map<std::string, std::string>;
+
+struct Tables {
+  Words options;  ///< of a command; " " is ovws itself
+  Words valued;   ///< those of them that take a value
+  Words choices;  ///< of an option, or of the k-th word behind a command
+  Words keys;     ///< of a method's params
+  Words values;   ///< of such a key
+};
+
+void append(std::string& words, const std::string& word) {
+  words += (words.empty() ? "" : " ") + word;
+}
+
+/// Its choices as CLI11 tells them: "TEXT:{a,b,c}"; empty if it has none.
+std::string choices_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const auto begin = type.find('{'), end = type.find('}');
+  if (begin == std::string::npos || end == std::string::npos) return {};
+  std::string words = type.substr(begin + 1, end - begin - 1);
+  for (char& c : words) {
+    if (c == ',') c = ' ';
+  }
+  return words;
+}
+
+void add_command(Tables& tables, const CLI::App& app, const std::string& command) {
+  int place = 0;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string choices = choices_of(*option);
+    if (!option->nonpositional()) {
+      ++place;
+      if (!choices.empty()) tables.choices[command + " " + std::to_string(place)] = choices;
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : names) {
+      append(tables.options[command], name);
+      if (option->get_items_expected_max() > 0) append(tables.valued[command], name);
+      if (!choices.empty()) tables.choices[command + " " + name] = choices;
+    }
+  }
+}
+
+void add_method(Tables& tables, const std::string& method, const json& params) {
+  append(tables.choices["call 1"], method);
+  const json properties = params.value("properties", json::object());
+  for (const auto& [key, schema] : properties.items()) {
+    append(tables.keys[method], key);
+    std::string& values = tables.values[method + " " + key];
+    for (const json& value : schema.value("enum", json::array())) {
+      if (value.is_string()) append(values, value.get<std::string>());
+    }
+    if (schema.value("type", json()) == "boolean") values = "true false";
+  }
+}
+
+std::string table(const char* name, const Words& words) {
+  std::string text = fmt::format("declare -gA {}=(\n", name);
+  for (const auto& [key, value] : words) {
+    if (!value.empty()) text += fmt::format("  [\"{}\"]=\"{}\"\n", key, value);
+  }
+  return text + ")\n";
+}
+
+// COMP_WORDS holds a word that was begun with a quote as it stands there; what is put in its place
+// begins behind the quote.
+constexpr std::string_view kFunctions = R"bash(
+# The keys of a method's params, and the values of those that have names: {"key": "value"}.
+_ovws_params() {
+  local method=$1 text=${2#\'} open="'" before key word
+  [[ $2 == \'* ]] && open=""
+  if [[ -z $text || $text == "{" ]]; then
+    for word in ${_ovws_keys[$method]}; do COMPREPLY+=("$open{\"$word\": "); done
+  elif [[ $text == *\"* ]]; then
+    before=${text%\"*}
+    if [[ $before =~ \"([a-z_]+)\":\ *$ ]]; then
+      key=${BASH_REMATCH[1]}
+      for word in ${_ovws_values["$method $key"]}; do COMPREPLY+=("$open$before\"$word\"}"); done
+    else
+      for word in ${_ovws_keys[$method]}; do COMPREPLY+=("$open$before\"$word\": "); done
+    fi
+  fi
+  local all=("${COMPREPLY[@]}")
+  COMPREPLY=()
+  for word in "${all[@]}"; do [[ $word == "$open$text"* ]] && COMPREPLY+=("$word"); done
+  # A text that is the only one would get its closing quote, and its value is still to come.
+  [[ ${#COMPREPLY[@]} == 1 && $COMPREPLY == *": " ]] && COMPREPLY+=("$COMPREPLY…")
+  compopt -o nospace 2> /dev/null
+}
+
+_ovws() {
+  local cur=${COMP_WORDS[COMP_CWORD]} command=" " expecting="" method="" place=0 skip="" word i words
+  COMPREPLY=()
+  [[ $cur == "=" ]] && cur=""
+  for ((i = 1; i < COMP_CWORD; i++)); do
+    word=${COMP_WORDS[i]}
+    if [[ $word == "=" ]]; then
+      continue
+    elif [[ $word == ":" || -n $skip ]]; then  # tcp://HOST:PORT comes in pieces
+      [[ $word == ":" ]] && skip=yes || skip=""
+    elif [[ -n $expecting ]]; then
+      expecting=""
+    elif [[ " ${_ovws_valued[$command]} ${_ovws_valued[" "]} " == *" $word "* ]]; then
+      expecting=$word
+    elif [[ $word == -* ]]; then
+      continue
+    elif [[ $command == " " ]]; then
+      command=$word
+    else
+      ((place++))
+      [[ $place == 1 ]] && method=$word
+    fi
+  done
+  if [[ -n $expecting ]]; then
+    words=${_ovws_choices["$command $expecting"]}
+  elif [[ $cur == -* ]]; then
+    words="${_ovws_options[$command]} ${_ovws_options[" "]}"
+  elif [[ $command == " " ]]; then
+    words=$_ovws_commands
+  elif [[ $command == call && $place == 1 ]]; then
+    _ovws_params "$method" "$cur"
+    return
+  else
+    words=${_ovws_choices["$command $((place + 1))"]}
+  fi
+  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur" | sort -u)
+}
+
+# Where nothing of these fits, file names do.
+complete -o default -F _ovws ovws
+)bash";
+
+}  // namespace
+
+std::string bash_completion(const CLI::App& app) {
+  Tables tables;
+  std::string commands;
+  add_command(tables, app, " ");
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    append(commands, command->get_name());
+    add_command(tables, *command, command->get_name());
+  }
+  for (const SchemaFile& file : schemas()) {
+    const json schema = json::parse(file.text, nullptr, false);
+    if (schema.contains("params")) add_method(tables, std::string(file.name), schema["params"]);
+  }
+  std::string text = "# bash completion of ovws " OVWS_VERSION ", made by: ovws completion bash\n";
+  text += fmt::format("_ovws_commands=\"{}\"\n", commands);
+  text += table("_ovws_options", tables.options) + table("_ovws_valued", tables.valued);
+  text += table("_ovws_choices", tables.choices) + table("_ovws_keys", tables.keys);
+  return text + table("_ovws_values", tables.values) + std::string(kFunctions);
+}
+
+void add_completion(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "completion",
+      "print what a shell needs to complete commands, options, methods and their "
+      "keys: source <(ovws completion bash)");
+  auto shell = std::make_shared<std::string>();
+  command->add_option("shell", *shell, "which shell")->required()->check(CLI::IsMember({"bash"}));
+  command->callback([&app] { print("{}", bash_completion(app)); });
+}
+
+}  // namespace ovws::cli

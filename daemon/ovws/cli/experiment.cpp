@@ -1,0 +1,253 @@
+#include "daemon/ovws/cli/experiment.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "daemon/ovws/cli/experiment_pictures.hpp"
+#include "daemon/ovws/cli/findings.hpp"
+#include "daemon/ovws/study/gain_sweep.hpp"
+#include "daemon/shared/client.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+constexpr auto kLook = 300ms;
+constexpr int kStartTries = 10;  // a job that was just cancelled may need a moment to end
+constexpr int kRefusedCode = -32000;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void note_interrupt(int) {
+  interrupted = 1;
+}
+
+using Answer = tl::expected<json, CallFailure>;
+
+Answer start(const Common& common, const json& params) {
+  for (int tries = 1;; ++tries) {
+    Answer answer = call(common, "experiment.gain_sweep", params);
+    const bool busy =
+        !answer && answer.error().answered && answer.error().error.value("code", 0) == kRefusedCode;
+    if (!busy || tries == kStartTries || interrupted != 0) return answer;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+tl::unexpected<Error> no_csv() {
+  return fail(Errc::unavailable, "output", "a CSV file cannot be written");
+}
+
+/// The cells of one job's run. Both files hold every cell that was fetched, as soon as it was.
+class Fetched {
+ public:
+  Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {}
+  int job() const { return job_; }
+  /// Whether that result of experiment.get is of the job's run: the daemon may hold another one's.
+  bool is_own(const json& experiment) {
+    if (experiment.at("job") == job_) run_ = experiment.at("run");
+    return !run_.is_null() && experiment.at("run") == run_;
+  }
+  void know_run(const json& name) { run_ = name; }
+  /// Whether that cell, as it was measured then.
+  bool has(const json& summary) const {
+    const auto found = cells_.find(summary.at("cell").get<int>());
+    return found != cells_.end() && is_same(found->second, summary);
+  }
+  static bool is_same(const json& cell, const json& summary) {
+    return cell.at("cell") == summary.at("cell") &&
+           cell.at("t_begun_ns") == summary.at("t_begun_ns");
+  }
+  /// The first cell takes the place of what was in the folder: a job that is refused costs nothing.
+  Result<void> add(json cell) {
+    if (cells_.empty()) {
+      // Of another run, perhaps, and not for a reader of this one's cells.
+      if (auto removed = remove_findings("experiment", folder_); !removed) return removed;
+      begin_files();
+    }
+    const bool written = write(cell);
+    const int number = cell.at("cell").get<int>();
+    cells_[number] = std::move(cell);
+    if (!written) return no_csv();
+    return {};
+  }
+  /// Both files anew, in the order of the cells' numbers. False if one cannot be written.
+  bool write_in_order() {
+    begin_files();
+    return std::all_of(cells_.begin(), cells_.end(),
+                       [this](const auto& one) { return write(one.second); });
+  }
+  const SweepCells& cells() const { return cells_; }
+
+ private:
+  void begin_files() {
+    cells_file_ = std::ofstream(folder_ / "cells.csv");
+    frames_file_ = std::ofstream(folder_ / "frames.csv");
+    cells_file_ << study::cells_csv_header() << std::flush;
+  }
+  bool write(const json& cell) {
+    if (frames_file_.tellp() == 0) frames_file_ << study::frames_csv_header(cell);
+    cells_file_ << study::cells_csv_row(cell) << std::flush;
+    frames_file_ << study::frames_csv_rows(cell) << std::flush;
+    return cells_file_.good() && frames_file_.good();
+  }
+
+  int job_;
+  json run_;  ///< its name; null: not known yet
+  std::filesystem::path folder_;
+  std::ofstream cells_file_, frames_file_;
+  SweepCells cells_;
+};
+
+void tell_progress(const Common& common, const json& experiment) {
+  if (common.json) return;
+  std::string left = "";
+  if (experiment.at("time_left_s").is_number()) {
+    const int seconds = int(experiment.at("time_left_s").get<double>());
+    left = fmt::format(", {}:{:02} min left", seconds / 60, seconds % 60);
+  }
+  fmt::print(stderr, "\r{} of {} cells{}      ", experiment.at("cells_done").get<int>(),
+             experiment.at("cells_total").get<int>(), left);
+  std::fflush(stderr);
+}
+
+/// Every cell of our run that the daemon has and we have not.
+Answer fetch(const Common& common, Fetched& fetched) {
+  Answer experiment = call(common, "experiment.get", json::object());
+  if (!experiment || !fetched.is_own(*experiment)) return experiment;
+  for (const json& summary : experiment->at("cells")) {
+    if (fetched.has(summary) || interrupted != 0) continue;
+    Answer cell = call(common, "experiment.cell", {{"cell", summary.at("cell")}});
+    if (!cell) return cell;
+    if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
+    if (const auto added = fetched.add(std::move(*cell)); !added) {
+      const Error& why = added.error();
+      return tl::make_unexpected(CallFailure{
+          true, {{"message", why.field + ": " + why.reason}, {"data", {{"field", why.field}}}}});
+    }
+  }
+  tell_progress(common, *experiment);
+  return experiment;
+}
+
+/// The job's last report. What was measured before it ended is fetched.
+Answer follow(const Common& common, Fetched& fetched) {
+  const json job{{"job", fetched.job()}};
+  while (true) {
+    Answer report = call(common, "job.get", job);
+    if (interrupted != 0) {
+      report = call(common, "job.cancel", job);
+      if (!report) return report;
+      interrupted = 0;  // a second Ctrl-C ends the fetching
+    } else if (!report) {
+      return report;
+    }
+    if (report->at("result").is_object()) fetched.know_run(report->at("result").at("run"));
+    if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
+      return experiment;
+    }
+    if (report->at("state") != "running") return report;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+Result<void> write_text(const std::string& text, const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (file) return {};
+  return fail(Errc::unavailable, "output", path.string() + " cannot be written");
+}
+
+/// The pictures come last: what is missing for them must not cost the numbers.
+Result<void> write_findings(const json& experiment, const SweepCells& cells,
+                            const std::filesystem::path& folder) {
+  json summary = study::sweep_summary(experiment);
+  summary["version"] = OVWS_VERSION;
+  if (auto done = write_text(summary.dump(2) + "\n", folder / "summary.json"); !done) return done;
+  if (auto done = write_text(study::sweep_table(experiment), folder / "table.txt"); !done) {
+    return done;
+  }
+  const auto figures = study::sweep_figures(experiment);
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::write_numbers(figure, folder); !done) return done;
+  }
+  if (auto done = draw_camera_frames(cells, folder); !done) return done;
+  if (auto done = draw_residuals(experiment.at("request"), cells, folder); !done) return done;
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::draw(figure, folder); !done) return done;
+  }
+  return {};
+}
+
+void tell_bench(const json& experiment) {
+  const json& bench = experiment.at("bench");
+  print("run {} of {}: {} us at every gain, {}, {} x {} px\n",
+        experiment.at("run").get<std::string>(), experiment.at("t_begun").get<std::string>(),
+        bench.at("exposure_us").get<double>(), bench.at("pixel_format").get<std::string>(),
+        bench.at("roi").at("width").get<int>(), bench.at("roi").at("height").get<int>());
+  if (experiment.at("not_kept_reason").is_string()) {
+    print("not kept over a restart of the daemon: {}\n",
+          experiment.at("not_kept_reason").get<std::string>());
+  }
+}
+
+int tell_findings(const Common& common, Fetched& fetched, const std::filesystem::path& folder) {
+  const Answer experiment = fetch(common, fetched);
+  if (!experiment) return report_failure(common, experiment.error());
+  if (!fetched.is_own(*experiment) || experiment->at("complete") != true) {
+    return report(common, {Errc::refused, "",
+                           "another gain sweep has begun since: the same command fetches this one "
+                           "when that has ended"});
+  }
+  auto written = write_findings(*experiment, fetched.cells(), folder);
+  if (!fetched.write_in_order()) {
+    written = no_csv();
+  }
+  const json summary = study::sweep_summary(*experiment);
+  if (common.json) {
+    print("{}\n", summary.dump());
+  } else {
+    tell_bench(*experiment);
+    print("{}\n", study::sweep_table(*experiment));
+    for (const json& one : summary.at("comparisons")) {
+      print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
+            one.at("other").get<std::string>(), one.at("lower").get<int>(),
+            one.at("cells").get<int>());
+    }
+    print("see {}\n", folder.string());
+  }
+  return written ? kOk : report(common, written.error());
+}
+
+/// A run that no longer belongs to the table says itself what to do.
+std::string why_it_ended(const json& report, std::size_t cells) {
+  const json& error = report.at("error");
+  const std::string state = report.at("state").get<std::string>();
+  const std::string why = error.is_object() ? error.value("message", state) : state;
+  const json field = error.is_object() ? error.at("data").value("field", json()) : json();
+  if (field == "anew" || field == "reference_frames") return why;
+  return fmt::format("{}; {} cells are measured and kept: the same command goes on", why, cells);
+}
+
+}  // namespace
+
+int run_experiment(const Common& common, const json& params, const std::filesystem::path& folder) {
+  std::signal(SIGINT, note_interrupt);
+  const Answer started = start(common, params);
+  if (!started) return report_failure(common, started.error());
+  Fetched fetched(started->at("job").get<int>(), folder);
+  const Answer ended = follow(common, fetched);
+  if (!common.json) fmt::print(stderr, "\n");
+  if (!ended) return report_failure(common, ended.error());
+  const std::string state = ended->at("state").get<std::string>();
+  if (state == "done") return tell_findings(common, fetched, folder);
+  return report(common, {Errc::refused, "", why_it_ended(*ended, fetched.cells().size())});
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,79 @@
+#include "daemon/ovws/cli/findings.hpp"
+
+#include <fmt/core.h>
+
+#include <fstream>
+#include <system_error>
+
+#include "proto/limits.hpp"
+
+namespace ovws::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScript = ".gnuplot";
+
+/// Of the figures that are there. Their scripts come last: with them the rest is found again if the
+/// removal ends half-way.
+std::vector<fs::path> figure_files(const std::string& study, const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    fs::path file = entry.path();
+    const std::string name = file.stem().string();
+    if (file.extension() != kScript) continue;
+    if (name != study && !name.starts_with(study + "-")) continue;
+    for (const char* ending : {".png", ".csv", kScript}) {
+      files.push_back(file.replace_extension(ending));
+    }
+  }
+  return files;
+}
+
+/// Those without a script.
+std::vector<std::string> other_files(const std::string& study) {
+  std::vector<std::string> names{"summary.json"};
+  if (study != "experiment") return names;
+  names.insert(names.end(), {"cells.csv", "frames.csv", "table.txt", "experiment-residual.png"});
+  for (int charge = limits::kCharge.min; charge <= limits::kCharge.max; ++charge) {
+    names.push_back(fmt::format("experiment-images-charge-{}.png", charge));
+  }
+  return names;
+}
+
+}  // namespace
+
+Result<void> remove_findings(const std::string& study, const fs::path& folder) {
+  std::vector<fs::path> files = figure_files(study, folder);
+  for (const std::string& name : other_files(study)) files.push_back(folder / name);
+  for (const fs::path& file : files) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (!error) continue;
+    return fail(Errc::unavailable, "output",
+                file.string() + " of before cannot be removed: " + error.message());
+  }
+  return {};
+}
+
+Result<void> write_findings(const std::string& study, const nlohmann::json& summary,
+                            const std::vector<study::Figure>& figures, const fs::path& folder) {
+  if (auto done = remove_findings(study, folder); !done) return done;
+  std::ofstream file(folder / "summary.json");
+  file << summary.dump(2) << "\n";
+  file.close();
+  if (!file) {
+    return fail(Errc::unavailable, "output",
+                (folder / "summary.json").string() + " cannot be written");
+  }
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::write_numbers(figure, folder); !done) return done;
+  }
+  for (const study::Figure& figure : figures) {
+    if (auto done = study::draw(figure, folder); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,48 @@
+/// ovws keygen: a pair of keys for a daemon or a client.
+#include <nlohmann/json.hpp>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/shared/key_file.hpp"
+
+namespace ovws::cli {
+namespace {
+
+struct KeygenOptions {
+  std::string output;
+  bool replace = false;
+};
+
+int keygen(const Common& common, const KeygenOptions& options) {
+  const auto pair = make_key_pair();
+  if (!pair) return report(common, pair.error());
+  if (!common.server_key.empty() && !is_curve_key(common.server_key)) {
+    return report(common, {Errc::invalid, "--server-key", "is no key of 40 characters"});
+  }
+  const KeyFile keys{*pair, common.server_key};
+  if (auto written = write_key_file(options.output, keys, options.replace); !written) {
+    return report(common, written.error());
+  }
+  if (common.json) {
+    print("{}\n",
+          nlohmann::json{{"file", options.output}, {"public_key", pair->public_key}}.dump());
+  } else {
+    print("{}\n", pair->public_key);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+void add_keygen(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "keygen",
+      "make a pair of keys for a daemon or a client, in a file that only you can read, and print "
+      "the public one; with --server-key that of the daemon is kept beside them; asks no daemon");
+  auto options = std::make_shared<KeygenOptions>();
+  command->add_option("--output,-o", options->output, "JSON file to write")->required();
+  command->add_flag("--replace", options->replace,
+                    "take the place of a file that is there, and keep its owner");
+  command->callback([&common, &status, options] { status = keygen(common, *options); });
+}
+
+}  // namespace ovws::cli

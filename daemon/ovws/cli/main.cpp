@@ -1,0 +1,135 @@
+/// ovws: talk to a daemon, watch it, and make the sensor's pictures without one.
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <iostream>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/shared/client.hpp"
+#include "proto/reader.hpp"
+
+namespace ovws::cli {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done; 1 the daemon or the work answered with an error, or the output cannot be "
+    "written;\n2 the command line is wrong; 3 no daemon answered in time.";
+
+bool is_open(int descriptor) {
+  return fcntl(descriptor, F_GETFD) != -1;
+}
+
+/// A socket or a picture that is opened later must not take the number of a standard stream, or
+/// what is printed would go into it. False: standard output is closed.
+bool check_standard_streams() {
+  for (const int descriptor : {0, 2}) {
+    if (is_open(descriptor)) continue;
+    const int null = open("/dev/null", O_RDWR);
+    if (null != descriptor && null >= 0) {
+      dup2(null, descriptor);
+      close(null);
+    }
+  }
+  return is_open(1);
+}
+
+/// `status`, or kError if what was printed did not get out.
+int end_output(int status) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
+  // A reader that has seen enough is no news.
+  if (!output_has_no_reader()) fmt::print(stderr, "ovws: standard output cannot be written\n");
+  return status == kOk ? kError : status;
+}
+
+/// Tells of a command line that is wrong; --help and --version come this way, too.
+int report_parse(const CLI::App& app, const CLI::ParseError& error) {
+  const auto rest = app.remaining();
+  if (error.get_exit_code() == 0 || !app.get_subcommands().empty() || rest.empty() ||
+      rest.front().starts_with('-')) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(command->get_name());
+  }
+  const auto near = nearest_name(rest.front(), known);
+  fmt::print(stderr, "ovws: unknown command {}{}\n", rest.front(),
+             near ? "; did you mean " + *near + "?" : ": see ovws --help");
+  return kUsage;
+}
+
+void add_common_options(CLI::App& app, Common& common) {
+  app.require_subcommand(1);
+  app.fallthrough();  // --json may also stand after the subcommand
+  app.set_version_flag("--version", OVWS_VERSION);
+  app.footer(kExitCodes);
+  add_connection_options(app, common);
+  app.add_flag("--json", common.json, "machine-readable: one JSON a line");
+  app.add_option("--timeout", common.timeout_s, "how long to wait for an answer, s")
+      ->capture_default_str()
+      ->check(number_from(0.01, 3600.0));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Optical Vortex Wavefront Sensor: command line"};
+  Common common;
+  add_common_options(app, common);
+  int status = kOk;
+  add_status(app, common, status);
+  add_describe(app, common, status);
+  add_call(app, common, status);
+  add_watch(app, common, status);
+  add_metrics(app, common, status);
+  add_snapshot(app, common, status);
+  add_hologram(app, common, status);
+  add_farfield(app, common, status);
+  add_measure(app, common, status);
+  add_keygen(app, common, status);
+  add_doctor(app, common, status);
+  add_replay(app, common, status);
+  add_study(app, common, status);
+  add_completion(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return report_parse(app, error);
+  } catch (const nlohmann::json::exception& error) {
+    fmt::print(
+        stderr,
+        "ovws: the daemon's answer is none that this ovws knows; is it of another version? {}\n",
+        error.what());
+    return kError;
+  }
+  return status;
+}
+
+}  // namespace
+
+bool output_has_no_reader() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return poll(&output, 1, 0) > 0 && (output.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0;
+}
+
+CLI::Validator number_from(double min, double max) {
+  const auto check = [min, max](std::string& text) {
+    double value = 0.0;
+    const bool inside = CLI::detail::lexical_cast(text, value) && value >= min && value <= max;
+    return inside ? std::string{} : fmt::format("{} is not a number from {} to {}", text, min, max);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{} - {}]", min, max));
+}
+
+}  // namespace ovws::cli
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that ends makes a write fail, which is told by status
+  if (!ovws::cli::check_standard_streams()) {
+    fmt::print(stderr, "ovws: standard output is closed\n");
+    return ovws::cli::kError;
+  }
+  return ovws::cli::end_output(ovws::cli::run(argc, argv));
+}

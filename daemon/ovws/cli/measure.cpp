@@ -1,0 +1,235 @@
+/// ovws measure: wavefronts of image files.
+#include <algorithm>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/tracking/tracker.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/measurement.hpp"
+#include "daemon/ovws/cli/measurement_line.hpp"
+#include "daemon/ovws/cli/refined.hpp"
+#include "proto/names.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+struct MeasureOptions {
+  std::string config_path;
+  std::string reference;
+  bool model_reference = false;
+  std::string tracker;
+  std::string templates;
+  std::string mode_operator;
+  bool refine = false;
+  RefineCamera camera;
+  RefineOptions fit;
+  std::vector<std::string> images;
+};
+
+Result<Config> config_of(const MeasureOptions& options) {
+  auto config =
+      options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
+  if (!config) return config;
+  if (!options.tracker.empty()) {
+    config->tracking.tracker = *tracker_from_name(options.tracker);
+  }
+  if (!options.templates.empty()) {
+    config->tracking.templates =
+        options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
+  }
+  if (!options.mode_operator.empty()) {
+    const auto& names = operator_names();
+    const auto at = std::find(names.begin(), names.end(), options.mode_operator);
+    config->tracking.mode_operator = OperatorKind(at - names.begin());
+  }
+  return config;
+}
+
+/// What measures images of one size and depth; made when the first of them comes.
+struct Instrument {
+  int width = 0, height = 0;
+  PixelFormat format = PixelFormat::mono8;
+  Result<Measurement> measurement;
+  std::optional<Result<RefinedMeasurement>> refined{};  ///< made when it is asked for
+};
+
+/// Measures image files one after the other; the reference is read and measured once for each size
+/// and depth.
+class ImageMeasurer {
+ public:
+  ImageMeasurer(const MeasureOptions& options, const Config& config)
+      : options_(options), config_(config) {}
+
+  Result<json> line_of_file(const std::string& path) {
+    const auto picture = read_picture(path);
+    if (!picture) return fail(picture.error());
+    const ImageView image = picture->view();
+    if (!options_.reference.empty() && !reference_) reference_ = read_picture(options_.reference);
+    if (reference_ && !*reference_) return fail(reference_->error());
+    Instrument& instrument = instrument_for(image);
+    if (!instrument.measurement) return fail(instrument.measurement.error());
+    const Measured measured = instrument.measurement->measure(image);
+    json line = line_of(path, config_, *instrument.measurement, measured);
+    if (!options_.refine) return line;
+    if (auto done = refine(line, instrument, measured, image); !done) return fail(done.error());
+    return line;
+  }
+
+ private:
+  std::optional<ImageView> reference_view() const {
+    return reference_ ? std::optional((*reference_)->view()) : std::nullopt;
+  }
+
+  Instrument& instrument_for(const ImageView& image) {
+    for (Instrument& made : instruments_) {
+      if (made.width == image.width && made.height == image.height && made.format == image.format) {
+        return made;
+      }
+    }
+    return instruments_.emplace_back(
+        Instrument{image.width, image.height, image.format,
+                   Measurement::make(config_, image, reference_view())});
+  }
+
+  /// The coefficients of all pixels instead of those of the spots' positions.
+  Result<void> refine(json& line, Instrument& instrument, const Measured& measured,
+                      const ImageView& image) {
+    if (traits_of(config_.camera.settings.pixel_format).filter != ColourFilter::none) {
+      return fail(Errc::refused, "refine",
+                  "the model knows no colour filters: measure without, or with a Mono "
+                  "camera.pixel_format in the configuration");
+    }
+    const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
+    RefineCamera camera = options_.camera;
+    const double full_scale_dn = ovws::full_scale_dn(image.format);
+    camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
+    camera.read_noise_e = std::hypot(camera.read_noise_e, rounding_e(camera.electrons_per_dn));
+    if (!instrument.refined) {
+      instrument.refined =
+          RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera, options_.fit);
+    }
+    if (!*instrument.refined) return fail(instrument.refined->error());
+    const auto found = (*instrument.refined)->measure(image, measured.coefficients);
+    if (!found) return fail(found.error());
+    put_refined(line, *found, modes_j, found->doubt(camera));
+    return {};
+  }
+
+  const MeasureOptions& options_;
+  const Config& config_;
+  std::optional<Result<Picture>> reference_;
+  std::deque<Instrument> instruments_;
+};
+
+/// What the command line asks for and cannot have.
+std::optional<Error> fault_of(const MeasureOptions& options) {
+  if (options.reference.empty() && !options.model_reference) {
+    return Error{Errc::invalid, "reference",
+                 "say what the positions count from: --reference FILE, or --model-reference"};
+  }
+  if (options.templates == "reference" && options.reference.empty()) {
+    return Error{Errc::invalid, "template",
+                 "the reference's spots are of a picture: give --reference FILE"};
+  }
+  return std::nullopt;
+}
+
+/// What is wrong with one of several files names it.
+Error of_file(Error error, const std::string& path) {
+  if (error.reason.find(path) == std::string::npos) error.reason = path + ": " + error.reason;
+  return error;
+}
+
+void print_line(const Common& common, const json& line) {
+  if (common.json) {
+    print("{}\n", line.dump());
+  } else {
+    print_table(line);
+  }
+}
+
+/// Every image is measured, also behind one that cannot be.
+int measure(const Common& common, const MeasureOptions& options) {
+  if (const auto fault = fault_of(options)) {
+    report(common, *fault);
+    return kUsage;
+  }
+  const auto config = config_of(options);
+  if (!config) return report(common, config.error());
+  ImageMeasurer measurer(options, *config);
+  int status = kOk;
+  for (const std::string& path : options.images) {
+    const auto line = measurer.line_of_file(path);
+    if (!line) {
+      status = report(common, of_file(line.error(), path));
+      continue;
+    }
+    print_line(common, *line);
+    if (line->at("tracked") == 0) {
+      status = report(common, {Errc::refused, "image",
+                               path + ": no spots are found: check the picture, its exposure, and "
+                                      "the configuration's sensor and optics"});
+    }
+  }
+  return status;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); asks no daemon");
+  auto options = std::make_shared<MeasureOptions>();
+  command->add_option("--config,-c", options->config_path, kConfigHelp);
+  auto* reference = command->add_option("--reference,-r", options->reference,
+                                        "image without aberration: positions count from it");
+  command
+      ->add_flag("--model-reference", options->model_reference,
+                 "positions count from where the configuration says that spots are")
+      ->excludes(reference);
+  command
+      ->add_option("--tracker", options->tracker,
+                   "how spots are found, instead of the configuration's")
+      ->check(CLI::IsMember(tracker_names()));
+  command
+      ->add_option("--template", options->templates,
+                   "of the tracker matched, instead of the configuration's")
+      ->check(CLI::IsMember(template_names()));
+  command
+      ->add_option("--operator", options->mode_operator,
+                   "from displacements to modes, instead of the configuration's: diffractive is "
+                   "better up to about 0.1 wave, relinearised beyond, too, in a tenth of a second")
+      ->check(CLI::IsMember(operator_names()));
+  auto* refine = command->add_flag("--refine", options->refine,
+                                   "fit every pixel by the diffraction model: seconds an image");
+  command
+      ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
+                   "of the camera, to refine")
+      ->check(number_from(1e-6, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command->add_option("--read-noise", options->camera.read_noise_e, "electrons RMS, to refine")
+      ->check(number_from(0.0, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      ->add_option("--saturation", options->camera.saturated_dn,
+                   "DN from which a pixel is left out, to refine (default: the file's full scale)")
+      ->check(number_from(1.0, 65535.0))
+      ->needs(refine);
+  command->add_option("--black-level", options->camera.black_dn, "DN, to refine")
+      ->check(number_from(0.0, 65535.0))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
+                 "fit each subaperture's amplitude, too: uneven light; to refine")
+      ->needs(refine);
+  command->add_option("images", options->images, "each a frame of the camera")->required();
+  command->callback([&common, &status, options] { status = measure(common, *options); });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,49 @@
+#include "daemon/ovws/cli/modes_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace ovws::cli {
+namespace {
+
+Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
+  std::istringstream words(part);
+  int n = 0;
+  int m = 0;
+  char comma = 0;
+  char colon = 0;
+  double waves = 0.0;
+  words >> n >> comma >> m >> colon >> waves;
+  if (!words || comma != ',' || colon != ':' || !(words >> std::ws).eof() ||
+      !std::isfinite(waves)) {
+    return fail(Errc::invalid, "modes", "\"" + part + "\" is not of the form n,m:waves");
+  }
+  const auto j = checked_osa_index(n, m);
+  if (!j) return fail(Errc::invalid, "modes", "\"" + part + "\": there is no such Zernike mode");
+  return Mode{*j, norm == ZernikeNorm::unit ? waves / zernike_rms_factor(*j) : waves};
+}
+
+}  // namespace
+
+Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm) {
+  std::vector<Mode> modes;
+  if (!text.empty() && text.find_first_not_of(" \t;") == std::string::npos) {
+    return fail(Errc::invalid, "modes",
+                "\"" + text + "\" holds none: leave it out, or give n,m:waves");
+  }
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ';');) {
+    if (part.find_first_not_of(" \t") == std::string::npos) continue;
+    auto mode = parse_mode(part, norm);
+    if (!mode) return fail(mode.error());
+    const auto same = [&](const Mode& other) { return other.j == mode->j; };
+    if (std::any_of(modes.begin(), modes.end(), same)) {
+      return fail(Errc::invalid, "modes", "\"" + part + "\": this mode is given twice");
+    }
+    modes.push_back(*mode);
+  }
+  return modes;
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,185 @@
+/// ovws hologram and ovws farfield: the sensor's pictures from a configuration, without a daemon.
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "config/config.hpp"
+#include "core/optics/detector.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/optics/sensor_model.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/modes_text.hpp"
+#include "daemon/ovws/cli/picture_file.hpp"
+#include "daemon/shared/slm_files.hpp"
+#include "proto/limits.hpp"
+
+namespace ovws::cli {
+namespace {
+
+struct PictureOptions {
+  std::string config_path;
+  std::string modes;
+  std::string norm = "rms";
+  std::string output;
+};
+
+struct FarFieldOptions {
+  PictureOptions picture;
+  std::optional<double> peak_e;
+  std::optional<double> total_e;
+  double read_noise_e = 5.0;
+  double gain_db = 0.0;
+  int bits = 8;
+  std::uint64_t seed = 1;
+  bool noise_free = false;
+};
+
+void add_picture_options(CLI::App& command, PictureOptions& options) {
+  command.add_option("--config,-c", options.config_path, kConfigHelp);
+  command.add_option(
+      "--modes", options.modes,
+      "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
+  command
+      .add_option("--norm", options.norm,
+                  "what 1 wave of a mode is: RMS over the pupil, or unit amplitude at its edge")
+      ->check(CLI::IsMember({"rms", "unit"}))
+      ->capture_default_str();
+  command.add_option("--output,-o", options.output, "PNG file to write")->required();
+}
+
+Result<Config> config_of(const PictureOptions& options) {
+  if (options.config_path.empty()) return Config{};
+  return load_config(options.config_path);
+}
+
+template <class Pixel>
+Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
+  const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
+  // write_picture takes a const picture, cv::Mat has no const constructor.
+  const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
+  return write_picture(path, mat);
+}
+
+Result<std::vector<Mode>> modes_of(const PictureOptions& options) {
+  return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
+}
+
+/// The hologram's grey levels with the modes asked for; refused where the SLM cannot sample it.
+Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const PictureOptions& options) {
+  const auto modes = modes_of(options);
+  if (!modes) return fail(modes.error());
+  auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return fail(renderer.error());
+  if (auto sampled = renderer->check_sampling(*modes); !sampled) return fail(sampled.error());
+  Image<std::uint8_t> grey;
+  renderer->render(HologramKind::sensor, *modes, grey);
+  return grey;
+}
+
+Result<void> make_hologram(const PictureOptions& options) {
+  const auto config = config_of(options);
+  if (!config) return fail(config.error());
+  const auto hologram = load_hologram_config(*config);
+  if (!hologram) return fail(hologram.error());
+  const auto grey = render(*hologram, options);
+  if (!grey) return fail(grey.error());
+  return write_png(options.output, *grey);
+}
+
+/// Electrons in the camera's window for an SLM that shows exactly the phase it is asked for.
+Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
+                               double full_well_e) {
+  const auto modes = modes_of(options.picture);
+  if (!modes) return fail(modes.error());
+  const Roi& roi = config.camera.settings.roi;
+  auto model =
+      SensorModel::make(config.sensor, config.slm.geometry, config.optics, roi.width, roi.height);
+  if (!model) return fail(model.error());
+  auto light = model->light(*modes);
+  if (!light) return light;
+  const double peak_e = options.peak_e.value_or(0.8 * full_well_e);
+  scale(*light, options.total_e ? *options.total_e / total(*light)
+                                : peak_e / model->peak_of_spots(*light, *modes));
+  return light;
+}
+
+Result<void> make_farfield(const FarFieldOptions& options) {
+  const auto config = config_of(options.picture);
+  if (!config) return fail(config.error());
+  DetectorConfig detector;
+  detector.quantum_efficiency = 1.0;
+  detector.bits = options.bits;
+  detector.seed = options.seed;
+  detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
+  detector.shot_noise = !options.noise_free;
+  if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
+  const auto collected = electrons(*config, options, detector.full_well_e);
+  if (!collected) return fail(collected.error());
+  Image<std::uint16_t> dn;
+  Detector(detector, collected->width, collected->height)
+      .expose(*collected, config->camera.settings.exposure_us, options.gain_db, dn);
+  if (options.bits > 8) return write_png(options.picture.output, dn);
+  Image<std::uint8_t> narrow(dn.width, dn.height);
+  std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
+  return write_png(options.picture.output, narrow);
+}
+
+int finish(const Common& common, const std::string& output, const Result<void>& done) {
+  if (!done) return report(common, done.error());
+  if (common.json) {
+    print("{}\n", nlohmann::json{{"file", output}}.dump());
+  } else {
+    print("{}\n", output);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+void add_hologram(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "hologram",
+      "write as PNG what the SLM shows with a configuration: the sensor's hologram, pixel by pixel "
+      "in grey levels, with the configuration's LUT and flatness; asks no daemon");
+  auto options = std::make_shared<PictureOptions>();
+  add_picture_options(*command, *options);
+  command->callback([&common, &status, options] {
+    status = finish(common, options->output, make_hologram(*options));
+  });
+}
+
+void add_farfield(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "farfield",
+      "write as PNG what the camera sees of that hologram on an ideal bench, computed with noise; "
+      "asks no daemon");
+  auto options = std::make_shared<FarFieldOptions>();
+  add_picture_options(*command, options->picture);
+  auto* peak = command
+                   ->add_option("--peak", options->peak_e,
+                                "light: electrons in the spots' brightest pixel (default 8000)")
+                   ->check(number_from(1e-3, 1e9));
+  command
+      ->add_option("--photons", options->total_e,
+                   "the same in another way: electrons in the whole image")
+      ->check(number_from(1e-3, 1e15))
+      ->excludes(peak);
+  command->add_option("--read-noise", options->read_noise_e, "of the camera, electrons RMS")
+      ->check(number_from(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--gain-db", options->gain_db, "camera gain, dB")
+      ->check(number_from(limits::kGainDb.min, limits::kGainDb.max))
+      ->capture_default_str();
+  command->add_option("--bits", options->bits, "of a pixel; above 8 the PNG has 16")
+      ->check(CLI::Range(8, 16))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the noise: the same seed gives the same image")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--noise-free", options->noise_free, "no noise of any kind");
+  command->callback([&common, &status, options] {
+    status = finish(common, options->picture.output, make_farfield(*options));
+  });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,271 @@
+/// ovws status, describe and call: one question to a daemon, one answer.
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/shared/client.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::chrono::milliseconds kLook{200};
+
+std::string text_or(const json& object, const char* key, const std::string& otherwise) {
+  return object.contains(key) && object[key].is_string() ? object[key].get<std::string>()
+                                                         : otherwise;
+}
+
+std::string reference_text(const json& sensor) {
+  const std::string state = text_or(sensor, "reference", "none");
+  if (state == "none") return "no reference";
+  std::string text = state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
+  const double introduced = sensor.value("reference_introduced_rms_waves", 0.0);
+  if (introduced == 0.0) return text;
+  return text + fmt::format(
+                    "\nreference  holds an introduced aberration of {:.4f} wave RMS: "
+                    "coefficients count from it; for one without: ovws call "
+                    "aberration.clear, then ovws call --wait reference.take",
+                    introduced);
+}
+
+/// Of loop.get: whether it is closed, how it does, and why it is open.
+std::string loop_text(const json& loop) {
+  const bool closed = loop.at("closed").get<bool>();
+  const auto steps = loop.at("steps").get<std::int64_t>();
+  std::string text = closed ? "closed" : "open";
+  if (closed || steps > 0) {
+    text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
+                        loop.at("correction_rms_waves").get<double>());
+  }
+  if (loop.at("residual_rms_waves").is_number()) {
+    text += fmt::format(", residual {:.4f} wave RMS", loop.at("residual_rms_waves").get<double>());
+  }
+  if (loop.at("opened_because").is_string()) {
+    text += fmt::format(", opened at {}: {}", text_or(loop, "t_opened", "?"),
+                        text_or(loop, "opened_because", ""));
+  }
+  return text;
+}
+
+void print_failed_job(const json& failed) {
+  const std::string field = text_or(failed, "field", "");
+  print("failed     job {} ({}) at {}: {}{}\n", failed.at("job").get<int>(),
+        text_or(failed, "kind", ""), text_or(failed, "t_failed", "?"),
+        field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
+}
+
+/// Of aberration.get; empty: none is introduced.
+std::string aberration_text(const json& aberration) {
+  double square = 0.0;
+  std::string text;
+  for (const json& mode : aberration.at("modes")) {
+    const double waves = mode.at("waves").get<double>();
+    if (waves == 0.0) continue;
+    square += waves * waves;
+    text += fmt::format(", {} {:+.4f}", text_or(mode, "name", "?"), waves);
+  }
+  return text.empty() ? "" : fmt::format("{:.4f} wave RMS introduced{}", std::sqrt(square), text);
+}
+
+void print_status(const json& status, const json& loop, const json& aberration) {
+  const json& camera = status.at("camera");
+  const json& slm = status.at("slm");
+  const json& sensor = status.at("sensor");
+  print("state      {}\n", text_or(status, "state", "?"));
+  if (camera.at("info").is_object()) {
+    print("camera     {} {} at {}, {:.1f} frames/s\n", text_or(camera.at("info"), "vendor", ""),
+          text_or(camera.at("info"), "model", ""), text_or(camera.at("info"), "address", ""),
+          status.at("rates").at("grabbed_hz").get<double>());
+  }
+  if (camera.at("fault").is_string()) print("camera     {}\n", text_or(camera, "fault", ""));
+  if (slm.at("info").is_object()) {
+    print("slm        {} {}x{}, {} shown, hologram {}\n", text_or(slm.at("info"), "output", ""),
+          slm.at("info").at("width").get<int>(), slm.at("info").at("height").get<int>(),
+          text_or(slm, "pattern", ""), slm.at("hologram_id").get<std::uint64_t>());
+  }
+  if (slm.at("fault").is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
+  print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
+        sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
+        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""), reference_text(sensor));
+  const std::string introduced = aberration_text(aberration);
+  if (!introduced.empty()) print("aberration {}\n", introduced);
+  print("loop       {}\n", loop_text(loop));
+  if (status.at("failed_job").is_object()) print_failed_job(status.at("failed_job"));
+  if (status.contains("store") && status.at("store").at("reason").is_string()) {
+    print("store      {}\n", text_or(status.at("store"), "reason", ""));
+  }
+  const json& refine = status.at("refine");
+  if (text_or(refine, "state", "off") != "off") {
+    print("refine     {}, {} done, {} refused{}\n", text_or(refine, "state", ""),
+          refine.at("done").get<std::uint64_t>(), refine.at("refused").get<std::uint64_t>(),
+          refine.at("reason").is_string() ? ": " + text_or(refine, "reason", "") : "");
+  }
+  for (const auto& [stage, latency] : status.at("latency").items()) {
+    if (latency.at("count").get<std::uint64_t>() == 0) continue;
+    print("latency    {:<14} p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n", stage,
+          latency.at("p50_us").get<double>(), latency.at("p99_us").get<double>(),
+          latency.at("max_us").get<double>());
+  }
+  for (const auto& [name, count] : status.at("counters").items()) {
+    if (count.get<std::uint64_t>() != 0) {
+      print("counter    {} {}\n", name, count.get<std::uint64_t>());
+    }
+  }
+}
+
+void print_description(const json& description) {
+  for (const auto& [name, schema] : description.at("methods").items()) {
+    print("{:<20} {}\n", name, text_or(schema, "description", ""));
+  }
+  for (const auto& [name, schema] : description.at("streams").items()) {
+    print("stream {:<13} {}\n", name, text_or(schema, "description", ""));
+  }
+}
+
+/// Calls, prints with `show` or as one line of JSON, and says how it ended.
+template <class Show>
+int call_and_print(const Common& common, const std::string& method, const json& params, Show show) {
+  const auto answer = call(common, method, params);
+  if (!answer) return report_failure(common, answer.error());
+  if (common.json) {
+    print("{}\n", answer->dump());
+  } else {
+    show(*answer);
+  }
+  return kOk;
+}
+
+int show_status(const Common& common) {
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  if (common.json) {
+    print("{}\n", status->dump());
+    return kOk;
+  }
+  const auto loop = call(common, "loop.get", json::object());
+  if (!loop) return report_failure(common, loop.error());
+  const auto aberration = call(common, "aberration.get", json::object());
+  if (!aberration) return report_failure(common, aberration.error());
+  print_status(*status, *loop, *aberration);
+  return kOk;
+}
+
+/// One line on standard error that is rewritten, if that is a terminal; else nothing.
+class ProgressLine {
+ public:
+  ProgressLine() = default;
+  ~ProgressLine() {
+    if (drawn_) fmt::print(stderr, "\r\033[K");
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// `job`: of job.get.
+  void show(const json& job) {
+    if (!is_terminal_) return;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
+    fmt::print(stderr, "\r{}: {:.0f} %, {:.0f} s\033[K", text_or(job, "kind", "job"),
+               100.0 * job.at("progress").get<double>(), passed.count());
+    std::fflush(stderr);
+    drawn_ = true;
+  }
+
+ private:
+  bool is_terminal_ = isatty(STDERR_FILENO) != 0;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+/// Of the job that `started` names: its result once it is done, or its error.
+tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
+  ProgressLine progress;
+  while (true) {
+    auto report = call(common, "job.get", {{"job", started.at("job")}});
+    if (!report) return report;
+    progress.show(*report);
+    const std::string state = text_or(*report, "state", "");
+    if (state == "done") return report->at("result");
+    if (state != "running") {
+      json error = report->at("error");
+      if (!error.is_object()) error = {{"message", "the job was " + state}};
+      return tl::make_unexpected(CallFailure{true, std::move(error)});
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+/// A list of numbers or words is one line, however long.
+std::string readable(const json& value, const std::string& margin = "") {
+  const auto is_plain = [](const json& one) { return one.is_primitive(); };
+  const bool is_line = value.is_primitive() || value.empty() ||
+                       (value.is_array() && std::all_of(value.begin(), value.end(), is_plain));
+  if (is_line) return value.dump();
+  std::string text = value.is_array() ? "[" : "{";
+  const std::string inner = margin + "  ";
+  for (const auto& [key, one] : value.items()) {
+    text += (text.size() == 1 ? "\n" : ",\n") + inner;
+    if (value.is_object()) text += json(key).dump() + ": ";
+    text += readable(one, inner);
+  }
+  return text + "\n" + margin + (value.is_array() ? "]" : "}");
+}
+
+struct CallOptions {
+  std::string method, params;
+  bool wait = false;
+};
+
+int call_anything(const Common& common, const CallOptions& options) {
+  const std::string& text = options.params;
+  const json params = text.empty() ? json::object() : json::parse(text, nullptr, false);
+  if (params.is_discarded()) {
+    fmt::print(stderr, "ovws: the parameters are not JSON: {}\n", text);
+    return kUsage;
+  }
+  auto answer = call(common, options.method, params);
+  if (answer && options.wait && answer->is_object() && answer->contains("job")) {
+    answer = end_of_job(common, *answer);
+  }
+  if (!answer) return report_failure(common, answer.error());
+  print("{}\n", common.json ? answer->dump() : readable(*answer));
+  return kOk;
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("status", "how the daemon, the camera and the SLM are");
+  command->callback([&common, &status] { status = show_status(common); });
+}
+
+void add_describe(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "describe", "list every method and stream of the daemon (with --json: their schemas)");
+  command->callback([&common, &status] {
+    status = call_and_print(common, "system.describe", json::object(), print_description);
+  });
+}
+
+void add_call(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("call",
+                                     "call any method of the daemon, e.g. ovws call aberration.set "
+                                     "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
+  auto options = std::make_shared<CallOptions>();
+  command->add_option("method", options->method, "its name; ovws describe lists all")->required();
+  command->add_option("params", options->params, "a JSON object (default: none)");
+  command->add_flag(
+      "--wait,-w", options->wait,
+      "if that starts a job, wait for its end: print its result, or why it failed; on a "
+      "terminal its progress, too");
+  command->callback([&common, &status, options] { status = call_anything(common, *options); });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,134 @@
+/// ovws replay: a recording through the pipeline again, and whether the same comes out.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "core/port/clock.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovwsd/record/player.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+  std::string path;
+  double speed = 0.0;  ///< 0: as fast as it goes
+  bool step = false;
+  bool frames = false;
+};
+
+struct Tally {
+  std::uint64_t frames = 0, replayed = 0, same = 0, valid = 0;
+  std::string first_reason, first_difference;
+};
+
+json line_of(const PlayedFrame& frame) {
+  json out{{"frame_id", frame.recorded.frame_id},
+           {"t_arrival_ns", frame.recorded.t_arrival_ns},
+           {"replayed", frame.replayed},
+           {"same", frame.same},
+           {"valid", frame.valid},
+           {"j", frame.modes_j},
+           {"coefficients", nullptr}};
+  if (frame.valid) out["coefficients"] = frame.coefficients;
+  return out;
+}
+
+void count(const PlayedFrame& frame, Tally& tally) {
+  ++tally.frames;
+  tally.replayed += frame.replayed;
+  tally.same += frame.same;
+  tally.valid += frame.valid;
+  const std::string id = std::to_string(frame.recorded.frame_id);
+  if (!frame.replayed && tally.first_reason.empty()) {
+    tally.first_reason = "frame " + id + ": " + frame.reason;
+  }
+  if (frame.replayed && !frame.same && tally.first_difference.empty()) {
+    tally.first_difference = "frame " + id;
+  }
+}
+
+/// Until the frame is due, by its stamp and the first one's.
+void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begun_ns,
+              double speed) {
+  if (speed <= 0.0) return;
+  constexpr double kLongestNs = 1e18;  // more does not fit the clock
+  const double after_ns =
+      std::min(double(frame.recorded.t_arrival_mono_ns - first_ns) / speed, kLongestNs);
+  const double now_ns = double(monotonic_ns() - begun_ns);
+  if (after_ns > now_ns)
+    std::this_thread::sleep_for(std::chrono::duration<double, std::nano>(after_ns - now_ns));
+}
+
+/// False: the person has had enough.
+bool wait_for_enter() {
+  std::string line;
+  return bool(std::getline(std::cin, line));
+}
+
+json text_or_null(const std::string& text) {
+  return text.empty() ? json(nullptr) : json(text);
+}
+
+int tell(const Common& common, const Options& options, const Tally& tally) {
+  const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
+  if (common.json) {
+    print("{}\n", json{{"frames", tally.frames},
+                       {"replayed", tally.replayed},
+                       {"same", tally.same},
+                       {"valid", tally.valid},
+                       {"first_not_replayed", text_or_null(tally.first_reason)},
+                       {"first_difference", text_or_null(tally.first_difference)}}
+                      .dump());
+    return all_same ? kOk : kError;
+  }
+  print("{}: {} frames, {} replayed, {} of them the same bit for bit, {} valid\n", options.path,
+        tally.frames, tally.replayed, tally.same, tally.valid);
+  if (!tally.first_reason.empty()) print("first not replayed: {}\n", tally.first_reason);
+  if (!tally.first_difference.empty()) print("first difference: {}\n", tally.first_difference);
+  return all_same ? kOk : kError;
+}
+
+int replay(const Common& common, const Options& options) {
+  auto player = Player::open(options.path);
+  if (!player) return report(common, player.error());
+  const auto& recorded = (*player)->reader().frames();
+  const std::int64_t first_ns = recorded.empty() ? 0 : recorded.front().t_arrival_mono_ns;
+  const std::int64_t begun_ns = monotonic_ns();
+  Tally tally;
+  while (true) {
+    const auto played = (*player)->step();
+    if (!played) return report(common, played.error());
+    if (!*played) break;
+    count(**played, tally);
+    wait_for(**played, first_ns, begun_ns, options.speed);
+    if (options.frames || options.step) print("{}\n", line_of(**played).dump());
+    if (!options.step) continue;
+    std::fflush(stdout);
+    if (!wait_for_enter()) break;
+  }
+  return tell(common, options, tally);
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "replay",
+      "measure the pictures of a recording again, under the plans of their time, and say whether "
+      "the same comes out (else, and if there is nothing to measure, the exit code is 1)");
+  auto options = std::make_shared<Options>();
+  command->add_option("file", options->path, "a file of record.start")->required();
+  command->add_option("--speed", options->speed, "1: as it was; 0 (default): as fast as it goes")
+      ->check(number_from(0.0, 1e6));
+  command->add_flag("--step", options->step, "one frame, and the next with Enter");
+  command->add_flag("--frames", options->frames, "print each frame as one line of JSON");
+  command->callback([&common, &status, options] { status = replay(common, *options); });
+}
+
+}  // namespace ovws::cli

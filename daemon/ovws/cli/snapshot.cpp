@@ -1,0 +1,268 @@
+/// ovws snapshot: the camera's image with what was found in it, and the wavefront, as two PNG
+/// files.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/picture_file.hpp"
+#include "daemon/shared/client.hpp"
+#include "drivers/zmq/client.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kZoom = 2;
+const cv::Scalar kFoundColour(80, 255, 80);
+const cv::Scalar kReferenceColour(0, 190, 255);
+const cv::Scalar kTextColour(255, 255, 255);
+const cv::Scalar kWarningColour(90, 90, 255);
+const cv::Scalar kBackground(40, 40, 40);
+const cv::Size kPhasePictureSize(512, 512);
+const cv::Rect kMapPlace(64, 72, 384, 384);
+
+/// The newest message of each topic, by name.
+using Messages = std::map<std::string, StreamMessage>;
+
+/// Spots by frame, and the newest pictures, until those of one frame are together.
+class Collector {
+ public:
+  void add_spots(StreamMessage message) {
+    const auto frame = frame_of(message);
+    spots_by_frame_[frame] = std::move(message);
+    if (spots_by_frame_.size() > 1000) spots_by_frame_.erase(spots_by_frame_.begin());
+  }
+  void add_picture(StreamMessage message) { found_[message.topic] = std::move(message); }
+
+  /// Image, phase and spots of one frame.
+  std::optional<Messages> of_one_frame() {
+    if (!found_.contains("image") || !found_.contains("phase")) return std::nullopt;
+    const auto frame = frame_of(found_["image"]);
+    const auto spots = spots_by_frame_.find(frame);
+    if (frame_of(found_["phase"]) != frame || spots == spots_by_frame_.end()) return std::nullopt;
+    found_["spots"] = spots->second;
+    return found_;
+  }
+
+ private:
+  static std::uint64_t frame_of(const StreamMessage& message) {
+    return json::parse(message.json).at("frame_id").get<std::uint64_t>();
+  }
+
+  Messages found_;
+  std::map<std::uint64_t, StreamMessage> spots_by_frame_;
+};
+
+/// The first frame that is valid; if none comes in time the last one that is not.
+std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, double timeout_s) {
+  Collector collector;
+  std::optional<Messages> last;
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
+  while (Clock::now() < end) {
+    while (auto message = numbers.receive(std::chrono::milliseconds(0))) {
+      collector.add_spots(std::move(*message));
+    }
+    if (auto message = pictures.receive(std::chrono::milliseconds(5))) {
+      collector.add_picture(std::move(*message));
+    }
+    auto together = collector.of_one_frame();
+    if (!together) continue;
+    last = std::move(together);
+    if (json::parse(last->at("spots").json).at("valid").get<bool>()) break;
+  }
+  return last;
+}
+
+cv::Mat grey_picture(const StreamMessage& message, const json& header) {
+  const int rows = header.at("shape").at(0).get<int>();
+  const int cols = header.at("shape").at(1).get<int>();
+  const int bits = header.at("significant_bits").get<int>();
+  cv::Mat raw(rows, cols, bits > 8 ? CV_16UC1 : CV_8UC1);
+  std::memcpy(raw.data, message.binary.data(),
+              std::min(message.binary.size(), raw.total() * raw.elemSize()));
+  cv::Mat grey;
+  raw.convertTo(grey, CV_8U, 255.0 / double((1 << bits) - 1));
+  return grey;
+}
+
+/// Rows of x, y, ref_x, ref_y, peak, quality.
+std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
+  std::vector<std::array<float, 6>> rows(spots.binary.size() / (6 * sizeof(float)));
+  if (rows.empty()) return rows;
+  std::memcpy(rows.data(), spots.binary.data(), rows.size() * sizeof(rows[0]));
+  return rows;
+}
+
+/// "NOT VALID: …"; empty for a valid frame.
+std::string warning_of(const StreamMessage& spots, const json& status) {
+  const json header = json::parse(spots.json);
+  return header.at("valid").get<bool>() ? "" : "NOT VALID: " + why_not_valid(header, status);
+}
+
+void draw_spots(cv::Mat& picture, const StreamMessage& spots) {
+  const auto at = [](float x, float y) {
+    return cv::Point(int(std::lround((x + 0.5F) * kZoom)), int(std::lround((y + 0.5F) * kZoom)));
+  };
+  for (const auto& spot : rows_of(spots)) {
+    if (!std::isnan(spot[2])) {
+      cv::drawMarker(picture, at(spot[2], spot[3]), kReferenceColour, cv::MARKER_TILTED_CROSS, 10);
+    }
+    if (std::isnan(spot[0])) continue;
+    cv::circle(picture, at(spot[0], spot[1]), 6, kFoundColour, 1, cv::LINE_AA);
+    if (!std::isnan(spot[2])) {
+      cv::line(picture, at(spot[2], spot[3]), at(spot[0], spot[1]), kFoundColour, 1, cv::LINE_AA);
+    }
+  }
+}
+
+/// Outlined, so that it can be read on any colour.
+void write_text(cv::Mat& picture, cv::Point at, const std::string& text, const cv::Scalar& colour) {
+  const auto font = cv::FONT_HERSHEY_SIMPLEX;
+  cv::putText(picture, text, at, font, 0.5, cv::Scalar(0, 0, 0), 4, cv::LINE_AA);
+  cv::putText(picture, text, at, font, 0.5, colour, 1, cv::LINE_AA);
+}
+
+void write_line(cv::Mat& picture, int line, const std::string& text,
+                const cv::Scalar& colour = kTextColour) {
+  write_text(picture, {8, 20 + 20 * line}, text, colour);
+}
+
+cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
+  const json header = json::parse(messages.at("image").json);
+  const json spots = json::parse(messages.at("spots").json);
+  cv::Mat grey = grey_picture(messages.at("image"), header);
+  cv::Mat large;
+  cv::resize(grey, large, {}, kZoom, kZoom, cv::INTER_NEAREST);
+  cv::Mat picture;
+  cv::cvtColor(large, picture, cv::COLOR_GRAY2BGR);
+  draw_spots(picture, messages.at("spots"));
+  write_line(picture, 0,
+             fmt::format("frame {}  charge {}  {} of {} spots",
+                         spots.at("frame_id").get<std::uint64_t>(), spots.at("charge").get<int>(),
+                         spots.at("tracked").get<int>(), spots.at("subapertures").get<int>()));
+  write_line(picture, 1, "circle: found   cross: reference");
+  write_line(picture, 2, warning, kWarningColour);
+  return picture;
+}
+
+/// The map's colours, NaN left out; `scale` waves are the brightest, -scale the darkest.
+cv::Mat colour_map(const cv::Mat& waves, double scale) {
+  cv::Mat scaled;
+  waves.convertTo(scaled, CV_8U, 127.5 / scale, 127.5);
+  cv::Mat coloured;
+  cv::applyColorMap(scaled, coloured, cv::COLORMAP_VIRIDIS);
+  cv::Mat picture(waves.size(), CV_8UC3, kBackground);
+  coloured.copyTo(picture, waves == waves);  // NaN is not equal to itself
+  return picture;
+}
+
+/// Below the map: the colours from -scale to +scale, with their ends in waves.
+void draw_colour_bar(cv::Mat& picture, double scale) {
+  cv::Mat ramp(1, 256, CV_32FC1);
+  for (int i = 0; i < ramp.cols; ++i) ramp.at<float>(0, i) = float(scale * (i / 127.5 - 1.0));
+  const cv::Rect place(kMapPlace.x, kMapPlace.y + kMapPlace.height + 8, kMapPlace.width, 14);
+  cv::resize(colour_map(ramp, scale), picture(place), place.size(), 0, 0, cv::INTER_NEAREST);
+  const int line = place.y + place.height + 18;
+  const auto label = [&](double at, const std::string& text) {
+    const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width;
+    const int left = place.x + int(at * place.width) - width / 2;
+    write_text(picture, {std::clamp(left, 4, picture.cols - width - 4), line}, text, kTextColour);
+  };
+  label(0.0, fmt::format("{:+.3f} wave", -scale));
+  label(0.5, "0");
+  label(1.0, fmt::format("{:+.3f} wave", scale));
+}
+
+cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
+  const StreamMessage& phase = messages.at("phase");
+  const json header = json::parse(phase.json);
+  const json spots = json::parse(messages.at("spots").json);
+  cv::Mat waves(header.at("shape").at(0).get<int>(), header.at("shape").at(1).get<int>(), CV_32FC1);
+  std::memcpy(waves.data, phase.binary.data(),
+              std::min(phase.binary.size(), waves.total() * sizeof(float)));
+  double low = 0.0;
+  double high = 0.0;
+  cv::minMaxLoc(waves, &low, &high, nullptr, nullptr, waves == waves);
+  const double scale = std::max({std::abs(low), std::abs(high), 1e-3});
+  cv::Mat picture(kPhasePictureSize, CV_8UC3, kBackground);
+  cv::resize(colour_map(waves, scale), picture(kMapPlace), kMapPlace.size(), 0, 0,
+             cv::INTER_NEAREST);
+  write_line(picture, 0,
+             fmt::format("wavefront, frame {}", header.at("frame_id").get<std::uint64_t>()));
+  if (spots.at("rms_waves").is_number()) {
+    write_line(picture, 1,
+               fmt::format("RMS {:.4f} wave without tilts", spots.at("rms_waves").get<double>()));
+    draw_colour_bar(picture, scale);
+  }
+  write_line(picture, 2, warning, kWarningColour);
+  return picture;
+}
+
+/// "PREFIX-camera.png"; a prefix that is a folder means files in it.
+std::string file_name(const std::string& prefix, const std::string& what) {
+  std::error_code ignored;
+  const bool is_folder = prefix.ends_with('/') || std::filesystem::is_directory(prefix, ignored);
+  return is_folder ? (std::filesystem::path(prefix) / ("ovws-" + what)).string()
+                   : prefix + "-" + what;
+}
+
+int write_pictures(const Common& common, const Messages& messages, const std::string& warning,
+                   const std::string& prefix) {
+  const std::string camera = file_name(prefix, "camera.png");
+  const std::string phase = file_name(prefix, "phase.png");
+  auto written = write_picture(camera, camera_picture(messages, warning));
+  if (written) written = write_picture(phase, phase_picture(messages, warning));
+  if (!written) return report(common, written.error());
+  if (!warning.empty()) fmt::print(stderr, "ovws: {}\n", warning);
+  if (common.json) {
+    print("{}\n", json{{"files", {camera, phase}}, {"valid", warning.empty()}}.dump());
+  } else {
+    print("{}\n{}\n", camera, phase);
+  }
+  return kOk;
+}
+
+int snapshot(const Common& common, const std::string& prefix) {
+  const auto endpoint = stream_endpoint(common, "endpoint");
+  if (!endpoint) return report_failure(common, endpoint.error());
+  const auto image_endpoint = stream_endpoint(common, "image_endpoint");
+  if (!image_endpoint) return report_failure(common, image_endpoint.error());
+  auto numbers = subscribe(common, *endpoint, {"spots"}, 1000);
+  auto pictures = subscribe(common, *image_endpoint, {"image", "phase"}, 10);
+  if (!numbers) return report(common, numbers.error());
+  if (!pictures) return report(common, pictures.error());
+  const auto messages = collect(*numbers, *pictures, common.timeout_s);
+  if (!messages) {
+    return report(common, {Errc::unavailable, "", "no image came in time: see ovws status"});
+  }
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  return write_pictures(common, *messages, warning_of(messages->at("spots"), *status), prefix);
+}
+
+}  // namespace
+
+void add_snapshot(CLI::App& app, const Common& common, int& status) {
+  auto* command =
+      app.add_subcommand("snapshot",
+                         "write the annotated camera image and the wavefront as PNG; waits "
+                         "up to --timeout for a valid frame");
+  auto prefix = std::make_shared<std::string>("ovws");
+  command
+      ->add_option("--output,-o", *prefix,
+                   "files are PREFIX-camera.png and PREFIX-phase.png; a folder: files in it")
+      ->capture_default_str();
+  command->callback([&common, &status, prefix] { status = snapshot(common, *prefix); });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,122 @@
+#include "daemon/ovws/cli/watch_screen.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <string_view>
+
+#include "daemon/ovws/cli/stream_follower.hpp"
+#include "daemon/ovws/screen/page.hpp"
+#include "daemon/ovws/screen/terminal.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using screen::Clock;
+using screen::Key;
+
+constexpr std::chrono::milliseconds kPeriod{50};     ///< from one drawing to the next
+constexpr std::chrono::milliseconds kPatience{300};  ///< how long a missing daemon may hold it up
+constexpr int kPage = 10;
+
+std::atomic<bool> stop_requested{false};
+
+/// Empty if a message has not what tells it.
+std::string reason_of(const screen::View& view) {
+  for (const char* key : {"settled", "fit_residual_px", "tracked", "subapertures"}) {
+    if (!view.wavefront.contains(key)) return {};
+  }
+  if (view.status.is_null()) return {};
+  return why_not_valid(view.wavefront, view.status);
+}
+
+class WatchScreen {
+ public:
+  WatchScreen(const Common& common, screen::Terminal terminal)
+      : terminal_(std::move(terminal)),
+        stream_(common, {"wavefront", "spots", "status", "event"}, kPatience),
+        gatherer_(Clock::now()) {}
+
+  int run() {
+    while (!stop_requested && !quit_) {
+      if (output_has_no_reader()) return kError;
+      gather(Clock::now() + kPeriod);
+      for (Key key = terminal_.key(); key != Key::none && !quit_; key = terminal_.key()) obey(key);
+      draw();
+    }
+    return kOk;
+  }
+
+ private:
+  void gather(Clock::time_point until) {
+    for (auto now = Clock::now(); now < until; now = Clock::now()) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now);
+      auto message = stream_.receive(left);
+      if (!message) continue;
+      gatherer_.take(message->topic, std::move(message->json), std::move(message->binary),
+                     Clock::now());
+    }
+  }
+
+  void obey(Key key) {
+    if (key == Key::quit) quit_ = true;
+    if (key == Key::pause) choice_.paused = !choice_.paused;
+    choice_.help = key == Key::help && !choice_.help;
+    int& first = choice_.first_mode;
+    if (key == Key::up) --first;
+    if (key == Key::down) ++first;
+    if (key == Key::page_up) first -= kPage;
+    if (key == Key::page_down) first += kPage;
+    if (key == Key::home) first = 0;
+    if (key == Key::end) first = 1 << 20;
+  }
+
+  /// A pause holds the view; what comes meanwhile is gathered all the same.
+  void draw() {
+    const screen::View& newest = gatherer_.view(Clock::now());
+    if (!choice_.paused) {
+      shown_ = newest;
+      shown_.not_valid = reason_of(shown_);
+    }
+    screen::Canvas canvas = terminal_.blank();
+    screen::draw(canvas, shown_, choice_);
+    terminal_.show(canvas);
+  }
+
+  screen::Terminal terminal_;
+  StreamFollower stream_;
+  screen::Gatherer gatherer_;
+  screen::View shown_;
+  screen::Choice choice_;
+  bool quit_ = false;
+};
+
+}  // namespace
+
+bool can_show_screen() {
+  const char* const term = std::getenv("TERM");
+  return isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0 && term != nullptr &&
+         *term != '\0' && std::string_view(term) != "dumb";
+}
+
+int show_screen(const Common& common) {
+  // Whoever asks for a daemon that is not there is told at once, as by every other command.
+  if (const auto there = stream_endpoint(common, "endpoint"); !there) {
+    return report_failure(common, there.error());
+  }
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    std::signal(signal, [](int) { stop_requested.store(true); });
+  }
+  auto terminal = screen::Terminal::open();
+  if (!terminal) return report(common, terminal.error());
+  try {
+    return WatchScreen(common, std::move(*terminal)).run();
+  } catch (const std::exception& error) {  // here the terminal is as it was before
+    return report(common, {Errc::internal, "watch", error.what()});
+  }
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,191 @@
+#include "daemon/ovws/doctor/camera.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/printable.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+constexpr const char* kNoCamera = "there is no camera to ask";
+constexpr const char* kUsb = "the camera is on USB";
+
+bool on_usb(const CameraFacts& facts) {
+  return facts.camera && !facts.camera->gige;
+}
+
+double frame_bytes(const CameraSettings& settings) {
+  return double(row_bytes(settings.pixel_format, settings.roi.width)) * settings.roi.height;
+}
+
+/// Another address of the same 24-bit network, for this machine.
+std::string neighbour_of(const std::string& address) {
+  const std::string network = address.substr(0, address.rfind('.') + 1);
+  return network + (address == network + "1" ? "2" : "1") + "/24";
+}
+
+Finding judge_found(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.found";
+  if (facts.answer || on_usb(facts)) {
+    return ok(kName, facts.camera->id + " answers" +
+                         (facts.camera->address.empty() ? "" : " at " + facts.camera->address));
+  }
+  if (facts.camera) {
+    return fault(
+        kName,
+        fmt::format("{} is heard on the network but does not answer at its address {}: "
+                    "this machine has no address in its network",
+                    facts.camera->id, facts.camera->address),
+        fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(facts.camera->address)));
+  }
+  if (facts.listed.empty()) {
+    return fault(kName,
+                 "camera.id is " + facts.config.id +
+                     ", and no camera at all is found: look at its cable and power; this lists "
+                     "what is found",
+                 "arv-tool-0.8");
+  }
+  const ListedCamera& other = facts.listed.front();
+  return fault(
+      kName, "camera.id is " + facts.config.id + ", but found were: " + names_of(facts.listed),
+      fmt::format("\"camera\": {{\"id\": \"{}\"}}",
+                  printable(other.gige && !other.address.empty() ? other.address : other.id,
+                            kMaxNameBytes)));
+}
+
+Finding judge_control(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.control";
+  if (on_usb(facts)) return not_here(kName, "a USB camera does not tell in whose hands it is");
+  if (!facts.answer) return not_here(kName, kNoCamera);
+  if (!facts.answer->controlled) return ok(kName, "nobody has its control: a daemon may take it");
+  if (facts.daemon == DaemonsCamera::with) return ok(kName, "the daemon has its control");
+  const std::string fix = "sudo ss --udp --all --processes";
+  if (facts.daemon == DaemonsCamera::silent) {
+    return warning(kName,
+                   "a program has its control, and no daemon answers here that it could be: close "
+                   "it before you start a daemon; this lists the programs that might",
+                   fix);
+  }
+  return fault(kName,
+               "another program than the daemon has its control, maybe on another machine: close "
+               "it; this lists those here that might",
+               fix);
+}
+
+Finding judge_interface(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.interface";
+  if (on_usb(facts)) return not_here(kName, kUsb);
+  const std::string address = facts.camera ? facts.camera->address : facts.config.id;
+  if (!facts.path) {
+    if (!facts.camera && !facts.listed.empty()) return not_here(kName, kNoCamera);
+    const bool numeric = address.find_first_not_of("0123456789.") == std::string::npos;
+    if (!numeric) return not_here(kName, kNoCamera);
+    return fault(kName, "no network interface of this machine leads to " + address,
+                 fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
+  }
+  const std::string where =
+      fmt::format("{} ({}) leads to {}", facts.path->interface, facts.path->own_address, address);
+  if (facts.path->same_network) return ok(kName, where);
+  return warning(kName, where + " through a router, which loses packets and lets no large ones by",
+                 fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
+}
+
+/// The slowest part that tells its speed.
+std::optional<int> link_mbps(const CameraFacts& facts) {
+  std::optional<int> slowest;
+  for (const auto& one : {facts.usb_mbps, facts.answer ? facts.answer->link_mbps : std::nullopt,
+                          facts.path ? facts.path->link_mbps : std::nullopt}) {
+    if (one) slowest = std::min(*one, slowest.value_or(*one));
+  }
+  return slowest;
+}
+
+Finding judge_link(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.link";
+  constexpr double kOverhead = 1.05;  // headers, and packets that are sent again
+  if (!facts.camera) return not_here(kName, kNoCamera);
+  const auto link = link_mbps(facts);
+  if (!link) return not_here(kName, "neither the camera nor its interface tells a speed");
+  const CameraSettings& settings = facts.config.settings;
+  const double needed_mbps =
+      8e-6 * kOverhead * frame_bytes(settings) * std::max(settings.frame_rate_hz, 0.0);
+  const std::string says = fmt::format("frames as configured need {:.0f} Mbit/s, the link has {}",
+                                       std::ceil(needed_mbps), *link);
+  if (needed_mbps <= *link) return ok(kName, says);
+  const double rate_hz = settings.frame_rate_hz * *link / needed_mbps;
+  return fault(kName, says + ": not all of them arrive; or mend the cable, port or switch",
+               fmt::format("\"camera\": {{\"frame_rate_hz\": {:.3g}}}",
+                           rate_hz >= 1.0 ? std::floor(rate_hz) : 0.9 * rate_hz));
+}
+
+Finding judge_packets(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.packets";
+  if (on_usb(facts)) return not_here(kName, kUsb);
+  if (!facts.path || facts.path->mtu_bytes == 0) {
+    return not_here(kName, "the interface to the camera is not known");
+  }
+  const int mtu = facts.path->mtu_bytes;
+  const int asked = facts.config.packet_size_bytes;
+  const bool in_use =
+      facts.answer && facts.answer->controlled && facts.answer->packet_size_bytes.has_value();
+  const int sent = in_use ? *facts.answer->packet_size_bytes : asked;
+  const std::string fix =
+      fmt::format("sudo ip link set dev {} mtu {}", facts.path->interface, std::max(asked, sent));
+  const std::string takes = fmt::format("{} takes packets of {} bytes", facts.path->interface, mtu);
+  if (in_use && sent > mtu) {
+    return fault(kName, fmt::format("the camera sends {} bytes a packet, {}", sent, takes), fix);
+  }
+  if (asked > mtu) {
+    return warning(kName,
+                   fmt::format("camera.packet_size_bytes is {}, {}: unless the camera finds a "
+                               "smaller size by test packets, no frame arrives",
+                               asked, takes),
+                   fix);
+  }
+  return ok(kName, fmt::format("camera.packet_size_bytes is {}, {}", asked, takes));
+}
+
+Finding judge_socket_buffer(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.socket_buffer";
+  if (on_usb(facts)) return not_here(kName, kUsb);
+  if (!facts.rmem_max_bytes) return not_here(kName, "net.core.rmem_max is not to be seen here");
+  const std::string says = fmt::format("net.core.rmem_max is {}, a daemon asks for {} bytes",
+                                       *facts.rmem_max_bytes, facts.socket_buffer_bytes);
+  if (*facts.rmem_max_bytes >= facts.socket_buffer_bytes) return ok(kName, says);
+  return warning(kName,
+                 says +
+                     ": one without CAP_NET_RAW, which the service has, loses packets when the "
+                     "processor is busy",
+                 fmt::format("sudo sysctl -w net.core.rmem_max={}", facts.socket_buffer_bytes));
+}
+
+Finding judge_usb_memory(const CameraFacts& facts) {
+  constexpr const char* kName = "camera.usb_memory";
+  constexpr const char* kPath = "/sys/module/usbcore/parameters/usbfs_memory_mb";
+  if (!facts.camera) return not_here(kName, kNoCamera);
+  if (!on_usb(facts)) return not_here(kName, "the camera is on the network");
+  if (!facts.usbfs_mb) return not_here(kName, "usbfs_memory_mb is not to be seen here");
+  const auto needed_mb =
+      std::int64_t(std::ceil(frame_bytes(facts.config.settings) * facts.buffers / 1048576.0)) + 1;
+  const std::string says =
+      fmt::format("the system gives USB {} MiB, {} buffers of frames as configured need {}",
+                  *facts.usbfs_mb, facts.buffers, needed_mb);
+  if (*facts.usbfs_mb == 0) return ok(kName, "the system gives USB as much memory as it asks for");
+  if (*facts.usbfs_mb >= needed_mb) return ok(kName, says);
+  return fault(
+      kName, says + ": frames are lost",
+      fmt::format("echo {} | sudo tee {}", std::max<std::int64_t>(needed_mb, 1000), kPath));
+}
+
+}  // namespace
+
+Findings judge(const CameraFacts& facts) {
+  return {judge_found(facts),     judge_control(facts), judge_interface(facts),
+          judge_link(facts),      judge_packets(facts), judge_socket_buffer(facts),
+          judge_usb_memory(facts)};
+}
+
+}  // namespace ovws::doctor

@@ -1,0 +1,90 @@
+#include "daemon/ovws/doctor/configuration.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include "daemon/ovwsd/settings/config_check.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+constexpr const char* kName = "configuration";
+constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
+
+std::string told(const Error& error) {
+  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
+}
+
+std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
+  const auto dot = error.field.rfind('.');
+  const std::string key = error.field.substr(dot == std::string::npos ? 0 : dot + 1);
+  if (!error.nearest.empty()) {
+    return fmt::format("in {}: \"{}\" in place of \"{}\"", facts.path, error.nearest, key);
+  }
+  return "sudoedit " + (facts.path.empty() ? std::string(kServicePath) : facts.path);
+}
+
+}  // namespace
+
+ConfigurationFacts read_configuration(const std::string& path) {
+  ConfigurationFacts facts;
+  facts.path = path;
+  if (path.empty() && ::access(kServicePath, F_OK) == 0) facts.path = kServicePath;
+  const auto loaded = load_with_saved(facts.path, service_state_folder(facts.path));
+  if (!loaded) {
+    facts.error = loaded.error();
+    return facts;
+  }
+  const Config& config = loaded->effective;
+  facts.config = config;
+  facts.saved = describe_saved(*loaded);
+  facts.rejected = loaded->rejected;
+  facts.saved_is_unused = !loaded->why_unused.empty();
+  if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
+  if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
+  facts.keys = check_keys(facts.path, config);
+  return facts;
+}
+
+Findings judge(const ConfigurationFacts& facts) {
+  if (facts.error) {
+    return {fault(kName, "no daemon starts with it: " + told(*facts.error),
+                  fix_of(facts, *facts.error))};
+  }
+  if (const auto& keys = facts.keys; keys.error) {
+    return {fault(kName, "no daemon starts with it: " + told(*keys.error),
+                  keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
+  }
+  if (facts.unseen) {
+    return {fault(kName, "the sensor would find no spots with it: " + told(*facts.unseen),
+                  fix_of(facts, *facts.unseen))};
+  }
+  if (facts.path.empty()) {
+    return {warning(kName,
+                    fmt::format("no file is named and there is no {}, so all is held against the "
+                                "defaults, which are the demonstration's",
+                                kServicePath),
+                    "ovws doctor --config FILE")};
+  }
+  const std::string good = facts.path + " reads well and makes a sensor";
+  if (facts.saved_is_unused) {
+    return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
+  }
+  if (!facts.rejected.empty()) {
+    return {warning(kName,
+                    good + "; saved settings could not be used and were renamed to " +
+                        facts.rejected +
+                        ": set what is missing again, save it with config.save, "
+                        "and remove that file",
+                    "sudo rm " + facts.rejected)};
+  }
+  if (!facts.keys.read) {
+    return {not_here(kName,
+                     good + "; the daemon's secret key was not checked: this user may not read it",
+                     "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path)};
+  }
+  return {ok(kName, facts.saved.empty() ? good : good + "; " + facts.saved)};
+}
+
+}  // namespace ovws::doctor

@@ -1,0 +1,101 @@
+#include "daemon/ovws/doctor/daemon_answer.hpp"
+
+#include <fmt/core.h>
+
+namespace ovws::doctor {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kLog = "journalctl -u ovwsd -n 20";
+
+/// The text at this path; empty: there is none, and nothing if it is not a text.
+std::string text_at(const json& status, const char* path) {
+  const json::json_pointer pointer(path);
+  if (!status.contains(pointer) || !status.at(pointer).is_string()) return {};
+  return status.at(pointer).get<std::string>();
+}
+
+Finding judge_answer(const DaemonFacts& facts) {
+  constexpr const char* kName = "daemon.answer";
+  if (facts.status) return ok(kName, "a daemon answers at " + facts.endpoint);
+  if (facts.refused) {
+    return warning(kName, "the daemon at " + facts.endpoint + " refuses: " + facts.why,
+                   "ovws --key FILE doctor");
+  }
+  return not_here(kName, facts.why,
+                  std::string("sudo systemctl start ovwsd") +
+                      (facts.asks_for_keys ? " && ovws --key FILE doctor" : ""));
+}
+
+Finding judge_version(const DaemonFacts& facts) {
+  constexpr const char* kName = "daemon.version";
+  const std::string version = text_at(*facts.status, "/versions/ovws");
+  if (version == facts.own_version) return ok(kName, "it is of version " + version + ", as this");
+  return warning(kName,
+                 fmt::format("the daemon is of version {}, this program of {}: an installation "
+                             "waits for a restart, or there are two",
+                             version.empty() ? "unknown" : version, facts.own_version),
+                 "sudo systemctl restart ovwsd");
+}
+
+Finding judge_state(const DaemonFacts& facts) {
+  constexpr const char* kName = "daemon.state";
+  const std::string state = text_at(*facts.status, "/state");
+  for (const char* part : {"camera", "slm"}) {
+    const std::string told = text_at(*facts.status, fmt::format("/{}/fault", part).c_str());
+    if (!told.empty()) {
+      return fault(kName, fmt::format("it is {}, and says of its {}: {}", state, part, told), kLog);
+    }
+  }
+  if (state == "fault" || state.starts_with("waiting")) {
+    return fault(kName, "it is in the state " + state, kLog);
+  }
+  return ok(kName, "it is " + state);
+}
+
+Finding judge_store(const DaemonFacts& facts) {
+  constexpr const char* kName = "daemon.store";
+  const std::string reason = text_at(*facts.status, "/store/reason");
+  if (reason.empty()) {
+    return ok(kName, "it keeps what it measures in " + text_at(*facts.status, "/store/directory"));
+  }
+  return warning(kName, "not all that it measures is kept: " + reason,
+                 "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+}
+
+Finding judge_job(const DaemonFacts& facts) {
+  constexpr const char* kName = "daemon.job";
+  const std::string kind = text_at(*facts.status, "/failed_job/kind");
+  if (kind.empty()) return ok(kName, "none of its jobs has failed without succeeding since");
+  return warning(kName,
+                 fmt::format("its job {} failed at {}, and none of that kind was done since: {}",
+                             kind, text_at(*facts.status, "/failed_job/t_failed"),
+                             text_at(*facts.status, "/failed_job/reason")),
+                 "ovws call --wait " + kind);
+}
+
+}  // namespace
+
+DaemonsCamera camera_of(const DaemonFacts& facts) {
+  if (!facts.status) return DaemonsCamera::silent;
+  const json::json_pointer info("/camera/info");
+  const bool has = facts.status->contains(info) && facts.status->at(info).is_object();
+  return has ? DaemonsCamera::with : DaemonsCamera::without;
+}
+
+Findings judge(const DaemonFacts& facts) {
+  Findings found{judge_answer(facts)};
+  if (facts.status) {
+    for (const auto& check : {judge_version, judge_state, judge_store, judge_job}) {
+      found.push_back(check(facts));
+    }
+    return found;
+  }
+  for (const char* name : {"daemon.version", "daemon.state", "daemon.store", "daemon.job"}) {
+    found.push_back(not_here(name, "no daemon answers"));
+  }
+  return found;
+}
+
+}  // namespace ovws::doctor

@@ -1,0 +1,199 @@
+#include "daemon/ovws/doctor/display.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <future>
+#include <thread>
+
+#include "drivers/sdl/video.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+using sdl::DisplayProbe;
+using sdl::Output;
+
+/// A likely SLM: on, not primary, and if there is one, of the configured size.
+std::string likely_output(const DisplayProbe& probe, const SdlConfig& config) {
+  std::string likely = "NAME";
+  for (const Output& output : probe.outputs) {
+    if (!output.connected || output.primary) continue;
+    const bool fits = output.mode_width == config.width && output.mode_height == config.height;
+    if (fits) return output.name;
+    if (likely == "NAME") likely = output.name;
+  }
+  return likely;
+}
+
+/// One that is on beside the SLM's; empty: none.
+std::string other_output(const DisplayProbe& probe, const Output& slm) {
+  for (const Output& output : probe.outputs) {
+    if (output.on() && output.name != slm.name) return output.name;
+  }
+  return {};
+}
+
+Finding judge_server(const DisplayFacts& facts) {
+  constexpr const char* kName = "slm.server";
+  if (!facts.probe) {
+    const Error& error = facts.probe.error();
+    if (error.code == Errc::refused) return not_here(kName, error.reason);
+    return fault(
+        kName, error.reason,
+        facts.server_named ? "sudo systemctl restart display-manager" : "export DISPLAY=:0");
+  }
+  if (facts.probe->colour_depth_bits == sdl::kExactDepthBits) {
+    return ok(kName, "the X server answers, with 8 bits for each colour");
+  }
+  return fault(kName,
+               fmt::format("the X server's colour depth is {}: grey levels are not exact",
+                           facts.probe->colour_depth_bits),
+               fmt::format("DefaultDepth {} in section \"Screen\" of /etc/X11/xorg.conf",
+                           sdl::kExactDepthBits));
+}
+
+Finding judge_mode(const Output& output, const DisplayFacts& facts) {
+  const SdlConfig& config = facts.config;
+  constexpr const char* kName = "slm.mode";
+  const auto fits = sdl::check_mode(output, config);
+  const std::string set_mode =
+      fmt::format("xrandr --output {} --mode {}x{}", output.name, config.width, config.height);
+  if (fits) {
+    return ok(kName, fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
+                                 output.mode_width, output.mode_height, output.refresh_hz));
+  }
+  if (!output.on()) {
+    const std::string other = other_output(*facts.probe, output);
+    return fault(kName,
+                 output.connected ? "output " + output.name + " is switched off"
+                                  : "nothing is connected to " + output.name,
+                 set_mode + (other.empty() ? "" : " --right-of " + other));
+  }
+  if (output.mode_width != config.width || output.mode_height != config.height) {
+    return fault(kName,
+                 fmt::format("{} sends {}x{}, the configured SLM has {}x{}: its pixels are not "
+                             "ours",
+                             output.name, output.mode_width, output.mode_height, config.width,
+                             config.height),
+                 set_mode);
+  }
+  return fault(
+      kName, output.name + " is scaled, rotated or mirrored: its pixels are not ours",
+      fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
+}
+
+/// Whether it is the SLM's to have; its mode is another check.
+Finding judge_output(const Output& output, const DisplayFacts& facts) {
+  constexpr const char* kName = "slm.output";
+  const auto chosen = sdl::choose_output(facts.probe->outputs, facts.config);
+  const bool is_desktop = output.primary && !facts.config.allow_primary;
+  if (chosen || (!is_desktop && !sdl::check_mode(output, facts.config))) {
+    return ok(kName, output.name + " is there");
+  }
+  const std::string& reason = chosen.error().reason;
+  if (is_desktop) {
+    return fault(
+        kName, reason,
+        fmt::format("\"slm\": {{\"display\": \"{}\"}}", likely_output(*facts.probe, facts.config)));
+  }
+  const std::string other = other_output(*facts.probe, output);
+  if (other.empty()) return fault(kName, reason, "\"slm\": {\"allow_primary\": true}");
+  return fault(kName, reason, fmt::format("xrandr --output {} --right-of {}", output.name, other));
+}
+
+Finding judge_gamma(const Output& output) {
+  constexpr const char* kName = "slm.gamma";
+  if (!output.on()) return not_here(kName, output.name + " is switched off");
+  if (output.linear_gamma) return ok(kName, "grey levels pass " + output.name + " unchanged");
+  return fault(kName,
+               "the gamma ramp of " + output.name +
+                   " is bent, so grey levels are not what the SLM gets; stop the night-light or "
+                   "colour management that does it",
+               fmt::format("xrandr --output {} --gamma 1:1:1", output.name));
+}
+
+Finding judge_power(const DisplayProbe& probe) {
+  constexpr const char* kName = "slm.power";
+  if (probe.asleep) {
+    return fault(kName, "the screens are powered down", "xset dpms force on && xset -dpms");
+  }
+  if (!probe.power_saving) return ok(kName, "nothing powers the screens down");
+  return warning(kName,
+                 "DPMS powers the screens down when nobody touches the desktop; a daemon holds it "
+                 "off only while it shows",
+                 "xset -dpms");
+}
+
+Finding judge_screen_saver(const DisplayProbe& probe) {
+  constexpr const char* kName = "slm.screen_saver";
+  if (probe.screen_saver_s == 0) return ok(kName, "the X server has no screen saver on");
+  return warning(kName,
+                 fmt::format("a screen saver blanks the screens after {} s without a touch; a "
+                             "daemon holds it off only while it shows",
+                             probe.screen_saver_s),
+                 "xset s off");
+}
+
+Finding judge_compositor(const DisplayProbe& probe) {
+  constexpr const char* kName = "slm.compositor";
+  if (!probe.composited) return ok(kName, "no compositing manager delays what is shown");
+  return warning(kName,
+                 "a compositing manager draws the desktop and may hold a hologram back for a "
+                 "frame or two; switch it off, or measure the delay and put it into slm.settle_ms",
+                 "ovws call --wait slm.settle");
+}
+
+/// Xlib waits without end for a server that hangs: it is left waiting, in a thread that ends with
+/// the process.
+Result<DisplayProbe> probe_in_time() {
+  constexpr std::chrono::seconds kPatience{3};
+  std::packaged_task<Result<DisplayProbe>()> probe(sdl::probe_display);
+  auto found = probe.get_future();
+  std::thread(std::move(probe)).detach();
+  if (found.wait_for(kPatience) == std::future_status::ready) return found.get();
+  return fail(Errc::unavailable, "slm.display",
+              fmt::format("the X server DISPLAY={} does not answer within {} s: it hangs, end it "
+                          "and start it again",
+                          sdl::environment("DISPLAY"), kPatience.count()));
+}
+
+}  // namespace
+
+DisplayFacts read_display(const SlmConfig& config) {
+  return {
+      {config.display, config.geometry.width_px, config.geometry.height_px, config.allow_primary},
+      probe_in_time(),
+      std::getenv("DISPLAY") != nullptr};
+}
+
+Findings judge(const DisplayFacts& facts) {
+  Findings found{judge_server(facts)};
+  if (!facts.probe) {
+    const char* why = "the display system cannot be asked";
+    for (const char* name : {"slm.output", "slm.mode", "slm.gamma", "slm.power", "slm.screen_saver",
+                             "slm.compositor"}) {
+      found.push_back(not_here(name, why));
+    }
+    return found;
+  }
+  const auto output = sdl::find_output(facts.probe->outputs, facts.config.output);
+  if (output) {
+    found.push_back(judge_output(**output, facts));
+    found.push_back(judge_mode(**output, facts));
+    found.push_back(judge_gamma(**output));
+  } else {
+    found.push_back(fault("slm.output", output.error().reason,
+                          fmt::format("\"slm\": {{\"display\": \"{}\"}}",
+                                      likely_output(*facts.probe, facts.config))));
+    found.push_back(not_here("slm.mode", "the output is not found"));
+    found.push_back(not_here("slm.gamma", "the output is not found"));
+  }
+  found.push_back(judge_power(*facts.probe));
+  found.push_back(judge_screen_saver(*facts.probe));
+  found.push_back(judge_compositor(*facts.probe));
+  return found;
+}
+
+}  // namespace ovws::doctor

@@ -1,0 +1,41 @@
+#include "daemon/ovws/doctor/doctor.hpp"
+
+#include <iterator>
+
+#include "daemon/ovws/doctor/camera.hpp"
+#include "daemon/ovws/doctor/configuration.hpp"
+#include "daemon/ovws/doctor/display.hpp"
+#include "daemon/ovws/doctor/host.hpp"
+#include "daemon/ovws/doctor/state.hpp"
+#include "proto/endpoint.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+void add(Findings& all, Findings more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+}  // namespace
+
+Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask) {
+  const ConfigurationFacts configuration = read_configuration(path);
+  const Config config = configuration.config.value_or(Config{});
+  DaemonFacts daemon = ask(endpoint.empty() ? local_endpoint(config.control.endpoint) : endpoint);
+  daemon.asks_for_keys = config.security.secret_key.has_value();
+  Findings found = judge(configuration);
+  if (configuration.config) {
+    add(found, judge(read_camera(config.camera, camera_of(daemon))));
+    add(found, judge(read_display(config.slm)));
+    add(found, judge(read_state(config.state)));
+  } else {
+    for (const char* name : {"camera", "slm", "state"}) {
+      found.push_back(not_here(name, "the configuration does not say what to look for"));
+    }
+  }
+  add(found, judge(read_host(config.realtime)));
+  add(found, judge(daemon));
+  return found;
+}
+
+}  // namespace ovws::doctor

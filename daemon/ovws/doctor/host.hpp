@@ -1,0 +1,42 @@
+/// Does this machine let the frame path run in time, and is its clock right?
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/config.hpp"
+#include "daemon/ovws/doctor/finding.hpp"
+
+namespace ovws::doctor {
+
+/// What a process may ask of the scheduler and of memory.
+struct Limits {
+  std::uint64_t realtime_priority = 0;
+  std::optional<std::uint64_t> locked_bytes = 0;  ///< none: unlimited
+  bool may_any_priority = false;                  ///< CAP_SYS_NICE
+  bool may_lock_all = false;                      ///< CAP_IPC_LOCK
+};
+
+enum class Access { absent, refused, given };
+
+struct HostFacts {
+  RealtimePolicy policy = RealtimePolicy::ignore;
+  std::optional<Limits> limits;
+  bool of_service = false;  ///< `limits` are those of the service, which runs; else our own
+  std::optional<std::int64_t> rt_runtime_us, rt_period_us;
+  std::vector<std::string> governors;  ///< the different ones; none: frequencies do not change here
+  Access dma_latency = Access::absent;
+  std::optional<std::string> clock_source;
+  std::optional<bool> clock_synchronised;
+};
+
+/// From the texts of /proc/PID/limits and /proc/PID/status; none: they are not understood.
+std::optional<Limits> parse_limits(std::string_view limits, std::string_view status);
+
+HostFacts read_host(RealtimePolicy policy);
+Findings judge(const HostFacts& facts);
+
+}  // namespace ovws::doctor

@@ -1,0 +1,115 @@
+#include "daemon/ovws/doctor/state.hpp"
+
+#include <fmt/core.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "daemon/ovwsd/store/daemon_store.hpp"
+
+namespace ovws::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kServiceFolder = "/var/lib/ovws";
+constexpr const char* kName = "state.directory";
+constexpr const char* kRoom = "state.room";
+
+std::optional<std::string> folder_of(const StateConfig& config) {
+  if (auto named = state_directory_of(config)) return named;
+  if (::access(kServiceFolder, F_OK) == 0) return kServiceFolder;
+  return std::nullopt;
+}
+
+/// What is there of the path: itself, or the folder in which the first missing one would be made.
+fs::path existing_part(fs::path path) {
+  std::error_code failed;
+  while (!fs::exists(path, failed) && path.has_parent_path() && path.parent_path() != path) {
+    path = path.parent_path();
+  }
+  return path.empty() ? fs::path(".") : path;
+}
+
+std::string other_owner(const struct stat& status) {
+  if (status.st_uid == ::geteuid()) return {};
+  const passwd* const user = ::getpwuid(status.st_uid);
+  return user != nullptr ? user->pw_name : std::to_string(status.st_uid);
+}
+
+Finding judge_folder(const StateFacts& facts) {
+  const std::string& folder = *facts.directory;
+  if (facts.there && !facts.is_folder) {
+    return fault(kName, folder + " is no folder: nothing is kept over a restart",
+                 "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+  }
+  if (!facts.disk_writable) {
+    return fault(kName, folder + " is on a disk that can only be read: nothing new is kept",
+                 fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
+  }
+  if (facts.writable) {
+    return ok(kName, folder + (facts.there ? " can be written" : " will be made at the start"));
+  }
+  if (!facts.there) {
+    return fault(kName, folder + " is not there and this user cannot make it",
+                 fmt::format("sudo install -d -o ovws -g ovws {}", folder));
+  }
+  if (!facts.owner.empty()) {
+    return not_here(kName,
+                    folder + " belongs to " + facts.owner +
+                        ": whether that user can write it is not known here",
+                    fmt::format("sudo -u {} ovws doctor", facts.owner));
+  }
+  return fault(kName, folder + " cannot be written: nothing new is kept over a restart",
+               "chmod u+rwx " + folder);
+}
+
+Finding judge_room(const StateFacts& facts) {
+  constexpr std::uint64_t kMiB = 1 << 20;
+  constexpr std::uint64_t kLeast = 16 * kMiB;    // a reference with its pictures, some times
+  constexpr std::uint64_t kEnough = 256 * kMiB;  // gain sweeps
+  const std::string says =
+      fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
+  const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);
+  if (facts.free_bytes < kLeast) return fault(kRoom, says + ": too little for references", fix);
+  if (facts.free_bytes < kEnough) return warning(kRoom, says + ": too little for sweeps", fix);
+  return ok(kRoom, says);
+}
+
+}  // namespace
+
+StateFacts read_state(const StateConfig& config) {
+  StateFacts facts;
+  facts.directory = folder_of(config);
+  if (!facts.directory) return facts;
+  const fs::path part = existing_part(*facts.directory);
+  struct stat status {};
+  facts.there = ::stat(facts.directory->c_str(), &status) == 0;
+  if (facts.there) {
+    facts.is_folder = S_ISDIR(status.st_mode);
+    facts.owner = other_owner(status);
+  }
+  std::error_code failed;
+  facts.writable =
+      fs::is_directory(part, failed) && ::access(part.c_str(), R_OK | W_OK | X_OK) == 0;
+  struct statvfs disk {};
+  if (::statvfs(part.c_str(), &disk) == 0) {
+    facts.disk_writable = (disk.f_flag & ST_RDONLY) == 0;
+    facts.free_bytes = std::uint64_t(disk.f_bavail) * disk.f_frsize;
+  }
+  return facts;
+}
+
+Findings judge(const StateFacts& facts) {
+  if (!facts.directory) {
+    return {warning(kName, "no folder is named: references and calibrations are lost at a restart",
+                    "\"state\": {\"directory\": \"/var/lib/ovws\"}"),
+            not_here(kRoom, "no folder is named")};
+  }
+  return {judge_folder(facts), judge_room(facts)};
+}
+
+}  // namespace ovws::doctor

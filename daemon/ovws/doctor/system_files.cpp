@@ -1,0 +1,32 @@
+#include "daemon/ovws/doctor/system_files.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+
+namespace ovws::doctor {
+
+std::optional<std::string> text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.is_open() || file.bad()) return std::nullopt;
+  return text;
+}
+
+std::optional<std::string> word_of(const std::string& path) {
+  std::ifstream file(path);
+  std::string word;
+  if (!(file >> word)) return std::nullopt;
+  return word;
+}
+
+std::optional<std::int64_t> number_of(const std::string& path) {
+  const auto word = word_of(path);
+  std::int64_t number = 0;
+  if (!word) return std::nullopt;
+  const auto read = std::from_chars(word->data(), word->data() + word->size(), number);
+  if (read.ec != std::errc{} || read.ptr != word->data() + word->size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace ovws::doctor

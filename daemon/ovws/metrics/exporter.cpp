@@ -1,0 +1,112 @@
+#include "daemon/ovws/metrics/exporter.hpp"
+
+#include <prometheus/collectable.h>
+#include <prometheus/exposer.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <mutex>
+
+#include "daemon/ovws/metrics/families.hpp"
+#include "proto/endpoint.hpp"
+
+namespace ovws::metrics {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kField = "--listen";
+constexpr double kStatusCountsS = 3.5;  ///< one is sent a second
+constexpr double kFramesCount = 3.0;
+
+/// A message as it came, read only when somebody asks.
+struct Received {
+  std::string text;
+  Clock::time_point at;
+
+  double age_s() const { return std::chrono::duration<double>(Clock::now() - at).count(); }
+  std::optional<json> read() const {
+    json message = json::parse(text, nullptr, false);
+    return message.is_object() ? std::optional(std::move(message)) : std::nullopt;
+  }
+};
+
+double wavefront_counts_s(const json& status) {
+  const json::json_pointer path("/camera/settings/frame_rate_hz");
+  const bool told = status.contains(path) && status.at(path).is_number();
+  const double rate_hz = told ? status.at(path).get<double>() : 1.0;
+  return std::max(kStatusCountsS, kFramesCount / std::max(rate_hz, 1e-6));
+}
+
+class Newest : public prometheus::Collectable {
+ public:
+  std::vector<prometheus::MetricFamily> Collect() const override {
+    const auto [status, wavefront] = newest();
+    const auto told = status.age_s() < kStatusCountsS ? status.read() : std::nullopt;
+    const bool current = told && wavefront.age_s() < wavefront_counts_s(*told);
+    return families(told, current ? wavefront.read() : std::nullopt);
+  }
+
+  void take(const std::string& topic, Received message) {
+    const std::lock_guard lock(mutex_);
+    if (topic == "status") status_ = std::move(message);
+    if (topic == "wavefront") wavefront_ = std::move(message);
+  }
+
+ private:
+  std::pair<Received, Received> newest() const {
+    const std::lock_guard lock(mutex_);
+    return {status_, wavefront_};
+  }
+
+  mutable std::mutex mutex_;
+  Received status_, wavefront_;
+};
+
+}  // namespace
+
+struct Exporter::Impl {
+  std::shared_ptr<Newest> newest = std::make_shared<Newest>();
+  std::unique_ptr<prometheus::Exposer> exposer;
+};
+
+Exporter::Exporter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Exporter::Exporter(Exporter&&) noexcept = default;
+Exporter& Exporter::operator=(Exporter&&) noexcept = default;
+Exporter::~Exporter() = default;
+
+Result<void> check_address(const std::string& address) {
+  const std::string endpoint = "tcp://" + address;
+  if (endpoint_fault(endpoint)) {
+    return fail(Errc::invalid, kField,
+                "\"" + address + "\" is not ADDRESS:PORT, e.g. 127.0.0.1:7705");
+  }
+  if (is_reached_from_here_only(endpoint)) return {};
+  return fail(Errc::invalid, kField,
+              "other machines could read " + address +
+                  " without a key: take a loopback address in numbers, e.g. 127.0.0.1:7705; for "
+                  "another machine run ovws --key FILE --endpoint tcp://HOST:7702 metrics there");
+}
+
+Result<Exporter> Exporter::serve(const std::string& address) {
+  if (auto right = check_address(address); !right) return fail(right.error());
+  auto impl = std::make_unique<Impl>();
+  try {
+    // Whoever connects and says nothing holds a thread for that long.
+    impl->exposer = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
+        "listening_ports", address, "num_threads", "16", "request_timeout_ms", "2000"});
+    impl->exposer->RegisterCollectable(impl->newest);
+  } catch (const std::exception&) {
+    return fail(Errc::unavailable, kField,
+                address + " cannot be listened at: is another program there?");
+  }
+  return Exporter(std::move(impl));
+}
+
+void Exporter::take(const std::string& topic, std::string message) {
+  impl_->newest->take(topic, {std::move(message), Clock::now()});
+}
+
+}  // namespace ovws::metrics

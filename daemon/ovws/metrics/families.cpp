@@ -1,0 +1,251 @@
+#include "daemon/ovws/metrics/families.hpp"
+
+#include <cctype>
+#include <string>
+
+#include "core/control/state_machine.hpp"
+#include "core/optics/zernike.hpp"
+
+namespace ovws::metrics {
+namespace {
+
+using nlohmann::json;
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Families = std::vector<MetricFamily>;
+using Labels = std::vector<ClientMetric::Label>;
+
+struct GaugeRow {
+  const char* path;  ///< in the message
+  const char* name;
+  const char* help;
+  double unit = 1.0;  ///< of the message, in the metric's
+};
+
+constexpr GaugeRow kStatusGauges[]{
+    {"/uptime_s", "ovws_uptime_seconds", "Since the daemon's start."},
+    {"/camera/connected", "ovws_camera_connected", "Whether there is a camera."},
+    {"/camera/streaming", "ovws_camera_streaming", "Whether frames come."},
+    {"/camera/settings/gain_db", "ovws_camera_gain_decibels", "The camera's gain."},
+    {"/camera/settings/gain_raw", "ovws_camera_gain_raw",
+     "The camera's gain in steps of its own, if it has none in dB."},
+    {"/camera/settings/exposure_us", "ovws_camera_exposure_seconds", "The camera's exposure.",
+     1e-6},
+    {"/camera/settings/frame_rate_hz", "ovws_camera_frame_rate_hertz",
+     "Frames a second that the camera was asked for."},
+    {"/slm/connected", "ovws_slm_connected", "Whether the SLM's display can be used."},
+    {"/slm/settled", "ovws_slm_settled", "Whether the hologram stands still."},
+    {"/slm/hologram_id", "ovws_slm_hologram_id", "Number of the hologram that is shown."},
+    {"/sensor/charge", "ovws_sensor_charge", "Topological charge; 0: bright spots."},
+    {"/sensor/subapertures", "ovws_sensor_subapertures", "How many subapertures there are."},
+    {"/sensor/modes", "ovws_sensor_modes", "How many modes are reconstructed."},
+    {"/sensor/referenced", "ovws_sensor_referenced", "Whether there is a reference."},
+    {"/rates/images_hz", "ovws_images_rate_hertz", "Images sent, a second."},
+    {"/refine/last_duration_ms", "ovws_refine_last_duration_seconds", "Of the last fit.", 1e-3},
+};
+
+constexpr GaugeRow kWavefrontGauges[]{
+    {"/valid", "ovws_wavefront_valid", "Whether the newest frame's wavefront can be stood behind."},
+    {"/rms_waves", "ovws_wavefront_rms_waves", "Of the newest frame, without tilts, waves."},
+    {"/fit_residual_px", "ovws_wavefront_fit_residual_pixels",
+     "RMS of what the modes do not explain, camera pixels."},
+    {"/wavelength_nm", "ovws_wavefront_wavelength_meters", "Length of a wave.", 1e-9},
+    {"/tracked", "ovws_spots_tracked", "Spots found in the newest frame."},
+    {"/saturated", "ovws_spots_saturated_ratio", "Fraction of spots with a saturated pixel."},
+};
+
+/// A bool counts as 0 or 1; none for everything else that is no number.
+std::optional<double> number_at(const json& message, const std::string& path) {
+  const json::json_pointer pointer(path);
+  if (!message.contains(pointer)) return std::nullopt;
+  const json& value = message.at(pointer);
+  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+std::string text_at(const json& message, const char* path) {
+  const json::json_pointer pointer(path);
+  if (!message.contains(pointer) || !message.at(pointer).is_string()) return {};
+  return message.at(pointer).get<std::string>();
+}
+
+/// The part of a message at this path if it is an object, else an empty one.
+json object_at(const json& message, const char* path) {
+  const json::json_pointer pointer(path);
+  const bool there = message.contains(pointer) && message.at(pointer).is_object();
+  return there ? message.at(pointer) : json::object();
+}
+
+/// Likewise.
+json array_at(const json& message, const char* path) {
+  const json::json_pointer pointer(path);
+  const bool there = message.contains(pointer) && message.at(pointer).is_array();
+  return there ? message.at(pointer) : json::array();
+}
+
+ClientMetric gauge(double value, Labels labels = {}) {
+  ClientMetric metric;
+  metric.label = std::move(labels);
+  metric.gauge.value = value;
+  return metric;
+}
+
+void add_gauge(Families& out, const char* name, const char* help, double value) {
+  out.push_back({name, help, MetricType::Gauge, {gauge(value)}});
+}
+
+void add_gauges(Families& out, const json& message, std::span<const GaugeRow> rows) {
+  for (const GaugeRow& row : rows) {
+    const auto value = number_at(message, row.path);
+    if (value) add_gauge(out, row.name, row.help, *value * row.unit);
+  }
+}
+
+void add_counter(Families& out, const std::string& name, std::string help, double value) {
+  ClientMetric metric;
+  metric.counter.value = value;
+  out.push_back({name, std::move(help), MetricType::Counter, {metric}});
+}
+
+void add_counters(Families& out, const json& status) {
+  const json counters = object_at(status, "/counters");
+  for (const auto& [name, count] : counters.items()) {
+    const std::string_view help = counter_help(name);
+    if (!count.is_number()) continue;
+    add_counter(out, "ovws_" + name + "_total",
+                help.empty() ? "Of a newer daemon: see its WIRE.md." : std::string(help),
+                count.get<double>());
+  }
+  const std::pair<const char*, const char*> fits[]{{"done", "Frames refined."},
+                                                   {"refused", "Frames that no fit explained."}};
+  for (const auto& [key, help] : fits) {
+    const auto count = number_at(status, std::string("/refine/") + key);
+    if (count) add_counter(out, std::string("ovws_refine_") + key + "_total", help, *count);
+  }
+}
+
+/// One series for each name that there is, 1 for the one that holds: a state can be drawn, and a
+/// name that is gone does not linger.
+template <class Names>
+MetricFamily one_of(const char* name, const char* help, const char* label, const Names& names,
+                    const std::string& holds) {
+  MetricFamily family{name, help, MetricType::Gauge, {}};
+  for (const std::string_view one : names) {
+    family.metric.push_back(gauge(one == holds ? 1.0 : 0.0, {{label, std::string(one)}}));
+  }
+  return family;
+}
+
+void add_states(Families& out, const json& status) {
+  std::vector<std::string_view> names;
+  for (const auto& row : control::kStates) names.push_back(row.name);
+  out.push_back(one_of("ovws_state", "The daemon's state: 1 for the one that it is in.", "state",
+                       names, text_at(status, "/state")));
+  out.push_back(one_of("ovws_reference", "Whether there is a reference, and a fresh one.", "state",
+                       std::array{"none", "in_force", "stale"},
+                       text_at(status, "/sensor/reference")));
+  out.push_back(one_of("ovws_tracker", "How spots are found.", "tracker",
+                       std::array{text_at(status, "/sensor/tracker")},
+                       text_at(status, "/sensor/tracker")));
+  add_gauge(out, "ovws_loop_closed", "Whether the loop is closed.",
+            text_at(status, "/loop") == "closed" ? 1.0 : 0.0);
+  const auto spots = array_at(status, "/sensor/torn");
+  add_gauge(out, "ovws_spots_torn", "Spots that are followed by the shapes of a torn one.",
+            double(spots.size()));
+}
+
+void add_versions(Families& out, const json& status) {
+  Labels labels;
+  const json versions = object_at(status, "/versions");
+  for (const auto& [name, version] : versions.items()) {
+    std::string label = name;
+    for (char& c : label) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+    }
+    if (version.is_string()) labels.push_back({label, version.get<std::string>()});
+  }
+  out.push_back({"ovws_build_info",
+                 "Versions of the daemon and its libraries, as labels; always 1.",
+                 MetricType::Gauge,
+                 {gauge(1.0, std::move(labels))}});
+}
+
+/// None unless edges and counts are whole.
+std::optional<ClientMetric> histogram(const std::string& stage, const json& latency) {
+  const json totals = object_at(latency, "/since_start");
+  const json edges = array_at(totals, "/edges_us");
+  const json below = array_at(totals, "/below");
+  const auto count = number_at(totals, "/count");
+  const auto sum_us = number_at(totals, "/sum_us");
+  if (!count || !sum_us || edges.empty() || edges.size() != below.size()) return std::nullopt;
+  ClientMetric metric;
+  metric.label = {{"stage", stage}};
+  metric.histogram.sample_count = std::uint64_t(*count);
+  metric.histogram.sample_sum = 1e-6 * *sum_us;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (!edges[e].is_number() || !below[e].is_number()) return std::nullopt;
+    // Divided, not multiplied: the label of a bucket then has no 17 digits.
+    metric.histogram.bucket.push_back(
+        {below[e].get<std::uint64_t>(), edges[e].get<double>() / 1e6});
+  }
+  return metric;
+}
+
+void add_latencies(Families& out, const json& status) {
+  MetricFamily family{"ovws_frame_latency_seconds",
+                      "From a frame's arrival until it was tracked, reconstructed, published; "
+                      "arrived: how late it came itself.",
+                      MetricType::Histogram,
+                      {}};
+  const json latency = object_at(status, "/latency");
+  for (const auto& [stage, one] : latency.items()) {
+    if (auto metric = histogram(stage, one)) family.metric.push_back(std::move(*metric));
+  }
+  out.push_back(std::move(family));
+}
+
+void add_coefficients(Families& out, const json& wavefront) {
+  MetricFamily family{"ovws_wavefront_coefficient_waves",
+                      "Zernike coefficients (OSA/ANSI, RMS-normalised) of the newest frame, waves.",
+                      MetricType::Gauge,
+                      {}};
+  const json modes = array_at(wavefront, "/j");
+  const json values = array_at(wavefront, "/coefficients");
+  for (std::size_t k = 0; k < modes.size() && k < values.size(); ++k) {
+    if (!modes[k].is_number_integer() || !values[k].is_number()) continue;
+    const int j = modes[k].get<int>();
+    if (j < 0 || j > kMaxZernikeIndex) continue;
+    family.metric.push_back(
+        gauge(values[k].get<double>(), {{"j", std::to_string(j)}, {"mode", zernike_name(j)}}));
+  }
+  if (!family.metric.empty()) out.push_back(std::move(family));
+}
+
+void add_wavefront(Families& out, const json& wavefront) {
+  add_gauges(out, wavefront, kWavefrontGauges);
+  const auto there = number_at(wavefront, "/subapertures");
+  const auto found = number_at(wavefront, "/tracked");
+  if (there && found) {
+    add_gauge(out, "ovws_spots_missing", "Spots not found in the newest frame.", *there - *found);
+  }
+  add_coefficients(out, wavefront);
+}
+
+}  // namespace
+
+std::vector<MetricFamily> families(const std::optional<json>& status,
+                                   const std::optional<json>& wavefront) {
+  Families out;
+  add_gauge(out, "ovws_up", "Whether the daemon tells how it is.", status ? 1.0 : 0.0);
+  if (!status) return out;
+  add_versions(out, *status);
+  add_states(out, *status);
+  add_gauges(out, *status, kStatusGauges);
+  add_counters(out, *status);
+  add_latencies(out, *status);
+  if (wavefront) add_wavefront(out, *wavefront);
+  return out;
+}
+
+}  // namespace ovws::metrics

@@ -1,0 +1,176 @@
+#include "daemon/ovws/screen/page.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ovws::screen {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kTopRows = 3, kLeastRight = 34, kMostRight = 70;
+constexpr int kLatencyRows = 5, kLeastMapRows = 7;
+constexpr const char* kKeys = " q quit   p pause   up/down modes   ? help";
+constexpr const char* kPausedKeys = " PAUSED   p go on   q quit   up/down modes   ? help";
+
+constexpr const char* kHelp[]{
+    "q         quit",
+    "p         pause, and go on",
+    "up, down  scroll the modes; also k and j, page up, page down, home, end",
+    "?         this text, and away with it",
+    "",
+    "modes     OSA/ANSI, RMS-normalised, waves: aberration minus reference",
+    "RMS       root sum square of the modes without tilts",
+    "Strehl    exp(-(2 pi RMS)^2): good below about 0.1 wave RMS",
+    "spots     at their references as the camera sees them; an arrow says where",
+    "          a spot went that is more than a pixel away",
+    "latency   of the last second, from a frame's arrival until it was tracked,",
+    "          reconstructed, published; arrived: how late it came itself",
+    "losses    and how many more they became in the last second",
+};
+
+struct Layout {
+  Rect modes, spots, latency, losses, events;
+};
+
+Layout layout(const Canvas& canvas, const View& view) {
+  const int event_rows = std::clamp(canvas.height() / 6, 3, 12);
+  const int events_y = canvas.height() - 1 - event_rows;
+  const int body = events_y - kTopRows;
+  const int right = std::clamp(canvas.width() * 2 / 5, kLeastRight, kMostRight);
+  const int x = canvas.width() - right;
+  const int wanted = 1 + std::max(1, int(view.losses.size()));
+  const int losses = std::clamp(body - kLatencyRows - kLeastMapRows, 2, wanted);
+  const int spots = std::max(body - kLatencyRows - losses, 0);
+  return {{0, kTopRows, x - 1, body},
+          {x, kTopRows, right, spots},
+          {x, kTopRows + spots, right, kLatencyRows},
+          {x, kTopRows + spots + kLatencyRows, right, losses},
+          {0, events_y, canvas.width(), event_rows}};
+}
+
+std::string number_or_dash(const json& value, const char* form) {
+  return value.is_number() ? fmt::format(fmt::runtime(form), value.get<double>()) : "-";
+}
+
+/// In the unit that the camera has. A daemon of before has no `gain_raw`.
+std::string gain_text(const json& frame) {
+  const json raw = frame.value("gain_raw", json());
+  if (raw.is_number()) return fmt::format("{:.0f} (raw)", raw.get<double>());
+  return number_or_dash(frame.at("gain_db"), "{:.1f}") + " dB";
+}
+
+std::string camera_text(const json& status) {
+  const json& camera = status.at("camera");
+  if (camera.at("fault").is_string()) return "camera: " + camera.at("fault").get<std::string>();
+  if (!camera.at("connected").get<bool>()) return "no camera";
+  return fmt::format("{:.1f} frames/s", status.at("rates").at("published_hz").get<double>());
+}
+
+std::string slm_text(const json& status) {
+  const json& slm = status.at("slm");
+  if (slm.at("fault").is_string()) return "SLM: " + slm.at("fault").get<std::string>();
+  if (!slm.at("connected").get<bool>()) return "no SLM";
+  return fmt::format("SLM {}, hologram {}{}", slm.at("pattern").get<std::string>(),
+                     slm.at("hologram_id").get<std::uint64_t>(),
+                     slm.at("settled").get<bool>() ? "" : " changing");
+}
+
+std::string state_text(const json& status) {
+  const json& sensor = status.at("sensor");
+  const std::string reference = sensor.at("reference").get<std::string>();
+  const bool aberrated = sensor.value("reference_introduced_rms_waves", 0.0) > 0.0;
+  return fmt::format("{}  {}  {}  loop {}  {}", status.at("state").get<std::string>(),
+                     aberrated                 ? "reference holds an aberration"
+                     : reference == "in_force" ? "referenced"
+                     : reference == "stale"    ? "reference stale"
+                                               : "no reference",
+                     camera_text(status), status.at("loop").get<std::string>(), slm_text(status));
+}
+
+void draw_state(Canvas& canvas, const View& view) {
+  canvas.fill({0, 0, canvas.width(), 1}, {U' ', Style::title});
+  if (view.status.is_null()) {
+    canvas.text(1, 0, canvas.width() - 1,
+                fmt::format("no word for {:.0f} s: waiting for the daemon", view.silent_s),
+                Style::alarm);
+    return;
+  }
+  canvas.text(1, 0, canvas.width() - 1, state_text(view.status), Style::title);
+}
+
+void draw_frame(Canvas& canvas, const View& view) {
+  if (view.wavefront.is_null()) {
+    if (!view.status.is_null()) canvas.text(0, 1, canvas.width(), "no frame comes", Style::alarm);
+    return;
+  }
+  const json& frame = view.wavefront;
+  const bool valid = frame.at("valid").get<bool>();
+  const int x = canvas.text(
+      0, 1, canvas.width(),
+      fmt::format("frame {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  ",
+                  frame.at("frame_id").get<std::uint64_t>(), frame.at("charge").get<int>(),
+                  frame.at("tracker").get<std::string>(), frame.at("tracked").get<int>(),
+                  frame.at("subapertures").get<int>(), 100.0 * frame.at("saturated").get<double>(),
+                  frame.at("latency_us").get<double>()));
+  if (valid) canvas.text(x, 1, canvas.width() - x, "valid", Style::strong);
+  const double rms_waves = valid ? frame.at("rms_waves").get<double>() : 0.0;
+  const double strehl = std::exp(-std::pow(2.0 * std::numbers::pi * rms_waves, 2.0));
+  if (!valid) {
+    canvas.text(0, 2, canvas.width(), "NOT VALID: " + view.not_valid, Style::alarm);
+    return;
+  }
+  const int end =
+      canvas.text(0, 2, canvas.width(),
+                  fmt::format("RMS {:.4f} wave  Strehl {:.3f}", rms_waves, strehl), Style::strong);
+  canvas.text(end, 2, canvas.width() - end,
+              fmt::format("  residual {} px  gain {}  exposure {} us",
+                          number_or_dash(frame.at("fit_residual_px"), "{:.3f}"), gain_text(frame),
+                          number_or_dash(frame.at("exposure_us"), "{:.0f}")));
+}
+
+void draw_help(Canvas& canvas) {
+  const int rows = int(std::size(kHelp));
+  const Rect box{0, kTopRows, canvas.width(), canvas.height() - kTopRows - 1};
+  canvas.fill(box, Cell{});
+  for (int k = 0; k < rows; ++k) canvas.text(2, kTopRows + k, canvas.width() - 3, kHelp[k]);
+}
+
+void draw_parts(Canvas& canvas, const View& view, Choice& choice) {
+  draw_state(canvas, view);
+  draw_frame(canvas, view);
+  const Layout parts = layout(canvas, view);
+  draw_modes(canvas, parts.modes, view, choice.first_mode);
+  draw_spots(canvas, parts.spots, view);
+  draw_latency(canvas, parts.latency, view);
+  draw_losses(canvas, parts.losses, view);
+  draw_events(canvas, parts.events, view);
+}
+
+}  // namespace
+
+void draw(Canvas& canvas, const View& view, Choice& choice) {
+  canvas.fill(canvas.all(), Cell{});
+  if (canvas.width() < kLeastWidth || canvas.height() < kLeastHeight) {
+    canvas.text(0, 0, canvas.width(),
+                fmt::format("{} x {} is too small: {} x {} at least", canvas.width(),
+                            canvas.height(), kLeastWidth, kLeastHeight));
+    return;
+  }
+  try {
+    draw_parts(canvas, view, choice);
+  } catch (const json::exception&) {
+    canvas.text(0, 2, canvas.width(), "a message of another form: is the daemon of this version?",
+                Style::alarm);
+  }
+  const int last = canvas.height() - 1;
+  const Style style = choice.paused ? Style::alarm : Style::title;
+  canvas.fill({0, last, canvas.width(), 1}, {U' ', style});
+  canvas.text(0, last, canvas.width(), choice.paused ? kPausedKeys : kKeys, style);
+  if (choice.help) draw_help(canvas);
+}
+
+}  // namespace ovws::screen

@@ -1,0 +1,101 @@
+/// Where the spots are, and how they stand.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "daemon/ovws/screen/page.hpp"
+
+namespace ovws::screen {
+namespace {
+
+constexpr float kMovedPx = 1.0F;
+constexpr double kCellHeight = 2.0;  ///< of a character, in its widths
+
+struct Point {
+  float x = 0, y = 0;
+};
+
+bool is_known(float x, float y) {
+  return std::isfinite(x) && std::isfinite(y);
+}
+
+/// Its reference, or itself without one; none: lost, without a reference.
+std::optional<Point> place_of(const SpotRow& spot) {
+  if (is_known(spot.ref_x, spot.ref_y)) return Point{spot.ref_x, spot.ref_y};
+  if (is_known(spot.x, spot.y)) return Point{spot.x, spot.y};
+  return std::nullopt;
+}
+
+Cell sign_of(const SpotRow& spot) {
+  if (!is_known(spot.x, spot.y)) return {U'✕', Style::alarm};
+  const float dx = spot.x - spot.ref_x;
+  const float dy = spot.y - spot.ref_y;
+  if (!is_known(dx, dy) || std::hypot(dx, dy) <= kMovedPx) return {U'●', Style::positive};
+  // y runs down, as on the screen.
+  constexpr std::array<char32_t, 8> kArrows{U'→', U'↘', U'↓', U'↙', U'←', U'↖', U'↑', U'↗'};
+  const int eighth = int(std::lround(std::atan2(dy, dx) / 0.78539816F));
+  return {kArrows[std::size_t((eighth + 8) % 8)], Style::negative};
+}
+
+/// Camera pixels to characters, the same in both directions, in the middle of the rect.
+class Scale {
+ public:
+  Scale(const std::vector<SpotRow>& spots, Rect rect) : rect_(rect) {
+    float min_x = INFINITY, max_x = -INFINITY, min_y = INFINITY, max_y = -INFINITY;
+    for (const SpotRow& spot : spots) {
+      const auto place = place_of(spot);
+      if (!place) continue;
+      min_x = std::min(min_x, place->x);
+      max_x = std::max(max_x, place->x);
+      min_y = std::min(min_y, place->y);
+      max_y = std::max(max_y, place->y);
+    }
+    middle_ = {(min_x + max_x) / 2, (min_y + max_y) / 2};
+    px_ = std::max({double(max_x - min_x) / std::max(rect.width - 2, 1),
+                    double(max_y - min_y) / (kCellHeight * std::max(rect.height - 1, 1)), 1e-3});
+  }
+  int column(float x) const {
+    return rect_.x + int(std::lround(double(x - middle_.x) / px_ + 0.5 * (rect_.width - 1)));
+  }
+  int row(float y) const {
+    return rect_.y +
+           int(std::lround(double(y - middle_.y) / (kCellHeight * px_) + 0.5 * (rect_.height - 1)));
+  }
+
+ private:
+  Rect rect_;
+  Point middle_;
+  double px_ = 1.0;  ///< a character's width
+};
+
+int title(Canvas& canvas, Rect rect) {
+  const std::array<std::pair<Cell, const char*>, 3> legend{{{{U'●', Style::positive}, " found "},
+                                                            {{U'→', Style::negative}, " >1 px "},
+                                                            {{U'✕', Style::alarm}, " lost"}}};
+  int x = rect.x + canvas.text(rect.x, rect.y, rect.width, "spots  ", Style::title);
+  for (const auto& [cell, word] : legend) {
+    canvas.put(x, rect.y, cell.glyph, cell.style);
+    x += 1 + canvas.text(x + 1, rect.y, rect.x + rect.width - x - 1, word, Style::dim);
+  }
+  return rect.y + 1;
+}
+
+}  // namespace
+
+void draw_spots(Canvas& canvas, Rect rect, const View& view) {
+  const int first = title(canvas, rect);
+  const Rect map{rect.x, first, rect.width, rect.height - 1};
+  const Scale scale(view.spots, map);
+  // Lost ones last: where two share a character, they are seen.
+  for (const bool lost : {false, true}) {
+    for (const SpotRow& spot : view.spots) {
+      const auto place = place_of(spot);
+      if (!place || lost == is_known(spot.x, spot.y)) continue;
+      const Cell sign = sign_of(spot);
+      canvas.put(scale.column(place->x), scale.row(place->y), sign.glyph, sign.style);
+    }
+  }
+}
+
+}  // namespace ovws::screen

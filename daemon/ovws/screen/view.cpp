@@ -1,0 +1,114 @@
+#include "daemon/ovws/screen/view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+namespace ovws::screen {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kStatusCountsS = 3.0;  ///< one is sent a second
+constexpr double kFramesCount = 3.0;
+constexpr std::size_t kEventsKept = 50;
+constexpr std::size_t kSpotColumns = 6;
+constexpr std::array<std::string_view, 14> kLosses{
+    "frames_lost",        "frames_incomplete", "frames_duplicated", "frames_out_of_order",
+    "frames_late",        "frames_unplanned",  "frames_unexpected", "frames_dropped",
+    "frames_unexplained", "spots_lost",        "messages_dropped",  "deadline_missed",
+    "camera_reconnects",  "display_faults"};
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+json read(const std::string& text) {
+  json message = json::parse(text, nullptr, false);
+  return message.is_object() ? message : json();
+}
+
+}  // namespace
+
+void Gatherer::take(const std::string& topic, std::string text, std::vector<std::byte> binary,
+                    Clock::time_point now) {
+  last_ = now;
+  if (topic == "wavefront") {
+    wavefront_ = std::move(text);
+    last_frame_ = now;
+  } else if (topic == "spots") {
+    spots_ = std::move(text);
+    spots_binary_ = std::move(binary);
+  } else if (topic == "status") {
+    read_status(read(text));
+    last_status_ = now;
+  } else if (topic == "event") {
+    if (json event = read(text); event.is_object()) view_.events.push_back(std::move(event));
+    if (view_.events.size() > kEventsKept) view_.events.pop_front();
+  }
+}
+
+void Gatherer::read_status(json status) {
+  view_.status = std::move(status);
+  view_.losses.clear();
+  if (!view_.status.contains("counters") || !view_.status.at("counters").is_object()) return;
+  std::map<std::string, std::uint64_t> counters;
+  for (const auto& [name, count] : view_.status.at("counters").items()) {
+    if (count.is_number_unsigned()) counters[name] = count.get<std::uint64_t>();
+  }
+  for (const std::string_view loss : kLosses) {
+    const std::string name(loss);
+    const std::uint64_t count = counters.contains(name) ? counters[name] : 0;
+    // A daemon that was started anew counts from 0 again.
+    const std::uint64_t before = counters_.contains(name) ? counters_[name] : count;
+    if (count > 0) view_.losses.push_back({name, count, count - std::min(before, count)});
+  }
+  counters_ = std::move(counters);
+}
+
+void Gatherer::read_wavefront() {
+  if (wavefront_.empty()) return;
+  view_.wavefront = read(wavefront_);
+  wavefront_.clear();
+}
+
+void Gatherer::read_spots() {
+  if (spots_.empty()) return;
+  spots_.clear();
+  constexpr std::size_t kRowBytes = kSpotColumns * sizeof(float);
+  view_.spots.clear();
+  for (std::size_t at = 0; at + kRowBytes <= spots_binary_.size(); at += kRowBytes) {
+    float row[kSpotColumns];
+    std::memcpy(row, spots_binary_.data() + at, kRowBytes);
+    view_.spots.push_back({row[0], row[1], row[2], row[3]});
+  }
+}
+
+bool Gatherer::frames_come(Clock::time_point now) const {
+  if (!last_frame_) return false;
+  const json::json_pointer path("/camera/settings/frame_rate_hz");
+  const bool told = view_.status.contains(path) && view_.status.at(path).is_number();
+  const double rate_hz = told ? view_.status.at(path).get<double>() : 1.0;
+  return seconds(now - *last_frame_) <
+         std::max(kStatusCountsS, kFramesCount / std::max(rate_hz, 1e-6));
+}
+
+const View& Gatherer::view(Clock::time_point now) {
+  view_.daemon_tells = last_status_ && seconds(now - *last_status_) < kStatusCountsS;
+  view_.silent_s = seconds(now - last_);
+  if (!view_.daemon_tells) {
+    view_.status = json();
+    view_.losses.clear();
+  }
+  read_wavefront();
+  read_spots();
+  if (!view_.daemon_tells || !frames_come(now)) {
+    view_.wavefront = json();
+    view_.spots.clear();
+  }
+  return view_;
+}
+
+}  // namespace ovws::screen

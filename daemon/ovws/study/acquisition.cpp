@@ -1,0 +1,133 @@
+/// Spots found in one image without history: how many are refused, how many wrong.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/optics/random_modes.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
+#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/study/sensor.hpp"
+#include "daemon/ovws/study/studies.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr double kGross = 0.5;  ///< lambda/d: further off is another spot, or none
+constexpr double kRandomRmsWaves = 0.5;
+constexpr int kLastRandom = 18;  // OSA index
+
+struct Scene {
+  std::string name;
+  int images = 0;  ///< exposures at each level
+  Image<float> light_e;
+  std::vector<Vec2> at_px;  ///< where the mean slopes put the spots
+};
+
+struct Counts {
+  int spots = 0, refused = 0, gross = 0;
+};
+
+std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Measurer& measurer) {
+  std::vector<std::pair<std::string, std::vector<Mode>>> all;
+  for (const double unit_waves : {2.0, -2.0}) {
+    for (const int j : {3, 4}) {
+      const double waves = unit_waves / zernike_rms_factor(j);
+      all.push_back({fmt::format("{} {:+} waves", zernike_name(j), unit_waves), {{j, waves}}});
+    }
+  }
+  const std::size_t single = all.size();
+  std::mt19937_64 random(settings.seed);
+  for (int k = 0; k < (settings.quick ? 6 : 60); ++k) {
+    all.push_back(
+        {fmt::format("random {}", k), random_modes(random, kLastRandom, kRandomRmsWaves)});
+  }
+  const int images_of_one = settings.quick ? 5 : 50, images_of_random = settings.quick ? 2 : 10;
+  std::vector<Scene> out;
+  for (const auto& [name, modes] : all) {
+    out.push_back({name, out.size() < single ? images_of_one : images_of_random,
+                   electrons(model, model, modes, Light::equal_peak),
+                   measurer.predicted_px(modes)});
+  }
+  return out;
+}
+
+Counts acquire(const Measurer& measurer, const Scene& scene, double snr, std::uint64_t seed) {
+  Counts counts;
+  const Geometry bench = default_bench();
+  ShapedAcquisition acquisition(measurer.lattice(), bench.sensor, {1, measurer.lambda_d_px()},
+                                camera_px_per_cycle(bench.optics, bench.slm), measurer.modes_j(),
+                                measurer.slopes(), measurer.reference_px(), scene.light_e.width,
+                                scene.light_e.height);
+  TrackScratch scratch = measurer.tracker().make_scratch();
+  std::vector<SpotFix> fixes(scene.at_px.size());
+  for (int k = 0; k < scene.images; ++k) {
+    const Exposure exposure = expose(scene.light_e, read_noise_of_snr(snr), seed + unsigned(k));
+    acquisition.acquire(exposure.view(), measurer.tracker(), scratch, fixes);
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      ++counts.spots;
+      const Vec2 at{fixes[i].x, fixes[i].y};
+      if (!fixes[i].found()) {
+        ++counts.refused;
+      } else if (norm(at - scene.at_px[i]) > kGross * measurer.lambda_d_px()) {
+        ++counts.gross;
+      }
+    }
+  }
+  return counts;
+}
+
+}  // namespace
+
+Findings acquisition(const Settings& settings) {
+  const std::vector<double> snrs = settings.quick
+                                       ? std::vector<double>{2.0, 5.0, 22.0}
+                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
+  nlohmann::json summary{
+      {"study", "acquisition"}, {"peak_e", kPeakE}, {"rows", nlohmann::json::array()}};
+  Figure figure{
+      "acquisition", "Spots found without history: 2 waves of one mode, 0.5 wave RMS of many",
+      "peak SNR",    "fraction of spots",
+      false,         false,
+      false,         {}};
+  const auto model = model_of(default_bench(), 1);
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
+    const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
+    const std::vector<Scene> all = scenes(settings, *model, measurer);
+    std::vector<Counts> counts(all.size() * snrs.size());
+    parallel_for("acquisition", counts.size(), settings.threads, [&](std::size_t k) {
+      counts[k] =
+          acquire(measurer, all[k / snrs.size()], snrs[k % snrs.size()], settings.seed + 1000 * k);
+    });
+    Series refused{std::string(tracker_name(kind)) + ", refused", snrs, {}, {}};
+    Series gross{std::string(tracker_name(kind)) + ", wrong", snrs, {}, {}};
+    for (std::size_t s = 0; s < snrs.size(); ++s) {
+      Counts sum;
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const Counts& one = counts[c * snrs.size() + s];
+        sum.spots += one.spots;
+        sum.refused += one.refused;
+        sum.gross += one.gross;
+        summary["rows"].push_back({{"tracker", tracker_name(kind)},
+                                   {"scene", all[c].name},
+                                   {"snr", snrs[s]},
+                                   {"spots", one.spots},
+                                   {"refused", one.refused},
+                                   {"gross", one.gross}});
+      }
+      refused.y.push_back(double(sum.refused) / sum.spots);
+      gross.y.push_back(double(sum.gross) / sum.spots);
+    }
+    figure.series.push_back(std::move(refused));
+    figure.series.push_back(std::move(gross));
+  }
+  figure.y_from = 0.0;
+  figure.y_to = 0.01;  // at least: all may be zero
+  for (const Series& series : figure.series) {
+    figure.y_to = std::max(figure.y_to, 1.1 * *std::max_element(series.y.begin(), series.y.end()));
+  }
+  return {std::move(summary), {std::move(figure)}};
+}
+
+}  // namespace ovws::study

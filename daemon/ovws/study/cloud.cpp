@@ -1,0 +1,100 @@
+#include "daemon/ovws/study/cloud.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "core/tracking/localisation_bound.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr int kCropHalfPx = 64;
+constexpr double kStartWithin = 0.3;  ///< lambda/d
+
+Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
+  const int x0 = int(std::lround(centre.x)) - kCropHalfPx;
+  const int y0 = int(std::lround(centre.y)) - kCropHalfPx;
+  Image<float> out(2 * kCropHalfPx + 1, 2 * kCropHalfPx + 1);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) out.at(x, y) = light.at(x0 + x, y0 + y);
+  }
+  at = centre - Vec2{double(x0), double(y0)};
+  return out;
+}
+
+constexpr int kBoundHalfPx = 26;
+
+/// A picture as a shape, for positions that are whole pixels from its centre.
+class PictureShape final : public SpotShape {
+ public:
+  PictureShape(const Image<float>& picture, int x, int y) : picture_(picture), x_(x), y_(y) {}
+  ShapeSample at(Vec2 from_centre) const override {
+    const int x = x_ + int(std::lround(from_centre.x));
+    const int y = y_ + int(std::lround(from_centre.y));
+    const auto value = [&](int dx, int dy) { return double(picture_.at(x + dx, y + dy)); };
+    // Fourth-order central differences: the light has no detail finer than lambda/d.
+    return {value(0, 0), (8.0 * (value(1, 0) - value(-1, 0)) - (value(2, 0) - value(-2, 0))) / 12.0,
+            (8.0 * (value(0, 1) - value(0, -1)) - (value(0, 2) - value(0, -2))) / 12.0};
+  }
+
+ private:
+  const Image<float>& picture_;
+  int x_, y_;
+};
+
+}  // namespace
+
+SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
+                     const std::shared_ptr<SensorModel>& vortex) {
+  SpotBench bench{
+      light, method, std::make_shared<Measurer>(default_bench(), method, model), {}, {}};
+  const auto base = std::size_t(bench.measurer->spots() / 2);
+  Vec2 centre = bench.measurer->reference_px()[base];
+  if (std::isnan(centre.x)) centre = model->spots_px()[base];  // lost even without noise
+  bench.light_e = crop(electrons(*model, *vortex, {}, light), centre, bench.at_px);
+  return bench;
+}
+
+std::vector<SpotBench> all_spot_benches() {
+  const auto vortex = model_of(default_bench(), 1);
+  const auto bright = model_of(default_bench(), 0);
+  std::vector<SpotBench> all;
+  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const Method& method : all_methods()) {
+      if (method.fixed_cell) continue;  // a spot by itself has no cell
+      all.push_back(spot_bench(method, light, method.charge == 0 ? bright : vortex, vortex));
+    }
+  }
+  return all;
+}
+
+Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed) {
+  Cloud cloud;
+  std::mt19937_64 random(seed);
+  const double reach_px = kStartWithin * bench.measurer->lambda_d_px();
+  std::uniform_real_distribution<double> within(-reach_px, reach_px);
+  for (int k = 0; k < realisations; ++k) {
+    const std::vector<Vec2> start{bench.at_px + Vec2{within(random), within(random)}};
+    const Vec2 truth = bench.measurer->noise_free_px(bench.light_e, start).front();
+    const Exposure exposure = expose(bench.light_e, read_noise_e, random());
+    const SpotFix fix = bench.measurer->track(exposure, start).front();
+    if (!fix.found() || std::isnan(truth.x)) {
+      ++cloud.lost;
+      continue;
+    }
+    const Vec2 error{fix.x - truth.x, fix.y - truth.y};
+    cloud.x_px.push_back(error.x);
+    cloud.y_px.push_back(error.y);
+    cloud.squares_px2.push_back(0.5 * (error.x * error.x + error.y * error.y));
+  }
+  return cloud;
+}
+
+double bound_px(const SpotBench& bench, double read_noise_e) {
+  const int x = int(std::lround(bench.at_px.x)), y = int(std::lround(bench.at_px.y));
+  const PictureShape shape(bench.light_e, x, y);
+  return localisation_bound(shape, {double(x), double(y)}, kBoundHalfPx, {1.0, 0.0, read_noise_e})
+      .px;
+}
+
+}  // namespace ovws::study

@@ -1,0 +1,157 @@
+/// The LG kernel's radius: the best one against SNR.
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/ovws/study/cloud.hpp"
+#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/study/statistics.hpp"
+#include "daemon/ovws/study/studies.hpp"
+
+namespace ovws::study {
+namespace {
+
+/// A light, a charge, and a spot for each radius of the kernel.
+struct Beam {
+  Light light;
+  int charge;
+  std::vector<SpotBench> benches;
+};
+
+struct Levels {
+  std::vector<double> snrs, radii;  ///< radii: units of lambda/d
+  int realisations;
+};
+
+/// Of one beam and one SNR, a value a radius.
+struct Curve {
+  const Beam* beam;
+  double snr;
+  std::vector<Mean> rms_px;
+  std::vector<int> lost;
+  double bound_px;  ///< of the light: the same for all radii
+};
+
+/// A kernel that loses more than a hundredth has no error to compare: it is judged by the easy
+/// ones.
+std::size_t best_of(const Curve& curve) {
+  const auto rank = [&](std::size_t r) {
+    const Mean& rms_px = curve.rms_px[r];
+    const bool loses = 100.0 * curve.lost[r] > double(rms_px.count) + curve.lost[r];
+    return std::pair(loses, rms_px.value);
+  };
+  std::size_t best = 0;
+  for (std::size_t r = 1; r < curve.rms_px.size(); ++r) {
+    if (rank(r) < rank(best)) best = r;
+  }
+  return best;
+}
+
+std::vector<Beam> beams_of(const std::vector<double>& radii) {
+  const auto vortex = model_of(default_bench(), 1);
+  const auto bright = model_of(default_bench(), 0);
+  std::vector<Beam> beams;
+  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const int charge : {1, 0}) {
+      Beam beam{light, charge, {}};
+      for (const double radius : radii) {
+        const Method method{fmt::format("radius {}", radius), charge, {TrackerKind::lg, radius}};
+        beam.benches.push_back(spot_bench(method, light, charge == 0 ? bright : vortex, vortex));
+      }
+      beams.push_back(std::move(beam));
+    }
+  }
+  return beams;
+}
+
+/// Every radius is given the same noise, so that they differ by the radius alone.
+std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
+                             const Settings& settings) {
+  const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
+  std::vector<Cloud> clouds(beams.size() * snrs * radii);
+  parallel_for("kernel", clouds.size(), settings.threads, [&](std::size_t k) {
+    const Beam& beam = beams[k / radii / snrs];
+    const std::size_t s = k / radii % snrs;
+    clouds[k] = cloud_of(beam.benches[k % radii], read_noise_of_snr(levels.snrs[s]),
+                         levels.realisations, settings.seed + 1000 * s + unsigned(beam.charge));
+  });
+  std::vector<Curve> curves;
+  for (std::size_t c = 0; c < beams.size() * snrs; ++c) {
+    const double snr = levels.snrs[c % snrs];
+    const Beam& beam = beams[c / snrs];
+    Curve curve{&beam, snr, {}, {}, bound_px(beam.benches.front(), read_noise_of_snr(snr))};
+    for (std::size_t r = 0; r < radii; ++r) {
+      curve.rms_px.push_back(root_of(clouds[c * radii + r].squares_px2));
+      curve.lost.push_back(clouds[c * radii + r].lost);
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
+  Figure figure{light == Light::equal_peak ? "kernel" : "kernel-photons",
+                fmt::format("lg at {}: error against the kernel's radius; dashed: bounds ({})",
+                            name_of(light),
+                            light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex"),
+                "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
+  figure.log_y = true;
+  std::vector<Series> bounds;
+  for (const Curve& curve : curves) {
+    if (curve.beam->light != light) continue;
+    const char* sensor = curve.beam->charge == 0 ? "Shack-Hartmann" : "vortex";
+    Series series{fmt::format("{}, SNR {}", sensor, curve.snr), radii, {}, {}};
+    for (const Mean& rms : curve.rms_px) {
+      series.y.push_back(rms.value);
+      series.error.push_back(rms.standard_error);
+    }
+    figure.series.push_back(std::move(series));
+    Series bound{
+        fmt::format("bound, {}, SNR {}", sensor, curve.snr), radii, {}, {}, Series::Style::line};
+    bound.y.assign(radii.size(), curve.bound_px);
+    bound.colour = int(figure.series.size());
+    bound.in_legend = false;
+    bounds.push_back(std::move(bound));
+  }
+  figure.series.insert(figure.series.end(), bounds.begin(), bounds.end());
+  return figure;
+}
+
+nlohmann::json row_of(const Curve& curve, std::size_t r, const std::vector<double>& radii) {
+  return {{"light", name_of(curve.beam->light)},
+          {"charge", curve.beam->charge},
+          {"snr", curve.snr},
+          {"radius", radii[r]},
+          {"rms_px", curve.rms_px[r].value},
+          {"standard_error_px", curve.rms_px[r].standard_error},
+          {"bound_px", curve.bound_px},
+          {"lost", curve.lost[r]}};
+}
+
+}  // namespace
+
+Findings kernel(const Settings& settings) {
+  const Levels levels =
+      settings.quick
+          ? Levels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
+          : Levels{
+                {2.0, 5.0, 22.0}, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.8, 1.0}, 400};
+  const std::vector<Beam> beams = beams_of(levels.radii);
+  const std::vector<Curve> curves = curves_of(beams, levels, settings);
+  nlohmann::json summary{{"study", "kernel"},
+                         {"unit", "px RMS per axis"},
+                         {"peak_e", kPeakE},
+                         {"realisations", levels.realisations},
+                         {"rows", nlohmann::json::array()},
+                         {"best", nlohmann::json::array()}};
+  for (const Curve& curve : curves) {
+    for (std::size_t r = 0; r < levels.radii.size(); ++r) {
+      summary["rows"].push_back(row_of(curve, r, levels.radii));
+    }
+    summary["best"].push_back(row_of(curve, best_of(curve), levels.radii));
+  }
+  return {std::move(summary),
+          {figure_of(Light::equal_peak, curves, levels.radii),
+           figure_of(Light::equal_photons, curves, levels.radii)}};
+}
+
+}  // namespace ovws::study

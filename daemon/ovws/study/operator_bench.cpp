@@ -1,0 +1,105 @@
+#include "daemon/ovws/study/operator_bench.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/wavefront/diffractive_matrix.hpp"
+#include "core/wavefront/relinearise.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/ovws/study/refining.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr std::size_t kOwn = 2;  ///< the tracker's own slopes: where iterations start
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+SensorConfig sensor_of(const OperatorTools& tools) {
+  SensorConfig sensor = tools.geometry.sensor;
+  sensor.charge = tools.charge;
+  return sensor;
+}
+
+}  // namespace
+
+OperatorNames operator_names(int charge) {
+  return {"G-tilt",        charge == 0 ? "Z-tilt" : "V-tilt",
+          "tracker's own", "diffractive",
+          "relinearised",  "refined"};
+}
+
+OperatorTools::OperatorTools(int l)
+    : charge(l),
+      geometry(default_bench()),
+      model(model_of(geometry, charge)),
+      measurer(geometry, {"matched", charge, {TrackerKind::matched}}, model) {
+  const SensorConfig sensor = sensor_of(*this);
+  const SlopeKind core = charge == 0 ? SlopeKind::zernike_tilt : SlopeKind::vortex_tilt;
+  for (const SlopeModel& kind : {SlopeModel(SlopeKind::gradient_tilt), SlopeModel(core),
+                                 slope_model(charge, measurer.method().tracking)}) {
+    slopes.push_back(
+        slope_matrix(model->lattice(), sensor, modes_j(), kind, model->px_per_cycle()));
+  }
+  auto matrix = diffractive_matrix(*model, sensor, measurer.tracker(), modes_j());
+  if (!matrix) throw std::logic_error(matrix.error().reason);
+  slopes.push_back(matrix->slopes);
+}
+
+OperatorBench::OperatorBench(const OperatorTools& tools)
+    : tools_(tools),
+      sensor_(sensor_of(tools)),
+      model_(model_of(tools.geometry, tools.charge)),
+      vortex_(tools.charge == 1 ? model_ : model_of(tools.geometry, 1)),
+      refiner_(refiner_of(tools.geometry, tools.charge, tools.modes_j())) {}
+
+Image<float> OperatorBench::light_e(std::span<const Mode> modes, Light light) {
+  return electrons(*model_, *vortex_, modes, light);
+}
+
+Readings OperatorBench::read(const Image<float>& light_e, std::span<const Mode> modes,
+                             double read_noise_e, std::uint64_t seed) {
+  const Exposure exposure =
+      read_noise_e > 0.0 ? expose(light_e, read_noise_e, seed) : noise_free(light_e);
+  const auto fixes = tools_.measurer.track(exposure, tools_.measurer.predicted_px(modes));
+  Readings readings;
+  for (std::size_t k = 0; k < tools_.slopes.size(); ++k) {
+    readings[k] = linear(tools_.slopes[k], fixes);
+  }
+  readings[4] = relinearised(fixes, readings[kOwn]);
+  readings[5] = refined(exposure, read_noise_e, readings[kOwn]);
+  return readings;
+}
+
+double OperatorBench::bound_waves(const Image<float>& light_e, std::span<const Mode> modes,
+                                  double read_noise_e) {
+  std::vector<double> truth(tools_.modes_j().size(), 0.0);
+  for (const Mode& mode : modes) truth[std::size_t(mode.j - 1)] = mode.waves;
+  // The image without noise, but judged as if it had it: the fit starts and ends at the truth.
+  const auto found = refiner_.refine(light_e, {1.0, read_noise_e}, truth);
+  return found ? std::sqrt(found->covariance.trace()) : kUnknown;
+}
+
+std::vector<double> OperatorBench::linear(const Eigen::MatrixXd& slopes,
+                                          std::span<const SpotFix> fixes) const {
+  const Reconstructor reconstructor(slopes, tools_.modes_j(), tools_.measurer.reference_px());
+  Reconstructor::Scratch scratch = reconstructor.make_scratch();
+  std::vector<float> waves(tools_.modes_j().size());
+  reconstructor.solve(fixes, scratch, waves);
+  return {waves.begin(), waves.end()};
+}
+
+std::vector<double> OperatorBench::relinearised(std::span<const SpotFix> fixes,
+                                                const std::vector<double>& start) {
+  const std::vector<float> from(start.begin(), start.end());
+  const auto done = relinearise(*model_, sensor_, tools_.measurer.tracker(), tools_.slopes[kOwn],
+                                tools_.modes_j(), fixes, from);
+  return done ? done->waves : std::vector<double>(start.size(), kUnknown);
+}
+
+std::vector<double> OperatorBench::refined(const Exposure& exposure, double read_noise_e,
+                                           const std::vector<double>& start) {
+  return refined_waves(refiner_, exposure, read_noise_e, start);
+}
+
+}  // namespace ovws::study

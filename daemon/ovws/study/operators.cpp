@@ -1,0 +1,177 @@
+/// From slopes to modes: every operator on the same images, without noise and with it.
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <cmath>
+
+#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/operator_bench.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/study/statistics.hpp"
+#include "daemon/ovws/study/studies.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr double kSnr = 22.0;
+
+/// One mode under one light; without noise at equal peak only.
+struct Case {
+  int charge;
+  Light light;
+  bool noisy;
+};
+constexpr std::array<Case, 5> kCases{{{1, Light::equal_peak, false},
+                                      {0, Light::equal_peak, false},
+                                      {1, Light::equal_peak, true},
+                                      {0, Light::equal_peak, true},
+                                      {0, Light::equal_photons, true}}};
+
+struct Levels {
+  std::vector<double> amplitudes;  ///< waves RMS; the last one is drawn
+  std::vector<int> modes_j;
+  int realisations;
+  Mode mode(std::size_t k) const {
+    return {modes_j[k % modes_j.size()], amplitudes[k / modes_j.size()]};
+  }
+  std::size_t modes() const { return modes_j.size() * amplitudes.size(); }
+};
+
+/// What became of one case and one mode.
+struct Outcome {
+  std::array<Mean, kOperatorCount> errors_waves;
+  std::array<int, kOperatorCount> undetermined{};
+  double bound_waves = 0.0;
+};
+
+/// Sum of squares over all modes of measured minus true, waves^2.
+double square_error(const std::vector<double>& found, const std::vector<int>& modes_j, Mode truth) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const double error = found[k] - (truth.j == modes_j[k] ? truth.waves : 0.0);
+    squares += error * error;
+  }
+  return squares;
+}
+
+Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Case& one, Mode mode,
+                int realisations, std::uint64_t seed) {
+  const std::vector<Mode> modes{mode};
+  const double read_noise_e = one.noisy ? read_noise_of_snr(kSnr) : 0.0;
+  const Image<float> light_e = bench.light_e(modes, one.light);
+  Outcome outcome;
+  if (one.noisy) outcome.bound_waves = bench.bound_waves(light_e, modes, read_noise_e);
+  std::array<std::vector<double>, kOperatorCount> squares;
+  for (int r = 0; r < (one.noisy ? realisations : 1); ++r) {
+    const Readings readings = bench.read(light_e, modes, read_noise_e, seed + unsigned(r));
+    for (std::size_t o = 0; o < kOperatorCount; ++o) {
+      const double square = square_error(readings[o], modes_j, mode);
+      std::isnan(square) ? void(++outcome.undetermined[o]) : squares[o].push_back(square);
+    }
+  }
+  for (std::size_t o = 0; o < kOperatorCount; ++o) outcome.errors_waves[o] = root_of(squares[o]);
+  return outcome;
+}
+
+/// In the order of kCases, each with every mode.
+std::vector<Outcome> outcomes_of(const Levels& levels, const Settings& settings) {
+  const std::array<OperatorTools, 2> tools{OperatorTools(0), OperatorTools(1)};
+  std::vector<Outcome> outcomes(kCases.size() * levels.modes());
+  parallel_for("operators", outcomes.size(), settings.threads, [&](std::size_t k) {
+    const Case& one = kCases[k / levels.modes()];
+    const OperatorTools& with = tools[std::size_t(one.charge)];
+    OperatorBench bench(with);
+    outcomes[k] = measure(bench, with.modes_j(), one, levels.mode(k % levels.modes()),
+                          levels.realisations, settings.seed + 1000 * k);
+  });
+  return outcomes;
+}
+
+Figure frame_of(const Case& one, double waves) {
+  const std::string mode = fmt::format("single modes at {} wave", waves);
+  Figure figure;
+  if (!one.noisy) {
+    figure.name = one.charge == 0 ? "operators-shack-hartmann-noise-free" : "operators-noise-free";
+    figure.title = fmt::format("{}, {}, no noise",
+                               one.charge == 0 ? "Shack-Hartmann spots" : "Vortices", mode);
+  } else if (one.charge == 1) {
+    figure.name = "operators";
+    figure.title = fmt::format("Vortices, {}, peak SNR {} (the same at equal photons)", mode, kSnr);
+  } else {
+    figure.name = one.light == Light::equal_peak ? "operators-shack-hartmann"
+                                                 : "operators-shack-hartmann-photons";
+    figure.title = fmt::format("Shack-Hartmann spots, {}, read noise of SNR {}, {}", mode, kSnr,
+                               name_of(one.light));
+  }
+  figure.x_label = "OSA index j of the mode shown";
+  figure.y_label = "error: root sum square of all modes (waves RMS)";
+  figure.x_step = 1.0;
+  figure.log_y = true;
+  return figure;
+}
+
+Figure figure_of(std::size_t c, const Levels& levels, const std::vector<Outcome>& outcomes) {
+  const Case& one = kCases[c];
+  Figure figure = frame_of(one, levels.amplitudes.back());
+  const OperatorNames names = operator_names(one.charge);
+  Series bound{"bound of all pixels", {}, {}, {}, Series::Style::line};
+  for (std::size_t o = 0; o < kOperatorCount; ++o) {
+    Series series{names[o], {}, {}, {}};
+    for (std::size_t m = levels.modes() - levels.modes_j.size(); m < levels.modes(); ++m) {
+      const Outcome& outcome = outcomes[c * levels.modes() + m];
+      series.x.push_back(levels.mode(m).j);
+      series.y.push_back(outcome.errors_waves[o].value);
+      if (one.noisy) series.error.push_back(outcome.errors_waves[o].standard_error);
+      if (o == 0) bound.y.push_back(outcome.bound_waves);
+    }
+    bound.x = series.x;
+    figure.series.push_back(std::move(series));
+  }
+  if (one.noisy) figure.series.push_back(std::move(bound));
+  return figure;
+}
+
+nlohmann::json rows_of(const Levels& levels, const std::vector<Outcome>& outcomes) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    const Case& one = kCases[k / levels.modes()];
+    const Mode mode = levels.mode(k % levels.modes());
+    const OperatorNames names = operator_names(one.charge);
+    for (std::size_t o = 0; o < kOperatorCount; ++o) {
+      rows.push_back({{"charge", one.charge},
+                      {"light", name_of(one.light)},
+                      {"noisy", one.noisy},
+                      {"operator", names[o]},
+                      {"j", mode.j},
+                      {"waves", mode.waves},
+                      {"error_waves", outcomes[k].errors_waves[o].value},
+                      {"standard_error_waves", outcomes[k].errors_waves[o].standard_error},
+                      {"bound_waves", outcomes[k].bound_waves},
+                      {"undetermined", outcomes[k].undetermined[o]}});
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+Findings operators(const Settings& settings) {
+  const Levels levels =
+      settings.quick
+          ? Levels{{0.3}, {3, 13}, 2}
+          : Levels{{0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
+  const std::vector<Outcome> outcomes = outcomes_of(levels, settings);
+  nlohmann::json summary{{"study", "operators"},
+                         {"unit", "waves, root sum square over all modes"},
+                         {"snr", kSnr},
+                         {"peak_e", kPeakE},
+                         {"realisations", levels.realisations},
+                         {"rows", rows_of(levels, outcomes)}};
+  std::vector<Figure> figures;
+  for (std::size_t c = 0; c < kCases.size(); ++c) {
+    figures.push_back(figure_of(c, levels, outcomes));
+  }
+  return {std::move(summary), std::move(figures)};
+}
+
+}  // namespace ovws::study

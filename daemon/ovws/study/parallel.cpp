@@ -1,0 +1,78 @@
+#include "daemon/ovws/study/parallel.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace ovws::study {
+
+using Clock = std::chrono::steady_clock;
+
+Progress::Progress(std::string what, std::size_t total)
+    : what_(std::move(what)),
+      total_(total),
+      visible_(::isatty(STDERR_FILENO) != 0),
+      started_(Clock::now()) {
+  if (visible_) show();  // the first may take long
+}
+
+Progress::~Progress() {
+  if (visible_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::tick() {
+  const std::lock_guard lock(mutex_);
+  ++done_;
+  constexpr std::chrono::milliseconds kPace(100);
+  if (!visible_ || Clock::now() - shown_ < kPace) return;
+  shown_ = Clock::now();
+  show();
+}
+
+void Progress::show() {
+  constexpr std::size_t kWidth = 40;
+  const std::size_t filled = kWidth * done_ / std::max<std::size_t>(total_, 1);
+  fmt::print(stderr, "\r\033[K{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
+             std::string(kWidth - filled, ' '), done_, total_);
+  if (done_ > 0) {
+    const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
+    fmt::print(stderr, "  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
+  }
+  std::fflush(stderr);
+}
+
+int all_cores() {
+  return int(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+void parallel_for(const std::string& what, std::size_t count, int threads,
+                  const std::function<void(std::size_t)>& work) {
+  Progress progress(what, count);
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr thrown;
+  std::mutex mutex;
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        thrown = std::current_exception();
+        next = count;
+      }
+      progress.tick();
+    }
+  };
+  std::vector<std::thread> crew;
+  for (int k = 1; k < threads; ++k) crew.emplace_back(run);
+  run();
+  for (std::thread& one : crew) one.join();
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+}  // namespace ovws::study

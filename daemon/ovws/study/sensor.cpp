@@ -1,0 +1,194 @@
+#include "daemon/ovws/study/sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "core/optics/detector.hpp"
+#include "core/tracking/cell_centroid.hpp"
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws::study {
+namespace {
+
+/// A study's own configuration is right, or we have a bug.
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) throw std::logic_error(result.error().field + ": " + result.error().reason);
+  return std::move(*result);
+}
+
+std::vector<int> modes_of(const Geometry& geometry) {
+  std::vector<int> j(std::size_t(optimal_mode_count(geometry.sensor.subapertures_across)));
+  std::iota(j.begin(), j.end(), 1);
+  return j;
+}
+
+/// What to multiply the model's light by for kPeakE in the spots' brightest pixel.
+double to_peak(const SensorModel& model, const Image<float>& light, std::span<const Mode> modes) {
+  return kPeakE / model.peak_of_spots(light, modes);
+}
+
+}  // namespace
+
+Geometry default_bench() {
+  return {};
+}
+
+Geometry thousand_px_bench() {
+  Geometry geometry;
+  geometry.slm.height_px = 1024;
+  geometry.sensor.pupil_diameter_px = 1000.0;
+  return geometry;
+}
+
+double snr_of_read_noise(double read_noise_e) {
+  return kPeakE / std::sqrt(kPeakE + read_noise_e * read_noise_e);
+}
+
+double read_noise_of_snr(double snr) {
+  return std::sqrt(std::max(0.0, kPeakE * kPeakE / (snr * snr) - kPeakE));
+}
+
+const char* name_of(Light light) {
+  return light == Light::equal_peak ? "equal peak" : "equal photons";
+}
+
+Exposure Exposure::clipped() const {
+  Exposure out = *this;
+  const int black = int(std::lround(black_dn));
+  for (std::uint16_t& pixel : out.dn.pixels) pixel = std::uint16_t(std::max(0, int(pixel) - black));
+  out.black_dn = 0.0;
+  return out;
+}
+
+Exposure noise_free(const Image<float>& electrons) {
+  Exposure exposure;
+  exposure.dn_per_e = 20.0;  // finer, and the brighter spots at equal photons still fit
+  exposure.dn = Image<std::uint16_t>(electrons.width, electrons.height);
+  std::transform(electrons.pixels.begin(), electrons.pixels.end(), exposure.dn.pixels.begin(),
+                 [&](float e) {
+                   const double dn = std::min(65535.0, double(e) * exposure.dn_per_e);
+                   return std::uint16_t(std::lround(dn));
+                 });
+  return exposure;
+}
+
+Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_t seed) {
+  constexpr int kBits = 16;
+  Exposure exposure;
+  DetectorConfig config;
+  config.quantum_efficiency = 1.0;
+  config.prnu = 0.0;
+  config.dark_current_e_per_s = 0.0;
+  config.read_noise_e = read_noise_e;
+  config.bits = kBits;
+  config.full_well_e = ((1 << kBits) - 1) / exposure.dn_per_e;
+  config.black_level_dn = std::round(4.0 * read_noise_e * exposure.dn_per_e);
+  config.seed = seed;
+  exposure.black_dn = config.black_level_dn;
+  Detector(config, electrons.width, electrons.height).expose(electrons, 1.0, 0.0, exposure.dn);
+  return exposure;
+}
+
+std::vector<Method> all_methods() {
+  std::vector<Method> methods;
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
+    methods.push_back({"vortex, " + std::string(tracker_name(kind)), 1, {kind}});
+  }
+  methods.push_back({"Shack-Hartmann, centroid of a fixed cell", 0, {TrackerKind::centroid}, true});
+  for (const TrackerKind kind : {TrackerKind::centroid, TrackerKind::thresholded,
+                                 TrackerKind::weighted, TrackerKind::lg, TrackerKind::matched}) {
+    methods.push_back({"Shack-Hartmann, " + std::string(tracker_name(kind)), 0, {kind}});
+  }
+  return methods;
+}
+
+std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge) {
+  geometry.sensor.charge = charge;
+  return std::make_shared<SensorModel>(value_of(
+      SensorModel::make(geometry.sensor, geometry.slm, geometry.optics, kImagePx, kImagePx)));
+}
+
+Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
+                       Light light) {
+  Image<float> image = value_of(model.light(modes));
+  // The same laser and the same exposure: each subaperture sends as many photons in either image.
+  const bool as_vortex = light == Light::equal_photons && &model != &vortex;
+  scale(image, as_vortex ? to_peak(vortex, value_of(vortex.light(modes)), modes)
+                         : to_peak(model, image, modes));
+  return image;
+}
+
+Measurer::Measurer(const Geometry& geometry, const Method& method,
+                   std::shared_ptr<SensorModel> model)
+    : method_(method), model_(std::move(model)) {
+  tracker_ = value_of(make_tracker(method.tracking, {method.charge, model_->lambda_d_px()}));
+  SensorConfig sensor = geometry.sensor;
+  sensor.charge = method.charge;
+  const std::vector<int> modes_j = modes_of(geometry);
+  slopes_ = slope_matrix(model_->lattice(), sensor, modes_j,
+                         slope_model(method.charge, method.tracking), model_->px_per_cycle());
+  Image<float> flat = value_of(model_->light({}));
+  scale(flat, to_peak(*model_, flat, {}));
+  reference_px_ = model_->spots_px();
+  cell_half_px_ = cell_half_px(reference_px_);
+  reference_px_ = noise_free_px(flat, model_->spots_px());
+  reconstructor_ = std::make_unique<Reconstructor>(slopes_, modes_j, reference_px_);
+}
+
+std::vector<SpotFix> Measurer::track(const Exposure& exposure,
+                                     std::span<const Vec2> starts_px) const {
+  if (method_.fixed_cell) return cell_centroids(exposure.clipped());
+  const bool plain = method_.tracking.tracker == TrackerKind::centroid;
+  const Exposure given = plain ? exposure.clipped() : exposure;
+  TrackScratch scratch = tracker_->make_scratch();
+  std::vector<SpotFix> fixes;
+  for (std::size_t i = 0; i < starts_px.size(); ++i) {
+    fixes.push_back(tracker_->track(given.view(), starts_px[i], scratch, int(i)));
+  }
+  return fixes;
+}
+
+std::vector<SpotFix> Measurer::cell_centroids(const Exposure& exposure) const {
+  std::vector<SpotFix> fixes(reference_px_.size());
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const auto centroid = cell_centroid(exposure.view(), reference_px_[i], cell_half_px_);
+    if (!centroid) continue;
+    fixes[i].x = float(centroid->x);
+    fixes[i].y = float(centroid->y);
+  }
+  return fixes;
+}
+
+std::vector<double> Measurer::modes(std::span<const SpotFix> spots) const {
+  Reconstructor::Scratch scratch = reconstructor_->make_scratch();
+  std::vector<float> found(modes_j().size());
+  reconstructor_->solve(spots, scratch, found);
+  return {found.begin(), found.end()};
+}
+
+std::vector<Vec2> Measurer::noise_free_px(const Image<float>& light,
+                                          std::span<const Vec2> near_px) const {
+  const Exposure exposure = noise_free(light);
+  std::vector<Vec2> found;
+  for (const SpotFix& fix : track(exposure, near_px)) found.push_back({fix.x, fix.y});
+  return found;
+}
+
+std::vector<Vec2> Measurer::predicted_px(std::span<const Mode> modes) const {
+  Eigen::VectorXd waves = Eigen::VectorXd::Zero(slopes_.cols());
+  for (const Mode& mode : modes) {
+    const auto at = std::find(modes_j().begin(), modes_j().end(), mode.j);
+    if (at != modes_j().end()) waves[at - modes_j().begin()] += mode.waves;
+  }
+  const Eigen::VectorXd moved = slopes_ * waves;
+  std::vector<Vec2> out = reference_px_;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = out[i] + Vec2{moved[Eigen::Index(2 * i)], moved[Eigen::Index(2 * i + 1)]};
+  }
+  return out;
+}
+
+}  // namespace ovws::study

@@ -1,0 +1,50 @@
+/// The accuracy studies: each returns its figures and a summary, and writes nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "daemon/ovws/study/figure.hpp"
+
+namespace ovws::study {
+
+struct Settings {
+  bool quick = false;  ///< fewer levels and realisations: minutes become seconds
+  int threads = 1;
+  std::uint64_t seed = 1;  ///< the same seed gives the same numbers, whatever the threads
+};
+
+/// What a study found. What a study cannot do is our own bug, and thrown.
+struct Findings {
+  nlohmann::json summary;  ///< for a program
+  std::vector<Figure> figures;
+};
+
+Findings localisation(const Settings& settings);
+Findings wavefront(const Settings& settings);
+Findings trackers(const Settings& settings);
+Findings kernel(const Settings& settings);
+Findings range(const Settings& settings);
+Findings acquisition(const Settings& settings);
+Findings oracle(const Settings& settings);
+Findings operators(const Settings& settings);
+
+struct Study {
+  const char* name;
+  const char* what;
+  Findings (*run)(const Settings&);
+};
+constexpr std::array<Study, 8> kStudies{{
+    {"localisation", "one spot: error of its position against read noise", localisation},
+    {"wavefront", "residual phase variance against SNR, astigmatism and defocus", wavefront},
+    {"trackers", "every tracker against the Cramer-Rao bound", trackers},
+    {"kernel", "the LG kernel's best radius against SNR", kernel},
+    {"range", "largest aberration that is found without history, by mode", range},
+    {"acquisition", "spots found without history: refused and wrong ones against SNR", acquisition},
+    {"oracle", "lg against the paper's contour method, spot by spot", oracle},
+    {"operators", "from slopes to modes: every operator on the same images", operators},
+}};
+
+}  // namespace ovws::study

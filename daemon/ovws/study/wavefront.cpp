@@ -1,0 +1,219 @@
+/// Whole wavefronts, as in the paper's figure of residual phase variance against SNR.
+#include <spdlog/fmt/fmt.h>
+
+#include <optional>
+#include <random>
+
+#include "core/wavefront/residual_variance.hpp"
+#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/study/refining.hpp"
+#include "daemon/ovws/study/sensor.hpp"
+#include "daemon/ovws/study/statistics.hpp"
+#include "daemon/ovws/study/studies.hpp"
+#include "daemon/ovws/study/wavefront_bound.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr double kQuickRefinedSnr = 5.0;
+constexpr int kRefinedShare = 5;      ///< refining takes a second: one in five instances
+constexpr double kStartWithin = 0.3;  ///< lambda/d: how far the frame before may mislead, each way
+
+struct Case {
+  const char* name;
+  const char* title;
+  int j;
+  double unit_waves;  ///< unit amplitude, as the paper's 2 lambda are taken
+  std::vector<Mode> modes() const { return {{j, unit_waves / zernike_rms_factor(j)}}; }
+};
+constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
+                                      {"defocus", "defocus, 2 waves", 4, 2.0}}};
+
+struct Bench {
+  const Case* aberration;
+  Light light;
+  Method method;
+  bool refined = false;  ///< what the tracker tells is the start of a fit to all pixels
+  std::shared_ptr<Measurer> measurer;
+  Image<float> light_e;
+  std::vector<Vec2> at_px;
+  double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
+};
+
+struct Outcome {
+  std::vector<double> variances;  ///< rad^2, one an instance that was reconstructed
+  int undetermined = 0;
+  int lost = 0;             ///< spots
+  double bound_rad2 = 0.0;  ///< of the light, whatever the method; told for matched
+};
+
+double residual_variance(const Measurer& measurer, const std::vector<double>& found,
+                         const std::vector<Mode>& truth) {
+  return residual_variance_rad2(std::span(measurer.modes_j()), std::span(found), truth);
+}
+
+std::vector<SpotFix> fixes_at(const std::vector<Vec2>& positions) {
+  std::vector<SpotFix> fixes(positions.size());
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    fixes[i].x = float(positions[i].x);
+    fixes[i].y = float(positions[i].y);
+  }
+  return fixes;
+}
+
+Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t seed) {
+  Outcome outcome;
+  std::mt19937_64 random(seed);
+  const double reach = kStartWithin * bench.measurer->lambda_d_px();
+  std::uniform_real_distribution<double> within(-reach, reach);
+  std::optional<Refiner> refiner;
+  if (bench.refined) {
+    instances = std::max(16, instances / kRefinedShare);
+    refiner.emplace(
+        refiner_of(thousand_px_bench(), bench.method.charge, bench.measurer->modes_j()));
+  }
+  for (int k = 0; k < instances; ++k) {
+    std::vector<Vec2> starts = bench.at_px;
+    for (Vec2& start : starts) start = start + Vec2{within(random), within(random)};
+    const Exposure exposure = expose(bench.light_e, read_noise_of_snr(snr), random());
+    const auto fixes = bench.measurer->track(exposure, starts);
+    for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
+    auto found = bench.measurer->modes(fixes);
+    if (refiner) {
+      found = refined_waves(*refiner, exposure, read_noise_of_snr(snr), std::move(found));
+    }
+    if (std::isnan(found.front())) {
+      ++outcome.undetermined;
+    } else {
+      outcome.variances.push_back(
+          residual_variance(*bench.measurer, found, bench.aberration->modes()));
+    }
+  }
+  return outcome;
+}
+
+std::vector<std::pair<Method, bool>> methods(Light light) {
+  std::vector<std::pair<Method, bool>> all;
+  for (const Method& method : all_methods()) all.emplace_back(method, false);
+  if (light != Light::equal_peak) return all;
+  all.push_back({{"vortex, refined", 1, {TrackerKind::matched}}, true});
+  all.push_back({{"Shack-Hartmann, refined", 0, {TrackerKind::weighted}}, true});
+  return all;
+}
+
+std::vector<Bench> benches() {
+  const Geometry geometry = thousand_px_bench();
+  const auto vortex = model_of(geometry, 1);
+  const auto bright = model_of(geometry, 0);
+  std::vector<Bench> all;
+  for (const Case& aberration : kCases) {
+    for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+      for (const auto& [method, refined] : methods(light)) {
+        const auto model = method.charge == 0 ? bright : vortex;
+        Bench bench{&aberration,
+                    light,
+                    method,
+                    refined,
+                    std::make_shared<Measurer>(geometry, method, model),
+                    {},
+                    {}};
+        bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
+        bench.at_px = bench.measurer->noise_free_px(
+            bench.light_e, bench.measurer->predicted_px(aberration.modes()));
+        bench.noise_free_rad2 = residual_variance(
+            *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), aberration.modes());
+        all.push_back(std::move(bench));
+      }
+    }
+  }
+  return all;
+}
+
+/// The one of a charge that the bound is told with.
+bool bounded(const Bench& bench) {
+  return bench.method.tracking.tracker == TrackerKind::matched && !bench.refined;
+}
+
+nlohmann::json if_told(bool told, double value) {
+  return told ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
+                      const Outcome& outcome) {
+  return {{"aberration", bench.aberration->name},
+          {"light", name_of(bench.light)},
+          {"method", bench.method.name},
+          {"snr", snr},
+          {"variance_rad2", variance.value},
+          {"standard_error_rad2", variance.standard_error},
+          {"instances", variance.count},
+          {"noise_free_rad2", if_told(!bench.refined, bench.noise_free_rad2)},
+          {"bound_rad2", if_told(bounded(bench), outcome.bound_rad2)},
+          {"undetermined", outcome.undetermined},
+          {"lost_spots", outcome.lost}};
+}
+
+}  // namespace
+
+Findings wavefront(const Settings& settings) {
+  const std::vector<double> snrs =
+      settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
+                     : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
+  const int instances = settings.quick ? 30 : 100;
+  const std::vector<Bench> all = benches();
+  std::vector<Outcome> outcomes(all.size() * snrs.size());
+  parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
+    const Bench& bench = all[k / snrs.size()];
+    const double snr = snrs[k % snrs.size()];
+    if (bench.refined && settings.quick && snr != kQuickRefinedSnr) return;
+    outcomes[k] = measure(bench, snr, instances, settings.seed + 1000 * k);
+    if (!bounded(bench)) return;
+    outcomes[k].bound_rad2 =
+        wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
+                             bench.light_e, read_noise_of_snr(snr));
+  });
+  nlohmann::json summary{{"study", "wavefront"},
+                         {"unit", "rad^2"},
+                         {"peak_e", kPeakE},
+                         {"instances", instances},
+                         {"rows", nlohmann::json::array()}};
+  std::vector<Figure> figures;
+  for (const Case& aberration : kCases) {
+    for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+      Figure figure{std::string("wavefront-") + aberration.name +
+                        (light == Light::equal_peak ? "" : "-photons"),
+                    fmt::format("{} over 1000 px, {}", aberration.title, name_of(light)),
+                    "peak SNR", "mean residual phase variance (rad^2)"};
+      figure.log_y = true;
+      for (std::size_t b = 0; b < all.size(); ++b) {
+        if (all[b].aberration != &aberration || all[b].light != light) continue;
+        Series series{all[b].method.name, {}, {}, {}};
+        for (std::size_t s = 0; s < snrs.size(); ++s) {
+          const Outcome& outcome = outcomes[b * snrs.size() + s];
+          if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // not tried
+          const Mean variance = mean_of(outcome.variances);
+          series.x.push_back(snrs[s]);
+          series.y.push_back(variance.value);
+          series.error.push_back(variance.standard_error);
+          summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));
+        }
+        figure.series.push_back(std::move(series));
+        if (!bounded(all[b])) continue;
+        Series bound{fmt::format("bound, charge {}", all[b].method.charge),
+                     snrs,
+                     {},
+                     {},
+                     Series::Style::line};
+        for (std::size_t s = 0; s < snrs.size(); ++s) {
+          bound.y.push_back(outcomes[b * snrs.size() + s].bound_rad2);
+        }
+        figure.series.push_back(std::move(bound));
+      }
+      figures.push_back(std::move(figure));
+    }
+  }
+  return {std::move(summary), std::move(figures)};
+}
+
+}  // namespace ovws::study

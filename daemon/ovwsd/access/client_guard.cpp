@@ -1,0 +1,230 @@
+#include "daemon/ovwsd/access/client_guard.hpp"
+
+#include <sys/stat.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/port/clock.hpp"
+#include "daemon/shared/key_file.hpp"
+#include "proto/endpoint.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr const char* kSecretField = "security.secret_key";
+constexpr const char* kClientsField = "security.clients";
+constexpr std::int64_t kLookNs = 1'000'000'000;
+constexpr std::chrono::milliseconds kLookPatience{100};
+constexpr std::int64_t kTellNs = 10'000'000'000;
+
+template <class T>
+Result<T> named(Result<T> result, const char* field) {
+  if (result) return result;
+  Error error = result.error();
+  if (error.field != "path" && !error.field.empty())
+    error.reason = error.field + ": " + error.reason;
+  error.field = field;
+  return fail(std::move(error));
+}
+
+Result<void> check_endpoint(const char* field, const std::string& endpoint) {
+  if (is_reached_from_here_only(endpoint)) return {};
+  return fail(
+      Errc::invalid, field,
+      "others can reach " + endpoint +
+          ", and nobody asks who they are: bind tcp://127.0.0.1:PORT or ipc://PATH, or name "
+          "security.secret_key and security.clients (ovws keygen makes keys)");
+}
+
+std::int64_t ns_of(const timespec& time) {
+  return std::int64_t(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
+}
+
+}  // namespace
+
+Result<void> check_clients(const std::string& path) {
+  const auto list = named(load_client_list(path), kClientsField);
+  if (!list) return fail(list.error());
+  return {};
+}
+
+Result<void> check_security(const Config& config) {
+  if (config.security.secret_key && config.security.clients) {
+    auto keys = named(load_key_file(*config.security.secret_key), kSecretField);
+    if (!keys) return fail(keys.error());
+    return check_clients(*config.security.clients);
+  }
+  const std::pair<const char*, const std::string&> endpoints[]{
+      {"control.endpoint", config.control.endpoint},
+      {"stream.endpoint", config.stream.endpoint},
+      {"stream.image_endpoint", config.stream.image_endpoint}};
+  for (const auto& [field, endpoint] : endpoints) {
+    if (auto safe = check_endpoint(field, endpoint); !safe) return safe;
+  }
+  return {};
+}
+
+ClientGuard::ClientGuard(SecurityConfig config, Counters& counters, Events& events, Disk& disk)
+    : config_(std::move(config)),
+      counters_(counters),
+      events_(events),
+      disk_(disk),
+      list_(std::make_shared<const ClientList>()) {}
+
+Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& config,
+                                                       Counters& counters, Events& events,
+                                                       Disk& disk) {
+  std::unique_ptr<ClientGuard> guard(new ClientGuard(config, counters, events, disk));
+  if (!config.secret_key || !config.clients) return guard;
+  const auto keys = named(load_key_file(*config.secret_key), kSecretField);
+  if (!keys) return fail(keys.error());
+  auto made =
+      Gate::make(keys->pair.secret_key,
+                 {[self = guard.get()](const std::string& key) {
+                    self->look_first();
+                    return self->knows(key);
+                  },
+                  [self = guard.get()](const std::string& why) { self->reject(why); },
+                  [self = guard.get()](const std::string& endpoint, const Result<void>& bound) {
+                    self->tell_rebound(endpoint, bound);
+                  }});
+  if (!made) return fail(made.error());
+  guard->gate_ = std::move(*made);
+  guard->public_key_ = keys->pair.public_key;
+  if (auto read = guard->read_list(); !read) return fail(read.error());
+  return guard;
+}
+
+Result<Role> ClientGuard::role_of(const std::string& key) {
+  if (!gate_) return Role::control;
+  look_first();
+  const auto list = list_.get();
+  const auto found = list->find(key);
+  if (found != list->end()) return found->second.role;
+  reject("a request came with the key " + key + ", which was withdrawn");
+  return fail(Errc::refused, "", "this client's key is no longer in the file of security.clients");
+}
+
+bool ClientGuard::knows(const std::string& key) const {
+  return list_.get()->contains(key);
+}
+
+void ClientGuard::reject(const std::string& why) {
+  counters_.add(Counter::clients_rejected);
+  rejected_.change([&why](Rejected& rejected) {
+    ++rejected.count;
+    rejected.why = why;
+  });
+}
+
+ClientGuard::Stamp ClientGuard::stamp_of(const std::string& path) {
+  struct stat about {};
+  if (::stat(path.c_str(), &about) != 0) return {};
+  return {ns_of(about.st_mtim), ns_of(about.st_ctim), about.st_size, about.st_ino};
+}
+
+void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& bound) {
+  if (bound) {
+    return events_.emit("client", Severity::info, endpoint + " is bound again and sends",
+                        {{"endpoint", endpoint}, {"bound", true}});
+  }
+  events_.emit("client", Severity::error,
+               "a key was withdrawn, and since then " + endpoint +
+                   " cannot be bound anew and sends nothing; it is tried again and again: " +
+                   bound.error().reason,
+               {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
+}
+
+/// The stamp is that of before: what is written meanwhile is read once more.
+Result<void> ClientGuard::read_list() {
+  stamp_ = stamp_of(*config_.clients);
+  auto read = named(load_client_list(*config_.clients), kClientsField);
+  if (!read) return fail(read.error());
+  const auto before = list_.get();
+  list_.set(std::make_shared<const ClientList>(*read));
+  for (const auto& [key, client] : *before) {
+    if (!read->contains(key)) {
+      gate_->end_streams();
+      break;
+    }
+  }
+  return {};
+}
+
+/// Returns the number of the look.
+std::uint64_t ClientGuard::ask_to_look() {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(looking_);
+    number = ++looks_asked_;
+  }
+  disk_.post([this] { look(); });
+  return number;
+}
+
+/// Control thread.
+void ClientGuard::look_first() {
+  {
+    const std::lock_guard lock(looking_);
+    if (late_) return;
+  }
+  const std::uint64_t number = ask_to_look();
+  std::unique_lock lock(looking_);
+  late_ = !looked_.wait_for(lock, kLookPatience, [&] { return looks_done_ >= number; });
+}
+
+/// Disk thread.
+void ClientGuard::look() {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(looking_);
+    number = looks_asked_;
+  }
+  reload_if_changed();
+  {
+    const std::lock_guard lock(looking_);
+    looks_done_ = number;
+    late_ = false;
+  }
+  looked_.notify_all();
+}
+
+void ClientGuard::reload_if_changed() {
+  if (stamp_of(*config_.clients) == stamp_) return;
+  if (const auto read = read_list(); !read) {
+    return events_.emit(
+        "client", Severity::error,
+        read.error().field + ": " + read.error().reason + "; who could connect before still can");
+  }
+  events_.emit("client", Severity::info,
+               std::to_string(list_.get()->size()) + " clients may connect: " + *config_.clients +
+                   " was read again");
+}
+
+void ClientGuard::turn() {
+  if (!gate_) return;
+  const std::int64_t now_ns = monotonic_ns();
+  if (now_ns >= next_look_ns_) {
+    next_look_ns_ = now_ns + kLookNs;
+    const bool answered = [this] {
+      const std::lock_guard lock(looking_);
+      return looks_done_ == looks_asked_;
+    }();
+    if (answered) ask_to_look();
+  }
+  if (now_ns >= next_tell_ns_) tell_rejected();
+}
+
+void ClientGuard::tell_rejected() {
+  const Rejected rejected =
+      rejected_.change([](Rejected& now) { return std::exchange(now, Rejected{}); });
+  if (rejected.count == 0) return;
+  next_tell_ns_ = monotonic_ns() + kTellNs;
+  const std::string times =
+      rejected.count == 1 ? "" : std::to_string(rejected.count) + " times, the last one: ";
+  events_.emit("client", Severity::warning, "not let in: " + times + rejected.why,
+               {{"rejected", rejected.count}, {"reason", rejected.why}});
+}
+
+}  // namespace ovws

@@ -1,0 +1,52 @@
+#include "daemon/ovwsd/actor/state_keeper.hpp"
+
+namespace ovws {
+
+void StateKeeper::take(DaemonEvent event) {
+  const std::lock_guard lock(mutex_);
+  move(event);
+}
+
+void StateKeeper::set_fault(const std::string& device, const std::string& cause) {
+  const std::lock_guard lock(mutex_);
+  if (cause.empty()) {
+    causes_.erase(device);
+  } else {
+    causes_[device] = cause;
+  }
+  move(causes_.empty() ? DaemonEvent::fault_cleared : DaemonEvent::fault_raised);
+}
+
+std::optional<std::string> StateKeeper::fault() const {
+  const std::lock_guard lock(mutex_);
+  if (causes_.empty()) return std::nullopt;
+  std::string text;
+  for (const auto& [device, cause] : causes_) {
+    text += (text.empty() ? "" : "; ") + device + ": " + cause;
+  }
+  return text;
+}
+
+/// Under the lock, so that the events of two threads cannot cross.
+void StateKeeper::move(DaemonEvent event) {
+  const DaemonState before = state_of(conditions_);
+  conditions_ = after(conditions_, event);
+  const DaemonState now = state_of(conditions_);
+  if (now == before) return;
+  const std::string name(state_name(now));
+  const auto severity = now == DaemonState::fault ? Severity::error : Severity::info;
+  events_.emit("state", severity, "state is " + name,
+               {{"state", name}, {"before", state_name(before)}});
+}
+
+Result<void> StateKeeper::check(Action action) const {
+  const std::lock_guard lock(mutex_);
+  return permit(conditions_, action);
+}
+
+std::string StateKeeper::name() const {
+  const std::lock_guard lock(mutex_);
+  return std::string(state_name(state_of(conditions_)));
+}
+
+}  // namespace ovws

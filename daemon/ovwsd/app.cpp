@@ -1,0 +1,389 @@
+#include "daemon/ovwsd/app.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <utility>
+
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/access/client_guard.hpp"
+#include "daemon/ovwsd/actor/disk.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/status_reporter.hpp"
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+#include "daemon/ovwsd/procedures/experiment_archive.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/record/recorder.hpp"
+#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "daemon/ovwsd/settings/reload.hpp"
+#include "daemon/ovwsd/slm/slm_loop.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/ovwsd/store/folder_lock.hpp"
+#include "daemon/ovwsd/streams/image_publisher.hpp"
+#include "daemon/ovwsd/streams/stream_publisher.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
+#include "daemon/shared/service_notify.hpp"
+#include "drivers/zmq/control_server.hpp"
+#include "drivers/zmq/publisher.hpp"
+#include "proto/rpc.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
+constexpr double kStopPatienceS = 1.2;
+constexpr double kRecordingPatienceS = 10.0;  ///< with a disk that writes nothing of a recording
+constexpr double kDiskLookS = 0.2;
+constexpr int kImageQueue = 4;  ///< an image is a MiB or more
+constexpr double kLastPatienceS = 1.8;
+
+std::atomic<int> exit_status{0};
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it");
+
+[[noreturn]] void end_at_once(const std::string& why, const Result<void>& written) {
+  spdlog::warn("{}: ending without it", why);
+  if (!written) spdlog::error("{}: {}", written.error().field, written.error().reason);
+  std::_Exit(exit_status.load());
+}
+
+/// A display that no longer answers may hold the main thread when no other is left to end without
+/// it.
+void end_whatever_holds_after(double patience_s) {
+  std::signal(SIGALRM, [](int /*signal*/) {
+    static constexpr char kWords[] = "<4>the display does not let go: ending without it\n";
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWords, sizeof(kWords) - 1);
+    std::_Exit(exit_status.load());
+  });
+  const auto whole_s = time_t(patience_s);
+  const itimerval once{{0, 0}, {whole_s, suseconds_t(1e6 * (patience_s - double(whole_s)))}};
+  ::setitimer(ITIMER_REAL, &once, nullptr);
+}
+
+}  // namespace
+
+/// In the order in which each needs the ones before; destroyed in reverse.
+struct App::Parts {
+  Config config;
+  Guarded<LoadedConfig> loaded;
+  FolderLock state_lock;
+  Counters counters;
+  StreamQueue queue;
+  Events events{queue};
+  std::unique_ptr<ClientGuard> clients;  ///< before all sockets
+  Disk disk;
+  DaemonStore store{config.state, events, &disk};
+  ExperimentArchive experiments{store};
+  StateKeeper state{events};
+  LatestValue<ShownHologram> shown;
+  LatestValue<AppliedSettings> settings;
+  LatencyHistogram published_latency;
+  Pipeline pipeline;
+  Recorder recorder;
+  ReferenceCollector collector;
+  ReferencePictureTaker pictures;
+  FrameSeriesTaker series;
+  LightWatcher light;
+  OperatorMaker operators;
+  Jobs jobs{events};
+  SlmLoop slm;
+  CameraActor camera;
+  std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<Procedures> procedures;
+  std::unique_ptr<ClosedLoop> loop;
+  std::unique_ptr<SpotFinder> finder;
+  std::unique_ptr<LiveRefiner> refiner;
+  std::unique_ptr<StreamPublisher> stream;
+  std::unique_ptr<ImagePublisher> images;
+  std::unique_ptr<Reloader> reloader;
+  std::unique_ptr<StatusReporter> status;
+  std::unique_ptr<Services> services;
+  std::unique_ptr<ControlServer> control;
+  std::atomic<bool> ending{false};
+  ThreadPlan threads;
+
+  Parts(const LoadedConfig& as_loaded, FolderLock lock)
+      : config(as_loaded.effective),
+        loaded(as_loaded),
+        state_lock(std::move(lock)),
+        pipeline(config.pipeline, {counters, shown, settings}),
+        recorder(config, pipeline, events),
+        operators(config.slm.geometry),
+        slm(config.slm,
+            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
+        camera(config.camera, {pipeline, settings, counters, events,
+                               [this] { return state.check(Action::set_camera); },
+                               [this](const CameraSnapshot& now) { camera_changed(now); }}),
+        threads(config.realtime, config.frame_path_cpus,
+                [this](const ThreadFailure& failure) { thread_failed(failure); }) {
+    disk.each_turn([this] { return store.turn(); });
+  }
+
+  void camera_changed(const CameraSnapshot& now) {
+    if (now.connected) {
+      instrument->camera_changed(now.settings, now.info);
+    }
+    recorder.camera_changed(now.settings, now.info);
+    state.set_fault("camera", now.at_fault ? now.fault : "");
+    state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
+  }
+  void display_changed(const SlmSnapshot& now) {
+    state.set_fault("slm", now.at_fault ? now.fault : "");
+    state.take(now.healthy ? DaemonEvent::display_connected : DaemonEvent::display_lost);
+  }
+
+  void thread_failed(const ThreadFailure& failure) {
+    const bool goes_on = failure.row->on_exception == OnException::go_on;
+    events.emit("thread", Severity::error,
+                fmt::format("thread {} failed: {}; {}", failure.row->name, failure.what,
+                            goes_on ? "it goes on" : "the daemon ends, to be started again"),
+                {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
+  }
+
+  Result<void> make_instrument();
+  Result<void> make_guard();
+  Result<void> bind_streams();
+  Result<void> bind_control();
+  Result<void> start_threads();
+  Result<void> end_disk_work();
+  Result<void> check_kept();
+  void end_without_display();
+  Result<void> stop();
+};
+
+Result<void> App::Parts::make_instrument() {
+  auto made = Instrument::make(
+      config,
+      {pipeline, slm, collector, pictures, operators, jobs, events, store,
+       [this](const MeasurementPlan& plan, const SensorSnapshot& now) { recorder.know(plan, now); },
+       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+  if (!made) return fail(made.error());
+  instrument = std::move(*made);
+  procedures = std::make_unique<Procedures>(ProceduresDeps{
+      {*instrument, camera, collector, pictures, series, light, slm, jobs},
+      [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+  loop = std::make_unique<ClosedLoop>(
+      ClosedLoopDeps{*instrument, events,
+                     [this](bool closed) {
+                       state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
+                     },
+                     [this] { return finder->found_ns(); }});
+  finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument, events);
+  refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
+                                          *instrument, queue);
+  return {};
+}
+
+Result<void> App::Parts::make_guard() {
+  auto made = ClientGuard::make(config.security, counters, events, disk);
+  if (!made) return fail(made.error());
+  clients = std::move(*made);
+  return {};
+}
+
+Result<void> App::Parts::bind_streams() {
+  auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue, clients->gate());
+  if (!measurement) return fail(measurement.error());
+  auto picture_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue, clients->gate());
+  if (!picture_socket) return fail(picture_socket.error());
+  const double wavelength_nm = config.optics.wavelength_nm;
+  stream = std::make_unique<StreamPublisher>(
+      std::move(*measurement), wavelength_nm,
+      StreamPublisherDeps{pipeline, collector, series, *finder, *loop, counters, queue,
+                          published_latency});
+  ImagePublisherConfig image_config;
+  image_config.rate_hz = config.stream.image_rate_hz;
+  image_config.wavelength_nm = wavelength_nm;
+  const std::vector<FrameTaker*> takers{&pictures, &series, &light, &finder->taker(),
+                                        &refiner->taker()};
+  images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
+                                            counters, takers);
+  reloader = std::make_unique<Reloader>(
+      ReloadDeps{config, loaded, state, camera, *instrument, *refiner, *images, events, disk});
+  status = std::make_unique<StatusReporter>(
+      StatusDeps{state,    camera,    slm,      *instrument,
+                 *finder,  *images,   *loop,    *refiner,
+                 recorder, jobs,      pipeline, published_latency,
+                 counters, events,    store,    queue,
+                 threads,  *reloader, *clients, [this] { end_without_display(); }});
+  return {};
+}
+
+Result<void> App::Parts::bind_control() {
+  services = std::make_unique<Services>(Services{config, loaded, state, camera, *instrument, jobs,
+                                                 *procedures, experiments, *loop, *refiner,
+                                                 recorder, *status, slm, counters, *clients, disk});
+  const ControlHandler handle = [this](std::string_view request, const std::string& key,
+                                       std::function<void(std::string)> reply) {
+    const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
+                                 RpcReply give) {
+      dispatch(*services, key, method, params, std::move(give));
+    };
+    handle_rpc_frame(request, call, std::move(reply));
+  };
+  auto bound = ControlServer::bind(config.control.endpoint,
+                                   {kMaxRequestBytes, oversize_reply(), overload_reply()}, handle,
+                                   clients->gate());
+  if (!bound) return fail(bound.error());
+  control = std::move(*bound);
+  return {};
+}
+
+/// Consumers first, so that what a thread makes finds its taker; they are stopped in the reverse
+/// order.
+Result<void> App::Parts::start_threads() {
+  if (auto locked = threads.prepare_process(); !locked) return locked;
+  struct Start {
+    ThreadRole role;
+    Agent& agent;
+  };
+  // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},
+                            {ThreadRole::search, *finder},
+                            {ThreadRole::model, operators},
+                            {ThreadRole::publish, *stream},
+                            {ThreadRole::disk, disk},
+                            {ThreadRole::write, recorder},
+                            {ThreadRole::record, recorder.taker()},
+                            {ThreadRole::images, *images},
+                            {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *instrument},
+                            {ThreadRole::status, *status}};
+  if (config.pipeline.workers > 0)
+    starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
+  for (int k = 0; k < config.pipeline.workers; ++k) {
+    starts.push_back({ThreadRole::track, pipeline.tracker(k)});
+  }
+  starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
+  starts.push_back({ThreadRole::camera, camera});
+  starts.push_back({ThreadRole::procedure, *procedures});
+  starts.push_back({ThreadRole::loop, *loop});
+  disk.begin();  // before any thread that could hand it something
+  for (const Start& start : starts) {
+    if (auto started = threads.start(start.role, start.agent); !started) return started;
+  }
+  return {};
+}
+
+App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+App::~App() = default;
+
+Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
+  const auto state = state_directory_of(loaded.effective.state);
+  auto lock = state ? lock_folder(*state) : FolderLock();
+  if (!lock) return fail(lock.error());
+  auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
+  if (auto made = parts->make_instrument(); !made) return fail(made.error());
+  parts->experiments.load();
+  if (auto made = parts->make_guard(); !made) return fail(made.error());
+  if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
+  if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
+  return std::unique_ptr<App>(new App(std::move(parts)));
+}
+
+Result<void> App::run(const std::atomic<bool>& stop) {
+  if (auto started = parts_->start_threads(); !started) return started;
+  parts_->state.take(DaemonEvent::started);
+  service::notify_ready();
+  spdlog::info("control {}, streams {} and {}", parts_->config.control.endpoint,
+               parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
+  if (!parts_->clients->public_key().empty()) {
+    spdlog::info("clients need a key; the daemon's own is {}", parts_->clients->public_key());
+  }
+  parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
+  return parts_->stop();
+}
+
+/// The end of a recording comes to the disk, however long that takes, as long as something does.
+/// Errors: what is lost.
+Result<void> App::Parts::end_disk_work() {
+  const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
+  const bool recording = recorder.report().state == "recording";
+  const double patience_s = recording ? kRecordingPatienceS : kStopPatienceS;
+  const auto done = [this] { return std::pair(recorder.report().frames, store.queued()); };
+  auto before = done();
+  std::int64_t last_ns = monotonic_ns();
+  threads.end_soon(roles);
+  for (std::string held; !(held = threads.wait_for_end(roles, kDiskLookS)).empty();) {
+    service::notify_extend(2.0 * kRecordingPatienceS);
+    if (auto now = done(); now != before) {
+      before = now;
+      last_ns = monotonic_ns();
+    }
+    if (1e-9 * double(monotonic_ns() - last_ns) < patience_s) continue;
+    if (held != "write") break;
+    exit_status.store(1);
+    return fail(Errc::unavailable, "record",
+                fmt::format("the disk has not answered for {:.0f} s: the end of {} is lost",
+                            patience_s, recorder.report().file.value_or("")));
+  }
+  if (recorder.lost_at_stop() == 0) return check_kept();
+  exit_status.store(1);
+  return fail(Errc::unavailable, "record",
+              fmt::format("{} frames at the end of {} could not be written",
+                          recorder.lost_at_stop(), recorder.report().file.value_or("")));
+}
+
+/// What the disk refused was reported when it did.
+Result<void> App::Parts::check_kept() {
+  const int items = store.queued();
+  if (items == 0) return {};
+  const auto refused = store.report().reason;
+  const std::string text = fmt::format("items that are not written are lost: {}", items);
+  if (refused) {
+    spdlog::warn("state: {}: {}", text, *refused);
+    return {};
+  }
+  exit_status.store(1);
+  return fail(Errc::unavailable, "state", text + ": the disk has not answered");
+}
+
+/// Status thread.
+void App::Parts::end_without_display() {
+  if (ending.exchange(true)) return;
+  end_at_once("the display does not let go", end_disk_work());
+}
+
+/// First who needs the others to end: procedures and the loop the camera, which needs the frame
+/// path. Camera and sensor answer what waits for them before control ends. Then the disk, which all
+/// of these may have given work; then all others at once.
+Result<void> App::Parts::stop() {
+  while (ending.exchange(true)) ::pause();  // the status thread ends without us
+  service::notify_stopping();
+  state.take(DaemonEvent::stop_requested);
+  procedures->end_soon();
+  store.end_soon();
+  refiner->end_soon();
+  operators.end_soon();
+  slm.close();
+  threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write});
+  (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopPatienceS);
+  const std::vector<ThreadRole> asked{ThreadRole::camera, ThreadRole::prepare};
+  threads.end_soon(asked);
+  std::string held = threads.wait_for_end(asked, kStopPatienceS);
+  auto written = end_disk_work();
+  if (!threads.fatal_failure().empty()) exit_status.store(1);
+  end_whatever_holds_after(kLastPatienceS);
+  const std::string other = threads.stop_all(held.empty() ? kStopPatienceS : kDiskLookS);
+  if (held.empty()) held = other;
+  if (written) written = check_kept();
+  if (const std::string why = threads.fatal_failure(); !why.empty()) {
+    exit_status.store(1);
+    written = fail(Errc::internal, "", why);
+  }
+  if (!held.empty()) end_at_once("thread " + held + " does not end in time", written);
+  return written;
+}
+
+void App::reload() {
+  parts_->reloader->request();
+}
+
+}  // namespace ovws

@@ -1,0 +1,352 @@
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/printable.hpp"
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/camera/camera_limits.hpp"
+#include "daemon/ovwsd/devices/driver_table.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kRetryNs = 1'000'000'000;
+constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
+constexpr auto kTurn = std::chrono::milliseconds(50);
+
+/// Why no frame can be used, and what to do.
+struct Useless {
+  Counter counter;
+  const char* text;
+};
+constexpr std::array<Useless, 3> kUseless{
+    {{Counter::frames_incomplete,
+      "every frame arrives incomplete, packets are lost on the way; check cable, switch and "
+      "camera.packet_size_bytes"},
+     {Counter::frames_duplicated,
+      "it sends again frames that had come before, and no new ones; switch it off and on"},
+     {Counter::frames_out_of_order,
+      "every frame arrives after a later one; check that one way only leads from it to here"}}};
+
+/// A driver names settings as the configuration does, a client as the method's params do.
+Error in_params(Error error) {
+  constexpr std::string_view kRoom = "camera.";
+  if (error.field.starts_with(kRoom)) error.field.erase(0, kRoom.size());
+  return error;
+}
+
+tl::unexpected<Error> not_connected(const CameraSnapshot& now) {
+  return fail(Errc::unavailable, "camera", "no camera is connected: " + now.fault);
+}
+
+}  // namespace
+
+CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
+    : config_(std::move(config)),
+      deps_(std::move(deps)),
+      settings_(config_.settings),
+      asked_(settings_) {
+  snapshot_.set({false, {}, settings_, asked_, {}, "not opened yet", false});
+}
+
+CameraActor::~CameraActor() = default;
+
+bool CameraActor::do_work() {
+  const bool worked = mailbox_.run_one(kTurn);
+  if (lost_) {
+    give_up_camera();
+  } else if (!camera_) {
+    if (monotonic_ns() >= next_try_ns_) open_with({});
+  } else if (!camera_->alive()) {
+    lose({Errc::device, "camera", "control of the camera was lost"});
+  } else {
+    watch_frames();
+  }
+  return worked;
+}
+
+void CameraActor::on_close() {
+  mailbox_.close();
+  // A frame path that does not let go keeps pointers into the camera: better leaked than dangling.
+  if (camera_ && !give_up_camera()) (void)camera_.release();
+}
+
+void CameraActor::change(CameraSet change, Applied done) {
+  // The camera thread may be busy for seconds with one that does not answer.
+  const CameraSnapshot now = snapshot_.get();
+  if (!now.connected && !now.at_fault) return done(not_connected(now));
+  if (change.gain_db && now.limits && now.limits->gain_raw)
+    return done(fail(no_gain_in_db("gain_db", *now.limits)));
+  mailbox_.post([this, change, done = std::move(done)] {
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+    carry_out(change, done);
+  });
+}
+
+void CameraActor::change_for_job(CameraSet change, Applied done) {
+  mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
+}
+
+void CameraActor::change_or_want(CameraSet change, Applied done) {
+  mailbox_.post([this, change, done = std::move(done)] {
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+    if (camera_ || snapshot_.get().at_fault) return carry_out(change, done);
+    settings_ = change.applied_to(settings_);
+    keep_asked(change);
+    publish(snapshot_.get());
+    done(snapshot_.get());
+  });
+}
+
+void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
+  mailbox_.post([this, gain_db, then = std::move(then)] {
+    CameraSet change;
+    change.gain_db = gain_db;
+    carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
+      if (applied) return;
+      settings_.gain_db = gain_db;  // what the next connection or camera.set asks for
+      keep_asked(change);
+      if (camera_ && !lost_) {
+        deps_.events.emit("camera", Severity::warning,
+                          fmt::format("camera: after a job its gain of {} dB could not be set "
+                                      "again: {}; set it with camera.set",
+                                      gain_db, applied.error().reason),
+                          {{"gain_db", gain_db}});
+      }
+      publish(snapshot_.get());
+    });
+    then();
+  });
+}
+
+void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
+  if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
+  if (!camera_ || lost_) return done(not_connected(snapshot_.get()));
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+  if (!wanted) return done(fail(wanted.error()));
+  if (const auto applied = apply(*wanted); !applied) {
+    // Its settings are not known any more: it was reset, or does not answer.
+    if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
+    if (!camera_ && !needs_a_person(applied.error())) return mend(change, done);
+    return done(fail(in_params(applied.error())));
+  }
+  keep_asked(change);
+  refresh_limits();
+  publish_connected();
+  done(snapshot_.get());
+}
+
+/// Opens the camera with what is asked: it refused other settings, or has forgotten its own.
+void CameraActor::mend(const CameraSet& change, const Applied& done) {
+  open_with(change);
+  const CameraSnapshot now = snapshot_.get();
+  if (now.connected) return done(now);
+  if (!now.at_fault) return done(not_connected(now));
+  done(
+      fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
+}
+
+/// The settings become ours only if the camera takes them.
+void CameraActor::open_with(const CameraSet& change) {
+  next_try_ns_ = monotonic_ns() + kRetryNs;
+  auto opened = open_camera(config_);
+  if (!opened) return publish_absent(opened.error());
+  camera_ = std::move(*opened);
+  auto limits = camera_->limits();
+  if (!limits) return lose(limits.error());
+  limits_ = *limits;
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+  if (!wanted) {
+    return lose({wanted.error().code, "camera",
+                 "camera." + wanted.error().field + ": " + wanted.error().reason});
+  }
+  if (const auto started = start_stream(*wanted); !started) return lose(started.error());
+  keep_asked(change);
+  refresh_limits();
+  if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
+  ever_connected_ = true;
+  const CameraInfo& info = camera_->info();
+  deps_.events.emit("camera", Severity::info,
+                    fmt::format("camera {} {} ({}) at {} is connected", info.vendor, info.model,
+                                info.serial, info.address));
+  publish_connected();
+}
+
+/// Once they were taken, with the limits that they were held against.
+void CameraActor::keep_asked(const CameraSet& change) {
+  asked_ = change.applied_to(asked_);
+  if (change.clamp && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
+}
+
+/// Applies, starts, and lends the camera to the frame path.
+Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
+  const auto applied = camera_->apply(wanted);
+  if (!applied) return fail(applied.error());
+  if (auto started = camera_->start(); !started) return started;
+  const std::int64_t now_ns = monotonic_ns();
+  patience_before_s_ = 0.0;
+  settings_since_ns_ = now_ns;
+  tell_frame_path(*applied, *applied, now_ns, now_ns);
+  settings_ = *applied;
+  attached_ns_ = monotonic_ns();
+  useless_before_ = count_useless();
+  return deps_.pipeline.attach(*camera_);
+}
+
+/// It will be opened anew, as new objects.
+void CameraActor::lose(const Error& why) {
+  lost_ = true;
+  limits_.reset();
+  publish_absent(why);
+  give_up_camera();
+}
+
+/// False if the frame path still holds frames of it: to be tried again.
+bool CameraActor::give_up_camera() {
+  if (!deps_.pipeline.detach()) return false;
+  camera_->stop();
+  camera_.reset();
+  lost_ = false;
+  return true;
+}
+
+/// Our own watchdog: Aravis notices a dead camera only after about 5 s.
+void CameraActor::watch_frames() {
+  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s()) {
+    return lose({Errc::device, "camera", "the camera sends no frames"});
+  }
+  const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
+  if (last_ns != std::exchange(last_frame_ns_, last_ns)) useless_before_ = count_useless();
+  const bool useless = silent_s(last_ns) > patience_s();
+  useless_told_ = useless && (useless_told_ || tell_useless());
+}
+
+CameraActor::UselessFrames CameraActor::count_useless() const {
+  UselessFrames counts{};
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    counts[k] = deps_.counters.get(kUseless[k].counter);
+  return counts;
+}
+
+/// With what most of the frames have been since the last one that could be used. False: none came.
+bool CameraActor::tell_useless() {
+  UselessFrames since = count_useless();
+  for (std::size_t k = 0; k < since.size(); ++k) since[k] -= useless_before_[k];
+  const auto most = std::max_element(since.begin(), since.end());
+  if (*most == 0) return false;
+  const Useless& why = kUseless[std::size_t(most - since.begin())];
+  deps_.events.emit("camera", Severity::error, std::string("camera: ") + why.text,
+                    {{"counter", counter_name(why.counter)}});
+  return true;
+}
+
+/// Until the first frame after a change the camera may still be at one of before.
+double CameraActor::patience_s() const {
+  const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
+  const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
+  const bool changed = deps_.pipeline.last_sign_mono_ns() > settings_since_ns_;
+  return changed ? now_s : std::max(now_s, patience_before_s_);
+}
+
+/// Since then, or since the stream began.
+double CameraActor::silent_s(std::int64_t last_ns) const {
+  return 1e-9 * double(monotonic_ns() - std::max(attached_ns_, last_ns));
+}
+
+/// A camera's limits depend on its settings: the longest exposure on the rate, the rate on the
+/// region.
+void CameraActor::refresh_limits() {
+  if (auto limits = camera_->limits()) limits_ = *limits;
+}
+
+Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
+  const bool same_image =
+      wanted.roi == settings_.roi && wanted.pixel_format == settings_.pixel_format;
+  return same_image ? apply_live(wanted) : apply_stopped(wanted);
+}
+
+Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
+  const std::int64_t t_begin_ns = monotonic_ns();
+  // Frames that are exposed while the registers are written belong to neither.
+  tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
+  auto applied = camera_->apply(wanted);
+  // Until it is open again the settings of no frame are known.
+  if (!applied && !camera_->alive()) return applied;
+  const std::int64_t t_end_ns = monotonic_ns();
+  tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
+  patience_before_s_ = patience_s();
+  settings_since_ns_ = t_end_ns;
+  if (!applied) return applied;
+  settings_ = *applied;
+  return applied;
+}
+
+/// The image's size or format changes: one transaction, rolled back if the camera does not take it.
+Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
+  const CameraSettings before = settings_;
+  if (auto detached = deps_.pipeline.detach(); !detached) {
+    lose(detached.error());
+    return fail(detached.error());
+  }
+  camera_->stop();
+  const auto started = start_stream(wanted);
+  if (started) return settings_;
+  if (const auto detached = deps_.pipeline.detach(); !detached) {
+    lose(detached.error());
+    return fail(started.error());
+  }
+  camera_->stop();
+  if (const auto back = start_stream(before); !back) lose(back.error());
+  return fail(started.error());
+}
+
+void CameraActor::tell_frame_path(const CameraSettings& before, const CameraSettings& after,
+                                  std::int64_t t_begin_ns, std::int64_t t_end_ns) {
+  AppliedSettings applied;
+  applied.gain_db = after.gain_db;
+  applied.gain_raw = after.gain_raw;
+  applied.exposure_us = after.exposure_us;
+  applied.frame_rate_hz = after.frame_rate_hz;
+  applied.previous_gain_db = before.gain_db;
+  applied.previous_gain_raw = before.gain_raw;
+  applied.previous_exposure_us = before.exposure_us;
+  applied.roi = after.roi;
+  applied.t_previous_end_mono_ns = settings_since_ns_;
+  applied.t_write_begin_mono_ns = t_begin_ns;
+  applied.t_write_end_mono_ns = t_end_ns;
+  applied.transfer_ns = std::int64_t(config_.transfer_ms * 1e6);
+  deps_.settings.write(applied);
+}
+
+void CameraActor::publish_connected() {
+  CameraSnapshot now;
+  now.connected = true;
+  now.info = camera_->info();
+  now.limits = limits_;
+  publish(std::move(now));
+}
+
+void CameraActor::publish_absent(const Error& why) {
+  CameraSnapshot now;
+  now.fault = printable(why.reason, kMaxFaultBytes);
+  now.at_fault = needs_a_person(why);
+  publish(std::move(now));
+}
+
+/// Tells everybody, and the log if something new happened.
+void CameraActor::publish(CameraSnapshot now) {
+  now.settings = settings_;
+  now.asked = asked_;
+  const CameraSnapshot before = snapshot_.get();
+  snapshot_.set(now);
+  if (!now.fault.empty() && now.fault != before.fault) {
+    deps_.events.emit("camera", Severity::error, "camera: " + now.fault);
+  }
+  deps_.events.status_changed();
+  deps_.on_change(now);
+}
+
+}  // namespace ovws

@@ -1,0 +1,105 @@
+#include "daemon/ovwsd/camera/camera_limits.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+/// Brings values into range one by one and keeps the first refusal.
+class Judge {
+ public:
+  explicit Judge(bool clamp) : clamp_(clamp) {}
+
+  template <class T>
+  void number(const char* field, T& value, T min, T max, const char* unit) {
+    if (value >= min && value <= max) return;
+    if (clamp_) {
+      value = std::clamp(value, min, max);
+    } else if (!error_) {
+      error_ = Error{
+          Errc::invalid, field,
+          fmt::format("{} is outside what the camera can do: {} to {} {}", value, min, max, unit),
+          double(min), double(max)};
+    }
+  }
+
+  /// Only in the camera's unit.
+  void gain(CameraSettings& settings, const CameraLimits& limits) {
+    const bool in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
+    if (limits.gain_raw) {
+      if (in_db) return refuse(no_gain_in_db("gain_db", limits));
+      if (std::isnan(settings.gain_raw)) return;
+      const Range<double>& range = *limits.gain_raw;
+      return number("gain_raw", settings.gain_raw, range.min, range.max, "in its own steps");
+    }
+    const Range<double>& range = limits.gain_db;
+    if (!std::isnan(settings.gain_raw))
+      return refuse(
+          {Errc::invalid, "gain_raw",
+           fmt::format(
+               "the camera has its gain in dB: leave gain_raw out, and set gain_db, {} to {}",
+               range.min, range.max)});
+    number("gain_db", settings.gain_db, range.min, range.max, "dB");
+  }
+
+  void format(PixelFormat wanted, const std::vector<PixelFormat>& known) {
+    if (error_ || std::find(known.begin(), known.end(), wanted) != known.end()) return;
+    std::string names;
+    for (const PixelFormat format : known) {
+      names += (names.empty() ? "" : ", ") + std::string(pixel_format_name(format));
+    }
+    error_ =
+        Error{Errc::invalid, "pixel_format",
+              fmt::format("the camera has no {}: it has {}", pixel_format_name(wanted), names)};
+  }
+
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  void refuse(Error error) {
+    if (!error_) error_ = std::move(error);
+  }
+
+  bool clamp_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Error no_gain_in_db(std::string field, const CameraLimits& limits) {
+  return {Errc::invalid, std::move(field),
+          fmt::format("the camera has no gain in dB, only steps of its own: gain_raw, {} to {}",
+                      limits.gain_raw->min, limits.gain_raw->max)};
+}
+
+Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
+                                     bool clamp) {
+  CameraSettings settings = wanted;
+  Judge judge(clamp);
+  judge.gain(settings, limits);
+  if (clamp) {
+    settings.exposure_us =
+        std::clamp(settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max);
+    settings.frame_rate_hz =
+        std::clamp(settings.frame_rate_hz, limits.frame_rate_hz.min, limits.frame_rate_hz.max);
+  }
+  judge.format(settings.pixel_format, limits.pixel_formats);
+  Roi& roi = settings.roi;
+  judge.number("roi.width", roi.width, limits.roi_width.min, limits.sensor_width, "px");
+  judge.number("roi.height", roi.height, limits.roi_height.min, limits.sensor_height, "px");
+  judge.number("roi.x", roi.x, 0, std::max(0, limits.sensor_width - roi.width),
+               "px for this roi.width");
+  judge.number("roi.y", roi.y, 0, std::max(0, limits.sensor_height - roi.height),
+               "px for this roi.height");
+  if (judge.error()) return fail(*judge.error());
+  if (clamp) roi.width -= roi.width % pixels_per_group(settings.pixel_format);
+  return settings;
+}
+
+}  // namespace ovws

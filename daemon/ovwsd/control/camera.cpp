@@ -1,0 +1,38 @@
+#include "daemon/ovwsd/control/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  const CameraSnapshot camera = services.camera.snapshot();
+  reply(camera_get_result(camera.info, camera.settings, camera.limits));
+}
+
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto change = decode_camera_set(params);
+  if (!change) return reply(failed(change.error()));
+  if (change->pixel_format) {
+    const auto suits = services.instrument.can_measure(*change->pixel_format);
+    if (!suits) return reply(failed(suits.error()));
+  }
+  services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(failed(applied.error()));
+    services.instrument.after_changes([params, reply, camera = *applied] {
+      reply(camera_set_result(params, camera.settings, camera.limits));
+    });
+  });
+}
+
+constexpr std::array<Method, 2> kMethods{{
+    {"camera.get", Role::read, Action::read, get},
+    {"camera.set", Role::control, Action::set_camera, set, decodes<decode_camera_set>},
+}};
+
+}  // namespace
+
+std::span<const Method> camera_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

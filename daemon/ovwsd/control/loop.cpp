@@ -1,0 +1,68 @@
+/// loop.* and correction.*: what is subtracted from the hologram, by the loop or by a person.
+#include "daemon/ovwsd/control/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+ClosedLoop::Done answer_with(RpcReply reply) {
+  return [reply = std::move(reply)](const Result<LoopReport>& now) {
+    if (!now) return reply(failed(now.error()));
+    reply(loop_result(*now));
+  };
+}
+
+void close(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto settings = decode_loop_close(params);
+  if (!settings) return reply(failed(settings.error()));
+  services.loop.close(*settings, answer_with(std::move(reply)));
+}
+
+void open(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto keep = decode_loop_open(params);
+  if (!keep) return reply(failed(keep.error()));
+  services.loop.open(*keep, answer_with(std::move(reply)));
+}
+
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  reply(loop_result(services.loop.report()));
+}
+
+void answer_correction(const RpcReply& reply, const Result<SensorSnapshot>& now) {
+  if (!now) return reply(failed(now.error()));
+  reply(aberration_result(now->correction, now->hologram_id));
+}
+
+void get_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  answer_correction(reply, services.instrument.snapshot());
+}
+
+void set_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
+  auto modes = decode_aberration_set(params);
+  if (!modes) return reply(failed(modes.error()));
+  services.instrument.set_correction(
+      std::move(*modes), [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
+}
+
+void clear_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  services.instrument.set_correction(
+      {}, [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
+}
+
+constexpr std::array<Method, 6> kMethods{{
+    {"loop.close", Role::control, Action::close_loop, close, decodes<decode_loop_close>},
+    {"loop.open", Role::control, Action::open_loop, open, decodes<decode_loop_open>},
+    {"loop.get", Role::read, Action::read, get},
+    {"correction.get", Role::read, Action::read, get_correction},
+    {"correction.set", Role::control, Action::set_correction, set_correction,
+     decodes<decode_aberration_set>},
+    {"correction.clear", Role::control, Action::set_correction, clear_correction},
+}};
+
+}  // namespace
+
+std::span<const Method> loop_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

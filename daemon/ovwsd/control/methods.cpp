@@ -1,0 +1,81 @@
+#include "daemon/ovwsd/control/methods.hpp"
+
+#include "proto/reader.hpp"
+
+namespace ovws {
+namespace {
+
+std::array<std::span<const Method>, 11> all_methods() {
+  return {system_methods(),      camera_methods(),     sensor_methods(), reference_methods(),
+          calibration_methods(), slm_methods(),        loop_methods(),   refine_methods(),
+          config_methods(),      experiment_methods(), record_methods()};
+}
+
+const Method* find_method(const std::string& name) {
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) {
+      if (name == method.name) return &method;
+    }
+  }
+  return nullptr;
+}
+
+RpcFailure unknown_method(const std::string& name) {
+  RpcFailure failure{RpcCode::method,
+                     "there is no method \"" + name + "\"",
+                     {{"field", "method"}, {"reason", "unknown; system.describe lists them all"}}};
+  if (const auto nearest = nearest_name(name, method_names())) {
+    failure.message += ", did you mean \"" + *nearest + "\"?";
+    failure.data["nearest"] = *nearest;
+  }
+  return failure;
+}
+
+RpcAnswer forbidden(const std::string& field, const std::string& reason) {
+  return tl::make_unexpected(
+      RpcFailure{RpcCode::forbidden, reason, {{"field", field}, {"reason", reason}}});
+}
+
+}  // namespace
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) names.emplace_back(method.name);
+  }
+  return names;
+}
+
+std::vector<std::pair<std::string, std::string>> method_roles() {
+  std::vector<std::pair<std::string, std::string>> roles;
+  for (const auto& room : all_methods()) {
+    for (const Method& method : room) {
+      roles.emplace_back(method.name, method.role == Role::read ? "read" : "control");
+    }
+  }
+  return roles;
+}
+
+void dispatch(Services& services, const std::string& key, const std::string& method,
+              const nlohmann::json& params, RpcReply reply) {
+  services.counters.add(Counter::requests);
+  auto counted = [&counters = services.counters, reply = std::move(reply)](RpcAnswer answer) {
+    if (!answer) counters.add(Counter::requests_refused);
+    reply(std::move(answer));
+  };
+  const auto role = services.clients.role_of(key);
+  if (!role) return counted(forbidden("", role.error().reason));
+  const Method* found = find_method(method);
+  if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
+  if (found->role == Role::control && *role == Role::read) {
+    return counted(forbidden("method", method + " changes something, and this client may only "
+                                                "read: its role in security.clients is \"read\""));
+  }
+  if (const auto valid = found->check(params); !valid) return counted(failed(valid.error()));
+  if (const auto allowed = services.state.check(found->action); !allowed) {
+    return counted(failed(allowed.error()));
+  }
+  found->call(services, params, std::move(counted));
+}
+
+}  // namespace ovws

@@ -1,0 +1,35 @@
+/// refine.*: the refinement of frames beside the fast estimate.
+#include "daemon/ovwsd/control/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+PixelFormat camera_format(const Services& services) {
+  return services.camera.snapshot().settings.pixel_format;
+}
+
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  reply(refine_get_result(in_format(services.refiner.settings(), camera_format(services))));
+}
+
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto change = decode_refine_set(params);
+  if (!change) return reply(failed(change.error()));
+  const auto applied = services.refiner.change(*change, camera_format(services));
+  if (!applied) return reply(failed(applied.error()));
+  reply(refine_set_result(params, *applied));
+}
+
+constexpr std::array<Method, 2> kMethods{{
+    {"refine.get", Role::read, Action::read, get},
+    {"refine.set", Role::control, Action::set_refine, set, decodes<decode_refine_set>},
+}};
+
+}  // namespace
+
+std::span<const Method> refine_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

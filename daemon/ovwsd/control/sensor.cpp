@@ -1,0 +1,81 @@
+/// sensor.*, aberration.* and slm.show: all that changes the hologram.
+#include "daemon/ovwsd/control/methods.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+SensorReport report_of(const SensorSnapshot& sensor) {
+  return {sensor.sensor,       sensor.tracking, sensor.templates,  sensor.mode_operator,
+          sensor.subapertures, sensor.modes_j,  sensor.hologram_id};
+}
+
+void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  reply(sensor_get_result(report_of(services.instrument.snapshot())));
+}
+
+/// The core names settings as the configuration does, a client as the method's params do.
+Error in_params(Error error) {
+  for (const std::string_view room : {"sensor.", "tracking."}) {
+    if (error.field.starts_with(room)) error.field.erase(0, room.size());
+  }
+  return error;
+}
+
+void set(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto change = decode_sensor_set(params);
+  if (!change) return reply(failed(change.error()));
+  services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(failed(in_params(applied.error())));
+    reply(sensor_set_result(params, report_of(*applied)));
+  });
+}
+
+void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& applied) {
+  if (!applied) return reply(failed(applied.error()));
+  reply(aberration_result(applied->aberration, applied->hologram_id));
+}
+
+void get_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  answer_aberration(reply, services.instrument.snapshot());
+}
+
+void set_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
+  auto modes = decode_aberration_set(params);
+  if (!modes) return reply(failed(modes.error()));
+  services.instrument.set_aberration(std::move(*modes), [reply](Result<SensorSnapshot> applied) {
+    answer_aberration(reply, applied);
+  });
+}
+
+void clear_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+  services.instrument.set_aberration(
+      {}, [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
+}
+
+void show(Services& services, const nlohmann::json& params, RpcReply reply) {
+  const auto pattern = decode_slm_show(params);
+  if (!pattern) return reply(failed(pattern.error()));
+  services.instrument.show(*pattern, [reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(failed(applied.error()));
+    reply(slm_show_result(applied->pattern, applied->hologram_id));
+  });
+}
+
+constexpr std::array<Method, 6> kMethods{{
+    {"sensor.get", Role::read, Action::read, get},
+    {"sensor.set", Role::control, Action::set_sensor, set, decodes<decode_sensor_set>},
+    {"aberration.get", Role::read, Action::read, get_aberration},
+    {"aberration.set", Role::control, Action::set_aberration, set_aberration,
+     decodes<decode_aberration_set>},
+    {"aberration.clear", Role::control, Action::set_aberration, clear_aberration},
+    {"slm.show", Role::control, Action::show_pattern, show, decodes<decode_slm_show>},
+}};
+
+}  // namespace
+
+std::span<const Method> sensor_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

@@ -1,0 +1,135 @@
+/// lut.*, flatness.*, slm.settle and slm.verify: what the instrument finds out about its own SLM.
+#include <array>
+
+#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/procedures/flatness.hpp"
+#include "daemon/ovwsd/procedures/lut.hpp"
+#include "daemon/ovwsd/procedures/settle.hpp"
+#include "proto/results.hpp"
+#include "proto/slm_result.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+json lut_of(const Services& services, const SensorSnapshot& now) {
+  LutReport report{now.slm->hologram.lut, services.config.slm.lut, std::nullopt};
+  if (const auto& lut = now.slm->lut) {
+    report.measured = LutReport::Measured{lut->t_taken_ns, lut->frames, lut->response,
+                                          lut->table,      lut->sha256, lut->origin};
+  }
+  return lut_result(report);
+}
+
+void start(Services& services, const char* kind, Procedure procedure, RpcReply reply) {
+  services.procedures.start(kind, std::move(procedure),
+                            [reply = std::move(reply)](Result<int> job) {
+                              if (!job) return reply(failed(job.error()));
+                              reply(job_started_result(*job));
+                            });
+}
+
+void run_lut(Services& services, const json& params, RpcReply reply) {
+  const auto run = decode_lut_run(params);
+  if (!run) return reply(failed(run.error()));
+  start(
+      services, "lut.run",
+      [&services, run = *run](Bench& bench) -> Result<json> {
+        auto lut = measure_lut(bench, services.config.slm.geometry, run);
+        if (!lut) return fail(lut.error());
+        if (auto used = bench.use_lut(std::move(*lut)); !used) return fail(used.error());
+        return lut_of(services, bench.sensor());
+      },
+      std::move(reply));
+}
+
+void get_lut(Services& services, const json& /*params*/, RpcReply reply) {
+  reply(lut_of(services, services.instrument.snapshot()));
+}
+
+void clear_lut(Services& services, const json& /*params*/, RpcReply reply) {
+  services.instrument.clear_lut([&services, reply](Result<SensorSnapshot> cleared) {
+    if (!cleared) return reply(failed(cleared.error()));
+    reply(lut_of(services, *cleared));
+  });
+}
+
+json flatness_of(const Services& services, const SensorSnapshot& now) {
+  FlatnessReport report{services.config.slm.flatness, std::nullopt};
+  if (const auto& f = now.slm->flatness) {
+    report.measured =
+        FlatnessReport::Measured{f->t_taken_ns,         f->frames, f->iterations,
+                                 f->pupil_diameter_px,  f->modes,  f->standard_error_waves,
+                                 f->residual_rms_waves, f->sha256, f->origin};
+  }
+  return flatness_result(report);
+}
+
+void run_flatness(Services& services, const json& params, RpcReply reply) {
+  const auto frames = decode_flatness_run(params);
+  if (!frames) return reply(failed(frames.error()));
+  start(
+      services, "flatness.run",
+      [&services, frames = *frames](Bench& bench) -> Result<json> {
+        const std::uint64_t epoch = bench.sensor().sensor_epoch;
+        auto flatness = measure_flatness(bench, services.config.slm.geometry, frames);
+        if (!flatness) return fail(flatness.error());
+        if (auto used = bench.use_flatness(epoch, std::move(*flatness)); !used) {
+          return fail(used.error());
+        }
+        return flatness_of(services, bench.sensor());
+      },
+      std::move(reply));
+}
+
+void get_flatness(Services& services, const json& /*params*/, RpcReply reply) {
+  reply(flatness_of(services, services.instrument.snapshot()));
+}
+
+void clear_flatness(Services& services, const json& /*params*/, RpcReply reply) {
+  services.instrument.clear_flatness([&services, reply](Result<SensorSnapshot> cleared) {
+    if (!cleared) return reply(failed(cleared.error()));
+    reply(flatness_of(services, *cleared));
+  });
+}
+
+void settle(Services& services, const json& params, RpcReply reply) {
+  const auto run = decode_slm_settle(params);
+  if (!run) return reply(failed(run.error()));
+  start(
+      services, "slm.settle",
+      [&services, run = *run](Bench& bench) -> Result<json> {
+        const auto time = measure_settle(bench, services.config.slm.geometry, run);
+        if (!time) return fail(time.error());
+        return settle_result(*time, run.repetitions, services.config.slm.settle_ms);
+      },
+      std::move(reply));
+}
+
+void verify(Services& services, const json& /*params*/, RpcReply reply) {
+  services.slm.verify([reply](Result<SlmVerdict> seen) {
+    if (!seen) return reply(failed(seen.error()));
+    reply(
+        verify_result({seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels}));
+  });
+}
+
+constexpr std::array<Method, 8> kMethods{{
+    {"lut.run", Role::control, Action::start_job, run_lut, decodes<decode_lut_run>},
+    {"lut.get", Role::read, Action::read, get_lut},
+    {"lut.clear", Role::control, Action::clear_reference, clear_lut},
+    {"flatness.run", Role::control, Action::start_job, run_flatness, decodes<decode_flatness_run>},
+    {"flatness.get", Role::read, Action::read, get_flatness},
+    {"flatness.clear", Role::control, Action::clear_reference, clear_flatness},
+    {"slm.settle", Role::control, Action::start_job, settle, decodes<decode_slm_settle>},
+    {"slm.verify", Role::read, Action::read, verify},
+}};
+
+}  // namespace
+
+std::span<const Method> slm_methods() {
+  return kMethods;
+}
+
+}  // namespace ovws

@@ -1,0 +1,86 @@
+/// Says how the daemon is: the status message, systemd's status line, and the watchdog's food.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <set>
+#include <string>
+
+#include "core/control/state_machine.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/rt/agent.hpp"
+#include "daemon/ovwsd/access/client_guard.hpp"
+#include "daemon/ovwsd/actor/jobs.hpp"
+#include "daemon/ovwsd/actor/state_keeper.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+#include "daemon/ovwsd/record/recorder.hpp"
+#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "daemon/ovwsd/settings/reload.hpp"
+#include "daemon/ovwsd/slm/slm_loop.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/ovwsd/streams/image_publisher.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
+#include "proto/messages.hpp"
+
+namespace ovws {
+
+struct StatusDeps {
+  const StateKeeper& state;
+  const CameraActor& camera;
+  const SlmLoop& slm;
+  const Instrument& instrument;
+  const SpotFinder& finder;
+  const ImagePublisher& images;
+  const ClosedLoop& loop;
+  const LiveRefiner& refiner;
+  const Recorder& recorder;
+  const Jobs& jobs;
+  Pipeline& pipeline;
+  LatencyHistogram& published_latency;
+  Counters& counters;
+  Events& events;
+  const DaemonStore& store;
+  StreamQueue& queue;
+  ThreadPlan& threads;
+  Reloader& reloader;
+  ClientGuard& clients;
+  /// The stop has been asked for, and the display holds the main thread: does not return.
+  std::function<void()> end_without_display;
+};
+
+/// The status thread's agent: once a second, and at once when something changed.
+class StatusReporter : public Agent {
+ public:
+  explicit StatusReporter(StatusDeps deps);
+
+  bool do_work() override;
+  /// Thread-safe: status as of now; rates and latencies are those of the last status message.
+  StatusMessage current() const;
+
+ private:
+  struct Measured {
+    StatusMessage::Rates rates;
+    std::vector<std::pair<std::string, LatencySummary>> latency;
+  };
+  struct Marks {
+    std::int64_t t_ns = 0;
+    std::uint64_t grabbed = 0, published = 0, images = 0;
+  };
+  void measure();
+  void watch_threads();
+  void feed_watchdog();
+
+  StatusDeps deps_;
+  std::int64_t started_ns_;
+  std::int64_t next_ns_ = 0;
+  std::int64_t next_food_ns_ = 0;
+  std::set<const ThreadRow*> hung_;  ///< and said so
+  Marks marks_;
+  Guarded<Measured> measured_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,213 @@
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <utility>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(50);
+constexpr std::int64_t kInvalidNs = 300'000'000;
+constexpr int kOneLostOf = 3;
+constexpr double kMostResidual = 0.06;  // lambda/d
+
+std::string reason_of(LoopEnd end, const LoopSettings& settings) {
+  switch (end) {
+    case LoopEnd::none:
+      break;
+    case LoopEnd::too_few_spots:
+      return fmt::format(
+          "no usable frame came for {:g} s: too few spots are tracked, or the camera "
+          "or the SLM is at fault",
+          settings.patience_s);
+    case LoopEnd::at_limit:
+      return fmt::format("the correction was at its limit of {:g} waves for {:g} s",
+                         settings.limit_waves, settings.patience_s);
+    case LoopEnd::growing:
+      return fmt::format("the residual was {:g} times its level of before for {:g} s",
+                         settings.growth, settings.patience_s);
+  }
+  return "";
+}
+
+/// That the loop begins from within its limits, and corrects what is measured.
+Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
+  for (const int j : settings.modes) {
+    const auto& known = sensor.modes_j;
+    if (std::find(known.begin(), known.end(), j) != known.end()) continue;
+    return fail(Errc::invalid, "modes",
+                fmt::format("mode j = {} is not measured: this sensor tells j = {} to {}", j,
+                            known.front(), known.back()));
+  }
+  for (const Mode& mode : sensor.correction) {
+    if (std::abs(mode.waves) <= settings.limit_waves) continue;
+    return fail(Errc::refused, "limit_waves",
+                fmt::format("the correction holds {:.3f} waves of mode j = {}, more than the limit "
+                            "of {:g}: raise it, or call correction.clear first",
+                            mode.waves, mode.j, settings.limit_waves));
+  }
+  return {};
+}
+
+double rms_of(const std::vector<Mode>& modes) {
+  double squares = 0.0;
+  for (const Mode& mode : modes) squares += mode.waves * mode.waves;
+  return std::sqrt(squares);
+}
+
+/// Whether the modes of a frame that is not valid lead the right way.
+bool is_rough_guide(const FrameRecord& record) {
+  const Reconstruction& found = record.reconstruction;
+  return record.settled && record.plan->referenced() && found.determined &&
+         kOneLostOf * found.lost <= found.used + found.lost &&
+         found.fit_residual_px <= kMostResidual * record.plan->spots.lambda_d_px;
+}
+
+}  // namespace
+
+void ClosedLoop::close(const LoopSettings& settings, Done done) {
+  mailbox_.post([this, settings, done = std::move(done)] { done(begin(settings)); });
+}
+
+void ClosedLoop::open(bool keep, Done done) {
+  mailbox_.post([this, keep, done = std::move(done)] { done(end(keep)); });
+}
+
+void ClosedLoop::saw(const FrameRecord& record) {
+  const std::int64_t now_ns = monotonic_ns();
+  if (record.valid || !is_closed()) valid_ns_ = now_ns;
+  if (!is_closed()) return;
+  if (!record.valid && (now_ns - valid_ns_ < kInvalidNs || !is_rough_guide(record))) return;
+  {
+    const std::lock_guard lock(mutex_);
+    newest_.hologram_id = record.hologram_id;
+    newest_.modes_j = record.plan->reconstructor->modes_j();
+    newest_.residual_waves.assign(record.coefficients.begin(),
+                                  record.coefficients.begin() + record.mode_count);
+    filled_once_ = true;
+  }
+  filled_.notify_one();
+}
+
+bool ClosedLoop::do_work() {
+  const bool asked = mailbox_.run_one(is_closed() ? std::chrono::milliseconds(0) : kTurn);
+  if (!is_closed()) return asked;
+  if (take_sample()) {
+    act();
+    return true;
+  }
+  const LoopEnd end = integrator_->wait(monotonic_ns(), deps_.spots_found_ns());
+  if (end != LoopEnd::none) give_up(reason_of(end, report_.get().settings));
+  return asked;
+}
+
+/// A frame of an older hologram still shows the error that has been corrected since.
+bool ClosedLoop::take_sample() {
+  std::unique_lock lock(mutex_);
+  if (!filled_.wait_for(lock, kTurn, [this] { return filled_once_; })) return false;
+  std::swap(taken_, newest_);
+  filled_once_ = false;
+  lock.unlock();
+  return taken_.hologram_id == deps_.instrument.snapshot().hologram_id;
+}
+
+Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
+  if (is_closed()) return fail(Errc::refused, "", "the loop is closed already");
+  if (auto good = check_loop(settings); !good) return fail(good.error());
+  const auto lent =
+      ask([&](Instrument::Changed done) { deps_.instrument.begin_loop(std::move(done)); });
+  if (!lent) return fail(lent.error());
+  if (auto good = check_against(settings, *lent); !good) {
+    deps_.instrument.end_loop();
+    return fail(good.error());
+  }
+  const SensorSnapshot& sensor = *lent;
+  integrator_.emplace(settings, sensor.correction, monotonic_ns());
+  LoopReport report;
+  report.settings = settings;
+  report_.set(report);
+  {
+    const std::lock_guard lock(mutex_);
+    filled_once_ = false;  // what was seen before may be against another reference
+  }
+  set_closed(true, "", Severity::info);
+  return this->report();
+}
+
+Result<LoopReport> ClosedLoop::end(bool keep) {
+  if (!keep) {
+    if (auto cleared = show({}); !cleared) return fail(cleared.error());
+  }
+  if (is_closed()) set_closed(false, "it was asked to", Severity::info);
+  return this->report();
+}
+
+LoopReport ClosedLoop::report() const {
+  LoopReport report = report_.get();
+  report.correction_rms_waves = rms_of(deps_.instrument.snapshot().correction);
+  return report;
+}
+
+void ClosedLoop::act() {
+  const LoopEnd end = integrator_->step(taken_.modes_j, taken_.residual_waves, monotonic_ns());
+  if (end != LoopEnd::none) return give_up(reason_of(end, report_.get().settings));
+  if (auto shown = show(integrator_->correction()); !shown) {
+    return give_up("the correction cannot be shown: " + shown.error().reason);
+  }
+  tell_step();
+}
+
+Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
+  const auto shown =
+      ask([&](Instrument::Changed done) { deps_.instrument.correct(correction, std::move(done)); });
+  if (!shown) return fail(shown.error());
+  return {};
+}
+
+/// What the prepare thread answers.
+Result<SensorSnapshot> ClosedLoop::ask(const std::function<void(Instrument::Changed)>& what) {
+  auto promise = std::make_shared<std::promise<Result<SensorSnapshot>>>();
+  auto answer = promise->get_future();
+  what([promise = std::move(promise)](Result<SensorSnapshot> now) {
+    promise->set_value(std::move(now));
+  });
+  try {
+    return answer.get();
+  } catch (const std::future_error&) {  // the prepare thread has ended
+    return fail(Errc::unavailable, "", "the daemon is stopping");
+  }
+}
+
+void ClosedLoop::give_up(const std::string& reason) {
+  set_closed(false, reason, Severity::warning);
+}
+
+void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severity) {
+  LoopReport report = report_.get();
+  report.closed = closed;
+  report.opened_because = why;
+  report.t_opened_ns = utc_ns();
+  report_.set(report);
+  closed_ = closed;
+  if (!closed) deps_.instrument.end_loop();
+  deps_.on_change(closed);
+  deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
+                    {{"closed", closed}, {"steps", report.steps}});
+}
+
+void ClosedLoop::tell_step() {
+  LoopReport report = report_.get();
+  report.steps = integrator_->steps();
+  report.residual_rms_waves = integrator_->residual_rms_waves();
+  report_.set(report);
+}
+
+}  // namespace ovws

@@ -1,0 +1,91 @@
+/// The closed loop: takes the wavefront of each usable frame, steps the integrator, and has the
+/// correction shown.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/control/integrator.hpp"
+#include "core/pipeline/frame_record.hpp"
+#include "core/rt/agent.hpp"
+#include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/actor/mailbox.hpp"
+#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/shared/guarded.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+
+struct ClosedLoopDeps {
+  Instrument& instrument;
+  Events& events;
+  /// Loop thread: the loop was closed (true) or opened (false).
+  std::function<void(bool)> on_change;
+  /// Loop thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.
+  std::function<std::int64_t()> spots_found_ns;
+};
+
+/// The agent of the loop thread. One step a hologram: a frame counts only if it was exposed while
+/// the newest hologram stood still and is valid. Where no frame has been valid for 0.3 s, one of
+/// which up to a third of the spots is lost counts as well: its modes may be wrong, which the next
+/// step corrects, and spots that overlap come apart. Its patience begins again when a search finds
+/// lost spots.
+class ClosedLoop : public Agent {
+ public:
+  using Done = std::function<void(Result<LoopReport>)>;
+
+  explicit ClosedLoop(ClosedLoopDeps deps) : deps_(std::move(deps)) {}
+
+  bool do_work() override;
+  void on_close() override { mailbox_.close(); }
+
+  // Thread-safe; `done` is called in the loop thread.
+  /// Goes on from the correction that is shown. Errc::refused if it is closed, or if there is
+  /// nothing to steer by: no reference, or the sensor is not shown.
+  void close(const LoopSettings& settings, Done done);
+  /// Unless it is kept, the correction is cleared first: if it cannot be, nothing changes.
+  void open(bool keep, Done done);
+  LoopReport report() const;
+  bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
+
+  /// Publish thread.
+  void saw(const FrameRecord& record);
+
+ private:
+  struct Sample {
+    std::uint64_t hologram_id = 0;
+    std::vector<int> modes_j;
+    std::vector<float> residual_waves;
+  };
+  Result<LoopReport> begin(const LoopSettings& settings);
+  Result<LoopReport> end(bool keep);
+  bool take_sample();
+  void act();
+  Result<void> show(const std::vector<Mode>& correction);
+  Result<SensorSnapshot> ask(const std::function<void(Instrument::Changed)>& what);
+  void give_up(const std::string& reason);
+  void set_closed(bool closed, const std::string& why, Severity severity);
+  void tell_step();
+
+  ClosedLoopDeps deps_;
+  Mailbox mailbox_;
+  std::atomic<bool> closed_{false};
+  std::mutex mutex_;
+  std::condition_variable filled_;
+  Sample newest_;
+  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC, of the last valid frame; publish thread
+  bool filled_once_ = false;   ///< newest_ was not taken yet
+  Guarded<LoopReport> report_;
+
+  // The loop thread only.
+  std::optional<Integrator> integrator_;
+  Sample taken_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,151 @@
+/// ovwsd: the daemon.
+#include <fcntl.h>
+#include <malloc.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+
+#include "daemon/ovwsd/access/client_guard.hpp"
+#include "daemon/ovwsd/app.hpp"
+#include "daemon/ovwsd/settings/config_check.hpp"
+#include "daemon/ovwsd/settings/key_check.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
+#include "daemon/shared/log.hpp"
+
+namespace {
+
+constexpr int kUsage = 2;
+constexpr const char* kExitCodes =
+    "Exit codes: 0 ended by a signal, or the configuration is valid; 1 the configuration is not "
+    "valid, the\nstart failed, or the daemon had to give up; 2 the command line is wrong.";
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+std::atomic<ovws::App*> reloadable{nullptr};
+static_assert(std::atomic<ovws::App*>::is_always_lock_free, "a signal handler reads it");
+
+void request_stop(int /*signal*/) {
+  stop_requested.store(true);
+}
+
+void request_reload(int /*signal*/) {
+  if (ovws::App* const app = reloadable.load()) app->reload();
+}
+
+int complain(const ovws::Error& error) {
+  spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
+  return 1;
+}
+
+/// The first three descriptors are the log's and nobody else's; all others may be as many as the
+/// system lets us have: every client costs one.
+void prepare_descriptors() {
+  int fd = ::open("/dev/null", O_RDWR);
+  while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
+  if (fd > STDERR_FILENO) ::close(fd);
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &files);
+}
+
+/// Memory is locked, and glibc cannot give back what is locked: its arenas, one for each of many
+/// threads, only grow, to the sum of what each thread ever held at once (150 MiB after some minutes
+/// of mixed commands). So all but small blocks are mapped one by one, and go back to the system
+/// when they are freed; the arenas then stay below 20 MiB. Once, before any thread is made.
+void give_large_blocks_back() {
+  constexpr int kLargeBytes = 128 << 10;  // glibc's first value, which it raises if left alone
+  constexpr int kSpareBytes = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLargeBytes);
+  mallopt(M_TRIM_THRESHOLD, kSpareBytes);
+}
+
+/// Which saved values are active; a warning if they cannot be used.
+void report_saved(const ovws::LoadedConfig& loaded) {
+  const std::string saved = ovws::describe_saved(loaded);
+  if (saved.empty()) return;
+  spdlog::log(loaded.why_unused.empty() ? spdlog::level::info : spdlog::level::warn, saved);
+}
+
+/// False: no daemon could use the files of `security`. A warning where this user may not look.
+bool check_key_files(const std::string& path, const ovws::Config& config) {
+  const ovws::KeyCheck keys = ovws::check_keys(path, config);
+  if (keys.error) {
+    ovws::Error error = *keys.error;
+    if (!keys.fix.empty()) error.reason += "; fix: " + keys.fix;
+    complain(error);
+    return false;
+  }
+  if (!keys.read) {
+    spdlog::warn(
+        "security.secret_key: not checked, this user may not read it; to check it: sudo -u {} "
+        "ovwsd --check-config --config {}",
+        keys.user, path);
+  }
+  return true;
+}
+
+int check(const std::string& path, const ovws::LoadedConfig& loaded) {
+  const ovws::Config& config = loaded.effective;
+  if (!check_key_files(path, config)) return 1;
+  report_saved(loaded);
+  if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
+  spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
+  std::printf("%s\n", ovws::dump_config(config).c_str());
+  return 0;
+}
+
+int serve(ovws::LoadedConfig loaded) {
+  if (const auto safe = ovws::check_security(loaded.effective); !safe) {
+    return complain(safe.error());
+  }
+  ovws::set_aside_if_invalid(loaded);
+  report_saved(loaded);
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGHUP, request_reload);
+  std::signal(SIGPIPE, SIG_IGN);
+  auto app = ovws::App::make(loaded);
+  if (!app) return complain(app.error());
+  reloadable.store(app->get());
+  const auto done = (*app)->run(stop_requested);
+  reloadable.store(nullptr);
+  return done ? 0 : complain(done.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ovws::keep_stacks_small();
+  give_large_blocks_back();
+  prepare_descriptors();
+  ::umask(::umask(0) | S_IWOTH);  // a socket's file is nobody else's at any moment
+  CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
+  std::string path;
+  bool check_only = false;
+  line.add_option("--config,-c", path, "configuration file; without it every key has its default");
+  line.add_flag("--check-config", check_only,
+                "check the configuration, print it with the saved settings, and end");
+  line.set_version_flag("--version", OVWS_VERSION);
+  line.footer(kExitCodes);
+  try {
+    line.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return line.exit(error) == 0 ? 0 : kUsage;
+  }
+
+  const auto loaded =
+      ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);
+  ovws::start_log(loaded ? loaded->effective.log.level : "info");
+  if (!loaded) return complain(loaded.error());
+  if (const auto usable = ovws::check_usable(loaded->effective); !usable) {
+    return complain(usable.error());
+  }
+  return check_only ? check(path, *loaded) : serve(*loaded);
+}

@@ -1,0 +1,111 @@
+/// The bench in the hands of a procedure: show, wait until it stands, look.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <optional>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/frames/frame_series.hpp"
+#include "daemon/ovwsd/frames/light_watcher.hpp"
+#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/sensor/reference_picture.hpp"
+
+namespace ovws {
+
+struct BenchDeps {
+  Instrument& instrument;
+  CameraActor& camera;
+  ReferenceCollector& collector;
+  ReferencePictureTaker& pictures;
+  FrameSeriesTaker& series;
+  LightWatcher& light;
+  SlmLoop& slm;
+  Jobs& jobs;
+};
+
+/// For the thread of one procedure. Every call waits for what it promises, and fails once the job
+/// was cancelled or the daemon ends; a procedure then returns at once. What it showed is taken back
+/// when it ends, however it ends.
+class Bench {
+ public:
+  /// `stop` and `progress` outlive it.
+  Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
+        std::atomic<double>& progress);
+
+  /// As it is now.
+  SensorSnapshot sensor() const { return deps_.instrument.snapshot(); }
+  CameraSnapshot camera() const { return deps_.camera.snapshot(); }
+
+  /// The sensor with these modes, RMS-normalised waves, in place of the aberration of before.
+  Result<void> show(const std::vector<Mode>& aberration);
+  /// The same, and what of the sensor is otherwise until the procedure ends.
+  Result<void> show(const SensorSet& sensor, const std::vector<Mode>& aberration);
+  /// What `paint` draws; it is called once, in the prepare thread, and after this has returned if
+  /// the job is cancelled meanwhile: it holds copies.
+  Result<void> show(const Painter& paint);
+  /// In force from now on.
+  Result<void> use_registration(const Registration& registration);
+  /// Modes are read with it from now on; the sensor is shown without a push.
+  Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
+  /// In force from now on; shown at the end.
+  Result<void> use_lut(MeasuredLut lut);
+  Result<void> use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
+
+  /// The gain as read back. What it was is put back when the procedure ends. A camera that is away
+  /// is waited for as long as a frame is.
+  Result<double> set_gain(double gain_db);
+
+  /// The next `frames` settled frames of the sensor shown last, at the gain set last; `cells` as of
+  /// FrameSeriesTaker.
+  Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> cells = {});
+  /// Of the next `frames` settled frames of the sensor shown last.
+  Result<ReferenceCollector::Average> spots(int frames);
+  /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
+  Result<Image<float>> picture(int frames);
+
+  /// From now on the light at two places, of every frame that comes; `watched` ends it, and so does
+  /// the end of the procedure.
+  void watch(std::array<Vec2, 2> places_px, double radius_px) {
+    deps_.light.begin(places_px, radius_px);
+  }
+  std::vector<LightWatcher::Seen> watched() { return deps_.light.end(); }
+  /// Any thread: no frame is copied any more.
+  void end_watch() { (void)deps_.light.end(); }
+  /// For so long, and until `frames` more were watched.
+  Result<void> watch_on(double least_ms, std::size_t frames);
+  /// Errors: the display was lost since it took, at that time, what was shown last.
+  Result<void> check_shown(std::int64_t presented_mono_ns) const;
+  /// When the display took what was shown last, CLOCK_MONOTONIC ns.
+  std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
+
+  /// 0 .. 1, of the whole procedure.
+  void tell(double progress);
+  /// Procedure thread, when the procedure has ended: returns when the gain is what it was, or the
+  /// camera thread has ended.
+  void put_back_gain();
+  bool stopped() const { return stop_.load(); }
+
+ private:
+  template <class T>
+  Result<T> wait_for(std::future<Result<T>> future);
+  Result<double> try_gain(double gain_db);
+  Result<void> check_display() const;
+  Error no_frame(double waited_s) const;
+  Result<void> ask(const std::function<void(Instrument::Changed)>& what);
+
+  int job_;
+  BenchDeps deps_;
+  const std::atomic<bool>& stop_;
+  std::atomic<double>& progress_;
+  std::optional<double> gain_before_db_;  ///< none: it was not changed
+};
+
+}  // namespace ovws

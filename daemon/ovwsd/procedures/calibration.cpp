@@ -1,0 +1,165 @@
+#include "daemon/ovwsd/procedures/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/wavefront/lost_pushes.hpp"
+#include "core/wavefront/matrix_comparison.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMostDrift = 0.05;  // lambda/d, from the first picture to the last
+constexpr int kMostHalvings = 2;     // of the amplitude
+
+std::vector<Mode> with_push(std::vector<Mode> shown, int j, double waves) {
+  const auto at =
+      std::find_if(shown.begin(), shown.end(), [j](const Mode& mode) { return mode.j == j; });
+  if (at == shown.end()) {
+    shown.push_back({j, waves});
+  } else {
+    at->waves += waves;
+  }
+  return shown;
+}
+
+/// A spot that is found in fewer than half of the frames is lost.
+SpotMeans means_of(const ReferenceCollector::Average& average) {
+  SpotMeans means{average.mean_px, average.standard_error_px};
+  for (std::size_t i = 0; i < average.found.size(); ++i) {
+    if (average.found[i] < 2 || 2 * average.found[i] < average.frames) {
+      means.at_px[i] = {NAN, NAN};
+    }
+  }
+  return means;
+}
+
+Result<SpotMeans> look(Bench& bench, const std::vector<Mode>& aberration, int frames) {
+  if (auto shown = bench.show(aberration); !shown) return fail(shown.error());
+  const auto average = bench.spots(frames);
+  if (!average) return fail(average.error());
+  return means_of(*average);
+}
+
+Result<std::vector<int>> modes_to_push(const CalibrationRun& run, const ModeOperator& model) {
+  if (!run.modes_j) return model.modes_j;
+  for (const int j : *run.modes_j) {
+    const auto& told = model.modes_j;
+    if (std::find(told.begin(), told.end(), j) != told.end()) continue;
+    return fail(Errc::invalid, "modes",
+                "this lattice does not tell j = " + std::to_string(j) + ": it tells j = 1 to " +
+                    std::to_string(told.empty() ? 0 : told.back()));
+  }
+  return *run.modes_j;
+}
+
+struct Pushed {
+  std::optional<PushPull> push;  ///< none: the SLM cannot show it
+  std::string reason;
+};
+
+Result<Pushed> push_and_pull(Bench& bench, const std::vector<Mode>& shown, int j,
+                             double amplitude_waves, int frames) {
+  Pushed pushed{PushPull{j, amplitude_waves, {}, {}}, ""};
+  for (const double sign : {1.0, -1.0}) {
+    auto spots = look(bench, with_push(shown, j, sign * amplitude_waves), frames);
+    if (!spots) {
+      const Error& why = spots.error();
+      if (why.code != Errc::invalid || why.field != "modes") return fail(why);
+      return Pushed{std::nullopt, "the SLM cannot show it: " + why.reason};
+    }
+    (sign > 0.0 ? pushed.push->plus : pushed.push->minus) = std::move(*spots);
+  }
+  return pushed;
+}
+
+/// By less, if the SLM can show that, or if it keeps the spots: a strong push of a high mode may
+/// lose those at the rim.
+Result<Pushed> gentle_push(Bench& bench, const std::vector<Mode>& shown, int j,
+                           const CalibrationRun& run, const SpotMeans& resting) {
+  Result<Pushed> pushed = fail(Errc::refused, "", "");
+  for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
+    pushed = push_and_pull(bench, shown, j, std::ldexp(run.amplitude_waves, -halvings), run.frames);
+    if (!pushed || (pushed->push && lost_by(*pushed->push, resting).empty())) return pushed;
+  }
+  return pushed;
+}
+
+/// Without a mode what it holds is read as other modes: frames that are valid, and wrong. So if
+/// spots were lost, and `all` modes were asked for, none may be missing.
+Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
+  if (!all || matrix.dropped.empty()) return {};
+  std::string modes;
+  for (const DroppedMode& mode : matrix.dropped) {
+    modes += (modes.empty() ? "" : ", ") + std::to_string(mode.j);
+  }
+  const DroppedMode& first = matrix.dropped[0];
+  return fail(Errc::refused, "modes",
+              "spots were lost, and without them the modes j = " + modes +
+                  " cannot be measured (j = " + std::to_string(first.j) + ": " + first.reason +
+                  "): see that the light reaches the whole pupil, push by fewer waves "
+                  "(amplitude_waves), or ask for the others alone (modes)");
+}
+
+Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& modes_j,
+                                         const CalibrationRun& run, const ModeOperator& model,
+                                         double most_drift_px) {
+  const std::vector<Mode> shown = bench.sensor().aberration;
+  PushPullRun pictures;
+  std::vector<DroppedMode> dropped;
+  bool any_lost = false;
+  auto before = look(bench, shown, run.frames);
+  if (!before) return fail(before.error());
+  pictures.before = std::move(*before);
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    bench.tell(double(k + 1) / double(modes_j.size() + 2));
+    auto pushed = gentle_push(bench, shown, modes_j[k], run, pictures.before);
+    if (!pushed) return fail(pushed.error());
+    if (pushed->push) {
+      const auto at = std::find(model.modes_j.begin(), model.modes_j.end(), modes_j[k]);
+      any_lost = any_lost || !lost_by(*pushed->push, pictures.before).empty();
+      fill_lost(pictures.before, model.slopes.col(at - model.modes_j.begin()), *pushed->push);
+      pictures.modes.push_back(std::move(*pushed->push));
+    }
+    if (!pushed->push) dropped.push_back({modes_j[k], pushed->reason});
+  }
+  auto after = look(bench, shown, run.frames);
+  if (!after) return fail(after.error());
+  pictures.after = std::move(*after);
+  auto matrix = interaction_matrix(pictures, most_drift_px);
+  if (!matrix) return matrix;
+  any_lost = any_lost || !matrix->lost_spots.empty();
+  matrix->dropped.insert(matrix->dropped.begin(), dropped.begin(), dropped.end());
+  if (auto whole = check_whole(*matrix, any_lost && !run.modes_j); !whole) {
+    return fail(whole.error());
+  }
+  return matrix;
+}
+
+}  // namespace
+
+Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
+                                                const CalibrationRun& run) {
+  const SensorSnapshot now = bench.sensor();
+  const auto lattice = make_lattice(now.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const ModeOperator model =
+      slope_operator(*lattice, now.sensor, now.tracking, px_per_cycle(now.optics, slm));
+  const auto modes_j = modes_to_push(run, model);
+  if (!modes_j) return fail(modes_j.error());
+  auto matrix = measure_matrix(bench, *modes_j, run, model,
+                               kMostDrift * lambda_d_px(now.optics, slm, now.sensor));
+  if (!matrix) return fail(matrix.error());
+  MeasuredCalibration measured;
+  measured.amplitude_waves = run.amplitude_waves;
+  measured.frames = run.frames;
+  measured.t_taken_ns = utc_ns();
+  measured.comparison = compare(*matrix, model);
+  measured.matrix = std::move(*matrix);
+  return measured;
+}
+
+}  // namespace ovws

@@ -1,0 +1,178 @@
+#include "daemon/ovwsd/procedures/experiment_files.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kKind = "experiment";
+
+std::string kind_of(const std::string& run) {
+  return fmt::format("{}-{}", kKind, run);
+}
+
+/// Of which measuring of a run a file is: `anew` leaves none of before behind, even if a file of it
+/// stays.
+constexpr const char* kStamp = "run_t_begun_ns";
+
+/// Of their own kind: many megabytes each, and read only when one is asked for.
+std::string picture_kind_of(const std::string& run) {
+  return fmt::format("{}-picture-{}", kKind, run);
+}
+
+std::string reference_name(std::size_t arm) {
+  return fmt::format("reference-{:02}", arm);
+}
+
+std::string cell_name(std::size_t cell) {
+  return fmt::format("cell-{:05}", cell);
+}
+
+std::string picture_name(std::size_t cell) {
+  return fmt::format("picture-{:05}", cell);
+}
+
+/// None: it is not of this program.
+struct Header {
+  ExperimentRun run;
+  std::int64_t t_opened_ns = 0;
+};
+std::optional<Header> header_of(const StateItem& item) {
+  const json& content = item.content;
+  if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
+    return std::nullopt;
+  }
+  const auto request = decode_gain_sweep(content["request"]);
+  const json begun = content.value("t_begun_ns", json()),
+             opened = content.value("t_opened_ns", json());
+  if (!request || !begun.is_number_integer() || !opened.is_number_integer()) return std::nullopt;
+  return Header{{item.name, *request, content["bench"], begun.get<std::int64_t>()},
+                opened.get<std::int64_t>()};
+}
+
+/// Oldest first, by when they were asked for last.
+std::vector<Header> headers(const DaemonStore& store) {
+  std::vector<Header> all;
+  store.load(kKind, [&all](const StateItem& item) {
+    if (auto header = header_of(item)) all.push_back(std::move(*header));
+  });
+  std::sort(all.begin(), all.end(),
+            [](const Header& a, const Header& b) { return a.t_opened_ns < b.t_opened_ns; });
+  return all;
+}
+
+}  // namespace
+
+std::optional<ExperimentRun> ExperimentFiles::latest() const {
+  const auto known = headers(store_);
+  if (known.empty()) return std::nullopt;
+  return known.back().run;
+}
+
+std::optional<ExperimentRun> ExperimentFiles::find(const std::string& name) const {
+  for (const Header& known : headers(store_)) {
+    if (known.run.name == name) return known.run;
+  }
+  return std::nullopt;
+}
+
+ExperimentFiles::Measured ExperimentFiles::measured(const ExperimentRun& run) const {
+  Measured kept{std::vector<json>(run.request.arms.size()), std::vector<json>(run.request.cells())};
+  store_.load(kind_of(run.name), [&](StateItem item) {
+    if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
+    item.content.erase(kStamp);
+    const json number = item.content.value("cell", item.content.value("arm", json()));
+    if (!number.is_number_unsigned()) return;
+    const auto k = number.get<std::size_t>();
+    if (k < kept.cells.size() && item.name == cell_name(k)) kept.cells[k] = std::move(item.content);
+    if (k < kept.references.size() && item.name == reference_name(k)) {
+      kept.references[k] = std::move(item.content);
+    }
+  });
+  return kept;
+}
+
+std::optional<std::string> ExperimentFiles::picture(const ExperimentRun& run, int cell) const {
+  auto kept = store_.find(picture_kind_of(run.name), picture_name(std::size_t(cell)));
+  if (!kept || !kept->content.is_object()) return std::nullopt;
+  const json base64 = kept->content.value("base64", json());
+  if (kept->content.value(kStamp, json()) != run.t_begun_ns || !base64.is_string()) {
+    return std::nullopt;
+  }
+  return base64.get<std::string>();
+}
+
+Result<void> ExperimentFiles::put(const std::string& kind, const std::string& name,
+                                  const json& content) {
+  const auto kept = store_.put_and_wait(kind, name, content);
+  if (kept || store_.is_queued(kind, name)) return {};
+  return fail(kept.error());
+}
+
+Result<void> ExperimentFiles::put_header(const ExperimentRun& run) {
+  return put(kKind, run.name,
+             {{"request", to_json(run.request)},
+              {"bench", run.bench},
+              {"t_begun_ns", run.t_begun_ns},
+              {"t_opened_ns", utc_ns()}});
+}
+
+Result<void> ExperimentFiles::put_reference(const ExperimentRun& run, int arm, json reference) {
+  reference[kStamp] = run.t_begun_ns;
+  return put(kind_of(run.name), reference_name(std::size_t(arm)), reference);
+}
+
+Result<void> ExperimentFiles::put_cell(const ExperimentRun& run, int cell, json measured) {
+  measured[kStamp] = run.t_begun_ns;
+  return put(kind_of(run.name), cell_name(std::size_t(cell)), measured);
+}
+
+Result<void> ExperimentFiles::put_picture(const ExperimentRun& run, int cell,
+                                          const std::string& base64) {
+  return put(picture_kind_of(run.name), picture_name(std::size_t(cell)),
+             {{kStamp, run.t_begun_ns}, {"base64", base64}});
+}
+
+std::optional<std::string> ExperimentFiles::why_not_kept(const ExperimentRun& run) const {
+  for (const std::string& kind :
+       {std::string(kKind), kind_of(run.name), picture_kind_of(run.name)}) {
+    if (auto why = store_.why_queued(kind)) return why;
+  }
+  return std::nullopt;
+}
+
+Result<void> ExperimentFiles::request_picture(
+    const ExperimentRun& run, int cell, std::function<void(std::optional<std::string>)> then) {
+  return store_.request([this, run, cell, then = std::move(then)] { then(picture(run, cell)); });
+}
+
+Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
+  const std::string kind = kind_of(run.name), pictures = picture_kind_of(run.name);
+  for (std::size_t k = 0; k < run.request.arms.size(); ++k) {
+    if (auto dropped = store_.drop_and_wait(kind, reference_name(k)); !dropped) return dropped;
+  }
+  for (std::size_t k = 0; k < run.request.cells(); ++k) {
+    if (auto dropped = store_.drop_and_wait(kind, cell_name(k)); !dropped) return dropped;
+    if (auto dropped = store_.drop_and_wait(pictures, picture_name(k)); !dropped) return dropped;
+  }
+  return {};
+}
+
+/// The time of day may have been set back: the run that is open need not seem the latest.
+void ExperimentFiles::drop_oldest(const std::string& current) {
+  auto known = headers(store_);
+  std::erase_if(known, [&current](const Header& one) { return one.run.name == current; });
+  for (std::size_t k = 0; k + kMostKept <= known.size(); ++k) {
+    // The header last: with it the rest is found again after a kill, or when a file stays.
+    if (drop_measured(known[k].run)) (void)store_.drop_and_wait(kKind, known[k].run.name);
+  }
+}
+
+}  // namespace ovws

@@ -1,0 +1,179 @@
+#include "daemon/ovwsd/procedures/flatness.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/wavefront/surface_scan.hpp"
+#include "daemon/ovwsd/procedures/probe_bench.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMostScans = 5;
+constexpr double kEnough = 2.0;           // times the fit's standard error
+constexpr double kLeastChange = 0.003;    // waves RMS: less is not looked for
+constexpr double kMostChange = 0.01;      // more is no result
+constexpr double kMostUnexplained = 0.1;  // lambda/d RMS that no mode explains
+constexpr int kFirstMode = 3;             // tilts are no error of the SLM
+// Of a subaperture's diameter. A bright spot's peak goes with the fourth power; that of a vortex of
+// charge 1 is a quarter of it, that of charge 2 a tenth.
+constexpr double kProbe = 0.7, kProbeOfHighCharge = 0.5;
+
+/// Modes of j >= kFirstMode: root sum square of the difference.
+double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
+           const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (modes_j[k] >= kFirstMode) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  }
+  return std::sqrt(sum);
+}
+
+class Scanner {
+ public:
+  Scanner(Bench& bench, const SlmGeometry& slm, const SensorSnapshot& now, int frames)
+      : bench_(bench),
+        probes_(bench, frames),
+        base_cpp_(base_grating_cpp(now.sensor, slm)),
+        fit_(grid_of(now.sensor), px_per_cycle(now.optics, slm)) {
+    const double subaperture_px = now.sensor.pupil_diameter_px / now.sensor.subapertures_across;
+    spots_ = {
+        0,
+        lambda_d_px(now.optics, slm, now.sensor) * subaperture_px / fit_.grid().probe_diameter_px,
+        lit_pixels(bench.camera().settings.pixel_format, now.optics.wavelength_nm)};
+  }
+
+  const std::vector<int>& modes_j() const { return fit_.modes_j(); }
+  double spot_lambda_d_px() const { return spots_.lambda_d_px; }
+  /// With the opposite of `error` shown. `from` .. `to` is its part of the progress.
+  Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to);
+
+ private:
+  static ScanGrid grid_of(const SensorConfig& sensor) {
+    const double part = std::abs(sensor.charge) <= 1 ? kProbe : kProbeOfHighCharge;
+    return scan_grid(sensor.pupil_diameter_px,
+                     part * sensor.pupil_diameter_px / sensor.subapertures_across);
+  }
+
+  Bench& bench_;
+  ProbeBench probes_;
+  Vec2 base_cpp_;
+  ScanFit fit_;
+  SpotModel spots_;
+};
+
+Result<ScanFit::Found> Scanner::scan(const std::vector<double>& error, double from, double to) {
+  std::vector<double> shown(error.size(), 0.0);
+  Probe probe{base_cpp_, 0, {}, fit_.grid().probe_diameter_px, {}};
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    if (modes_j()[k] < kFirstMode || error[k] == 0.0) continue;
+    shown[k] = -error[k];
+    probe.modes.push_back({modes_j()[k], shown[k]});
+  }
+  std::vector<std::optional<Vec2>> at_px;
+  for (const Vec2 centre : fit_.grid().centres_px) {
+    probe.centre_px = centre;
+    const auto light = probes_.light(probe);
+    if (!light) return fail(light.error());
+    const auto spot = probe_spot(*light, spots_);
+    if (!spot) return fail(spot.error());
+    at_px.push_back(*spot ? (*spot)->fine : std::nullopt);
+    const double done = double(at_px.size()) / double(fit_.grid().centres_px.size());
+    bench_.tell(from + done * (to - from));
+  }
+  return fit_.fit(at_px, shown);
+}
+
+/// And what was in force before.
+void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
+  for (std::size_t k = 0; k < before.modes.size(); ++k) {
+    const auto same = std::find_if(measured.modes.begin(), measured.modes.end(),
+                                   [&](const Mode& mode) { return mode.j == before.modes[k].j; });
+    if (same != measured.modes.end()) {
+      same->waves += before.modes[k].waves;
+      continue;
+    }
+    measured.modes.push_back(before.modes[k]);
+    measured.standard_error_waves.push_back(before.standard_error_waves[k]);
+  }
+}
+
+Result<void> check_bench(const SensorSnapshot& now) {
+  if (!now.registration) {
+    return fail(Errc::refused, "", "no registration is in force: call registration.run first");
+  }
+  if (!now.correction.empty()) {
+    return fail(Errc::refused, "", "a correction is shown: call correction.clear first");
+  }
+  const auto& before = now.slm->flatness;
+  if (before && before->pupil_diameter_px != now.sensor.pupil_diameter_px) {
+    return fail(Errc::refused, "sensor.pupil_diameter_px",
+                fmt::format("a flatness measured over {} SLM pixels is in force, the pupil has {}: "
+                            "call flatness.clear first",
+                            before->pupil_diameter_px, now.sensor.pupil_diameter_px));
+  }
+  return {};
+}
+
+Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found& last,
+                          double noise_waves, double lambda_d_px) {
+  if (last.residual_px > kMostUnexplained * lambda_d_px) {
+    return fail(Errc::refused, "",
+                fmt::format("no wavefront explains where the spots are, {:.2f} px RMS are left: "
+                            "see that nothing moves, and run registration.run",
+                            last.residual_px));
+  }
+  if (measured.residual_rms_waves <= kMostChange) return {};
+  if (measured.residual_rms_waves < kEnough * noise_waves) {
+    return fail(Errc::refused, "camera.exposure_us",
+                fmt::format("the spots are too weak, the modes are known to {:.3f} waves RMS: "
+                            "raise the exposure, or average more frames",
+                            noise_waves));
+  }
+  return fail(Errc::refused, "",
+              fmt::format("it does not settle: after {} scans {:.3f} waves RMS still change; see "
+                          "that nothing moves, and run registration.run",
+                          measured.iterations, measured.residual_rms_waves));
+}
+
+}  // namespace
+
+Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames) {
+  const SensorSnapshot now = bench.sensor();
+  if (auto able = check_bench(now); !able) return fail(able.error());
+  Scanner scanner(bench, slm, now, frames);
+  const std::vector<double> none(scanner.modes_j().size(), 0.0);
+  MeasuredFlatness measured;
+  ScanFit::Found last;
+  std::vector<double> error = none;
+  double noise = 0.0;
+  for (int k = 1; k <= kMostScans; ++k) {
+    auto found = scanner.scan(error, double(k - 1) / kMostScans, double(k) / kMostScans);
+    if (!found) return fail(found.error());
+    last = std::move(*found);
+    measured.iterations = k;
+    measured.residual_rms_waves = rms(scanner.modes_j(), last.waves, error);
+    error = last.waves;
+    noise = rms(scanner.modes_j(), last.standard_error, none);
+    if (measured.residual_rms_waves < std::max(kLeastChange, kEnough * noise)) break;
+  }
+  if (auto good = check_result(measured, last, noise, scanner.spot_lambda_d_px()); !good) {
+    return fail(good.error());
+  }
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    if (scanner.modes_j()[k] < kFirstMode) continue;
+    measured.modes.push_back({scanner.modes_j()[k], error[k]});
+    measured.standard_error_waves.push_back(last.standard_error[k]);
+  }
+  if (now.slm->flatness) add_before(measured, *now.slm->flatness);
+  measured.t_taken_ns = utc_ns();
+  measured.frames = frames;
+  measured.pupil_diameter_px = now.sensor.pupil_diameter_px;
+  return measured;
+}
+
+}  // namespace ovws

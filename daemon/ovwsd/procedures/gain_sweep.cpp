@@ -1,0 +1,263 @@
+#include "daemon/ovwsd/procedures/gain_sweep.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/procedures/sweep_bench.hpp"
+#include "daemon/ovwsd/procedures/sweep_frames.hpp"
+#include "daemon/ovwsd/procedures/sweep_motion.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/shared/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+using Places = std::vector<Vec2>;
+
+constexpr int kMostFramesToFind = 20;  // the frame path tries at every sixteenth at least
+constexpr std::size_t kMostPicturePixels = 9'000'000;  // a reply with it stays below 16 MiB
+
+SensorSet sensor_of(const SweepArm& arm) {
+  SensorSet set;
+  set.charge = arm.charge;
+  set.tracker = arm.tracker;
+  set.templates = TemplateKind::model;
+  set.mode_operator = OperatorKind::slopes;
+  return set;
+}
+
+int count_saturated(const std::vector<SeriesFrame>& frames) {
+  return int(std::count_if(frames.begin(), frames.end(),
+                           [](const SeriesFrame& f) { return f.saturated_fraction > 0.0F; }));
+}
+
+Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                       const std::vector<Vec2>& reference_px) {
+  const auto lattice = make_lattice(sensor.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  if (lattice->subapertures.size() != reference_px.size()) {
+    return fail(Errc::internal, "", "the reference is of another lattice");
+  }
+  const ModeOperator model =
+      slope_operator(*lattice, sensor.sensor, sensor.tracking, px_per_cycle(sensor.optics, slm));
+  return Reconstructor(model.slopes, model.modes_j, reference_px);
+}
+
+Result<double> set_gain(Bench& bench, double gain_db) {
+  const double now_db = bench.camera().settings.gain_db;
+  return now_db == gain_db ? Result<double>(now_db) : bench.set_gain(gain_db);
+}
+
+std::ptrdiff_t lost_of(const Places& places) {
+  return std::count_if(places.begin(), places.end(), [](Vec2 p) { return std::isnan(p.x); });
+}
+
+Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measured) {
+  if (2 * measured.saturated_frames > measured.frames) {
+    return fail(Errc::refused, "camera.exposure_us",
+                fmt::format("at the reference's gain of {} dB the spots of charge {} are "
+                            "saturated: lower the exposure",
+                            measured.gain_db, arm.charge));
+  }
+  const auto lost = lost_of(measured.positions_px);
+  if (lost == 0) return {};
+  return fail(Errc::refused, "camera.exposure_us",
+              fmt::format("at the reference's gain of {} dB {} finds {} of {} spots of charge {} "
+                          "too rarely: give more light, or look at the alignment",
+                          measured.gain_db, sweep_tracker_name(arm), lost,
+                          measured.positions_px.size(), arm.charge));
+}
+
+/// A whole frame as 8 bits. None if it is too large.
+Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
+  const auto seen = bench.picture(1);
+  if (!seen) return fail(seen.error());
+  if (seen->pixels.size() > kMostPicturePixels) return std::nullopt;
+  const int shift = significant_bits(bench.camera().settings.pixel_format) - 8;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(seen->pixels.size());
+  for (const float dn : seen->pixels) {
+    bytes.push_back(std::isnan(dn) ? 255 : std::uint8_t(std::ldexp(dn, -shift)));
+  }
+  return CellMeasured::Picture{seen->width, seen->height,
+                               base64_of(std::span<const std::uint8_t>(bytes))};
+}
+
+/// Of the first aberration, with the first arm of each charge.
+bool wants_picture(const GainSweep& sweep, const GainSweep::Cell& at) {
+  const auto first = std::find_if(sweep.arms.begin(), sweep.arms.end(), [&](const SweepArm& arm) {
+    return arm.charge == sweep.arms[at.arm].charge;
+  });
+  const auto& gains = sweep.picture_gains_db;
+  return at.aberration == 0 && first == sweep.arms.begin() + std::ptrdiff_t(at.arm) &&
+         std::find(gains.begin(), gains.end(), sweep.gains_db[at.gain]) != gains.end();
+}
+
+class Sweep {
+ public:
+  Sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run, ExperimentArchive& archive)
+      : bench_(bench), slm_(slm), run_(run), sweep_(run.request), archive_(archive) {}
+
+  /// Still the bench of the run?
+  Result<void> check_bench() const;
+  /// Nothing on the table moved since the run's first reference? One arm's spots tell it for all.
+  Result<void> check_table();
+  Result<void> measure_reference(int arm);
+  Result<void> measure_cell(int number);
+
+ private:
+  Result<void> find_spots();
+  Result<std::vector<SeriesFrame>> reference_series(const SweepArm& arm);
+  Bench& bench_;
+  const SlmGeometry& slm_;
+  const ExperimentRun& run_;
+  const GainSweep& sweep_;
+  ExperimentArchive& archive_;
+};
+
+Result<void> Sweep::check_bench() const {
+  return check_same_bench(run_.bench,
+                          sweep_bench(bench_.sensor(), bench_.camera(), run_.bench["optics"]));
+}
+
+/// A sensor that has lost its spots at the gain before looks for them every some frames only: until
+/// they are found, frames would tell of that gain. Where there is nothing to find, that is
+/// measured.
+Result<void> Sweep::find_spots() {
+  for (int k = 0; k < kMostFramesToFind; ++k) {
+    const auto frame = bench_.series(1);
+    if (!frame) return fail(frame.error());
+    const auto& spots = frame->front().spots;
+    if (std::all_of(spots.begin(), spots.end(), [](const SpotFix& s) { return s.found(); })) break;
+  }
+  return {};
+}
+
+/// As the arm's tracker finds the spots, without an aberration, at the reference's gain.
+Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
+  if (auto shown = bench_.show(sensor_of(arm), {}); !shown) return fail(shown.error());
+  if (auto set = set_gain(bench_, sweep_.reference_gain_db); !set) return fail(set.error());
+  if (auto found = find_spots(); !found) return fail(found.error());
+  return bench_.series(sweep_.reference_frames);
+}
+
+/// Fixed cells follow their spots by a part only, and are compared as their tracker found them.
+Result<void> Sweep::check_table() {
+  for (int arm = 0; arm < int(sweep_.arms.size()); ++arm) {
+    const SweepArm& with = sweep_.arms[std::size_t(arm)];
+    const json reference = archive_.reference(arm);
+    const auto before_px =
+        reference_places(reference, arm, with.fixed_cell ? "cells_px" : "positions_px");
+    if (!before_px) continue;
+    const auto frames = reference_series(with);
+    if (!frames) return fail(frames.error());
+    const SensorSnapshot now = bench_.sensor();
+    return check_unmoved(spot_motion(*before_px, reference.value("frames", 1), *frames),
+                         kMostMotion * lambda_d_px(now.optics, slm_, now.sensor),
+                         fmt::format("charge {}, {}", with.charge, sweep_tracker_name(with)));
+  }
+  return {};
+}
+
+Result<void> Sweep::measure_reference(int arm) {
+  if (reference_places(archive_.reference(arm), arm)) return {};
+  const SweepArm& with = sweep_.arms[std::size_t(arm)];
+  ReferenceMeasured measured;
+  measured.arm = arm;
+  measured.t_begun_ns = utc_ns();
+  auto frames = reference_series(with);
+  if (frames && with.fixed_cell) {
+    measured.cells_px = mean_positions(*frames);
+    if (lost_of(measured.cells_px) == 0) {
+      frames = bench_.series(sweep_.reference_frames, measured.cells_px);
+    }
+  }
+  if (!frames) return fail(frames.error());
+  measured.gain_db = bench_.camera().settings.gain_db;
+  measured.frames = int(frames->size());
+  measured.saturated_frames = count_saturated(*frames);
+  measured.levels = levels_of(*frames);
+  measured.positions_px = mean_positions(*frames);
+  if (auto usable = check_reference(with, measured); !usable) return usable;
+  if (auto same = check_bench(); !same) return same;
+  archive_.put_reference(arm, to_json(sweep_, measured));
+  return {};
+}
+
+Result<void> Sweep::measure_cell(int number) {
+  if (archive_.has_cell(number)) return {};
+  const GainSweep::Cell at = sweep_.cell(std::size_t(number));
+  const std::vector<Mode>& introduced = sweep_.aberrations[at.aberration];
+  CellMeasured cell;
+  cell.cell = number;
+  cell.t_begun_ns = utc_ns();
+  if (auto shown = bench_.show(sensor_of(sweep_.arms[at.arm]), introduced); !shown) return shown;
+  const auto gain_db = set_gain(bench_, sweep_.gains_db[at.gain]);
+  if (!gain_db) return fail(gain_db.error());
+  if (!sweep_.arms[at.arm].fixed_cell) {
+    if (auto found = find_spots(); !found) return found;
+  }
+  const json reference = archive_.reference(int(at.arm));
+  const auto frames = bench_.series(
+      sweep_.frames, reference_places(reference, int(at.arm), "cells_px").value_or(Places{}));
+  if (!frames) return fail(frames.error());
+  if (wants_picture(sweep_, at)) {
+    auto picture = take_picture(bench_);
+    if (!picture) return fail(picture.error());
+    cell.picture = std::move(*picture);
+  }
+  const auto positions = reference_places(reference, int(at.arm));
+  const auto reconstructor = reconstructor_of(bench_.sensor(), slm_, positions.value_or(Places{}));
+  if (!reconstructor) return fail(reconstructor.error());
+  const CameraSettings camera = bench_.camera().settings;
+  cell.gain_db = *gain_db;
+  cell.exposure_us = camera.exposure_us;
+  cell.frame_rate_hz = camera.frame_rate_hz;
+  cell.subapertures = bench_.sensor().subapertures;
+  cell.modes_j = reconstructor->modes_j();
+  cell.frames = judge_frames(*frames, *reconstructor, introduced);
+  cell.levels = levels_of(*frames);
+  if (auto same = check_bench(); !same) return same;
+  archive_.put_cell(number, to_json(sweep_, cell));
+  return {};
+}
+
+/// At every second gain the arms come in the reverse order: a slow drift of the bench favours none
+/// of them, and the SLM changes its charge once a gain only.
+std::vector<int> order_of(const GainSweep& sweep) {
+  std::vector<int> order;
+  const int arms = int(sweep.arms.size());
+  for (int row = 0; row < int(sweep.cells()) / arms; ++row) {
+    for (int k = 0; k < arms; ++k) order.push_back(row * arms + (row % 2 == 0 ? k : arms - 1 - k));
+  }
+  return order;
+}
+
+}  // namespace
+
+Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run,
+                                ExperimentArchive& archive) {
+  Sweep sweep(bench, slm, run, archive);
+  if (auto same = sweep.check_bench(); !same) return same;
+  if (auto opened = archive.open(run.request.anew); !opened) return opened;
+  const std::vector<int> order = order_of(run.request);
+  const bool complete =
+      std::all_of(order.begin(), order.end(), [&](int cell) { return archive.has_cell(cell); });
+  if (complete) return {};
+  if (auto unmoved = sweep.check_table(); !unmoved) return unmoved;
+  for (int arm = 0; arm < int(run.request.arms.size()); ++arm) {
+    if (auto measured = sweep.measure_reference(arm); !measured) return measured;
+  }
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (auto measured = sweep.measure_cell(order[k]); !measured) return measured;
+    bench.tell(double(k + 1) / double(order.size()));
+  }
+  return {};
+}
+
+}  // namespace ovws

@@ -1,0 +1,185 @@
+#include "daemon/ovwsd/procedures/lut.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/optics/grey_fringe.hpp"
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+/// Of a subaperture's diameter: the largest that saturates nothing is taken.
+constexpr std::array<double, 5> kShares{1.0, 0.7, 0.5, 0.35, 0.25};
+constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
+constexpr double kLeastContrast = 4.0;  // brightest pixel over that of the darkest trial
+
+Error saturated_error() {
+  return {Errc::refused, "camera.exposure_us",
+          "the spot is saturated: lower the exposure or the gain"};
+}
+
+/// One bench, and the patches that suit its light.
+class LutBench {
+ public:
+  LutBench(Bench& bench, const SlmGeometry& slm, int frames)
+      : bench_(bench),
+        slm_(slm),
+        frames_(frames),
+        now_(bench.sensor()),
+        map_(px_per_cycle(now_.optics, slm)) {}
+
+  /// Finds patches that saturate nothing, and the fixed grey level that is brightest.
+  Result<void> choose();
+  Result<std::complex<double>> beat(int grey);
+  /// Whether the phase rises or falls with the grey level.
+  Result<PhaseResponse> find_sign(PhaseResponse rising);
+
+ private:
+  Result<bool> try_share(double share);
+  Result<FringeReading> read(const Painter& paint);
+  Result<FringeReading> read(int grey, int fixed);
+  Result<double> blazed_dn(const PhaseLut& lut);
+
+  Bench& bench_;
+  SlmGeometry slm_;
+  int frames_;
+  SensorSnapshot now_;
+  PxPerCycle map_;
+  FringePatches patches_;
+  int fixed_ = 0;
+};
+
+Result<FringeReading> LutBench::read(const Painter& paint) {
+  if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
+  const auto light = bench_.picture(frames_);
+  if (!light) return fail(light.error());
+  return read_fringe(*light, patches_, base_spot_px(now_.optics, light->width, light->height),
+                     map_);
+}
+
+// Painters by value: once the job was cancelled they may be called after this has returned.
+Result<FringeReading> LutBench::read(int grey, int fixed) {
+  return read([patches = patches_, sensor = now_.sensor, slm = slm_, grey, fixed](
+                  const HologramRenderer&, Image<std::uint8_t>& picture) {
+    draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
+  });
+}
+
+Result<double> LutBench::blazed_dn(const PhaseLut& lut) {
+  const auto seen = read([patches = patches_, sensor = now_.sensor, slm = slm_, lut](
+                             const HologramRenderer&, Image<std::uint8_t>& picture) {
+    draw_blazed_patch(patches, sensor, slm, lut, picture);
+  });
+  if (!seen) return fail(seen.error());
+  if (!seen->saturated) return seen->brightest_dn;
+  return fail(saturated_error());
+}
+
+Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
+  const std::array tables{linearising_lut(rising.phase_rad).lut,
+                          linearising_lut(negative(rising.phase_rad)).lut};
+  std::array<double, 4> seen_dn{};
+  for (std::size_t k = 0; k < seen_dn.size(); ++k) {
+    const auto light = blazed_dn(tables[k % 2]);
+    if (!light) return fail(light.error());
+    seen_dn[k] = *light;
+  }
+  return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
+}
+
+/// False: something is saturated.
+Result<bool> LutBench::try_share(double share) {
+  patches_ =
+      fringe_patches(now_.sensor, map_, share,
+                     lit_pixels(bench_.camera().settings.pixel_format, now_.optics.wavelength_nm));
+  const auto dark = read(0, 0);
+  if (!dark) return fail(dark.error());
+  double most = 0.0;
+  for (const int grey : kTrials) {
+    const auto seen = read(grey, grey);
+    if (!seen) return fail(seen.error());
+    if (seen->saturated) return false;
+    if (seen->brightest_dn <= most) continue;
+    most = seen->brightest_dn;
+    fixed_ = grey;
+  }
+  if (most > kLeastContrast * std::max(1.0, dark->brightest_dn)) return true;
+  return fail(Errc::refused, "camera.exposure_us",
+              "no light comes where the base spot belongs: run registration.run, raise the "
+              "exposure, or see that slm.settle_ms is long enough (slm.settle measures it)");
+}
+
+Result<void> LutBench::choose() {
+  for (const double share : kShares) {
+    const auto fits = try_share(share);
+    if (!fits) return fail(fits.error());
+    if (*fits) return {};
+  }
+  return fail(saturated_error());
+}
+
+Result<std::complex<double>> LutBench::beat(int grey) {
+  const auto seen = read(grey, fixed_);
+  if (!seen) return fail(seen.error());
+  if (!seen->saturated) return seen->beat;
+  return fail(saturated_error());
+}
+
+/// Up and down again: what drifts meanwhile shows between the two. From `from` to `to` of the
+/// procedure.
+Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
+                                    const std::vector<int>& greys, double from, double to) {
+  std::vector<GreyBeat> beats;
+  for (const int grey : greys) beats.push_back({grey, {}, {}});
+  const std::size_t looks = 2 * beats.size();
+  for (std::size_t k = 0; k < looks; ++k) {
+    bench.tell(from + (to - from) * double(k + 1) / double(looks + 1));
+    const bool up = k < beats.size();
+    GreyBeat& beat = beats[up ? k : looks - 1 - k];
+    const auto seen = lut_bench.beat(beat.grey);
+    if (!seen) return fail(seen.error());
+    (up ? beat.first : beat.second) = *seen;
+  }
+  return beats;
+}
+
+/// So many levels evenly spaced, and those between until neighbours are close. All in one sweep at
+/// the end: what drifts from one sweep to the next would bend the curve.
+Result<std::vector<GreyBeat>> measure_beats(Bench& bench, LutBench& lut_bench, int levels) {
+  std::vector<int> greys;
+  for (int k = 0; k < levels; ++k) greys.push_back(int(std::lround(255.0 * k / (levels - 1))));
+  for (double from = 0.0;;) {
+    const double to = 0.5 * (1.0 + from);  // how many rounds come nobody knows
+    auto beats = sweep(bench, lut_bench, greys, from, to);
+    if (!beats) return beats;
+    const auto between = levels_between(*beats);
+    if (!between) return fail(between.error());
+    if (between->empty()) return beats;
+    greys.insert(greys.end(), between->begin(), between->end());
+    std::ranges::sort(greys);
+    from = to;
+  }
+}
+
+}  // namespace
+
+Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run) {
+  LutBench lut_bench(bench, slm, run.frames);
+  if (auto chosen = lut_bench.choose(); !chosen) return fail(chosen.error());
+  const auto beats = measure_beats(bench, lut_bench, run.levels);
+  if (!beats) return fail(beats.error());
+  auto response = phase_response(*beats);
+  if (!response) return fail(response.error());
+  response = lut_bench.find_sign(std::move(*response));
+  if (!response) return fail(response.error());
+  MeasuredLut lut;
+  lut.t_taken_ns = utc_ns();
+  lut.frames = run.frames;
+  lut.table = linearising_lut(response->phase_rad);
+  lut.response = std::move(*response);
+  return lut;
+}
+
+}  // namespace ovws

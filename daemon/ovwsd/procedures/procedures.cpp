@@ -1,0 +1,134 @@
+#include "daemon/ovwsd/procedures/procedures.hpp"
+
+#include <chrono>
+#include <exception>
+#include <future>
+#include <new>
+#include <string>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(50);
+
+}  // namespace
+
+void Procedures::start(const std::string& kind, Procedure procedure,
+                       std::function<void(Result<int>)> done) {
+  // In the prepare thread, which alone knows whether the sensor is free.
+  deps_.bench.instrument.after_changes(
+      [this, kind, procedure = std::move(procedure), done = std::move(done)]() mutable {
+        begin(kind, std::move(procedure), done);
+      });
+}
+
+void Procedures::begin(const std::string& kind, Procedure procedure,
+                       const std::function<void(Result<int>)>& done) {
+  auto run = std::make_shared<Run>();
+  const std::weak_ptr<Run> known = run;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ending_) return done(fail(Errc::refused, "", "the daemon is stopping"));
+    if (run_) {
+      return done(fail(Errc::refused, "", "another job is running: wait for its end or cancel it"));
+    }
+    run_ = run;
+    begun_ = true;  // not to be carried out before it has all it needs
+  }
+  if (auto free = deps_.bench.instrument.check_free(); !free) {
+    release();
+    return done(fail(free.error()));
+  }
+  run->job = deps_.bench.jobs.begin(
+      kind,
+      [known] {
+        if (const auto it = known.lock()) it->stop = true;
+      },
+      [known] {
+        const auto it = known.lock();
+        return it ? it->progress.load() : 0.0;
+      });
+  run->procedure = std::move(procedure);
+  run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop, run->progress);
+  deps_.bench.instrument.lend(run->job);
+  deps_.on_job(true);
+  done(run->job);
+  {
+    const std::lock_guard lock(mutex_);
+    begun_ = false;
+  }
+  asked_.notify_one();
+}
+
+/// Nothing runs any more; who waits for that is told.
+void Procedures::release() {
+  std::vector<std::function<void()>> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    run_.reset();
+    waiting.swap(waiting_);
+  }
+  for (const auto& then : waiting) then();
+}
+
+void Procedures::end_soon() {
+  const std::lock_guard lock(mutex_);
+  ending_ = true;
+  if (run_) run_->stop = true;
+}
+
+void Procedures::when_free(std::function<void()> then) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (run_) return waiting_.push_back(std::move(then));
+  }
+  then();
+}
+
+bool Procedures::do_work() {
+  std::shared_ptr<Run> run;
+  {
+    std::unique_lock lock(mutex_);
+    if (!asked_.wait_for(lock, kTurn, [this] { return run_ && !begun_; })) return false;
+    begun_ = true;
+    run = run_;
+  }
+  finish(*run, carry_out(*run));
+  return true;
+}
+
+/// Memory is locked, and pictures of many megapixels may not fit.
+Result<nlohmann::json> Procedures::carry_out(Run& run) {
+  try {
+    return run.procedure(*run.bench);
+  } catch (const std::bad_alloc&) {
+    return fail(Errc::unavailable, "",
+                "there is not enough memory: choose a smaller region of interest");
+  } catch (const std::exception& error) {  // the job fails, and the sensor is given back
+    return fail(Errc::internal, "", std::string("an error of the daemon: ") + error.what());
+  }
+}
+
+/// All is as it was, and the sensor free again, before anybody hears of the end: who hears may ask
+/// for the next job.
+void Procedures::finish(Run& run, const Result<nlohmann::json>& result) {
+  run.bench->end_watch();
+  run.bench->put_back_gain();
+  auto given_back = std::make_shared<std::promise<void>>();
+  auto done = given_back->get_future();
+  deps_.bench.instrument.give_back(run.job, [given_back] { given_back->set_value(); });
+  given_back.reset();
+  done.wait();  // also if the prepare thread has ended: the promise is then broken
+  const int job = run.job;
+  {
+    const std::lock_guard lock(mutex_);
+    begun_ = false;
+  }
+  deps_.on_job(false);
+  release();
+  if (result) return deps_.bench.jobs.finish(job, *result);
+  deps_.bench.jobs.fail_job(job, result.error());
+}
+
+}  // namespace ovws

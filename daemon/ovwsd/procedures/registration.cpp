@@ -1,0 +1,145 @@
+#include "daemon/ovwsd/procedures/registration.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/procedures/probe_bench.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kReach = 0.7;    // of the field that the sensor's own spots take
+constexpr double kMostCpp = 0.5;  // the SLM's limit
+// lambda/d, of what the map leaves: of the matched filter's places, and of the light's middles.
+constexpr double kMostResidual = 0.02, kMostRoughResidual = 0.1;
+constexpr std::size_t kMostLeftOut = 2;  // sights that may be ghosts
+constexpr int kMostCharge = 2;           // of a probe
+constexpr double kOtherScale = 0.03;     // relative: the spots are then looked for anew
+
+/// All around the base, and the first ones again: has nothing moved meanwhile?
+constexpr std::array<Vec2, 12> kSteps{{{0, 0},
+                                       {1, 0},
+                                       {-1, 0},
+                                       {0, 1},
+                                       {0, -1},
+                                       {1, 1},
+                                       {-1, -1},
+                                       {1, -1},
+                                       {-1, 1},
+                                       {0, 0},
+                                       {1, 0},
+                                       {0, 1}}};
+
+struct Look {
+  Vec2 offset_cpp;
+  Image<float> light;  ///< with the probe, minus without
+};
+
+double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
+  double most = 0.0;
+  for (const Subaperture& s : lattice.subapertures) {
+    most = std::max(most, norm(s.frequency_cpp - base_cpp));
+  }
+  // A diagonal step is longer by the root of two.
+  const double free = kMostCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
+  return std::min(kReach * most / std::sqrt(2.0), free);
+}
+
+Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int charge, int frames) {
+  ProbeBench probes(bench, frames);
+  std::vector<Look> looks;
+  for (const Vec2 step : kSteps) {
+    const Vec2 offset = reach * step;
+    auto light = probes.light({base_cpp + offset, charge});
+    if (!light) return fail(light.error());
+    looks.push_back({offset, std::move(*light)});
+    bench.tell(double(looks.size()) / (kSteps.size() + 1));
+  }
+  return looks;
+}
+
+/// Where the light's middle is, and where the matched filter finds the spot.
+struct Sights {
+  std::vector<ProbeSight> rough, fine;
+};
+Result<Sights> sights_of(const Bench& bench, const std::vector<Look>& looks,
+                         const SpotModel& spots) {
+  Sights sights;
+  for (const Look& one : looks) {
+    if (bench.stopped()) return fail(Errc::refused, "", "it was told to end");
+    const auto spot = probe_spot(one.light, spots);
+    if (!spot) return fail(spot.error());
+    if (!*spot) continue;
+    sights.rough.push_back({one.offset_cpp, (*spot)->rough});
+    if ((*spot)->fine) sights.fine.push_back({one.offset_cpp, *(*spot)->fine});
+  }
+  return sights;
+}
+
+double distance_px(const Registration& map, const ProbeSight& sight) {
+  return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
+}
+
+/// A sight may be a ghost: leaves out the one or two that fit the others worst.
+Result<Registration> consistent(std::vector<ProbeSight> sights, double most_residual_px) {
+  for (std::size_t left_out = 0;; ++left_out) {
+    const auto map = fit_registration(sights);
+    if (!map || map->residual_px < most_residual_px) return map;
+    if (left_out == kMostLeftOut) {
+      return fail(Errc::refused, "",
+                  fmt::format("the spot does not move as a map of slopes says, {:.2f} px RMS are "
+                              "left: see that nothing moves on the bench, that the spot is not "
+                              "saturated, and that the region of interest holds the sensor's field",
+                              map->residual_px));
+    }
+    sights.erase(std::max_element(sights.begin(), sights.end(), [&](const auto& a, const auto& b) {
+      return distance_px(*map, a) < distance_px(*map, b);
+    }));
+  }
+}
+
+/// By the matched filter if that finds as much; under a strong aberration only the light's middle
+/// is sure.
+Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
+                            const SpotModel& spots) {
+  const auto sights = sights_of(bench, looks, spots);
+  if (!sights) return fail(sights.error());
+  if (sights->fine.size() < sights->rough.size()) {
+    return consistent(sights->rough, kMostRoughResidual * spots.lambda_d_px);
+  }
+  return consistent(sights->fine, kMostResidual * spots.lambda_d_px);
+}
+
+}  // namespace
+
+Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
+  const SensorSnapshot now = bench.sensor();
+  const CameraSettings camera = bench.camera().settings;
+  const auto lattice = make_lattice(now.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const Vec2 base_cpp = base_grating_cpp(now.sensor, slm);
+  const int charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
+  const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
+  if (!looks) return fail(looks.error());
+  SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor),
+                  lit_pixels(camera.pixel_format, now.optics.wavelength_nm)};
+  auto map = map_of(bench, *looks, spots);
+  if (!map) return map;
+  const double ratio = map->px_per_cycle.scale() / camera_px_per_cycle(now.optics, slm);
+  if (std::abs(ratio - 1.0) > kOtherScale) {
+    spots.lambda_d_px *= ratio;
+    map = map_of(bench, *looks, spots);
+    if (!map) return map;
+  }
+  map->t_taken_ns = utc_ns();
+  map->base_cpp = base_cpp;
+  map->base_px = map->base_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
+  return map;
+}
+
+}  // namespace ovws

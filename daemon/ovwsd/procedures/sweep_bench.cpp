@@ -1,0 +1,59 @@
+#include "daemon/ovwsd/procedures/sweep_bench.hpp"
+
+#include <cmath>
+
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSameExposure = 1e-3;  // a camera that is opened again may round otherwise
+
+bool same_part(const std::string& name, const json& before, const json& now) {
+  if (name == "camera" && now.is_null()) return true;
+  if (name == "exposure_us" && before.is_number() && now.is_number()) {
+    const double was_us = before.get<double>();
+    return std::abs(now.get<double>() - was_us) <= kSameExposure * was_us;
+  }
+  return before == now;
+}
+
+}  // namespace
+
+json sweep_bench(const SensorSnapshot& sensor, const CameraSnapshot& camera, json optics) {
+  json correction = json::array();
+  for (const Mode& mode : sensor.correction) {
+    correction.push_back({{"j", mode.j}, {"waves", mode.waves}});
+  }
+  json lattice = to_json(sensor.sensor);
+  lattice.erase("charge");
+  return {{"program", OVWS_VERSION},
+          {"camera", camera.connected ? camera_json(camera.info) : json(nullptr)},
+          {"exposure_us", camera.settings.exposure_us},
+          {"pixel_format", pixel_format_name(camera.settings.pixel_format)},
+          {"roi", to_json(camera.settings.roi)},
+          {"sensor", std::move(lattice)},
+          {"kernel_radius", sensor.tracking.kernel_radius},
+          {"optics", std::move(optics)},
+          {"slm", sensor.slm->identity},
+          {"registration_t_taken_ns",
+           sensor.registration ? json(sensor.registration->t_taken_ns) : json(nullptr)},
+          {"correction", std::move(correction)}};
+}
+
+Result<void> check_same_bench(const json& before, const json& now) {
+  std::string changed;
+  for (const auto& [name, value] : now.items()) {
+    if (same_part(name, before.value(name, json()), value)) continue;
+    changed += (changed.empty() ? "" : ", ") + name;
+  }
+  if (changed.empty()) return {};
+  return fail(Errc::refused, "",
+              "the bench is not the one the sweep was asked for on: other " + changed +
+                  "; set it as it was and ask again, or ask for a sweep of what it is now");
+}
+
+}  // namespace ovws

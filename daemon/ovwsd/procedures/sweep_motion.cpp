@@ -1,0 +1,92 @@
+#include "daemon/ovwsd/procedures/sweep_motion.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/ovwsd/procedures/sweep_frames.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kStandardErrors = 4.0;  // the largest of a hundred spots seldom has more by chance
+constexpr const char* kWayOn =
+    "the cells measured so far are kept: put back what moved and ask again, or start a new run "
+    "with \"anew\": true";
+
+/// Of one frame's position along one axis, and in how many frames the spot is found.
+struct Scatter {
+  double deviation_px = 0.0;
+  int found = 0;
+};
+
+Scatter scatter_of(const std::vector<SeriesFrame>& frames, std::size_t spot, Vec2 mean_px) {
+  Scatter scatter;
+  double squares = 0.0;
+  for (const SeriesFrame& frame : frames) {
+    const SpotFix& fix = frame.spots[spot];
+    if (!fix.found()) continue;
+    ++scatter.found;
+    squares += std::pow(double(fix.x) - mean_px.x, 2) + std::pow(double(fix.y) - mean_px.y, 2);
+  }
+  scatter.deviation_px = std::sqrt(0.5 * squares / std::max(1, scatter.found - 1));
+  return scatter;
+}
+
+}  // namespace
+
+SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
+                       const std::vector<SeriesFrame>& frames) {
+  SpotMotion motion;
+  int compared = 0;
+  const std::vector<Vec2> now_px = mean_positions(frames);
+  for (std::size_t i = 0; i < before_px.size(); ++i) {
+    if (std::isnan(before_px[i].x)) continue;
+    if (i >= now_px.size() || std::isnan(now_px[i].x)) {
+      ++motion.lost;
+      continue;
+    }
+    const Vec2 moved = now_px[i] - before_px[i];
+    const double length_px = std::hypot(moved.x, moved.y);
+    if (length_px > motion.largest_px) {
+      motion.largest_px = length_px;
+      motion.largest_at = int(i);
+    }
+    motion.mean_px = motion.mean_px + moved;
+    ++compared;
+    const Scatter scatter = scatter_of(frames, i, now_px[i]);
+    const double error_px =
+        scatter.deviation_px * std::sqrt(1.0 / scatter.found + 1.0 / std::max(1, frames_before));
+    motion.standard_error_px = std::fmax(motion.standard_error_px, error_px);
+  }
+  if (compared > 0) motion.mean_px = (1.0 / compared) * motion.mean_px;
+  return motion;
+}
+
+Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std::string& arm) {
+  if (motion.lost > 0) {
+    return fail(Errc::refused, "anew",
+                fmt::format("{} spots of the run's reference ({}) are not found any more: "
+                            "something moved, or there is less light; {}",
+                            motion.lost, arm, kWayOn));
+  }
+  const double doubt_px = kStandardErrors * motion.standard_error_px;
+  if (motion.largest_px > std::fmax(limit_px, doubt_px)) {
+    return fail(Errc::refused, "anew",
+                fmt::format("something moved since the run's reference ({}) was taken: the spot of "
+                            "subaperture {} by {:.2f} px, all spots by ({:+.2f}, {:+.2f}) px on "
+                            "average, and {:.2f} px (lambda/(20 d)) are allowed; {}",
+                            arm, motion.largest_at, motion.largest_px, motion.mean_px.x,
+                            motion.mean_px.y, limit_px, kWayOn));
+  }
+  if (doubt_px <= limit_px) return {};
+  return fail(Errc::refused, "reference_frames",
+              fmt::format("whether something moved since the run's reference ({}) was taken cannot "
+                          "be told: four standard errors of a spot's motion are {:.2f} px, more "
+                          "than the {:.2f} px (lambda/(20 d)) that are allowed; the cells measured "
+                          "so far are kept: start a new run with more reference_frames or light",
+                          arm, doubt_px, limit_px));
+}
+
+}  // namespace ovws

@@ -1,0 +1,108 @@
+#include "daemon/ovwsd/record/frame_store.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kFrames = 4096;
+
+RecordedFrame row_of(const FrameRecord& record) {
+  RecordedFrame row;
+  row.frame_id = record.frame.frame_id;
+  row.gap = record.gap;
+  row.hologram_id = record.hologram_id;
+  row.plan_id = record.plan->id;
+  row.t_device_ns = record.frame.t_device_ns;
+  row.t_arrival_ns = record.frame.t_arrival_ns;
+  row.t_arrival_mono_ns = record.frame.t_arrival_mono_ns;
+  row.t_tracked_mono_ns = record.t_tracked_mono_ns;
+  row.t_reconstructed_mono_ns = record.t_reconstructed_mono_ns;
+  if (record.settings_known) {
+    row.gain_db = record.gain_db;
+    row.gain_raw = record.gain_raw;
+    row.exposure_us = record.exposure_us;
+  }
+  row.fit_residual_px = record.reconstruction.fit_residual_px;
+  row.rms_waves = record.reconstruction.rms_waves;
+  row.saturated = record.saturated_fraction;
+  row.tracked = std::uint32_t(record.tracked);
+  row.still = record.still;
+  row.settled = record.settled;
+  row.settings_known = record.settings_known;
+  row.determined = record.reconstruction.determined;
+  row.explained = record.explained;
+  row.valid = record.valid;
+  row.searched = record.searched;
+  row.left_justified_bits = std::uint8_t(record.frame.image.left_justified_bits);
+  return row;
+}
+
+}  // namespace
+
+FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
+    : frames_(kFrames),
+      pictures_(pictures),
+      picture_bytes_(picture_bytes),
+      memory_(pictures * picture_bytes),
+      free_frames_(kFrames),
+      full_(kFrames),
+      free_pictures_(std::max<std::size_t>(pictures, 1)) {
+  for (TakenFrame& frame : frames_) (void)free_frames_.try_push(&frame);
+  for (std::size_t p = 0; p < pictures; ++p) {
+    (void)free_pictures_.try_push(memory_.data() + p * picture_bytes);
+  }
+}
+
+void FrameStore::take(const FrameRecord& record, bool with_picture) {
+  if (first_number_ == 0) first_number_ = record.number;
+  last_number_ = record.number;
+  TakenFrame* frame = nullptr;
+  if (!free_frames_.try_pop(frame)) return;
+  frame->row = row_of(record);
+  frame->number = record.number;
+  frame->spots.clear();
+  for (int i = 0; i < record.spot_count; ++i) {
+    const SpotFix& fix = record.spots[std::size_t(i)];
+    const SpotStart& start = record.starts[std::size_t(i)];
+    frame->spots.push_back({fix.x, fix.y, fix.peak, fix.quality, fix.level, fix.noise,
+                            start.at_px.x, start.at_px.y, start.fresh});
+  }
+  frame->coefficients.assign(record.coefficients.begin(),
+                             record.coefficients.begin() + record.mode_count);
+  frame->pixels = {};
+  if (with_picture) copy_picture(record.frame.image, *frame);
+  frame->row.picture_dropped =
+      record.pixels_missed || (with_picture && frame->pixels.empty()) ? 1 : 0;
+  (void)full_.try_push(frame);  // as large as there are frames
+}
+
+void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
+  const std::size_t bytes = row_bytes(image.format, image.width);
+  std::byte* picture = nullptr;
+  if (bytes * std::size_t(image.height) != picture_bytes_) return;  // it does not fit the file
+  if (!free_pictures_.try_pop(picture)) return;
+  to.pixels = {picture, picture_bytes_};
+  for (int y = 0; y < image.height; ++y) {
+    std::memcpy(picture + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
+  }
+}
+
+TakenFrame* FrameStore::next(int timeout_us) {
+  TakenFrame* frame = nullptr;
+  return full_.pop(frame, std::chrono::microseconds(timeout_us)) ? frame : nullptr;
+}
+
+std::uint64_t FrameStore::taken_after(std::uint64_t number) const {
+  if (last_number_ == 0) return 0;
+  return number == 0 ? last_number_ - first_number_ + 1 : last_number_ - number;
+}
+
+void FrameStore::give_back(TakenFrame* frame) {
+  if (!frame->pixels.empty()) (void)free_pictures_.try_push(frame->pixels.data());
+  (void)free_frames_.try_push(frame);
+}
+
+}  // namespace ovws

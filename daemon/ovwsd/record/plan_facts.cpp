@@ -1,0 +1,155 @@
+#include "daemon/ovwsd/record/plan_facts.hpp"
+
+#include "daemon/ovwsd/sensor/calibration_file.hpp"
+#include "daemon/ovwsd/sensor/reference_file.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/names.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+json points(const std::vector<Vec2>& all) {
+  json out = json::array();
+  for (const Vec2& point : all) out.push_back({point.x, point.y});
+  return out;
+}
+
+json modes(const std::vector<Mode>& all) {
+  json out = json::array();
+  for (const Mode& mode : all) out.push_back({{"j", mode.j}, {"waves", mode.waves}});
+  return out;
+}
+
+json rows_of(const Eigen::MatrixXd& matrix) {
+  json rows = json::array();
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    json row = json::array();
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+json operator_content(const PlanFacts& facts) {
+  json content{{"operator", operator_name(facts.mode_operator)},
+               {"j", facts.modes_j},
+               {"px_per_wave", rows_of(facts.slopes)}};
+  if (facts.nuisance.cols() > 0) content["nuisance_px"] = rows_of(facts.nuisance);
+  return content;
+}
+
+json optics_content(const OpticsConfig& optics) {
+  json out{{"wavelength_nm", optics.wavelength_nm},
+           {"focal_length_mm", optics.focal_length_mm},
+           {"magnification", optics.magnification},
+           {"camera_pitch_um", optics.camera_pitch_um},
+           {"centre_px", nullptr},
+           {"px_per_cycle", nullptr}};
+  if (optics.centre_px) out["centre_px"] = {optics.centre_px->x, optics.centre_px->y};
+  if (const auto& m = optics.registered) out["px_per_cycle"] = {m->xx, m->xy, m->yx, m->yy};
+  return out;
+}
+
+json slm_content(const SlmInForce& slm) {
+  json flatness;
+  if (slm.flatness) flatness = modes(slm.flatness->modes);
+  return {{"identity", slm.identity},
+          {"grey_levels", slm.hologram.lut},
+          {"flatness_modes", std::move(flatness)}};
+}
+
+json plan_content(const PlanFacts& facts) {
+  const SensorSnapshot& now = facts.sensor;
+  const LitPixels& lit = facts.spots.lit;
+  return {{"plan_id", facts.id},
+          {"sensor_epoch", facts.sensor_epoch},
+          {"hologram_id", facts.hologram_id},
+          {"charge", facts.charge},
+          {"tracker", tracker_name(facts.tracker_kind)},
+          {"kernel_radius", now.tracking.kernel_radius},
+          {"template", template_name(now.tracking.templates)},
+          {"own_templates", now.templates.own},
+          {"torn", now.torn},
+          {"lambda_d_px", facts.spots.lambda_d_px},
+          {"lit",
+           {{"step", lit.lattice.step},
+            {"x", lit.lattice.x},
+            {"y", lit.lattice.y},
+            {"diagonal", lit.diagonal}}},
+          {"roi", to_json(facts.roi)},
+          {"pixel_format", pixel_format_name(facts.format)},
+          {"predicted_px", points(facts.predicted_px)},
+          {"search_px", points(facts.search_px)},
+          {"reference_px", points(facts.reference_px)},
+          {"reference_introduced_rms_waves", facts.reference_introduced_rms_waves},
+          {"pattern", pattern_name(now.pattern)},
+          {"sensor", to_json(now.sensor)},
+          {"optics", optics_content(now.optics)},
+          {"registration", registration_result(now.registration)},
+          {"aberration", modes(now.aberration)},
+          {"correction", modes(now.correction)}};
+}
+
+}  // namespace
+
+PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot)
+    : id(plan.id),
+      sensor_epoch(plan.sensor_epoch),
+      hologram_id(plan.hologram_id),
+      charge(plan.charge),
+      tracker_kind(plan.tracker_kind),
+      spots(plan.spots),
+      roi(plan.roi),
+      format(plan.format),
+      predicted_px(plan.predicted_px),
+      search_px(plan.search_px),
+      reference_px(plan.reference_px),
+      reference_introduced_rms_waves(plan.reference_introduced_rms_waves),
+      mode_operator(plan.mode_operator),
+      modes_j(plan.reconstructor->modes_j()),
+      slopes(plan.reconstructor->slopes()),
+      sensor(std::move(snapshot)),
+      nuisance(plan.reconstructor->nuisance()) {}
+
+Document make_document(std::string kind, const json& content) {
+  // A camera's name may hold bytes that are no UTF-8.
+  Document document{
+      std::move(kind), content.dump(-1, ' ', false, json::error_handler_t::replace), {}};
+  document.sha256 = sha256_hex(document.text);
+  return document;
+}
+
+/// A closed loop makes ten plans a second of one reference, whose picture is a megabyte.
+const std::string& PlanDocuments::reference_of(const Reference& reference,
+                                               std::vector<Document>& all) {
+  const bool same = reference_ && reference_->t_taken_ns == reference.t_taken_ns &&
+                    reference_->picture == reference.picture &&
+                    reference_->positions_px == reference.positions_px;
+  if (same) return reference_sha256_;
+  all.push_back(make_document("reference", reference_content(reference)));
+  reference_ = reference;
+  return reference_sha256_ = all.back().sha256;
+}
+
+std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
+  std::vector<Document> all;
+  json plan = plan_content(facts);
+  const auto refer = [&](const char* kind, const json& content) {
+    all.push_back(make_document(kind, content));
+    plan[kind] = all.back().sha256;
+  };
+  const SensorSnapshot& now = facts.sensor;
+  plan["reference"] = plan["calibration"] = plan["slm"] = nullptr;
+  if (now.reference) plan["reference"] = reference_of(*now.reference, all);
+  refer("operator", operator_content(facts));
+  if (now.calibration) refer("calibration", calibration_content(*now.calibration));
+  if (now.slm) refer("slm", slm_content(*now.slm));
+  all.push_back(make_document("plan", plan));
+  std::erase_if(all, [&](const Document& one) { return !given_.insert(one.sha256).second; });
+  return all;
+}
+
+}  // namespace ovws

@@ -1,0 +1,261 @@
+/// A frame's measurement depends on its pixels, its plan, where its spots were looked for, and what
+/// was known of its hologram and settings: all of that stands in the file.
+#include "daemon/ovwsd/record/player.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <mutex>
+
+#include "core/pipeline/pipeline.hpp"
+#include "daemon/ovwsd/record/recorded_plan.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
+constexpr int kPatienceUs = 5'000'000;
+
+/// Gives one frame when it is told to.
+class SteppedCamera final : public Camera {
+ public:
+  explicit SteppedCamera(RecordingReader& reader)
+      : header_(reader.header()), pixels_(reader.picture_bytes()) {}
+
+  std::span<std::byte> pixels() { return pixels_; }
+  void give(const RecordedFrame& frame) {
+    const std::lock_guard lock(mutex_);
+    next_ = frame;
+    given_.notify_one();
+  }
+
+  const CameraInfo& info() const override { return info_; }
+  Result<CameraLimits> limits() override { return CameraLimits{}; }
+  Result<CameraSettings> apply(const CameraSettings& wanted) override { return wanted; }
+  Result<void> start() override { return {}; }
+  void stop() override {}
+  bool alive() const override { return true; }
+  int buffer_count() const override { return 1; }
+  void release(int) OVWS_NONBLOCKING override {}
+
+  GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) override {
+    std::unique_lock lock(mutex_);
+    if (!given_.wait_for(lock, timeout, [this] { return next_.has_value(); })) {
+      return GrabStatus::timeout;
+    }
+    out.image = {pixels_.data(), header_.width,
+                 header_.height, std::ptrdiff_t(row_bytes(header_.format, header_.width)),
+                 header_.format, next_->left_justified_bits};
+    out.justification_known = true;
+    // Counted anew: a camera that has been opened again may count from 0.
+    out.frame_id = ++count_;
+    out.t_device_ns = 0;
+    out.t_arrival_ns = next_->t_arrival_ns;
+    out.t_arrival_mono_ns = next_->t_arrival_mono_ns;
+    out.slot = 0;
+    next_.reset();
+    return GrabStatus::frame;
+  }
+
+ private:
+  const RecordingHeader& header_;
+  CameraInfo info_;
+  std::vector<std::byte> pixels_;
+  std::mutex mutex_;
+  std::condition_variable given_;
+  std::optional<RecordedFrame> next_;
+  std::uint64_t count_ = 0;
+};
+
+template <typename Number>
+bool same_bits(Number a, Number b) {
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+bool same_spot(const SpotFix& now, const RecordedSpot& then) {
+  return same_bits(now.x, then.x) && same_bits(now.y, then.y) && same_bits(now.peak, then.peak) &&
+         same_bits(now.quality, then.quality) && same_bits(now.level, then.level) &&
+         same_bits(now.noise, then.noise);
+}
+
+bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
+  return now.still == (then.still != 0) && now.settled == (then.settled != 0) &&
+         now.searched == (then.searched != 0) && now.explained == (then.explained != 0) &&
+         now.reconstruction.determined == (then.determined != 0) &&
+         now.valid == (then.valid != 0) && now.tracked == int(then.tracked) &&
+         same_bits(now.saturated_fraction, then.saturated) &&
+         same_bits(now.reconstruction.fit_residual_px, then.fit_residual_px) &&
+         same_bits(now.reconstruction.rms_waves, then.rms_waves);
+}
+
+/// Why pictures of this recording are none that the plan measures; empty: they are.
+std::string other_image(const RecordingHeader& header, const MeasurementPlan& plan) {
+  if (header.width == plan.roi.width && header.height == plan.roi.height &&
+      header.format == plan.format) {
+    return {};
+  }
+  return fmt::format("its plan is for a picture of {} x {}, {}; the recording's are {} x {}, {}",
+                     plan.roi.width, plan.roi.height, pixel_format_name(plan.format), header.width,
+                     header.height, pixel_format_name(header.format));
+}
+
+bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
+          std::span<const float> coefficients) {
+  return now.spot_count == int(spots.size()) && now.mode_count == int(coefficients.size()) &&
+         same_verdicts(now, then) &&
+         std::equal(spots.begin(), spots.end(), now.spots.begin(),
+                    [](const RecordedSpot& a, const SpotFix& b) { return same_spot(b, a); }) &&
+         std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(),
+                    same_bits<float>);
+}
+
+}  // namespace
+
+struct Player::Impl {
+  std::unique_ptr<RecordingReader> reader;
+  RecordedPlans plans;
+  SteppedCamera camera;
+  Counters counters;
+  LatestValue<ShownHologram> shown;
+  LatestValue<AppliedSettings> settings;
+  Pipeline pipeline{{0, 8}, {counters, shown, settings}};
+  ThreadPlan threads{RealtimePolicy::ignore};
+  std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;  ///< by the recording's number
+  const MeasurementPlan* plan = nullptr;                           ///< in use
+  std::uint64_t plan_id = 0;                                       ///< its number in the recording
+  std::uint64_t next_plan_id = 1;
+  std::string why_no_plan;
+  std::size_t next = 0;
+
+  Impl(std::unique_ptr<RecordingReader> opened, RecordedPlans found)
+      : reader(std::move(opened)), plans(std::move(found)), camera(*reader) {}
+
+  void use_plan(std::uint64_t id);
+  void tell(const RecordedFrame& frame);
+  Result<void> measure(PlayedFrame& frame);
+};
+
+/// A loop goes from plan to plan: the pipeline wants numbers that rise, so none is used twice.
+void Player::Impl::use_plan(std::uint64_t id) {
+  if (plan != nullptr && id == plan_id) return;
+  auto built = plans.make(id);
+  plan_id = id;
+  plan = nullptr;
+  why_no_plan.clear();
+  if (!built) {
+    why_no_plan = built.error().reason;
+    return;
+  }
+  (*built)->id = next_plan_id++;
+  pipeline.use_plan(built->get());
+  plan = built->get();
+  made[plan->id] = std::move(*built);
+  std::erase_if(made, [&](const auto& one) {
+    return one.first < pipeline.oldest_plan_in_use() && one.second.get() != plan;
+  });
+}
+
+/// The frame path's own rules come to the verdicts that stand in the file.
+void Player::Impl::tell(const RecordedFrame& frame) {
+  AppliedSettings applied;
+  applied.gain_db = applied.previous_gain_db = frame.gain_db;
+  applied.gain_raw = applied.previous_gain_raw = frame.gain_raw;
+  applied.exposure_us = applied.previous_exposure_us = frame.exposure_us;
+  applied.roi = plan->roi;
+  applied.t_previous_end_mono_ns = ShownHologram::kNever;
+  applied.t_write_begin_mono_ns = kLongAgo;
+  applied.t_write_end_mono_ns = frame.settings_known != 0 ? kLongAgo : ShownHologram::kNever;
+  settings.write(applied);
+  ShownHologram now;
+  now.healthy = true;
+  now.current.hologram_id = frame.hologram_id;
+  now.current.sensor_epoch = frame.settled != 0 ? plan->sensor_epoch : 0;
+  now.current.t_begin_mono_ns = kLongAgo;
+  now.current.t_settled_mono_ns = frame.still != 0 ? kLongAgo : ShownHologram::kNever;
+  shown.write(now);
+}
+
+Result<void> Player::Impl::measure(PlayedFrame& frame) {
+  auto spots = reader->spots(frame.recorded);
+  if (!spots) return fail(spots.error());
+  const auto coefficients = reader->coefficients(frame.recorded);
+  if (!coefficients) return fail(coefficients.error());
+  if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
+  if (spots->size() != plan->predicted_px.size()) {
+    frame.reason = "it has not the spots of its plan";
+    return {};
+  }
+  if (const std::string other = other_image(reader->header(), *plan); !other.empty()) {
+    frame.reason = other;  // the pipeline would drop it, and nothing would come
+    return {};
+  }
+  std::vector<SpotStart> starts;
+  for (const RecordedSpot& spot : *spots) {
+    starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
+  }
+  pipeline.resume(*plan, starts, frame.recorded.searched != 0);
+  tell(frame.recorded);
+  camera.give(frame.recorded);
+  FrameRecord* const record = pipeline.next(kPatienceUs);
+  if (record == nullptr) {
+    frame.reason = "its picture is not that of its plan";
+    return {};
+  }
+  frame.replayed = true;
+  frame.same = same(*record, frame.recorded, *spots, *coefficients);
+  frame.valid = record->valid;
+  frame.modes_j = plan->reconstructor->modes_j();
+  frame.coefficients.assign(record->coefficients.begin(),
+                            record->coefficients.begin() + record->mode_count);
+  pipeline.release(record);
+  return {};
+}
+
+Player::Player(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Player::~Player() {
+  (void)impl_->pipeline.detach();
+  (void)impl_->threads.stop_all(kPatienceUs * 1e-6);
+}
+
+Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
+  auto reader = RecordingReader::open(path);
+  if (!reader) return fail(reader.error());
+  auto plans = RecordedPlans::of(**reader);
+  if (!plans) return fail(plans.error());
+  auto impl = std::make_unique<Impl>(std::move(*reader), std::move(*plans));
+  auto started = impl->threads.start(ThreadRole::replay, impl->pipeline.acquisition());
+  if (!started) return fail(started.error());
+  auto attached = impl->pipeline.attach(impl->camera);
+  std::unique_ptr<Player> player(new Player(std::move(impl)));
+  if (!attached) return fail(attached.error());
+  return player;
+}
+
+RecordingReader& Player::reader() {
+  return *impl_->reader;
+}
+
+Result<std::optional<PlayedFrame>> Player::step() {
+  Impl& m = *impl_;
+  if (m.next == m.reader->frames().size()) return std::nullopt;
+  PlayedFrame frame;
+  frame.recorded = m.reader->frames()[m.next++];
+  if (frame.recorded.picture < 0) {
+    frame.reason = "it has no picture";
+  } else {
+    m.use_plan(frame.recorded.plan_id);
+    if (m.plan == nullptr) frame.reason = m.why_no_plan;
+  }
+  if (frame.reason.empty()) {
+    if (auto measured = m.measure(frame); !measured) return fail(measured.error());
+  }
+  return frame;
+}
+
+}  // namespace ovws

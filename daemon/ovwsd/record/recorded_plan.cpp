@@ -1,0 +1,164 @@
+#include "daemon/ovwsd/record/recorded_plan.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/reference_file.hpp"
+#include "daemon/shared/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMostSide = 1 << 16;
+
+tl::unexpected<Error> unfit(const std::string& reason) {
+  return fail(Errc::invalid, "path", "a plan of the recording " + reason);
+}
+
+/// Null: not known.
+std::vector<Vec2> points(const json& all) {
+  const auto value = [](const json& number) {
+    return number.is_null() ? NAN : number.get<double>();
+  };
+  std::vector<Vec2> out;
+  for (const json& point : all) out.push_back({value(point.at(0)), value(point.at(1))});
+  return out;
+}
+
+Eigen::MatrixXd matrix(const json& rows, std::size_t columns) {
+  Eigen::MatrixXd out(Eigen::Index(rows.size()), Eigen::Index(columns));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      out(Eigen::Index(r), Eigen::Index(c)) = rows.at(r).at(c).get<double>();
+    }
+  }
+  return out;
+}
+
+SpotModel spot_model(const json& plan) {
+  const json& lit = plan.at("lit");
+  return {plan.at("charge").get<int>(),
+          plan.at("lambda_d_px").get<double>(),
+          {{lit.at("step").get<int>(), lit.at("x").get<int>(), lit.at("y").get<int>()},
+           lit.at("diagonal").get<bool>()}};
+}
+
+/// What the parts must have in common, and what later code relies on.
+Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vector<int>& modes_j) {
+  const std::size_t spots = plan.predicted_px.size();
+  const auto as_many = [&](const std::vector<Vec2>& all) {
+    return all.empty() || all.size() == spots;
+  };
+  if (spots == 0 || spots > std::size_t(kMaxSubapertures) || !as_many(plan.search_px) ||
+      !as_many(plan.reference_px) || rows.size() != 2 * spots) {
+    return unfit("has parts of different numbers of spots");
+  }
+  if (modes_j.empty() || modes_j.size() > std::size_t(kMaxZernikeIndex)) {
+    return unfit("has too many modes, or none");
+  }
+  if (std::any_of(modes_j.begin(), modes_j.end(),
+                  [](int j) { return j < 0 || j > kMaxZernikeIndex; })) {
+    return unfit("has modes that there are not");
+  }
+  const PixelLattice& lit = plan.spots.lit.lattice;
+  if (plan.roi.width < 1 || plan.roi.width > kMostSide || plan.roi.height < 1 ||
+      plan.roi.height > kMostSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
+      lit.y < 0 || lit.y > 1) {
+    return unfit("is of no image");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
+  auto all = reader.documents();
+  if (!all) return fail(all.error());
+  RecordedPlans plans;
+  for (RecordedText& one : *all) {
+    if (sha256_hex(one.text) != one.sha256) {
+      return fail(Errc::invalid, "path", "a document of the recording is damaged: " + one.kind);
+    }
+    if (one.kind == "plan") {
+      const json plan = json::parse(one.text, nullptr, false);
+      const bool known =
+          plan.is_object() && plan.contains("plan_id") && plan["plan_id"].is_number_unsigned();
+      if (!known) return unfit("has no number");
+      plans.plans_[plan["plan_id"].get<std::uint64_t>()] = one.text;
+    }
+    plans.documents_[one.sha256] = std::move(one.text);
+  }
+  return plans;
+}
+
+/// A loop goes from plan to plan with the same reference, and its templates take a second.
+Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::templates(
+    const json& from, TrackingSettings& tracking, const SpotModel& spots) {
+  if (from.at("own_templates").get<int>() <= 0) return {};
+  const auto sha256 = from.at("reference").get<std::string>();
+  if (!reference_ || sha256 != reference_sha256_) {
+    auto reference = reference_from(json::parse(documents_.at(sha256)));
+    if (!reference) return fail(reference.error());
+    reference_ = std::move(*reference);
+    reference_sha256_ = sha256;
+  }
+  tracking.templates = TemplateKind::reference;
+  return shelf_.of(tracking, spots, reference_).banks;
+}
+
+/// Strictly what plan_facts.cpp writes: anything else ends in an exception of the JSON library.
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
+  if (!from.at("torn").empty()) {
+    return fail(Errc::refused, "path", "the shapes of torn spots are not in a recording");
+  }
+  auto plan = std::make_unique<MeasurementPlan>();
+  plan->id = from.at("plan_id").get<std::uint64_t>();
+  plan->sensor_epoch = from.at("sensor_epoch").get<std::uint64_t>();
+  plan->hologram_id = from.at("hologram_id").get<std::uint64_t>();
+  plan->charge = from.at("charge").get<int>();
+  const json& roi = from.at("roi");
+  plan->roi = {roi.at("x").get<int>(), roi.at("y").get<int>(), roi.at("width").get<int>(),
+               roi.at("height").get<int>()};
+  const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
+  const auto tracker = tracker_from_name(from.at("tracker").get<std::string>());
+  if (!format || !tracker) return unfit("is of a tracker or format that this program lacks");
+  plan->format = *format;
+  plan->tracker_kind = *tracker;
+  plan->spots = spot_model(from);
+  plan->predicted_px = points(from.at("predicted_px"));
+  plan->search_px = points(from.at("search_px"));
+  plan->reference_px = points(from.at("reference_px"));
+  plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
+  const json op = json::parse(documents_.at(from.at("operator").get<std::string>()));
+  const auto modes_j = op.at("j").get<std::vector<int>>();
+  if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
+  const json nuisance = op.value("nuisance_px", json::array());
+  if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
+    return unfit("has not as many rows of nuisance_px as of px_per_wave");
+  }
+  plan->reconstructor = std::make_unique<Reconstructor>(
+      matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px,
+      matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
+  TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
+  auto own = templates(from, tracking, plan->spots);
+  if (!own) return fail(own.error());
+  auto made = make_tracker(tracking, plan->spots, std::move(*own));
+  if (!made) return fail(made.error());
+  plan->tracker = std::move(*made);
+  return plan;
+}
+
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) {
+  const auto found = plans_.find(plan_id);
+  if (found == plans_.end()) return unfit("is not in it: " + std::to_string(plan_id));
+  try {
+    return read(json::parse(found->second));
+  } catch (const std::exception& error) {  // of the JSON library, or of a map without the document
+    return unfit(std::string("cannot be read: ") + error.what());
+  }
+}
+
+}  // namespace ovws

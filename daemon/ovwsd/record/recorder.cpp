@@ -1,0 +1,414 @@
+#include "daemon/ovwsd/record/recorder.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <new>
+
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kTurnUs = 20'000;
+constexpr std::chrono::milliseconds kIdle{50};
+constexpr std::int64_t kFlushNs = 250'000'000;
+// Of plans: a reference's picture may hang on each, so no more than frames under way can be of.
+constexpr std::size_t kIdleFacts = 4;
+constexpr std::size_t kMostFacts = 256;         // while it records: what it can be behind, and more
+constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
+
+constexpr const char* kGone = "its file was removed or moved while it was written";
+constexpr std::int64_t kStopRestNs = 120'000'000'000;  // for what waits when the daemon stops
+constexpr const char* kTooSlow = "the disk was too slow for the rest";
+constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
+
+std::optional<std::string> directory_of(const Config& config) {
+  if (config.record.directory) return config.record.directory;
+  const auto state = state_directory_of(config.state);
+  return state ? std::optional(*state + "/recordings") : std::nullopt;
+}
+
+bool disk_is_full(const std::string& path) {
+  struct statvfs disk {};
+  return ::statvfs(path.c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < kRoomBytes;
+}
+
+nlohmann::json camera_content(const CameraSettings& settings,
+                              const std::optional<CameraInfo>& info) {
+  return {{"settings", to_json(settings)}, {"info", info ? to_json(*info) : nlohmann::json()}};
+}
+
+RecordingHeader header_of(const Recorder::Begin& begin) {
+  RecordingHeader header;
+  header.t_begin_ns = utc_ns();
+  header.program = begin.program;
+  header.format = begin.camera.pixel_format;
+  const CameraInfo info = begin.camera_info.value_or(CameraInfo{});
+  header.vendor = info.vendor;
+  header.model = info.model;
+  header.serial = info.serial;
+  header.frame_rate_hz = begin.camera.frame_rate_hz;
+  header.x = begin.camera.roi.x;
+  header.y = begin.camera.roi.y;
+  header.width = begin.camera.roi.width;
+  header.height = begin.camera.roi.height;
+  header.pictures_every = begin.asked.pictures_every;
+  return header;
+}
+
+Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
+  const std::size_t bytes =
+      row_bytes(camera.pixel_format, camera.roi.width) * std::size_t(camera.roi.height);
+  if (bytes <= kMostRecordedPictureBytes) return bytes;
+  return fail(Errc::refused, "",
+              fmt::format("a picture has {} MiB, and a recording takes at most {}: make the "
+                          "camera's region smaller (camera.set, roi)",
+                          bytes >> 20, kMostRecordedPictureBytes >> 20));
+}
+
+/// Takes up to a second.
+Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t picture_bytes) {
+  try {
+    return std::make_unique<FrameStore>(pictures, picture_bytes);
+  } catch (const std::bad_alloc&) {
+    return fail(
+        Errc::unavailable, "record.buffer_mib",
+        fmt::format("there is no memory for {} pictures that wait: make it less", pictures));
+  }
+}
+
+Result<void> add(RecordFile& file, const Document& document) {
+  return file.add_document(document.kind, document.sha256, document.text);
+}
+
+Result<void> add_first_documents(RecordFile& file, const Recorder::Begin& begin) {
+  const Document config{"configuration", begin.config, sha256_hex(begin.config)};
+  if (auto added = add(file, config); !added) return added;
+  return add(file, make_document("camera", camera_content(begin.camera, begin.camera_info)));
+}
+
+}  // namespace
+
+bool RecordTaker::do_work() {
+  FrameRecord* const record = pipeline_.next_recorded(kTurnUs);
+  if (record == nullptr) return false;
+  const auto release = [this](FrameRecord* one) { pipeline_.release_recorded(one); };
+  const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
+  const std::lock_guard lock(mutex_);
+  if (store_) store_->take(*record, Pipeline::has_recorded_pixels(*record));
+  return true;
+}
+
+std::unique_ptr<FrameStore> RecordTaker::exchange(std::unique_ptr<FrameStore> store) {
+  const std::lock_guard lock(mutex_);
+  store_.swap(store);
+  return store;
+}
+
+struct Recorder::Running {
+  std::string path;
+  RecordStart asked;
+  RecordingHeader header;
+  std::unique_ptr<RecordFile> file;
+  PlanDocuments documents;
+  std::deque<std::pair<std::int64_t, Document>> camera_documents;  ///< that frames are behind of
+  std::int64_t t_begin_mono_ns = monotonic_ns();
+  std::int64_t next_flush_ns = 0;
+  std::uint64_t last_number = 0;   ///< 0: no frame yet
+  std::uint64_t frames_begun = 0;  ///< that were to be written
+  std::uint64_t last_plan_id = 0;
+  std::uint64_t frames_dropped = 0, pictures_dropped = 0;
+};
+
+Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
+    : directory_(directory_of(config)),
+      buffer_bytes_(std::size_t(config.record.buffer_mib) << 20),
+      wavelength_nm_(config.optics.wavelength_nm),
+      pipeline_(pipeline),
+      events_(events),
+      taker_(pipeline),
+      most_facts_(kIdleFacts) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::know(const MeasurementPlan& plan, const SensorSnapshot& sensor) {
+  auto facts = std::make_shared<const PlanFacts>(plan, sensor);
+  const std::lock_guard lock(facts_mutex_);
+  facts_.push_back(std::move(facts));
+  while (facts_.size() > most_facts_) facts_.pop_front();
+}
+
+void Recorder::keep_facts(std::size_t most) {
+  const std::lock_guard lock(facts_mutex_);
+  most_facts_ = most;
+  while (facts_.size() > most_facts_) facts_.pop_front();
+}
+
+std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
+  const std::lock_guard lock(facts_mutex_);
+  const auto found = std::find_if(facts_.begin(), facts_.end(),
+                                  [&](const auto& one) { return one->id == plan_id; });
+  if (found == facts_.end()) return nullptr;
+  facts_.erase(facts_.begin(), found);  // frames come in the order of their plans
+  return facts_.front();
+}
+
+void Recorder::camera_changed(const CameraSettings& settings,
+                              const std::optional<CameraInfo>& info) {
+  mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
+    if (!running_) return;
+    running_->camera_documents.emplace_back(
+        changed_ns, make_document("camera", camera_content(settings, info)));
+  });
+}
+
+void Recorder::start(Begin asked, Done done) {
+  mailbox_.post([this, asked = std::move(asked), done = std::move(done)] {
+    if (auto begun = begin(asked); !begun) return done(fail(begun.error()));
+    done(report());
+  });
+}
+
+void Recorder::stop(Done done) {
+  mailbox_.post([this, done = std::move(done)] {
+    if (!running_) {
+      return done(fail(Errc::refused, "", "nothing is being recorded; record.get says why"));
+    }
+    end({"record.stop", Rest::write});
+    done(report());
+  });
+}
+
+Result<std::string> Recorder::path_of(const std::string& name) const {
+  if (!directory_) {
+    return fail(Errc::refused, "record.directory",
+                "no folder is named for recordings: set record.directory, or state.directory, in "
+                "the configuration");
+  }
+  std::error_code failed;
+  fs::create_directories(*directory_, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "record.directory",
+                *directory_ + " cannot be made: " + failed.message());
+  }
+  const std::string path = fs::absolute(*directory_ + "/" + name + ".h5", failed).string();
+  if (fs::exists(path, failed)) {
+    return fail(Errc::refused, "name", path + " is there already: choose another name");
+  }
+  return path;
+}
+
+Result<void> Recorder::begin(const Begin& begin) {
+  if (running_) {
+    return fail(Errc::refused, "",
+                running_->path + " is being recorded: end it with record.stop first");
+  }
+  const auto path = path_of(begin.asked.name);
+  if (!path) return fail(path.error());
+  if (disk_is_full(*directory_)) {
+    return fail(Errc::unavailable, "record.directory",
+                *directory_ + " has less than 64 MiB of room: make some");
+  }
+  const auto picture_bytes = picture_bytes_of(begin.camera);
+  if (!picture_bytes) return fail(picture_bytes.error());
+  const std::size_t pictures = begin.asked.pictures_every == 0
+                                   ? 0
+                                   : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
+  auto store = store_for(pictures, *picture_bytes);
+  if (!store) return fail(store.error());
+  auto running = std::make_unique<Running>();
+  running->path = *path;
+  running->asked = begin.asked;
+  running->header = header_of(begin);
+  running->header.wavelength_nm = wavelength_nm_;
+  auto file = RecordFile::create(*path, running->header);
+  if (!file) return fail(file.error());
+  running->file = std::move(*file);
+  if (auto added = add_first_documents(*running->file, begin); !added) {
+    running->file.reset();
+    ::unlink(path->c_str());  // or its name would be taken when there is room again
+    return added;
+  }
+  taker_.exchange(std::move(*store));
+  running_ = std::move(running);
+  keep_facts(kMostFacts);
+  pipeline_.record(begin.asked.pictures_every);
+  events_.emit("record", Severity::info, running_->path + " is being recorded",
+               {{"file", running_->path}, {"state", "recording"}});
+  tell();
+  return {};
+}
+
+bool Recorder::do_work() {
+  if (!running_) return mailbox_.run_one(kIdle);
+  const bool asked = mailbox_.run_one(std::chrono::milliseconds(0));
+  if (running_) turn();
+  return asked || running_ != nullptr;
+}
+
+void Recorder::on_close() {
+  mailbox_.close();
+  if (running_) end({"the daemon stops", Rest::write, true});
+}
+
+void Recorder::turn() {
+  if (TakenFrame* const frame = taker_.store()->next(kTurnUs)) {
+    const auto ending = write(*frame);
+    taker_.store()->give_back(frame);
+    if (ending) return end(*ending);
+  }
+  if (monotonic_ns() < running_->next_flush_ns) return;
+  running_->next_flush_ns = monotonic_ns() + kFlushNs;
+  if (const auto ending = flush()) end(*ending);
+}
+
+std::optional<Recorder::Ending> Recorder::flush() {
+  Running& r = *running_;
+  if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) {
+    return Ending{flushed.error().reason};
+  }
+  tell();
+  const RecordReport now = report();
+  if (!r.file->in_place()) return Ending{kGone};
+  if (disk_is_full(r.path)) return Ending{kDiskFull};
+  if (r.asked.limit_s && now.duration_s >= *r.asked.limit_s) {
+    return Ending{fmt::format("limit_s: {} s", *r.asked.limit_s), Rest::write};
+  }
+  if (r.asked.limit_mib && double(now.bytes) >= *r.asked.limit_mib * (1 << 20)) {
+    return Ending{fmt::format("limit_mib: {} MiB", *r.asked.limit_mib), Rest::after};
+  }
+  return std::nullopt;
+}
+
+std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
+  Running& r = *running_;
+  if (r.file->frames() >= kMostRecordedFrames) {
+    return Ending{"a recording holds no more frames: begin another one", Rest::after};
+  }
+  while (!r.camera_documents.empty() &&
+         r.camera_documents.front().first < frame.row.t_arrival_mono_ns) {
+    const auto added = add(*r.file, r.camera_documents.front().second);
+    if (!added) return Ending{added.error().reason};
+    r.camera_documents.pop_front();
+  }
+  if (frame.row.plan_id != r.last_plan_id) {
+    if (auto ending = write_plan(frame.row.plan_id)) return ending;
+    r.last_plan_id = frame.row.plan_id;
+  }
+  if (auto written = write_frame(frame); !written) return Ending{written.error().reason};
+  return std::nullopt;
+}
+
+/// Every frame is of its plan's image, the one with a picture and the one without.
+std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
+  const auto facts = facts_of(plan_id);
+  if (!facts) return std::nullopt;  // a reader sees that the plan is missing
+  const RecordingHeader& header = running_->header;
+  const Roi& roi = facts->roi;
+  const Roi recorded{header.x, header.y, header.width, header.height};
+  if (!(roi == recorded) || facts->format != header.format) {
+    return Ending{
+        fmt::format("the camera's image changed: it is now {} x {} at {}, {}, {}", roi.width,
+                    roi.height, roi.x, roi.y, pixel_format_name(facts->format)),
+        Rest::after};
+  }
+  for (const Document& document : running_->documents.of(*facts)) {
+    if (auto added = add(*running_->file, document); !added) return Ending{added.error().reason};
+  }
+  return std::nullopt;
+}
+
+Result<void> Recorder::write_frame(const TakenFrame& frame) {
+  Running& r = *running_;
+  RecordedFrame row = frame.row;
+  if (r.last_number != 0) row.dropped_before = frame.number - r.last_number - 1;
+  r.last_number = frame.number;
+  ++r.frames_begun;
+  r.frames_dropped += row.dropped_before;
+  r.pictures_dropped += row.picture_dropped;
+  if (!frame.pixels.empty()) {
+    const auto picture = r.file->add_picture(frame.pixels, !taker_.store()->behind());
+    if (!picture) return fail(picture.error());
+    row.picture = *picture;
+  }
+  r.file->add_frame(row, frame.spots, frame.coefficients);
+  return {};
+}
+
+/// Returns what came in between; empty: nothing.
+std::string Recorder::write_rest(std::int64_t until_ns) {
+  Running& r = *running_;
+  while (TakenFrame* const frame = taker_.store()->next(0)) {
+    const auto ending = write(*frame);
+    taker_.store()->give_back(frame);
+    if (ending) return ending->reason;
+    if (monotonic_ns() > until_ns) return kTooSlow;
+    if (monotonic_ns() < r.next_flush_ns) continue;
+    r.next_flush_ns = monotonic_ns() + kFlushNs;
+    const auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped);
+    if (!flushed) return flushed.error().reason;
+    tell();
+    if (disk_is_full(r.path)) return kDiskFull;
+  }
+  return "";
+}
+
+void Recorder::end(const Ending& ending) {
+  pipeline_.stop_recording();
+  std::string why = ending.reason;
+  const std::int64_t until_ns =
+      ending.at_stop ? monotonic_ns() + kStopRestNs : std::numeric_limits<std::int64_t>::max();
+  if (ending.rest == Rest::write) {
+    if (const std::string trouble = write_rest(until_ns); !trouble.empty()) why += "; " + trouble;
+  }
+  Running& r = *running_;
+  std::uint64_t lost = ending.rest == Rest::after ? 0 : taker_.store()->taken_after(r.last_number);
+  r.frames_dropped += lost;
+  if (why == "record.stop" && !r.file->in_place()) why += std::string("; ") + kGone;
+  const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
+  if (!closed) {
+    lost += r.frames_begun - r.file->frames();
+    r.frames_dropped += r.frames_begun - r.file->frames();
+    if (why == "record.stop") why += "; " + closed.error().reason;
+  }
+  if (ending.at_stop && lost > 0) why += fmt::format("; {} frames could not be written", lost);
+  if (ending.at_stop) lost_at_stop_.store(lost);
+  tell();
+  RecordReport last = report();
+  last.state = "ended";
+  last.reason = why;
+  report_.set(last);
+  const bool asked_for = why == "record.stop" || why.starts_with("limit_");
+  events_.emit("record", asked_for ? Severity::info : Severity::warning,
+               fmt::format("{} has ended with {} frames: {}", r.path, last.frames, why),
+               {{"file", r.path}, {"state", "ended"}, {"reason", why}});
+  taker_.exchange(nullptr);
+  keep_facts(kIdleFacts);
+  running_.reset();
+}
+
+void Recorder::tell() {
+  const Running& r = *running_;
+  RecordReport now;
+  now.state = "recording";
+  now.file = r.path;
+  now.duration_s = 1e-9 * double(monotonic_ns() - r.t_begin_mono_ns);
+  now.frames = r.file->frames();
+  now.frames_dropped = r.frames_dropped;
+  now.pictures = r.file->pictures();
+  now.pictures_dropped = r.pictures_dropped;
+  now.bytes = r.file->bytes();
+  report_.set(now);
+}
+
+}  // namespace ovws

@@ -1,0 +1,144 @@
+#include "daemon/ovwsd/refine/live_refiner.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(50);
+constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is waited for
+
+/// Of two numbers that do not go together the one that was given is at fault.
+Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
+  const bool black_stands = error.field == "black_level_dn" && !change.black_level_dn;
+  if (!black_stands || !change.saturation_dn) return error;
+  error.field = "saturation_dn";
+  error.reason = fmt::format("must be above black_level_dn, which is {}", next.black_level_dn);
+  return error;
+}
+
+}  // namespace
+
+LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics,
+                         const SlmGeometry& slm, const Instrument& instrument, StreamQueue& queue)
+    : wavelength_nm_(optics.wavelength_nm),
+      instrument_(instrument),
+      queue_(queue),
+      model_(slm, ending_),
+      inbox_(can_be_refined),
+      settings_(settings) {}
+
+bool LiveRefiner::do_work() {
+  const RefineSetup settings = settings_.get();
+  if (!settings.enabled || ending_) {
+    inbox_.forget();
+    waiting_since_ns_ = 0;
+    tell("off", std::nullopt);
+    std::this_thread::sleep_for(kTurn);
+    return false;
+  }
+  report_.change([](StatusMessage::RefinePart& report) {
+    if (report.state == "off") report.state = "waiting";
+  });
+  const std::int64_t period_ns = std::int64_t(1e9 / settings.rate_hz);
+  const std::int64_t left_ns = last_begun_ns_ + period_ns - monotonic_ns();
+  if (last_begun_ns_ != 0 && left_ns > 0) {
+    std::this_thread::sleep_for(
+        std::min(std::chrono::nanoseconds(left_ns), std::chrono::nanoseconds(kTurn)));
+    return false;
+  }
+  const FrameCopy* const frame = inbox_.next(kTurn);
+  if (frame == nullptr) {
+    wait_for_frame();
+    return false;
+  }
+  waiting_since_ns_ = 0;
+  const SensorSnapshot sensor = instrument_.snapshot();
+  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
+  last_begun_ns_ = monotonic_ns();
+  refine(*frame, sensor, settings);
+  return true;
+}
+
+void LiveRefiner::wait_for_frame() {
+  const std::int64_t now_ns = monotonic_ns();
+  if (waiting_since_ns_ == 0) waiting_since_ns_ = now_ns;
+  if (now_ns - waiting_since_ns_ < kPatienceNs) return;
+  tell("waiting", "no settled and valid frame comes");
+}
+
+void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
+                         const RefineSetup& settings) {
+  tell("refining", report_.get().reason);
+  RefinedFrame refined;
+  try {
+    refined = model_.refine(frame, sensor, settings);
+  } catch (const std::bad_alloc&) {
+    refined.refusal = "there is not enough memory for a model of this SLM and this image";
+  }
+  const RefineSetup now = settings_.get();
+  if (!now.enabled || !same_fit(now, settings)) return tell("waiting", std::nullopt);
+  report_.change([&refined](StatusMessage::RefinePart& report) {
+    ++(refined.refusal.empty() ? report.done : report.refused);
+    if (refined.duration_ms > 0.0) report.last_duration_ms = refined.duration_ms;
+    report.state = "waiting";
+    report.reason =
+        refined.refusal.empty() ? std::nullopt : std::optional<std::string>(refined.refusal);
+  });
+  publish(frame, sensor, std::move(refined));
+}
+
+void LiveRefiner::publish(const FrameCopy& frame, const SensorSnapshot& sensor,
+                          RefinedFrame refined) {
+  RefinedMessage message;
+  message.frame_id = frame.frame_id;
+  message.hologram_id = frame.hologram_id;
+  message.t_arrival_ns = frame.t_arrival_ns;
+  message.charge = frame.charge;
+  message.valid = refined.refusal.empty();
+  message.reason = std::move(refined.refusal);
+  message.against_reference = refined.against_reference;
+  message.wavelength_nm = wavelength_nm_;
+  message.gain_db = frame.gain_db;
+  message.gain_raw = frame.gain_raw;
+  message.exposure_us = frame.exposure_us;
+  message.j = sensor.modes_j;
+  message.duration_ms = refined.duration_ms;
+  if (refined.modes) {
+    RefinedModes& modes = *refined.modes;
+    message.coefficients = std::move(modes.waves);
+    message.sigma = std::move(modes.sigma_waves);
+    message.fit = RefinedMessage::Fit{modes.chi2_per_pixel, modes.peak_e, modes.background_e,
+                                      modes.iterations};
+  }
+  queue_.put(std::move(message));
+}
+
+void LiveRefiner::tell(std::string state, std::optional<std::string> reason) {
+  report_.change([&](StatusMessage::RefinePart& report) {
+    report.state = std::move(state);
+    report.reason = std::move(reason);
+  });
+}
+
+Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat format) {
+  auto changed = settings_.change([&](RefineSetup& settings) -> Result<RefineSetup> {
+    RefineSetup next = change.applied_to(in_format(settings, format));
+    if (auto whole = check_refine(next); !whole) return fail(of_given(whole.error(), change, next));
+    if (auto can = check_refinable(next); !can) return fail(can.error());
+    settings = next;
+    return next;
+  });
+  if (changed) queue_.ask_for_status();
+  return changed;
+}
+
+}  // namespace ovws

@@ -1,0 +1,153 @@
+#include "daemon/ovwsd/sensor/calibration_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/wavefront/reconstructor.hpp"
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMostSpots = 1 << 12;
+
+/// Column by column; its numbers are floats (see interaction_matrix).
+std::string matrix_text(const Eigen::MatrixXd& matrix) {
+  const Eigen::MatrixXf values = matrix.cast<float>();
+  return base64_of({values.data(), std::size_t(values.size())});
+}
+
+Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Eigen::Index rows,
+                                    Eigen::Index cols) {
+  const auto values = floats_of(text, std::size_t(rows * cols));
+  const auto finite = [](float value) { return std::isfinite(value); };
+  if (!values || !std::all_of(values->begin(), values->end(), finite)) {
+    return fail(Errc::invalid, key, "has not the numbers that its modes and spots ask for");
+  }
+  return Eigen::MatrixXd(
+      Eigen::Map<const Eigen::MatrixXf>(values->data(), rows, cols).cast<double>());
+}
+
+Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& out,
+                      std::size_t most, int least_value, int most_value) {
+  std::vector<double> numbers;
+  reader.numbers(key, numbers, 0, most, least_value, most_value);
+  for (const double number : numbers) {
+    const bool again = std::find(out.begin(), out.end(), int(number)) != out.end();
+    if (number != std::floor(number) || again) {
+      return fail(Errc::invalid, key, "are not numbers that count");
+    }
+    out.push_back(int(number));
+  }
+  return {};
+}
+
+struct Texts {
+  std::string slopes, standard_error;
+  int spots = 0;
+};
+
+/// All but the matrices and the origin.
+Result<Texts> read_plain(const json& content, Calibration& calibration) {
+  Texts texts;
+  std::string t_taken;
+  InteractionMatrix& matrix = calibration.matrix;
+  ObjectReader r(content, "");
+  for (const char* key :
+       {"frames", "t_taken_ns", "amplitude_waves", "modes_j", "spots", "lost_spots", "dropped",
+        "amplitudes_waves", "drift_px", "drift_noise_px", "slopes", "standard_error", "origin"}) {
+    r.require(key);
+  }
+  r.integer("frames", calibration.frames, limits::kPushFrames.min, limits::kPushFrames.max);
+  r.string("t_taken", t_taken);
+  const json* const t_taken_ns = r.raw("t_taken_ns");
+  r.number("amplitude_waves", calibration.amplitude_waves, limits::kPushWaves.min,
+           limits::kPushWaves.max);
+  r.numbers("amplitudes_waves", matrix.amplitude_waves, 0, kMaxZernikeIndex, 0.0,
+            limits::kPushWaves.max);
+  r.integer("spots", texts.spots, 1, kMostSpots);
+  auto modes = integers(r, "modes_j", matrix.modes_j, kMaxZernikeIndex, 1, kMaxZernikeIndex);
+  auto lost = integers(r, "lost_spots", matrix.lost_spots, kMostSpots, 0, kMostSpots - 1);
+  r.objects("dropped", kMaxZernikeIndex, [&](ObjectReader& one, std::size_t) {
+    DroppedMode dropped;
+    one.integer("j", dropped.j, 1, kMaxZernikeIndex);
+    one.string("reason", dropped.reason);
+    matrix.dropped.push_back(std::move(dropped));
+  });
+  r.number("drift_px", matrix.drift_px, 0.0, 1e6);
+  r.number("drift_noise_px", matrix.drift_noise_px, 0.0, 1e6);
+  r.string("slopes", texts.slopes);
+  r.string("standard_error", texts.standard_error);
+  const json* const origin = r.raw("origin");
+  if (auto read = r.finish(); !read) return fail(read.error());
+  for (const Result<void>* const part : {&modes, &lost}) {
+    if (!*part) return fail(part->error());
+  }
+  if (matrix.amplitude_waves.size() != matrix.modes_j.size()) {
+    return fail(Errc::invalid, "amplitudes_waves", "are not as many as the modes");
+  }
+  for (const int spot : matrix.lost_spots) {
+    if (spot >= texts.spots) return fail(Errc::invalid, "lost_spots", "are not among the spots");
+  }
+  if (!t_taken_ns->is_number_integer()) return fail(Errc::invalid, "t_taken_ns", "is not a time");
+  if (!origin->is_object()) return fail(Errc::invalid, "origin", "is not an object");
+  calibration.t_taken_ns = t_taken_ns->get<std::int64_t>();
+  calibration.origin = std::make_shared<const json>(*origin);
+  return texts;
+}
+
+}  // namespace
+
+json calibration_content(const Calibration& calibration) {
+  const InteractionMatrix& matrix = calibration.matrix;
+  json dropped = json::array();
+  for (const DroppedMode& one : matrix.dropped) {
+    dropped.push_back({{"j", one.j}, {"reason", one.reason}});
+  }
+  return {{"frames", calibration.frames},
+          {"t_taken_ns", calibration.t_taken_ns},
+          {"t_taken", utc_text(calibration.t_taken_ns)},
+          {"amplitude_waves", calibration.amplitude_waves},
+          {"amplitudes_waves", matrix.amplitude_waves},
+          {"modes_j", matrix.modes_j},
+          {"spots", matrix.spots()},
+          {"lost_spots", matrix.lost_spots},
+          {"dropped", dropped},
+          {"drift_px", matrix.drift_px},
+          {"drift_noise_px", matrix.drift_noise_px},
+          {"slopes", matrix_text(matrix.slopes)},
+          {"standard_error", matrix_text(matrix.standard_error)},
+          {"origin", *calibration.origin}};
+}
+
+Result<Calibration> calibration_from(const json& content, const Config& config) {
+  Calibration calibration;
+  const auto texts = read_plain(content, calibration);
+  if (!texts) return fail(texts.error());
+  InteractionMatrix& matrix = calibration.matrix;
+  const Eigen::Index rows = 2 * texts->spots, cols = Eigen::Index(matrix.modes_j.size());
+  auto slopes = matrix_from("slopes", texts->slopes, rows, cols);
+  if (!slopes) return fail(slopes.error());
+  auto error = matrix_from("standard_error", texts->standard_error, rows, cols);
+  if (!error) return fail(error.error());
+  if (cols == 0 || determined_modes(*slopes) != int(cols)) {
+    return fail(Errc::invalid, "slopes", "do not determine the modes");
+  }
+  matrix.slopes = std::move(*slopes);
+  matrix.standard_error = std::move(*error);
+  const auto known = ReferenceBench::known(*calibration.origin);
+  if (!known) return fail(known.error());
+  calibration.key = calibration_key(known->key, config.optics, config.slm.geometry,
+                                    known->registration, (*calibration.origin)["camera"]);
+  calibration.key.slm = calibration.origin->value("slm", json());
+  calibration.mode_operator = mode_operator_of(matrix);
+  return calibration;
+}
+
+}  // namespace ovws

@@ -1,0 +1,103 @@
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <numeric>
+#include <optional>
+
+#include "core/optics/sensor_model.hpp"
+#include "core/wavefront/diffractive_matrix.hpp"
+#include "core/wavefront/reconstructor.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/reference_templates.hpp"
+
+namespace ovws {
+namespace {
+
+Result<std::unique_ptr<const SpotTracker>> tracker_for(const OperatorKey& key, SensorModel& model) {
+  const SpotModel spots{key.sensor.charge, model.lambda_d_px()};
+  if (key.tracking.templates == TemplateKind::model) return make_tracker(key.tracking, spots);
+  auto flat = model.light({});
+  if (!flat) return fail(flat.error());
+  auto picture = std::make_shared<ReferencePicture>();
+  picture->frames = 1;
+  picture->mean_dn = std::move(*flat);
+  Reference reference;
+  reference.positions_px = model.spots_px();
+  reference.picture = std::move(picture);
+  return make_tracker(key.tracking, spots, own_templates(key.tracking, spots, &reference).banks);
+}
+
+Result<ModeOperator> by_diffraction(const OperatorKey& key, const SlmGeometry& slm,
+                                    const std::atomic<bool>* stop) {
+  auto model = SensorModel::make(key.sensor, slm, key.optics, key.cols, key.rows);
+  if (!model) return fail(model.error());
+  const auto tracker = tracker_for(key, *model);
+  if (!tracker) return fail(tracker.error());
+  std::vector<int> modes_j =
+      slope_operator(model->lattice(), key.sensor, key.tracking, model->px_per_cycle()).modes_j;
+  auto matrix = diffractive_matrix(*model, key.sensor, **tracker, modes_j, kDiffractiveStep, stop);
+  if (!matrix) return fail(matrix.error());
+  if (determined_modes(matrix->slopes) < int(modes_j.size())) {
+    return fail(Errc::refused, "tracking",
+                "the spots that the tracker finds in the model do not tell every mode: move the "
+                "camera's region to the spots, or take another tracker");
+  }
+  return ModeOperator{OperatorKind::diffractive, std::move(modes_j), std::move(matrix->slopes),
+                      std::move(matrix->reference_px)};
+}
+
+}  // namespace
+
+std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
+  std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
+  std::iota(modes_j.begin(), modes_j.end(), 1);
+  return modes_j;
+}
+
+ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
+                            const TrackingConfig& tracking, const PxPerCycle& map) {
+  ModeOperator made{OperatorKind::slopes, reconstructed_modes(sensor), {}};
+  made.slopes =
+      slope_matrix(lattice, sensor, made.modes_j, slope_model(sensor.charge, tracking), map);
+  made.modes_j.resize(std::size_t(determined_modes(made.slopes)));
+  made.slopes.conservativeResize(Eigen::NoChange, Eigen::Index(made.modes_j.size()));
+  return made;
+}
+
+OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tracking,
+                         const OpticsConfig& optics, const Roi& roi) {
+  return {sensor, reference_key(sensor, tracking, roi).tracking, optics, roi.width, roi.height};
+}
+
+Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,
+                                          const std::atomic<bool>* stop) {
+  try {
+    return by_diffraction(key, slm, stop);
+  } catch (const std::bad_alloc&) {
+    return fail(Errc::unavailable, "tracking",
+                "there is not enough memory for a model of this SLM and this image");
+  }
+}
+
+const Result<ModeOperator>* OperatorShelf::find(const OperatorKey& key) const {
+  const auto at = std::find_if(made_.begin(), made_.end(),
+                               [&](const auto& entry) { return entry.first == key; });
+  return at == made_.end() ? nullptr : &at->second;
+}
+
+void OperatorShelf::forget_shortages(const OperatorKey* but) {
+  std::erase_if(made_, [&](const auto& entry) {
+    const auto& [key, made] = entry;
+    return !made && made.error().code == Errc::unavailable && !(but != nullptr && key == *but);
+  });
+}
+
+void OperatorShelf::put(const OperatorKey& key, Result<ModeOperator> made) {
+  std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
+  if (made_.size() == kMost) made_.pop_front();
+  made_.emplace_back(key, std::move(made));
+}
+
+}  // namespace ovws

@@ -1,0 +1,155 @@
+#include "daemon/ovwsd/sensor/reference_file.hpp"
+
+#include <cmath>
+
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/reader.hpp"
+#include "proto/results.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostSpots = 1 << 12;
+constexpr int kMostPixels = 1 << 16;  // a side
+
+tl::unexpected<Error> unfit(std::string field, std::string reason) {
+  return fail(Errc::invalid, std::move(field), std::move(reason));
+}
+
+json points_json(const std::vector<Vec2>& points) {
+  json all = json::array();
+  for (const Vec2& point : points) all.push_back({point.x, point.y});
+  return all;
+}
+
+/// `may_lack`: null stands for what is not known.
+Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool may_lack) {
+  const auto fits = [may_lack](const json& number) {
+    return number.is_number() || (may_lack && number.is_null());
+  };
+  const auto value = [](const json& number) {
+    return number.is_null() ? NAN : number.get<double>();
+  };
+  if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMostSpots) {
+    return unfit(key, "is not a list of positions");
+  }
+  std::vector<Vec2> points;
+  for (const json& point : content[key]) {
+    const bool pair = point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
+    if (!pair) return unfit(key, "is not a list of [x, y]");
+    points.push_back({value(point[0]), value(point[1])});
+  }
+  return points;
+}
+
+json picture_json(const ReferencePicture* picture) {
+  if (picture == nullptr) return nullptr;
+  return {{"frames", picture->frames},
+          {"gain_db", std::isnan(picture->gain_db) ? json() : json(picture->gain_db)},
+          {"pixel_format", pixel_format_name(picture->format)},
+          {"width", picture->mean_dn.width},
+          {"height", picture->mean_dn.height},
+          {"mean_dn", base64_of(picture->mean_dn.pixels)}};
+}
+
+Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content) {
+  if (content.is_null()) return nullptr;
+  auto picture = std::make_shared<ReferencePicture>();
+  std::optional<double> gain_db;
+  std::string format, pixels;
+  int width = 0, height = 0;
+  ObjectReader r(content, "picture");
+  for (const char* key : {"frames", "gain_db", "pixel_format", "width", "height", "mean_dn"}) {
+    r.require(key);
+  }
+  r.integer("frames", picture->frames, 1, ReferencePictureTaker::kMostFrames);
+  r.optional_number("gain_db", gain_db, -1e3, 1e3);
+  r.string("pixel_format", format);
+  r.integer("width", width, 1, kMostPixels);
+  r.integer("height", height, 1, kMostPixels);
+  r.string("mean_dn", pixels);
+  if (auto read = r.finish(); !read) return fail(read.error());
+  const auto known = pixel_format_from_name(format);
+  auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
+  if (!known || !values) return unfit("picture", "has not the pixels that it says");
+  picture->gain_db = gain_db.value_or(kNotKnown);
+  picture->format = *known;
+  picture->mean_dn.width = width;
+  picture->mean_dn.height = height;
+  picture->mean_dn.pixels = std::move(*values);
+  return picture;
+}
+
+/// What the parts must have in common.
+Result<void> check_whole(const Reference& reference) {
+  const ReferenceKey& key = reference.key;
+  const std::size_t spots = reference.positions_px.size();
+  if (spots == 0 || reference.standard_error_px.size() != spots) {
+    return unfit("positions_px", "are not as many as their standard errors");
+  }
+  const auto* const picture = reference.picture.get();
+  if (picture != nullptr &&
+      (picture->mean_dn.width != key.roi.width || picture->mean_dn.height != key.roi.height)) {
+    return unfit("picture", "is not of the region of interest");
+  }
+  return {};
+}
+
+}  // namespace
+
+json reference_content(const Reference& reference) {
+  return {{"source", reference_source_name(reference.source)},
+          {"frames", reference.frames},
+          {"t_taken_ns", reference.t_taken_ns},
+          {"t_taken", utc_text(reference.t_taken_ns)},
+          {"positions_px", points_json(reference.positions_px)},
+          {"standard_error_px", points_json(reference.standard_error_px)},
+          {"origin", reference.origin ? *reference.origin : json()},
+          {"picture", picture_json(reference.picture.get())}};
+}
+
+Result<Reference> reference_from(const json& content) {
+  Reference reference;
+  int source = -1;
+  std::string t_taken;
+  ObjectReader r(content, "");
+  for (const char* key : {"source", "frames", "t_taken_ns", "origin", "picture"}) r.require(key);
+  r.choice("source", source,
+           {std::string(reference_source_name(ReferenceSource::measured)),
+            std::string(reference_source_name(ReferenceSource::model))});
+  r.integer("frames", reference.frames, 0, 1 << 30);
+  r.string("t_taken", t_taken);
+  const json* const t_taken_ns = r.raw("t_taken_ns");
+  const json* const origin = r.raw("origin");
+  const json* const picture = r.raw("picture");
+  r.raw("positions_px");
+  r.raw("standard_error_px");
+  if (auto read = r.finish(); !read) return fail(read.error());
+  if (!t_taken_ns->is_number_integer()) return unfit("t_taken_ns", "is not a time");
+  if (!origin->is_object()) return unfit("origin", "is not an object");
+  reference.source = ReferenceSource(source);
+  reference.t_taken_ns = t_taken_ns->get<std::int64_t>();
+  auto positions = points_from(content, "positions_px", false);
+  if (!positions) return fail(positions.error());
+  auto errors = points_from(content, "standard_error_px", true);
+  if (!errors) return fail(errors.error());
+  auto known = ReferenceBench::known(*origin);
+  if (!known) return fail(known.error());
+  auto mean = picture_from(*picture);
+  if (!mean) return fail(mean.error());
+  reference.key = known->key;
+  reference.aberration = std::move(known->aberration);
+  reference.introduced = std::move(known->introduced);
+  reference.registration = known->registration;
+  reference.positions_px = std::move(*positions);
+  reference.standard_error_px = std::move(*errors);
+  reference.origin = std::make_shared<const json>(*origin);
+  reference.picture = std::move(*mean);
+  if (auto whole = check_whole(reference); !whole) return fail(whole.error());
+  return reference;
+}
+
+}  // namespace ovws

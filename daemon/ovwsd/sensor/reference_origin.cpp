@@ -1,0 +1,219 @@
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+
+#include "daemon/shared/encoding.hpp"
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
+#include "proto/requests.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+/// Keys of the configuration as its file has them.
+json config_json(const Config& config) {
+  return json::parse(dump_config(config));
+}
+
+json aberration_json(const std::vector<Mode>& aberration) {
+  json modes = json::array();
+  for (const Mode& mode : aberration) modes.push_back({{"j", mode.j}, {"waves", mode.waves}});
+  return modes;
+}
+
+json registration_json(const std::optional<Registration>& registration) {
+  if (!registration) return nullptr;
+  const PxPerCycle& map = registration->px_per_cycle;
+  return {{"t_taken_ns", registration->t_taken_ns},
+          {"base_px", {registration->base_px.x, registration->base_px.y}},
+          {"px_per_cycle", {map.xx, map.xy, map.yx, map.yy}}};
+}
+
+Result<std::optional<Registration>> registration_from(const json& content) {
+  if (content.is_null()) return std::nullopt;
+  std::vector<double> base, map;
+  ObjectReader r(content, "registration");
+  for (const char* key : {"t_taken_ns", "base_px", "px_per_cycle"}) r.require(key);
+  const json* const t_taken_ns = r.raw("t_taken_ns");
+  r.numbers("base_px", base, 2, 2, -1e6, 1e6);
+  r.numbers("px_per_cycle", map, 4, 4, limits::kPxPerCycle.min, limits::kPxPerCycle.max);
+  if (auto read = r.finish(); !read) return fail(read.error());
+  Registration registration;
+  registration.base_px = {base[0], base[1]};
+  registration.px_per_cycle = {map[0], map[1], map[2], map[3]};
+  const bool mappable = registration.px_per_cycle.scale() >= limits::kLeastPxPerCycle;
+  if (!t_taken_ns->is_number_integer() || !mappable) {
+    return fail(Errc::invalid, "registration", "is not a map of slopes");
+  }
+  registration.t_taken_ns = t_taken_ns->get<std::int64_t>();
+  return registration;
+}
+
+json settings_json(const std::optional<CameraSettings>& settings) {
+  if (!settings) return nullptr;
+  json out = to_json(*settings);
+  out.erase("frame_rate_hz");
+  out.erase("roi");
+  if (out["gain_raw"].is_null()) out.erase("gain_raw");
+  return out;
+}
+
+std::string hash_of(const Image<std::uint8_t>& grey) {
+  return sha256_of(std::span(grey.pixels));
+}
+
+/// The first key below `path` in which they differ, with both values; empty: none. A key that one
+/// of them lacks counts as null.
+std::string difference(const std::string& path, const json& then, const json& now) {
+  if (!then.is_object() || !now.is_object()) {
+    return then == now ? "" : path + " was " + then.dump() + ", and is " + now.dump();
+  }
+  json keys = then;
+  keys.update(now);
+  for (const auto& [key, value] : keys.items()) {
+    const json null;
+    auto found = difference(path + "." + key, then.contains(key) ? then[key] : null,
+                            now.contains(key) ? now[key] : null);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+}  // namespace
+
+json camera_json(const std::optional<CameraInfo>& camera) {
+  if (!camera) return nullptr;
+  // As a file gives them back: what a camera says need not be UTF-8.
+  const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
+  return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
+    : config_(config), hologram_(std::move(hologram)) {
+  bench_ = {{"optics", config_json(config)["optics"]},
+            {"slm", slm_identity(hologram_, config.slm.lut.has_value())}};
+}
+
+void ReferenceBench::use_slm(const SlmInForce& slm) {
+  hologram_ = slm.hologram;
+  bench_["slm"] = slm.identity;
+}
+
+json ReferenceBench::origin(const OriginInputs& inputs) const {
+  Config config = config_;
+  config.sensor = inputs.key.sensor;
+  config.tracking = inputs.key.tracking;
+  json all = config_json(config);
+  json origin{{"program", OVWS_VERSION},
+              {"camera", camera_json(inputs.camera)},
+              {"settings", settings_json(inputs.settings)},
+              {"registration", registration_json(inputs.registration)},
+              {"roi", to_json(inputs.key.roi)},
+              {"sensor", std::move(all["sensor"])},
+              {"tracking", std::move(all["tracking"])},
+              {"optics", bench_["optics"]},
+              {"slm", bench_["slm"]},
+              {"aberration", aberration_json(inputs.aberration)},
+              {"hologram_sha256", inputs.grey != nullptr ? json(hash_of(*inputs.grey)) : json()}};
+  if (!inputs.introduced.empty()) origin["introduced"] = aberration_json(inputs.introduced);
+  return origin;
+}
+
+Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
+  for (const char* part :
+       {"sensor", "tracking", "roi", "aberration", "camera", "settings", "registration"}) {
+    if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
+  }
+  // Read as the configuration is: as strictly, and with the same ranges.
+  const auto config = parse_config(json{
+      {"sensor", origin["sensor"]},
+      {"tracking", origin["tracking"]},
+      {"camera",
+       {{"roi", origin["roi"]}}}}.dump());
+  if (!config) return fail(config.error());
+  auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  if (!modes) return fail(modes.error());
+  auto introduced = decode_aberration_set({{"modes", origin.value("introduced", json::array())}});
+  if (!introduced) return fail(introduced.error());
+  auto registration = registration_from(origin["registration"]);
+  if (!registration) return fail(registration.error());
+  return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
+               std::move(*modes), std::move(*introduced), *registration};
+}
+
+/// As of a bench with this LUT and flatness.
+json ReferenceBench::with_own_slm(json origin) const {
+  json& slm = origin["slm"];
+  for (const char* part : {"lut_sha256", "flatness_sha256"}) {
+    if (slm.is_object()) slm[part] = bench_["slm"][part];
+  }
+  return origin;
+}
+
+bool ReferenceBench::has_other_slm_only(const json& origin) const {
+  const json same = with_own_slm(origin);
+  return origin.value("slm", json()) != bench_["slm"] && same["slm"] == bench_["slm"] &&
+         same.value("optics", json()) == bench_["optics"];
+}
+
+std::string ReferenceBench::obstacle(const Reference& reference) const {
+  if (reference.source == ReferenceSource::model) {
+    // Where the model has its spots, no LUT matters.
+    return obstacle(with_own_slm(*reference.origin), reference.key, reference.positions_px.size());
+  }
+  return obstacle(*reference.origin, reference.key, reference.positions_px.size());
+}
+
+std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key,
+                                     std::size_t spots) const {
+  for (const char* part : {"optics", "slm"}) {
+    auto differs = difference(part, origin.value(part, json()), bench_[part]);
+    if (!differs.empty()) return differs;
+  }
+  HologramConfig hologram = hologram_;
+  hologram.sensor = key.sensor;
+  const auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return renderer.error().reason;
+  if (renderer->lattice().subapertures.size() != spots) {
+    return "it has not as many spots as its sensor";
+  }
+  const json hash = origin.value("hologram_sha256", json());
+  if (hash.is_null()) return {};
+  Image<std::uint8_t> grey;
+  const auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  if (!modes) return modes.error().reason;
+  renderer->render(HologramKind::sensor, *modes, grey);
+  return hash == hash_of(grey) ? "" : "this program draws its hologram otherwise";
+}
+
+std::string identity_of(const json& origin) {
+  json identity;
+  for (const char* part : {"camera", "roi", "sensor", "tracking", "optics", "slm"}) {
+    identity[part] = origin.value(part, json());
+  }
+  return sha256_hex(identity.dump()).substr(0, 16);
+}
+
+bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera) {
+  if (!reference.origin || !camera) return false;
+  const json& then = (*reference.origin)["camera"];
+  return !then.is_null() && then != camera_json(camera);
+}
+
+std::vector<StaleField> stale_fields(const Reference& reference,
+                                     const std::optional<CameraSettings>& now) {
+  std::vector<StaleField> stale;
+  if (reference.source == ReferenceSource::model || !reference.origin || !now) return stale;
+  const json& then = (*reference.origin)["settings"];
+  if (!then.is_object()) return stale;
+  const json current = settings_json(now);
+  for (const auto& [field, value] : current.items()) {
+    // A file of another program may lack a key: then the setting is not known, as now.
+    if (then.contains(field) && then[field] != value) {
+      stale.push_back({field, then[field], value});
+    }
+  }
+  return stale;
+}
+
+}  // namespace ovws

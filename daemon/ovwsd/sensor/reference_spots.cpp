@@ -1,0 +1,99 @@
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "core/wavefront/reconstructor.hpp"
+
+namespace ovws {
+namespace {
+
+/// Standard deviations of the modes for spots of equal noise; empty: not determined.
+Eigen::VectorXd noise_of_modes(const Eigen::MatrixXd& slopes) {
+  if (determined_modes(slopes) != int(slopes.cols())) return {};
+  return (slopes.transpose() * slopes).inverse().diagonal().cwiseSqrt();
+}
+
+struct Growth {
+  std::vector<int> weak_j, undetermined_j;
+};
+
+Growth growth_without(const std::vector<int>& lost, const ModeOperator& modes) {
+  Eigen::MatrixXd left = modes.slopes;
+  for (const int i : lost) left.middleRows(2 * Eigen::Index(i), 2).setZero();
+  const Eigen::VectorXd all = noise_of_modes(modes.slopes), some = noise_of_modes(left);
+  if (some.size() == 0) return {{}, modes.modes_j};
+  Growth growth;
+  for (Eigen::Index k = 0; k < some.size(); ++k) {
+    const double by = all.size() > 0 ? some[k] / all[k] : 1.0;
+    const int j = modes.modes_j[std::size_t(k)];
+    if (by > Reconstructor::kMaxNoiseGrowth) growth.undetermined_j.push_back(j);
+    if (by > kWeakGrowth) growth.weak_j.push_back(j);
+  }
+  return growth;
+}
+
+}  // namespace
+
+Result<ReferenceSpots> judge_spots(const ReferenceCollector::Average& average,
+                                   const ModeOperator& modes) {
+  ReferenceSpots spots;
+  for (std::size_t i = 0; i < average.found.size(); ++i) {
+    const int found = average.found[i];
+    const bool lost = 2 * found < average.frames || (found < 2 && average.frames > 1);
+    if (lost) {
+      spots.lost.push_back(int(i));
+    } else if (10 * found < 9 * average.frames) {
+      spots.weak.push_back(int(i));
+    }
+  }
+  if (spots.lost.empty()) return spots;
+  Growth growth = growth_without(spots.lost, modes);
+  spots.weak_modes_j = std::move(growth.weak_j);
+  if (growth.undetermined_j.empty()) return spots;
+  return fail(Errc::refused, "",
+              fmt::format("spots {} were found in fewer than half of the frames, and without them "
+                          "the modes j = {} are not determined: check that the light reaches the "
+                          "whole pupil, the exposure, and that the region of interest holds the "
+                          "spots, or use fewer subapertures",
+                          listed_spots(spots.lost), listed_spots(growth.undetermined_j)));
+}
+
+void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
+                Reference& reference) {
+  if (lost.empty()) return;
+  std::vector<bool> known(model_px.size(), true);
+  for (const int i : lost) known[std::size_t(i)] = false;
+  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 2> rhs = Eigen::Matrix<double, 3, 2>::Zero();
+  const auto basis = [&](std::size_t i) {
+    return Eigen::Vector3d(1.0, 1e-2 * model_px[i].x, 1e-2 * model_px[i].y);
+  };
+  for (std::size_t i = 0; i < model_px.size(); ++i) {
+    if (!known[i]) continue;
+    const Vec2 moved = reference.positions_px[i] - model_px[i];
+    normal += basis(i) * basis(i).transpose();
+    rhs += basis(i) * Eigen::RowVector2d(moved.x, moved.y);
+  }
+  const Eigen::Matrix<double, 3, 2> map = normal.ldlt().solve(rhs);
+  for (const int spot : lost) {
+    const auto i = std::size_t(spot);
+    const Eigen::RowVector2d moved = basis(i).transpose() * map;
+    reference.positions_px[i] = model_px[i] + Vec2{moved.x(), moved.y()};
+    reference.standard_error_px[i] = {NAN, NAN};
+  }
+}
+
+std::vector<Vec2> known_positions(const Reference& reference) {
+  std::vector<Vec2> known = reference.positions_px;
+  if (reference.standard_error_px.size() != known.size()) return known;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const Vec2& error = reference.standard_error_px[i];
+    if (std::isnan(error.x) || std::isnan(error.y)) known[i] = {NAN, NAN};
+  }
+  return known;
+}
+
+}  // namespace ovws

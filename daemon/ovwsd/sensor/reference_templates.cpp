@@ -1,0 +1,86 @@
+#include "daemon/ovwsd/sensor/reference_templates.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/tracking/reference_shape.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMostMiB = 256.0;
+
+OwnTemplates none(std::string reason) {
+  return {{}, {0, std::move(reason)}};
+}
+
+double bank_mib(const SpotModel& spots) {
+  const TemplateBank bank(spots, ModelShape(spots, 1.5 * matched_window(spots.charge) + 1.0));
+  const double planes = 3.0 + double(kNoiseLevels.size());
+  const double shifts = 1.0 / (bank.step_px() * bank.step_px());
+  return planes * shifts * bank.columns() * bank.rows() * double(sizeof(float)) / 1048576.0;
+}
+
+std::string missing(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
+  constexpr int kMostNamed = 8;
+  std::string text;
+  int count = 0;
+  for (std::size_t i = 0; i < banks.size(); ++i) {
+    if (banks[i] || ++count > kMostNamed) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(i);
+  }
+  if (count > kMostNamed) text += fmt::format(" and {} more", count - kMostNamed);
+  return text;
+}
+
+}  // namespace
+
+OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& spots,
+                           const Reference* reference) {
+  if (tracking.templates == TemplateKind::model) return none("");
+  if (tracking.tracker != TrackerKind::matched) {
+    return none("only the tracker matched has a template: set it");
+  }
+  if (reference == nullptr) return none("there is no reference: take one");
+  if (!reference->picture) return none(fmt::format("the reference: {}", kNoPicture));
+  if (!shows(reference->picture->format, spots.lit)) {
+    return none(fmt::format("the reference's picture was taken in {}: take it anew",
+                            pixel_format_name(reference->picture->format)));
+  }
+  const double needed_mib = bank_mib(spots) * double(reference->positions_px.size());
+  if (needed_mib > kMostMiB) {
+    return none(fmt::format("they would take {:.0f} MiB of memory, more than {:.0f}: use \"model\"",
+                            needed_mib, kMostMiB));
+  }
+  OwnTemplates own;
+  own.banks = reference_templates(spots, reference->picture->mean_dn, reference->positions_px);
+  const std::string without = missing(own.banks);
+  own.report.own = int(own.banks.size() - std::count(own.banks.begin(), own.banks.end(), nullptr));
+  if (!without.empty()) {
+    own.report.reason = fmt::format(
+        "the reference's picture of spots {} is saturated or dark: mend the exposure, and take it "
+        "anew",
+        without);
+  }
+  if (own.report.own == 0) own.banks.clear();
+  return own;
+}
+
+const OwnTemplates& TemplateShelf::of(const TrackingSettings& tracking, const SpotModel& spots,
+                                      const std::optional<Reference>& reference) {
+  const auto picture = reference ? reference->picture : nullptr;
+  const bool known = made_ && tracking == tracking_ && referenced_ == reference.has_value() &&
+                     picture == picture_ && spots == spots_;
+  if (!known) {
+    made_.reset();
+    made_ = own_templates(tracking, spots, reference ? &*reference : nullptr);
+    tracking_ = tracking;
+    spots_ = spots;
+    referenced_ = reference.has_value();
+    picture_ = picture;
+  }
+  return *made_;
+}
+
+}  // namespace ovws

@@ -1,0 +1,69 @@
+#include "daemon/ovwsd/sensor/refined_modes.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovws {
+
+RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db,
+                           int frames) {
+  const RefineSettings settings = in_format(stated, format);
+  const double electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
+  // A mean of N frames is the sum of N in numbers N times as small.
+  RefineCamera camera;
+  camera.electrons_per_dn = electrons_per_dn * frames;
+  camera.read_noise_e =
+      std::hypot(settings.read_noise_e, rounding_e(electrons_per_dn)) * std::sqrt(double(frames));
+  camera.black_dn = settings.black_level_dn;
+  const double full = full_scale_dn(format);
+  camera.saturated_dn = std::min(settings.saturation_dn.value_or(full), full);
+  return camera;
+}
+
+std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int frames) const {
+  constexpr double kLeastPeak = 1.0;  // of the read noise: thousands of pixels share the light
+  constexpr double kMostSigmaWaves = 0.1;
+  constexpr double kMostChi2 = 3.0;  // the noise that a person states may be somewhat off
+  const double most_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
+  if (!(peak_e > kLeastPeak * std::max(camera.read_noise_e, 1.0))) {
+    return fmt::format(
+        "the brightest pixel, {:.0f} electrons, is below the read noise: expose longer", peak_e);
+  }
+  const bool told = std::all_of(sigma_waves.begin(), sigma_waves.end(),
+                                [](double sigma) { return sigma < kMostSigmaWaves; });  // no NaN
+  if (!told) {
+    return fmt::format("too little light to tell all modes: one's standard error is {:.2f} wave",
+                       most_sigma);
+  }
+  if (!((chi2_per_pixel - 1.0) / frames + 1.0 < kMostChi2)) {
+    return fmt::format(
+        "the model does not explain the pixels, chi2 per pixel is {:.1f}: the noise stated, the "
+        "optics configured, or what is in the light differs",
+        chi2_per_pixel);
+  }
+  return std::nullopt;
+}
+
+RefinedModes refined_modes(const Refinement& found) {
+  RefinedModes modes;
+  for (const Mode& mode : found.modes) modes.waves.push_back(mode.waves);
+  modes.sigma_waves = found.sigma_waves;
+  modes.chi2_per_pixel = found.chi2_per_pixel;
+  modes.peak_e = found.peak_e;
+  modes.background_e = found.background_e;
+  modes.iterations = found.iterations;
+  modes.amplitudes = found.amplitudes;
+  return modes;
+}
+
+RefinedModes minus(RefinedModes found, const RefinedModes& reference) {
+  for (std::size_t k = 0; k < found.waves.size(); ++k) {
+    found.waves[k] -= reference.waves[k];
+    found.sigma_waves[k] = std::hypot(found.sigma_waves[k], reference.sigma_waves[k]);
+  }
+  return found;
+}
+
+}  // namespace ovws

@@ -1,0 +1,262 @@
+#include "daemon/ovwsd/sensor/spot_finder.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/tracking/cell_image.hpp"
+#include "core/wavefront/reconstructor.hpp"
+#include "core/wavefront/shape_templates.hpp"
+#include "core/wavefront/shaped_acquisition.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(10);
+constexpr std::chrono::milliseconds kFramePatience(50);
+constexpr int kBlindInARow = 2;
+constexpr int kDoubtfulInARow = 5;  // valid frames: noise loses a spot now and then
+constexpr std::int64_t kLookPauseNs = 50'000'000;
+constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
+constexpr std::int64_t kWellNs = 1'000'000'000;
+constexpr std::int64_t kAnnounceNs = 500'000'000;
+constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
+constexpr double kElsewhere = 0.5;      // lambda/d
+constexpr double kCell = 0.5;           // lambda/d: images are compared by the means of such cells
+// Memory is locked: what a search needs grows with both, to some hundred MiB here.
+constexpr std::size_t kMostSpots = 200;
+constexpr double kMostSpotPx = 40.0;  // lambda/d
+
+/// A torn spot may be lost, or found in its wrong half: then no wavefront explains the positions.
+/// One that the reference lacks, too, is dark, and missed by nobody.
+bool is_doubtful(const FrameRecord& record) {
+  const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
+  const int lost =
+      record.plan->referenced() ? record.reconstruction.lost : record.spot_count - record.tracked;
+  return record.settled && (lost > 0 || record.reconstruction.fit_residual_px > explained_px);
+}
+
+/// NaN for lost spots.
+std::vector<Vec2> places(std::span<const SpotFix> fixes) {
+  std::vector<Vec2> at_px;
+  for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
+  return at_px;
+}
+
+/// No spot is split, and every spot that the reference has is followed where a search found it: a
+/// new plan would measure the same.
+bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
+                         const SensorSnapshot& sensor, double lambda_d_px) {
+  if (!sensor.torn.empty() || !found.numbers().empty() || !sensor.reference) return false;
+  const std::vector<Vec2> known = known_positions(*sensor.reference);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const Vec2 followed{double(frame.spots[i].x), double(frame.spots[i].y)};
+    const bool there = norm(found.at_px[i] - followed) <= kElsewhere * lambda_d_px;
+    if (!std::isnan(known[i].x) && !there) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+/// All that one sensor's images of one size need.
+struct SpotFinder::Bench {
+  SensorConfig sensor;
+  TrackingConfig tracking;
+  int cols = 0, rows = 0;
+  PxPerCycle px_per_cycle;
+  std::vector<Vec2> reference_px;
+  std::unique_ptr<const SpotTracker> tracker;
+  TrackScratch scratch;
+  SpotModel spots;
+  ShapedAcquisition acquisition;
+  SpotOptics optics;  ///< of templates
+  Reconstructor plain;
+};
+
+SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument, Events& events)
+    : slm_(slm), instrument_(instrument), events_(events), inbox_(is_doubtful) {}
+
+SpotFinder::~SpotFinder() = default;
+
+void SpotFinder::saw(const FrameRecord& record) {
+  if (!record.settled) return;
+  const bool doubtful = is_doubtful(record);
+  const bool blind = doubtful && !record.valid && record.plan->referenced();
+  doubtful_in_a_row_ = doubtful ? doubtful_in_a_row_ + 1 : 0;
+  blind_in_a_row_ = blind ? blind_in_a_row_ + 1 : 0;
+  const Doubt doubt = blind_in_a_row_ >= kBlindInARow         ? Doubt::blind
+                      : doubtful_in_a_row_ >= kDoubtfulInARow ? Doubt::partial
+                                                              : Doubt::none;
+  doubt_.store(doubt, std::memory_order_relaxed);
+  if (!record.plan->referenced()) return;
+  validity_.saw(record.valid, {0, record.tracked, record.spot_count, record.explained},
+                monotonic_ns());
+}
+
+std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() const {
+  const std::int64_t now_ns = monotonic_ns();
+  const auto lack = validity_.lack(now_ns);
+  if (!lack) return std::nullopt;
+  return invalid_in_words(*lack, progress_.get(), now_ns, utc_ns());
+}
+
+/// An event when no frame has been valid for a while, and when one is again.
+void SpotFinder::announce() {
+  const std::int64_t now_ns = monotonic_ns();
+  const auto lack = validity_.lack(now_ns);
+  if (lack && announced_ns_ == 0 && now_ns - lack->since_ns >= kAnnounceNs) {
+    announced_ns_ = lack->since_ns;
+    const auto why = invalid_in_words(*lack, progress_.get(), now_ns, utc_ns());
+    events_.emit("spots", Severity::warning,
+                 fmt::format("no frame has been valid for {:.1f} s: {}; {}",
+                             1e-9 * double(now_ns - lack->since_ns), why.reason, why.action),
+                 {{"valid", false}, {"tracked", lack->tracked}, {"searches", why.searches}});
+  }
+  if (announced_ns_ == 0 || !validity_.is_valid()) return;
+  events_.emit(
+      "spots", Severity::info,
+      fmt::format("frames are valid again, after {:.1f} s", 1e-9 * double(now_ns - announced_ns_)),
+      {{"valid", true}});
+  announced_ns_ = 0;
+}
+
+bool SpotFinder::do_work() {
+  const Doubt doubt = doubt_.load(std::memory_order_relaxed);
+  const std::int64_t now_ns = monotonic_ns();
+  announce();
+  if (doubt == Doubt::none) {
+    if (now_ns - doubted_ns_ >= kWellNs) policy_.reset();
+    inbox_.forget();
+    progress_.set({});
+  } else {
+    doubted_ns_ = now_ns;
+  }
+  if (doubt == Doubt::none || now_ns < next_look_ns_) {
+    std::this_thread::sleep_for(kTurn);
+    return false;
+  }
+  const FrameCopy* const frame = inbox_.next(kFramePatience);
+  if (frame == nullptr) return false;
+  const SensorSnapshot sensor = instrument_.snapshot();
+  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
+  if (frame->plan_id == left_plan_id_ && now_ns - left_ns_ < kAdoptPatienceNs) return false;
+  return look(*frame, sensor, doubt);
+}
+
+/// Searches the frame if it is due.
+bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
+  const int bin = std::max(1, int(kCell * spots.on_lattice().lambda_d_px));
+  CellImage cells = average_cells(frame.image, spots.lit.lattice, bin);
+  const bool changed = !searched_ || is_other_image(*searched_, cells);
+  if (!policy_.is_due(doubt, changed, monotonic_ns())) {
+    next_look_ns_ = monotonic_ns() + kLookPauseNs;
+    return false;
+  }
+  policy_.begin(changed);
+  searched_ = std::move(cells);
+  progress_.change([](SearchProgress& now) { now.running = true; });
+  std::optional<TornSpots> found = search(frame, sensor);
+  if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
+  // While frames are valid, what follows the spots is better than nothing.
+  if (found || doubt == Doubt::blind) {
+    if (found && is_followed_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
+    const bool changes = found || !sensor.torn.empty();
+    if (changes) left_plan_id_ = sensor.plan_id, left_ns_ = monotonic_ns();
+    instrument_.follow(sensor.plan_id, std::move(found));
+  }
+  policy_.end(monotonic_ns());
+  progress_.change([&](SearchProgress& now) {
+    now = {false, now.searches + 1, policy_.next_ns()};
+  });
+  return true;
+}
+
+std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  try {
+    return make_bench(frame, sensor) ? explain(frame) : std::nullopt;
+  } catch (const std::bad_alloc&) {
+    bench_.reset();  // the ordinary plan needs nothing more
+    return std::nullopt;
+  }
+}
+
+/// The plain tracker first: when a strong wavefront has gone, nothing more is needed.
+std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
+  const std::size_t count = bench_->reference_px.size();
+  std::vector<SpotFix> fixes(count);
+  ShapedAcquisition& acquisition = bench_->acquisition;
+  const std::vector<Vec2> followed = places(frame.spots);
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, true, followed);
+  if (acquisition.shapes().empty()) {
+    if (is_explained_plain(fixes)) return TornSpots{places(fixes), {}};
+    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false, followed);
+  }
+  if (acquisition.shapes().empty()) return std::nullopt;
+  TornSpots out;
+  for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
+  const std::vector<bool>& torn = acquisition.torn();
+  if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return out;
+  out.templates =
+      shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), torn);
+  return out;
+}
+
+/// All spots that have a reference are found, and a wavefront explains where they are.
+bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
+  const Reconstructor& plain = bench_->plain;
+  Reconstructor::Scratch scratch = plain.make_scratch();
+  std::vector<float> coefficients(plain.modes_j().size());
+  const Reconstruction found = plain.solve(fixes, scratch, coefficients);
+  return found.determined && found.lost == 0 &&
+         found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
+}
+
+/// False: what stands in the snapshot makes no sensor, or one too large to search.
+bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  const int cols = frame.image.width, rows = frame.image.height;
+  const auto lattice = make_lattice(sensor.sensor, slm_);
+  if (!lattice) return false;
+  const PxPerCycle map = px_per_cycle(sensor.optics, slm_);
+  std::vector<Vec2> reference_px =
+      sensor.reference ? sensor.reference->positions_px
+                       : model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows);
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
+  const bool same = bench_ && bench_->sensor == sensor.sensor &&
+                    bench_->tracking == sensor.tracking && bench_->cols == cols &&
+                    bench_->rows == rows && bench_->reference_px == reference_px &&
+                    bench_->px_per_cycle == map && bench_->spots == spots;
+  if (same) return true;
+  bench_.reset();
+  if (reference_px.size() > kMostSpots || spots.lambda_d_px > kMostSpotPx) return false;
+  auto tracker = make_tracker(sensor.tracking, spots);
+  if (!tracker) return false;
+  const Eigen::MatrixXd slopes =
+      slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+                   slope_model(sensor.sensor.charge, sensor.tracking), map);
+  TrackScratch scratch = (*tracker)->make_scratch();
+  bench_ = std::make_unique<Bench>(
+      Bench{sensor.sensor, sensor.tracking, cols, rows, map, reference_px, std::move(*tracker),
+            std::move(scratch), spots,
+            ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
+                              reference_px, cols, rows),
+            template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
+                            spots.on_lattice()),
+            Reconstructor(slopes, sensor.modes_j,
+                          sensor.reference ? known_positions(*sensor.reference) : reference_px,
+                          turn_of_spots(*lattice, sensor.sensor, map, sensor.reference))});
+  return true;
+}
+
+}  // namespace ovws

@@ -1,0 +1,204 @@
+#include "daemon/ovwsd/sensor/spot_layout.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/tracking/spot_geometry.hpp"
+#include "core/wavefront/reconstructor.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kRegionStep = 16;  // px: a multiple that every camera takes
+
+/// Where the spots of a flat wavefront fall, camera pixels.
+struct Layout {
+  std::vector<Vec2> spots_px;
+  double lambda_d_px = 0.0;
+  double nearest = std::numeric_limits<double>::infinity();  ///< of two spots, lambda/d
+  Vec2 reach_px;           ///< farthest from the base spot in x and in y
+  double margin_px = 0.0;  ///< that a spot needs between its centre and the edge to be seen well
+};
+
+Layout layout_of(const SpotBench& bench) {
+  Layout layout;
+  layout.spots_px = model_spots_px(bench.lattice, bench.sensor, bench.slm, bench.optics,
+                                   bench.roi.width, bench.roi.height);
+  layout.lambda_d_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
+  layout.margin_px = (spot_geometry(bench.sensor.charge).dark + 0.5) * layout.lambda_d_px;
+  const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
+  const auto& spots = layout.spots_px;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    layout.reach_px.x = std::max(layout.reach_px.x, std::abs(spots[i].x - base.x));
+    layout.reach_px.y = std::max(layout.reach_px.y, std::abs(spots[i].y - base.y));
+    for (std::size_t k = 0; k < i; ++k) {
+      const double px = std::hypot(spots[i].x - spots[k].x, spots[i].y - spots[k].y);
+      layout.nearest = std::min(layout.nearest, px / layout.lambda_d_px);
+    }
+  }
+  return layout;
+}
+
+/// Size of the smallest region about the base spot that sees all spots, once their distances are
+/// `stretched`.
+Vec2 region_for(const Layout& layout, double stretched) {
+  const auto side = [&](double reach_px) {
+    const double px = 2.0 * (stretched * reach_px + layout.margin_px) + 1.0;
+    return kRegionStep * std::ceil(px / kRegionStep);
+  };
+  return {side(layout.reach_px.x), side(layout.reach_px.y)};
+}
+
+bool fits(Vec2 region, const Roi& roi) {
+  return region.x <= roi.width && region.y <= roi.height;
+}
+
+/// Whether a region about the base spot would see the undiffracted light, which outshines the
+/// spots.
+bool sees_zero_order(Vec2 region, const SpotBench& bench) {
+  const Vec2 away_px =
+      px_per_cycle(bench.optics, bench.slm) * base_grating_cpp(bench.sensor, bench.slm);
+  return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
+}
+
+/// Up: a value that is to be reached, with two digits.
+double rounded_up(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return unit * std::ceil(value / unit - 1e-9);
+}
+double rounded_down(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return unit * std::floor(value / unit + 1e-9);
+}
+
+std::string spot_name(int charge) {
+  return charge == 0 ? "bright spots" : fmt::format("vortices of charge {}", charge);
+}
+
+/// How many spots the region does not see, and whether the others tell the modes.
+struct Seen {
+  int missing = 0;
+  bool determined = false;
+};
+
+Seen seen_of(const SpotBench& bench, const Layout& layout) {
+  const double edge_px = spot_geometry(bench.sensor.charge).ring_outer * layout.lambda_d_px;
+  Seen seen;
+  std::vector<SpotFix> found(layout.spots_px.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Vec2 at = layout.spots_px[i];
+    const bool inside = at.x >= edge_px && at.y >= edge_px &&
+                        at.x <= bench.roi.width - 1 - edge_px &&
+                        at.y <= bench.roi.height - 1 - edge_px;
+    if (!inside) {
+      ++seen.missing;
+      continue;
+    }
+    found[i].x = float(at.x);
+    found[i].y = float(at.y);
+  }
+  if (seen.missing == 0) return {0, true};
+  const ModeOperator modes = slope_operator(bench.lattice, bench.sensor, bench.tracking,
+                                            px_per_cycle(bench.optics, bench.slm));
+  const Reconstructor reconstructor(modes.slopes, modes.modes_j, layout.spots_px);
+  auto scratch = reconstructor.make_scratch();
+  std::vector<float> waves(modes.modes_j.size());
+  seen.determined = reconstructor.solve(found, scratch, waves).determined;
+  return seen;
+}
+
+/// Values with which neighbouring spots are far enough apart.
+std::string farther_apart(const SpotBench& bench, const Layout& layout) {
+  const double stretched = good_spot_distance(bench.sensor.charge) / layout.nearest;
+  const int fewer = int(bench.sensor.subapertures_across / std::sqrt(stretched));
+  const double spacing = rounded_up(bench.sensor.spacing * stretched);
+  const Vec2 region = region_for(layout, spacing / bench.sensor.spacing);
+  std::string ways;
+  if (fewer < 3 || fits(region, bench.roi) || !sees_zero_order(region, bench)) {
+    ways = fmt::format("sensor.spacing to {:g}", spacing);
+    if (!fits(region, bench.roi))
+      ways += fmt::format(" and camera.roi to at least {:.0f} x {:.0f} px", region.x, region.y);
+  }
+  if (fewer < 3) return ways;
+  return ways + (ways.empty() ? "" : ", or ") +
+         fmt::format("sensor.subapertures_across to {}", fewer);
+}
+
+/// Another way than a larger region.
+std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
+  const auto share = [&](double fixed_px) {
+    const double x = (0.5 * (bench.roi.width - 1) - fixed_px) / layout.reach_px.x;
+    const double y = (0.5 * (bench.roi.height - 1) - fixed_px) / layout.reach_px.y;
+    return std::min(x, y);
+  };
+  const double closer = share(layout.margin_px);
+  if (closer * layout.nearest >= good_spot_distance(bench.sensor.charge)) {
+    return fmt::format("sensor.spacing to {:g}", rounded_down(bench.sensor.spacing * closer));
+  }
+  const double whole_x = (layout.reach_px.x + layout.margin_px) / (0.5 * (bench.roi.width - 1));
+  const double whole_y = (layout.reach_px.y + layout.margin_px) / (0.5 * (bench.roi.height - 1));
+  const double smaller = 1.0 / std::max(whole_x, whole_y);
+  return fmt::format("optics.focal_length_mm to {:g}, with such a lens",
+                     rounded_down(bench.optics.focal_length_mm * smaller));
+}
+
+}  // namespace
+
+double least_spot_distance(int charge, TrackerKind tracker) {
+  const int l = std::abs(charge);
+  constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
+  const double by_charge = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
+  const double radii = tracker == TrackerKind::matched ? 1.48 : by_charge;
+  return radii * spot_geometry(l).dark;
+}
+
+double good_spot_distance(int charge) {
+  return 1.6 * spot_geometry(std::abs(charge)).dark;
+}
+
+Result<void> check_spots_apart(const SpotBench& bench) {
+  const Layout layout = layout_of(bench);
+  const double least = least_spot_distance(bench.sensor.charge, bench.tracking.tracker);
+  if (layout.nearest >= least) return {};
+  return fail(
+      Errc::invalid, "sensor.spacing",
+      fmt::format("neighbouring spots are {:.2f} lambda/d apart, and {} cannot tell {} apart below "
+                  "{:.2f}: set {}",
+                  layout.nearest, tracker_name(bench.tracking.tracker),
+                  spot_name(bench.sensor.charge), least, farther_apart(bench, layout)));
+}
+
+Result<void> check_spots_in_region(const SpotBench& bench) {
+  const Layout layout = layout_of(bench);
+  const Seen seen = seen_of(bench, layout);
+  if (seen.determined) return {};
+  const std::string what =
+      fmt::format("{} of {} spots fall outside the camera's region of {} x {} px", seen.missing,
+                  layout.spots_px.size(), bench.roi.width, bench.roi.height);
+  if (bench.optics.centre_px) {
+    return fail(
+        Errc::invalid, "camera.roi",
+        fmt::format("{}: they lie about ({:.0f}, {:.0f}) px of it, as optics.centre_px or "
+                    "the registration says, up to {:.0f} px in x and {:.0f} px in y; move "
+                    "the region there, or run registration.run again",
+                    what, bench.optics.centre_px->x, bench.optics.centre_px->y,
+                    layout.reach_px.x + layout.margin_px, layout.reach_px.y + layout.margin_px));
+  }
+  const Vec2 region = region_for(layout, 1.0);
+  const std::string instead = instead_of_region(bench, layout);
+  if (sees_zero_order(region, bench))
+    return fail(Errc::invalid, "camera.roi", fmt::format("{}: set {}", what, instead));
+  return fail(Errc::invalid, "camera.roi",
+              fmt::format("{}: set its width and height to at least {:.0f} x {:.0f} px, or {}",
+                          what, region.x, region.y, instead));
+}
+
+}  // namespace ovws

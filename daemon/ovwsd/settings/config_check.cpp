@@ -1,0 +1,58 @@
+#include "daemon/ovwsd/settings/config_check.hpp"
+
+#include <algorithm>
+
+#include "core/optics/hologram.hpp"
+#include "core/tracking/tracker.hpp"
+#include "daemon/ovwsd/devices/driver_table.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+#include "daemon/ovwsd/sensor/spot_layout.hpp"
+#include "daemon/ovwsd/threads/thread_plan.hpp"
+#include "daemon/shared/slm_files.hpp"
+
+namespace ovws {
+namespace {
+
+Result<void> check_driver(const char* field, const std::string& name,
+                          const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return {};
+  std::string names;
+  for (const auto& one : known) names += (names.empty() ? "" : ", ") + one;
+  return fail(Errc::invalid, field, "there is no driver \"" + name + "\": choose one of " + names);
+}
+
+}  // namespace
+
+Result<void> check_usable(const Config& config) {
+  if (auto known = check_driver("camera.driver", config.camera.driver, camera_driver_names());
+      !known) {
+    return known;
+  }
+  if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
+    return known;
+  }
+  if (auto there = check_cpus(config.frame_path_cpus); !there) return there;
+  const auto hologram = load_hologram_config(config);
+  if (!hologram) return fail(hologram.error());
+  const auto renderer = HologramRenderer::make(*hologram);
+  if (!renderer) return fail(renderer.error());
+  if (auto fast = check_daemon_tracker(config.tracking); !fast) {
+    return fail(fast.error().code, "tracking." + fast.error().field, fast.error().reason);
+  }
+  const SpotModel spots = spot_model(config.sensor, config.optics, config.slm.geometry,
+                                     config.camera.settings.pixel_format);
+  const auto tracker = make_tracker(config.tracking, spots);
+  if (!tracker) return fail(tracker.error());
+  return {};
+}
+
+Result<void> check_sees_spots(const Config& config) {
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return fail(lattice.error());
+  const SpotBench bench{*lattice,      config.sensor,       config.tracking,
+                        config.optics, config.slm.geometry, config.camera.settings.roi};
+  if (auto apart = check_spots_apart(bench); !apart) return apart;
+  return check_spots_in_region(bench);
+}
+
+}  // namespace ovws

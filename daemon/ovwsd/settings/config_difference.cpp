@@ -1,0 +1,106 @@
+#include "daemon/ovwsd/settings/config_difference.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace ovws {
+namespace {
+
+/// What begins so, and is not among the fixed ones, changes live.
+constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
+                                                 "camera.exposure_us",
+                                                 "camera.gain_db",
+                                                 "camera.gain_raw",
+                                                 "camera.frame_rate_hz",
+                                                 "camera.roi.",
+                                                 "sensor.",
+                                                 "tracking.",
+                                                 "refine.",
+                                                 "stream.image_rate_hz",
+                                                 "log.level"};
+constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
+
+/// `rule` of each setting that a camera may round.
+template <class Rule>
+void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraSettings& b,
+                      Rule rule) {
+  rule(to.gain_db, a.gain_db, b.gain_db);
+  rule(to.gain_raw, a.gain_raw, b.gain_raw);
+  rule(to.exposure_us, a.exposure_us, b.exposure_us);
+  rule(to.frame_rate_hz, a.frame_rate_hz, b.frame_rate_hz);
+  rule(to.roi.x, a.roi.x, b.roi.x);
+  rule(to.roi.y, a.roi.y, b.roi.y);
+  rule(to.roi.width, a.roi.width, b.roi.width);
+  rule(to.roi.height, a.roi.height, b.roi.height);
+}
+
+template <class T>
+void take_difference(std::optional<T>& change, const T& before, const T& after) {
+  if (!(before == after)) change = after;
+}
+
+}  // namespace
+
+bool changes_live(std::string_view key) {
+  const auto begins = [key](std::string_view start) { return key.starts_with(start); };
+  return std::any_of(kLive.begin(), kLive.end(), begins) &&
+         std::none_of(kFixed.begin(), kFixed.end(), begins);
+}
+
+ConfigDifference difference(const Config& before, const Config& after) {
+  const auto now = nlohmann::json::parse(dump_config(before), nullptr, false).flatten();
+  const auto wanted = nlohmann::json::parse(dump_config(after), nullptr, false).flatten();
+  ConfigDifference keys;
+  const auto look_at = [&](const nlohmann::json& these, const nlohmann::json& others, bool all) {
+    for (const auto& [pointer, value] : these.items()) {
+      const bool there = others.contains(pointer);
+      if (there && (!all || others[pointer] == value)) continue;
+      std::string key = pointer.substr(1);
+      std::replace(key.begin(), key.end(), '/', '.');
+      (changes_live(key) ? keys.live : keys.restart).push_back(std::move(key));
+    }
+  };
+  look_at(wanted, now, true);
+  look_at(now, wanted, false);  // a list became null
+  return keys;
+}
+
+CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now) {
+  for_each_rounded(file, now.asked, now.settings,
+                   [](auto& value, const auto& asked, const auto& in_use) {
+                     if (value == in_use) value = asked;
+                   });
+  return file;
+}
+
+CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
+                          const CameraSettings& file) {
+  for_each_rounded(in_use, asked, file, [](auto& value, const auto& wanted, const auto& written) {
+    if (wanted == written) value = written;
+  });
+  return in_use;
+}
+
+CameraSet camera_change(const CameraSettings& before, const CameraSettings& after) {
+  CameraSet change;
+  if (!same_gain(before, after)) {
+    // Only the gain that is stated: the other one is not known.
+    if (std::isnan(after.gain_raw))
+      change.gain_db = after.gain_db;
+    else
+      change.gain_raw = after.gain_raw;
+  }
+  take_difference(change.exposure_us, before.exposure_us, after.exposure_us);
+  take_difference(change.frame_rate_hz, before.frame_rate_hz, after.frame_rate_hz);
+  take_difference(change.pixel_format, before.pixel_format, after.pixel_format);
+  take_difference(change.roi.x, before.roi.x, after.roi.x);
+  take_difference(change.roi.y, before.roi.y, after.roi.y);
+  take_difference(change.roi.width, before.roi.width, after.roi.width);
+  take_difference(change.roi.height, before.roi.height, after.roi.height);
+  return change;
+}
+
+}  // namespace ovws

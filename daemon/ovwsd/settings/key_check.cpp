@@ -1,0 +1,150 @@
+#include "daemon/ovwsd/settings/key_check.hpp"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <vector>
+
+#include "daemon/ovwsd/access/client_guard.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr const char* kServiceUser = "ovws";
+constexpr const char* kClientsField = "security.clients";
+constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
+
+struct User {
+  uid_t uid = 0;
+  gid_t gid = 0;
+  std::string name;
+};
+
+User user_of(uid_t uid) {
+  const passwd* const known = ::getpwuid(uid);
+  if (known == nullptr) return {uid, gid_t(-1), std::to_string(uid)};
+  return {uid, known->pw_gid, known->pw_name};
+}
+
+User daemons_user(const std::string& config_path, const std::string& secret) {
+  if (is_service_config(config_path)) {
+    if (const passwd* const known = ::getpwnam(kServiceUser)) return user_of(known->pw_uid);
+  }
+  struct stat about {};
+  const bool owned = ::stat(secret.c_str(), &about) == 0 && about.st_uid != 0;
+  return user_of(owned ? about.st_uid : ::geteuid());
+}
+
+/// Another user's rights to files, which root takes until the end of the scope.
+class RightsOf {
+ public:
+  explicit RightsOf(const User& user) {
+    if (user.uid == ::geteuid()) {
+      has_ = true;
+      return;
+    }
+    if (::geteuid() != 0) return;
+    const int count = ::getgroups(0, nullptr);
+    groups_.resize(count > 0 ? std::size_t(count) : 0);
+    if (count < 0 || ::getgroups(count, groups_.data()) < 0) return;
+    taken_ = ::initgroups(user.name.c_str(), user.gid) == 0;
+    has_ = taken_ && ::setegid(user.gid) == 0 && ::seteuid(user.uid) == 0;
+  }
+  ~RightsOf() {
+    if (!taken_) return;
+    const bool back = ::seteuid(0) == 0 && ::setegid(group_) == 0 &&
+                      ::setgroups(groups_.size(), groups_.data()) == 0;
+    if (!back) std::abort();  // whatever followed would run as another user than it should
+  }
+  RightsOf(const RightsOf&) = delete;
+  RightsOf& operator=(const RightsOf&) = delete;
+  explicit operator bool() const { return has_; }
+
+ private:
+  const gid_t group_ = ::getegid();
+  std::vector<gid_t> groups_;
+  bool taken_ = false, has_ = false;
+};
+
+bool can_read(const std::string& path) {
+  return ::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0;
+}
+
+bool is_missing(const std::string& path) {
+  return ::access(path.c_str(), F_OK) != 0 && errno == ENOENT;
+}
+
+/// Shows which folder on the way to the file is closed.
+std::string way_to(const std::string& path) {
+  return "namei -l " + path;
+}
+
+std::string fix_of_secret(const std::string& path, bool readable, const User& user) {
+  struct stat about {};
+  if (is_missing(path)) {
+    return "sudo ovws keygen -o " + path + " && sudo chown " + user.name + " " + path;
+  }
+  if (::stat(path.c_str(), &about) != 0) return way_to(path);
+  const std::string close = "sudo chmod 600 " + path;
+  const bool open = (about.st_mode & kOthers) != 0;
+  if (about.st_uid != user.uid) {
+    return "sudo chown " + user.name + " " + path + (open ? " && " + close : "");
+  }
+  if (open || (about.st_mode & S_IRUSR) == 0) return close;
+  return readable ? "sudo ovws keygen -o " + path + " --replace" : way_to(path);
+}
+
+std::string fix_of_clients(const std::string& path, bool readable, const User& user) {
+  struct stat about {};
+  if (is_missing(path)) return "sudoedit " + path;
+  if (::stat(path.c_str(), &about) != 0) return way_to(path);
+  const bool foreign = about.st_uid != 0 && about.st_uid != user.uid;
+  const bool closed = !readable && (about.st_mode & S_IROTH) == 0;
+  const std::string own = foreign ? "sudo chown root " + path : "";
+  if (closed || (about.st_mode & S_IWOTH) != 0) {
+    return own + (foreign ? " && " : "") + "sudo chmod 644 " + path;
+  }
+  if (foreign) return own;
+  return readable ? "sudoedit " + path : way_to(path);
+}
+
+/// Root's file is right for every reader.
+bool may_judge(const std::string& clients) {
+  struct stat about {};
+  return ::stat(clients.c_str(), &about) == 0 && about.st_uid == 0 && can_read(clients);
+}
+
+}  // namespace
+
+KeyCheck check_keys(const std::string& config_path, const Config& config) {
+  KeyCheck check;
+  const auto& [secret, clients] = config.security;
+  if (!secret || !clients) {
+    if (const auto safe = check_security(config); !safe) check.error = safe.error();
+    return check;
+  }
+  const User user = daemons_user(config_path, *secret);
+  check.user = user.name;
+  bool readable = false;
+  {
+    const RightsOf rights(user);
+    check.read = rights || is_missing(*secret);
+    const auto safe = check.read            ? check_security(config)
+                      : may_judge(*clients) ? check_clients(*clients)
+                                            : Result<void>{};
+    if (!safe) check.error = safe.error();
+    readable = can_read(check.error && check.error->field == kClientsField ? *clients : *secret);
+  }
+  if (!check.error) return check;
+  check.fix = check.error->field == kClientsField ? fix_of_clients(*clients, readable, user)
+                                                  : fix_of_secret(*secret, readable, user);
+  return check;
+}
+
+}  // namespace ovws

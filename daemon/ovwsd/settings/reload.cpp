@@ -1,0 +1,211 @@
+#include "daemon/ovwsd/settings/reload.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "daemon/ovwsd/access/client_guard.hpp"
+#include "daemon/ovwsd/settings/config_check.hpp"
+#include "daemon/ovwsd/settings/config_in_use.hpp"
+#include "daemon/shared/log.hpp"
+#include "daemon/shared/service_notify.hpp"
+
+namespace ovws {
+namespace {
+
+SensorSet sensor_set(const Config& to) {
+  SensorSet change;
+  change.charge = to.sensor.charge;
+  change.grid = to.sensor.grid;
+  change.subapertures_across = to.sensor.subapertures_across;
+  change.pupil_diameter_px = to.sensor.pupil_diameter_px;
+  change.grooves = to.sensor.grooves;
+  change.spacing = to.sensor.spacing;
+  change.tracker = to.tracking.tracker;
+  change.templates = to.tracking.templates;
+  change.mode_operator = to.tracking.mode_operator;
+  return change;
+}
+
+RefineSet refine_set(const RefineSetup& to) {
+  RefineSet change;
+  change.enabled = to.enabled;
+  change.rate_hz = to.rate_hz;
+  change.electrons_per_dn = to.electrons_per_dn;
+  change.read_noise_e = to.read_noise_e;
+  change.black_level_dn = to.black_level_dn;
+  change.saturation_dn = to.saturation_dn;
+  change.spot_amplitudes = to.spot_amplitudes;
+  return change;
+}
+
+/// The parts name their keys as their methods do, a file's reader knows them with their room. A
+/// saved value is not in the file, where a person would look for it.
+Error in_room(std::string room, Error error, const LoadedConfig& read) {
+  for (const char* key : {"tracker", "template", "operator"}) {
+    if (error.field == key) room = "tracking";
+  }
+  if (!error.field.empty() && !error.field.starts_with(room)) {
+    error.field = room + "." + error.field;
+  }
+  if (std::find(read.saved.begin(), read.saved.end(), error.field) != read.saved.end()) {
+    error.reason += " (a saved value: remove " + *read.overlay + " to use the file's)";
+  }
+  return error;
+}
+
+std::string listed(const std::vector<std::string>& keys) {
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
+/// An exception would leave the sensor held for ever.
+Result<LoadedConfig> read_again(const std::string& path) {
+  try {
+    auto read = load_with_saved(path);
+    if (!read) return read;
+    if (const auto usable = check_usable(read->effective); !usable) return fail(usable.error());
+    if (const auto safe = check_security(read->effective); !safe) return fail(safe.error());
+    return read;
+  } catch (const std::exception& error) {
+    return fail(Errc::internal, "", error.what());
+  }
+}
+
+}  // namespace
+
+void Reloader::look() {
+  if (busy_.load() || !requested_.exchange(false)) return;
+  busy_.store(true);
+  service::notify_reloading();
+  deps_.instrument.after_changes([this] { begin(); });
+}
+
+void Reloader::begin() {
+  if (deps_.loaded.get().path.empty()) {
+    return refuse({Errc::refused, "", "the daemon was started without --config FILE"});
+  }
+  if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
+    return refuse(allowed.error());
+  }
+  if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
+  deps_.disk.post([this] {
+    auto read = read_again(deps_.loaded.get().path);
+    deps_.instrument.after_changes([this, read = std::move(read)] {
+      if (!read) return refuse(read.error());
+      change(*read);
+    });
+  });
+}
+
+void Reloader::change(const LoadedConfig& read) {
+  Reload reload;
+  reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.instrument,
+                                deps_.refiner);
+  reload.after = read.effective;
+  reload.read = read;
+  const CameraSnapshot camera = deps_.camera.snapshot();
+  reload.before.camera.settings = camera.asked;
+  reload.after.camera.settings = as_asked(read.effective.camera.settings, camera);
+  reload.keys = difference(reload.before, reload.after);
+  change_camera(reload);
+}
+
+void Reloader::change_camera(const Reload& reload) {
+  const CameraSettings &before = reload.before.camera.settings,
+                       &after = reload.after.camera.settings;
+  if (after == before) return change_refine(reload);
+  deps_.camera.change_or_want(camera_change(before, after),
+                              [this, reload](const Result<CameraSnapshot>& used) {
+                                if (!used)
+                                  return refuse(in_room("camera", used.error(), reload.read));
+                                change_refine(reload);
+                              });
+}
+
+void Reloader::change_refine(const Reload& reload) {
+  const auto used = deps_.refiner.change(refine_set(reload.after.refine),
+                                         reload.after.camera.settings.pixel_format);
+  if (!used) return put_back_camera(reload, in_room("refine", used.error(), reload.read));
+  change_sensor(reload);
+}
+
+void Reloader::change_sensor(const Reload& reload) {
+  SensorSet change = sensor_set(reload.after);
+  if (reload.after.tracking.mode_operator == reload.before.tracking.mode_operator) {
+    change.mode_operator.reset();  // it stays also where it could not be asked for anew
+  }
+  const bool same = reload.after.sensor == reload.before.sensor &&
+                    change.applied_to(reload.before.tracking) == reload.before.tracking;
+  if (same) return finish(reload);
+  deps_.instrument.reload_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
+    if (!used) return put_back(reload, in_room("sensor", used.error(), reload.read));
+    finish(reload);
+  });
+}
+
+/// The sensor comes last: of what was changed only refinement and camera go back.
+void Reloader::put_back(const Reload& reload, const Error& why) {
+  if (!(reload.after.refine == reload.before.refine)) {
+    (void)deps_.refiner.change(refine_set(reload.before.refine),
+                               reload.before.camera.settings.pixel_format);
+  }
+  put_back_camera(reload, why);
+}
+
+void Reloader::put_back_camera(const Reload& reload, const Error& why) {
+  const CameraSettings &before = reload.before.camera.settings,
+                       &after = reload.after.camera.settings;
+  if (after == before) return refuse(why);
+  deps_.camera.change_or_want(
+      camera_change(after, before), [this, why](const Result<CameraSnapshot>& used) {
+        if (used) return refuse(why);
+        Error told = why;
+        told.reason += "; the camera keeps the new settings, for " + used.error().reason;
+        refuse(told, "all but the camera goes on as it was");
+      });
+}
+
+void Reloader::finish(const Reload& reload) {
+  deps_.images.set_rate(reload.after.stream.image_rate_hz);
+  set_log_level(reload.after.log.level);
+  deps_.loaded.set(reload.read);
+  deps_.disk.post([this, used = reload]() mutable {
+    set_aside_if_invalid(used.read);
+    report(used);
+  });
+}
+
+void Reloader::report(const Reload& reload) {
+  const auto& [live, restart] = reload.keys;
+  std::string text = "configuration reloaded: ";
+  text += live.empty() ? "nothing that can change now has changed" : "applied " + listed(live);
+  if (!restart.empty()) text += "; left until a restart: " + listed(restart);
+  if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
+  const bool all_used = restart.empty() && reload.read.why_unused.empty();
+  end(all_used ? Severity::info : Severity::warning, std::move(text),
+      {{"reloaded", true},
+       {"applied", live},
+       {"restart", restart},
+       {"saved", reload.read.saved},
+       {"edited", reload.read.edited}});
+}
+
+void Reloader::refuse(const Error& why, const char* what_stays) {
+  end(Severity::error,
+      fmt::format("configuration not reloaded, {}: {}{}{}", what_stays, why.field,
+                  why.field.empty() ? "" : ": ", why.reason),
+      {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
+}
+
+/// The sensor is free before anybody hears of the end: who hears may ask for a job.
+void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
+  deps_.instrument.end_reload(
+      [this, severity, text = std::move(text), data = std::move(data)]() mutable {
+        deps_.events.emit("config", severity, std::move(text), std::move(data));
+        service::notify_ready();
+        busy_.store(false);
+      });
+}
+
+}  // namespace ovws

@@ -1,0 +1,292 @@
+#include "daemon/ovwsd/settings/saved_config.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "daemon/ovwsd/settings/config_check.hpp"
+#include "daemon/ovwsd/settings/config_difference.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/shared/atomic_file.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
+constexpr const char* kServiceFolder = "/var/lib/ovws";
+constexpr const char* kFileName = "/config.json";
+constexpr const char* kAside = ".rejected";
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr int kMaxDepth = 8;
+
+using Group = std::vector<std::string>;
+
+/// Keys whose values mean something together only: one that is edited in the file makes the file
+/// count for all of them.
+const std::array<Group, 3>& groups() {
+  static const std::array<Group, 3> all{
+      {{"camera.gain_db", "camera.gain_raw"},
+       {"camera.roi.height", "camera.roi.width", "camera.roi.x", "camera.roi.y"},
+       {"camera.pixel_format", "refine.black_level_dn", "refine.electrons_per_dn",
+        "refine.saturation_dn"}}};
+  return all;
+}
+
+Group group_of(const std::string& key) {
+  for (const Group& group : groups()) {
+    if (std::find(group.begin(), group.end(), key) != group.end()) return group;
+  }
+  return {key};
+}
+
+json tree_of(const Config& config) {
+  return json::parse(dump_config(config), nullptr, false);
+}
+
+std::string pointer_of(std::string key) {
+  std::replace(key.begin(), key.end(), '.', '/');
+  return "/" + key;
+}
+
+/// null: the daemon was started without a file.
+json owner_of(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::error_code unknown;
+  const auto whole = fs::absolute(path, unknown);
+  return (unknown ? fs::path(path) : whole).lexically_normal().string();
+}
+
+/// However the two paths are spelled, and through links.
+bool is_same_file(const std::string& one, const std::string& other) {
+  const auto canonical = [](const std::string& path) {
+    std::error_code unknown;
+    const auto found = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
+    return unknown ? fs::path(path) : found;
+  };
+  return canonical(one) == canonical(other);
+}
+
+/// Whether the overlay was saved for this file.
+bool is_for(const json& file, const std::string& path) {
+  if (!file.is_string() || path.empty()) return file == owner_of(path);
+  return is_same_file(file.get<std::string>(), path);
+}
+
+struct Saved {
+  json value, instead_of;
+};
+
+struct Overlay {
+  json file;
+  std::map<std::string, Saved> saved;
+};
+
+/// None: there is no such file.
+Result<std::optional<std::string>> read_text(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file && errno == ENOENT) return std::nullopt;
+  std::string text(kMaxFileBytes + 1, '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (file.good()) return fail(Errc::invalid, "", "it is larger than 1 MiB");
+  if (file.bad() || !file.eof()) {
+    return fail(Errc::invalid, "", std::string("it cannot be read: ") + std::strerror(errno));
+  }
+  text.resize(std::size_t(file.gcount()));
+  return text;
+}
+
+Result<Overlay> parse_overlay(const std::string& text) {
+  const auto wrong = [](const std::string& reason) { return fail(Errc::invalid, "", reason); };
+  const auto all = parse_strict_json(text, kMaxDepth, JsonComments::refused);
+  if (!all) return wrong(all.error().reason);
+  if (!all->is_object() || !all->contains("file") || !all->contains("saved") ||
+      !(*all)["saved"].is_object()) {
+    return wrong("it is not a file that config.save wrote: \"file\" or \"saved\" is missing");
+  }
+  Overlay overlay{(*all)["file"], {}};
+  for (const auto& [key, entry] : (*all)["saved"].items()) {
+    if (!entry.is_object() || !entry.contains("value") || !entry.contains("instead_of")) {
+      return wrong(key + ": \"value\" or \"instead_of\" is missing");
+    }
+    overlay.saved[key] = {entry["value"], entry["instead_of"]};
+  }
+  return overlay;
+}
+
+/// Only what `config.save` can write: endpoints, keys and folders are the file's alone.
+Result<void> check_keys(const Overlay& overlay, const json& file) {
+  for (const auto& [key, entry] : overlay.saved) {
+    if (!changes_live(key) || !file.contains(pointer_of(key))) {
+      return fail(Errc::invalid, "", key + " is not a setting that config.save keeps");
+    }
+  }
+  return {};
+}
+
+Result<void> lay_over(LoadedConfig& loaded, const Overlay& overlay) {
+  json tree = tree_of(loaded.file);
+  const json file = tree.flatten();
+  if (auto known = check_keys(overlay, file); !known) return known;
+  std::set<std::string> of_file;
+  for (const auto& [key, entry] : overlay.saved) {
+    if (file[pointer_of(key)] == entry.instead_of) continue;
+    for (const std::string& one : group_of(key)) of_file.insert(one);
+  }
+  std::vector<std::string> saved, edited;
+  for (const auto& [key, entry] : overlay.saved) {
+    const std::string pointer = pointer_of(key);
+    if (file[pointer] == entry.value) continue;
+    if (of_file.contains(key)) {
+      edited.push_back(key);
+      continue;
+    }
+    tree[json::json_pointer(pointer)] = entry.value;
+    saved.push_back(key);
+  }
+  auto effective = parse_config(tree.dump());
+  if (!effective) return fail(effective.error());
+  if (auto usable = check_usable(*effective); !usable) {
+    if (check_usable(loaded.file)) return usable;
+    return {};  // the overlay may be valid: it is the file that has to be fixed first
+  }
+  loaded.effective = std::move(*effective);
+  loaded.saved = std::move(saved);
+  loaded.edited = std::move(edited);
+  return {};
+}
+
+std::string named(const Error& error) {
+  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
+}
+
+void read_overlay(LoadedConfig& loaded) {
+  const auto reject = [&loaded](const Error& error) {
+    loaded.invalid = true;
+    loaded.why_unused = named(error);
+  };
+  const auto text = read_text(*loaded.overlay);
+  if (!text) return reject(text.error());
+  if (!*text) return;
+  const auto overlay = parse_overlay(**text);
+  if (!overlay) return reject(overlay.error());
+  if (!is_for(overlay->file, loaded.path)) {
+    loaded.why_unused = "its values were saved for another configuration file, " +
+                        (overlay->file.is_null() ? "none" : overlay->file.dump());
+    return;
+  }
+  if (const auto laid = lay_over(loaded, *overlay); !laid) reject(laid.error());
+}
+
+/// Another configuration file's saved values stay: its daemon comes back to them.
+Result<void> check_ours(const std::string& overlay, const json& owner) {
+  const auto text = read_text(overlay);
+  if (!text || !*text) return {};
+  const auto there = parse_overlay(**text);
+  if (!there || is_for(there->file, owner.is_string() ? owner.get<std::string>() : "")) return {};
+  return fail(Errc::refused, "state.directory",
+              fmt::format("{} holds the values saved for another configuration file, {}: give this "
+                          "one a state.directory of its own, or remove that file",
+                          overlay, there->file.is_null() ? "none" : there->file.dump()));
+}
+
+std::string listed(const std::vector<std::string>& keys) {
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
+}  // namespace
+
+bool is_service_config(const std::string& path) {
+  return !path.empty() && is_same_file(path, kServicePath);
+}
+
+std::optional<std::string> service_state_folder(const std::string& path) {
+  if (!is_service_config(path)) return std::nullopt;
+  return kServiceFolder;
+}
+
+Result<LoadedConfig> load_with_saved(const std::string& path,
+                                     const std::optional<std::string>& folder) {
+  auto file = path.empty() ? Result<Config>{Config{}} : load_config(path);
+  if (!file) return fail(file.error());
+  LoadedConfig loaded;
+  loaded.path = path;
+  loaded.file = *file;
+  loaded.effective = std::move(*file);
+  auto state = state_directory_of(loaded.file.state);
+  if (!state) state = folder;
+  if (!state) return loaded;
+  loaded.overlay = *state + kFileName;
+  std::error_code unknown;
+  if (fs::exists(*loaded.overlay + kAside, unknown)) loaded.rejected = *loaded.overlay + kAside;
+  read_overlay(loaded);
+  return loaded;
+}
+
+void set_aside_if_invalid(LoadedConfig& loaded) {
+  if (!loaded.invalid) return;
+  const std::string aside = *loaded.overlay + kAside;
+  if (std::rename(loaded.overlay->c_str(), aside.c_str()) == 0) {
+    loaded.why_unused += "; it is renamed to " + aside;
+  } else {
+    loaded.why_unused += std::string("; it cannot be renamed: ") + std::strerror(errno);
+  }
+}
+
+std::string describe_saved(const LoadedConfig& loaded) {
+  std::vector<std::string> parts;
+  if (!loaded.saved.empty()) {
+    parts.push_back("saved values active: " + listed(loaded.saved) + " (" + *loaded.overlay + ")");
+  }
+  if (!loaded.edited.empty()) {
+    parts.push_back("edited in the file since they were saved, the file's values are used: " +
+                    listed(loaded.edited));
+  }
+  if (!loaded.why_unused.empty()) {
+    parts.push_back("the saved values in " + *loaded.overlay +
+                    " are not used: " + loaded.why_unused);
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
+  const json file = tree_of(loaded.file).flatten(), now = tree_of(in_use).flatten();
+  json saved = json::object();
+  for (const std::string& changed : difference(loaded.file, in_use).live) {
+    for (const std::string& key : group_of(changed)) {
+      const std::string pointer = pointer_of(key);
+      saved[key] = {{"value", now[pointer]}, {"instead_of", file[pointer]}};
+    }
+  }
+  SavedValues values;
+  for (const auto& [key, entry] : saved.items()) {
+    if (entry["value"] != entry["instead_of"]) values.keys.push_back(key);
+  }
+  values.owner = owner_of(loaded.path);
+  const json all{{"file", values.owner}, {"saved", saved}};
+  values.text = all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  return values;
+}
+
+Result<void> write_saved(const std::string& overlay, const SavedValues& values) {
+  if (auto ours = check_ours(overlay, values.owner); !ours) return ours;
+  if (values.keys.empty()) return remove_file(overlay);
+  std::error_code ignored;  // replace_file reports a folder that is missing
+  fs::create_directories(fs::path(overlay).parent_path(), ignored);
+  return replace_file(overlay, values.text);
+}
+
+}  // namespace ovws

@@ -1,0 +1,220 @@
+#include "daemon/ovwsd/slm/slm_loop.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <zlib.h>
+
+#include <chrono>
+
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/devices/driver_table.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr auto kTurn = std::chrono::milliseconds(20);
+constexpr auto kShowTimeout = std::chrono::seconds(2);
+constexpr std::int64_t kRetryNs = 1'000'000'000;
+constexpr std::int64_t kCheckNs = 100'000'000;
+
+std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
+  return std::uint32_t(::crc32(0, bytes.data(), uInt(bytes.size())));
+}
+
+Error stopping() {
+  return {Errc::refused, "", "the daemon is stopping"};
+}
+
+}  // namespace
+
+SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
+    : config_(std::move(config)), deps_(std::move(deps)) {
+  snapshot_.change([](SlmSnapshot& now) { now.fault = "not opened yet"; });
+}
+
+SlmLoop::~SlmLoop() = default;
+
+bool SlmLoop::do_work() {
+  if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
+  const Asked asked = wait_for_work();
+  if (asked.when_possible) {
+    wanted_ = asked.when_possible;
+    (void)present(*wanted_);
+  }
+  if (asked.job) carry_out(*asked.job);
+  if (!asked.verify.empty()) {
+    const auto verdict = look();  // one look answers all who asked
+    for (const auto& done : asked.verify) done(verdict);
+  }
+  if (display_ && monotonic_ns() >= next_check_ns_) {
+    next_check_ns_ = monotonic_ns() + kCheckNs;
+    if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
+  }
+  return asked.when_possible || asked.job;
+}
+
+void SlmLoop::carry_out(Job& job) {
+  const std::optional<HologramRequest> before = wanted_;
+  Result<void> done = present(job.request);
+  bool abandoned = false;
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned = job.abandoned;
+    job.done.set_value(done);
+  }
+  // Its caller was told that it failed: what he believes to be shown is to be shown.
+  if (abandoned && done && before) (void)present(*before);
+}
+
+void SlmLoop::close() {
+  auto asked = [this] {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    return std::exchange(asked_, {});
+  }();
+  if (asked.job) asked.job->done.set_value(fail(stopping()));
+  for (const auto& done : asked.verify) done(fail(stopping()));
+}
+
+Result<void> SlmLoop::show(HologramRequest request) {
+  auto job = std::make_shared<Job>();
+  job->request = std::move(request);
+  auto result = job->done.get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return fail(stopping());
+    asked_.job = job;
+  }
+  ready_.notify_one();
+  if (result.wait_for(kShowTimeout) == std::future_status::ready) return result.get();
+  const std::lock_guard lock(mutex_);
+  if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
+  job->abandoned = true;
+  if (asked_.job == job) asked_.job.reset();
+  return fail(Errc::unavailable, "slm", "the display did not take the picture within 2 s");
+}
+
+void SlmLoop::show_when_possible(HologramRequest request) {
+  {
+    const std::lock_guard lock(mutex_);
+    asked_.when_possible = std::move(request);
+  }
+  ready_.notify_one();
+}
+
+void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) {
+      asked_.verify.push_back(std::move(done));
+      ready_.notify_one();
+      return;
+    }
+  }
+  done(fail(stopping()));
+}
+
+Result<SlmVerdict> SlmLoop::look() {
+  if (!display_) {
+    return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
+  }
+  if (!wanted_) return fail(Errc::unavailable, "slm", "no hologram was shown yet");
+  const auto shown = display_->read_back();
+  if (!shown) return fail(shown.error());
+  const Image<std::uint8_t>& given = *wanted_->grey;
+  SlmVerdict verdict{wanted_->hologram_id, crc32_of(given.pixels), 0, 0};
+  std::vector<std::uint8_t> grey(given.pixels.size());
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    grey[i] = std::uint8_t(shown->pixels[i]);
+    verdict.differing_pixels += shown->pixels[i] != given.pixels[i] * 0x010101U ? 1 : 0;
+  }
+  verdict.crc32_shown = crc32_of(grey);
+  if (verdict.differing_pixels > 0) {
+    deps_.counters.add(Counter::display_faults);
+    deps_.events.emit("slm", Severity::error,
+                      fmt::format("slm: {} pixels of the output are not those of hologram {}: "
+                                  "something draws over it",
+                                  verdict.differing_pixels, verdict.hologram_id),
+                      {{"hologram_id", verdict.hologram_id},
+                       {"crc32", verdict.crc32},
+                       {"crc32_shown", verdict.crc32_shown},
+                       {"differing_pixels", verdict.differing_pixels}});
+  }
+  return verdict;
+}
+
+SlmLoop::Asked SlmLoop::wait_for_work() {
+  std::unique_lock lock(mutex_);
+  ready_.wait_for(lock, kTurn,
+                  [this] { return asked_.when_possible || asked_.job || !asked_.verify.empty(); });
+  return std::exchange(asked_, {});
+}
+
+void SlmLoop::try_open() {
+  next_try_ns_ = monotonic_ns() + kRetryNs;
+  auto opened = open_display(config_);
+  if (!opened) return publish_snapshot(opened.error());
+  display_ = std::move(*opened);
+  if (wanted_ && !present(*wanted_)) return;
+  const DisplayInfo& info = display_->info();
+  deps_.events.emit("slm", Severity::info,
+                    fmt::format("SLM output {} is up: {} x {} at {:.1f} Hz ({})", info.output,
+                                info.width, info.height, info.refresh_hz, info.driver));
+  publish_snapshot(std::nullopt);
+}
+
+Result<void> SlmLoop::present(const HologramRequest& request) {
+  if (!display_) {
+    return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
+  }
+  ShownHologram next = shown_;
+  next.healthy = true;
+  next.previous = shown_.healthy ? shown_.current : ShownHologram::One{};
+  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), ShownHologram::kNever};
+  deps_.shown.write(next);
+  const auto presented_ns = display_->present(*request.grey);
+  if (!presented_ns) {
+    fault(presented_ns.error());
+    return fail(presented_ns.error());
+  }
+  next.current.t_settled_mono_ns = *presented_ns + std::int64_t(config_.settle_ms * 1e6);
+  deps_.shown.write(next);
+  shown_ = next;
+  wanted_ = request;
+  present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
+  t_presented_ns_ = utc_ns();
+  t_presented_mono_ns_ = *presented_ns;
+  publish_snapshot(std::nullopt);
+  return {};
+}
+
+/// From now on nothing is known to be shown; the display is opened anew, as a new object.
+void SlmLoop::fault(const Error& why) {
+  display_.reset();
+  shown_ = ShownHologram{};
+  deps_.shown.write(shown_);
+  deps_.counters.add(Counter::display_faults);
+  publish_snapshot(why);
+}
+
+void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
+  SlmSnapshot now;
+  now.healthy = display_ != nullptr;
+  if (display_) now.info = display_->info();
+  now.hologram_id = shown_.current.hologram_id;
+  now.kind = wanted_ ? wanted_->kind : HologramKind::sensor;
+  now.t_presented_ns = t_presented_ns_;
+  now.t_presented_mono_ns = t_presented_mono_ns_;
+  now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
+  now.present_ms = present_ms_;
+  if (why) now.fault = why->reason;
+  now.at_fault = why && needs_a_person(*why);
+  const SlmSnapshot before = snapshot_.get();
+  snapshot_.set(now);
+  if (!now.fault.empty() && now.fault != before.fault) {
+    deps_.events.emit("slm", Severity::error, "slm: " + now.fault);
+  }
+  deps_.events.status_changed();
+  if (now.healthy != before.healthy || now.fault != before.fault) deps_.on_change(now);
+}
+
+}  // namespace ovws

@@ -1,0 +1,384 @@
+#include "daemon/ovwsd/store/daemon_store.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kTryAgainNs = 2'000'000'000;
+
+std::size_t bytes_of(const std::shared_ptr<const std::string>& text) {
+  return text ? text->size() : 0;
+}
+
+}  // namespace
+
+std::optional<std::string> state_directory_of(const StateConfig& config) {
+  if (config.directory) return config.directory;
+  const char* const list = std::getenv("STATE_DIRECTORY");
+  if (list == nullptr || *list == '\0') return std::nullopt;
+  const std::string_view all = list;  // systemd separates several by colons
+  return std::string(all.substr(0, all.find(':')));
+}
+
+DaemonStore::DaemonStore(const StateConfig& config, Events& events, Disk* disk)
+    : events_(events), disk_(disk) {
+  const auto directory = state_directory_of(config);
+  if (!directory) {
+    why_none_ = "no folder is named: set state.directory, or $STATE_DIRECTORY";
+    events_.emit("store", Severity::info, "nothing is kept over a restart: " + *why_none_);
+    return;
+  }
+  auto opened = StateStore::open(*directory);
+  if (!opened) {
+    why_none_ = opened.error().reason;
+    events_.emit("store", Severity::error, "nothing is kept over a restart: " + *why_none_,
+                 {{"path", *directory}});
+    return;
+  }
+  directory_ = directory;
+  why_read_only_ = opened->why_read_only();
+  if (why_read_only_) {
+    events_.emit(
+        "store", Severity::error,
+        "nothing new is kept over a restart, what is kept already is used: " + *why_read_only_,
+        {{"path", *directory}});
+  }
+  if (opened->leftovers() > 0) {
+    events_.emit("store", Severity::info,
+                 "files that were being written when the daemon was killed are removed: " +
+                     std::to_string(opened->leftovers()),
+                 {{"path", *directory}, {"removed", opened->leftovers()}});
+  }
+  store_ = std::move(*opened);
+}
+
+void DaemonStore::put(std::string_view kind, std::string_view name, const json& content,
+                      Older older, Tried tried) {
+  if (!store_) return tried(fail(Errc::unavailable, "state.directory", *why_none_));
+  Item item{std::string(kind), std::string(name), nullptr, older, std::move(tried)};
+  item.text = std::make_shared<const std::string>(StateStore::text_of(kind, content));
+  queue(std::move(item));
+}
+
+void DaemonStore::drop(std::string_view kind, std::string_view name, Dropped dropped) {
+  if (!store_) return dropped({});
+  const auto tried = [dropped = std::move(dropped)](const Result<std::string>& done) {
+    dropped(done ? Result<void>{} : fail(done.error()));
+  };
+  queue({std::string(kind), std::string(name), nullptr, Older::stays, tried});
+}
+
+void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>& names,
+                           Dropped dropped) {
+  struct Outcome {
+    std::mutex mutex;
+    std::size_t missing;
+    Result<void> all;
+  };
+  if (names.empty()) return dropped({});
+  const auto outcome = std::make_shared<Outcome>();
+  outcome->missing = names.size();
+  for (const std::string& name : names) {
+    drop(kind, name, [outcome, dropped](const Result<void>& one) {
+      Result<void> all;
+      {
+        const std::lock_guard lock(outcome->mutex);
+        if (!one && outcome->all) outcome->all = one;
+        if (--outcome->missing > 0) return;
+        all = outcome->all;
+      }
+      dropped(all);
+    });
+  }
+}
+
+/// The items of its kind and name but the one that is being tried, of which turn() says what
+/// becomes of it.
+std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
+  std::list<Item> taken;
+  for (auto at = items_.begin(); at != items_.end();) {
+    const auto one = at++;
+    if (one->kind != newer.kind || one->name != newer.name) continue;
+    if (trying_ == one->number) {
+      items_.erase(one);
+    } else {
+      taken.splice(taken.end(), items_, one);
+    }
+  }
+  return taken;
+}
+
+/// Of one kind and name only the newest is to be on the disk. Of one that is too much for the queue
+/// what remains to be done is that the outdated one goes.
+void DaemonStore::queue(Item item) {
+  std::list<Item> displaced;
+  Tried refused;
+  {
+    const std::lock_guard lock(mutex_);
+    std::size_t bytes = bytes_of(item.text);
+    for (const Item& one : items_) {
+      const bool same = one.kind == item.kind && one.name == item.name;
+      bytes += same ? 0 : bytes_of(one.text);
+    }
+    if (bytes > kMaxQueuedBytes) {
+      refused = std::exchange(item.tried, [](const Result<std::string>&) {});
+      item.text = nullptr;
+    }
+    if (!refused || item.older == Older::set_aside) {
+      displaced = take_out(item);
+      item.number = ++last_number_;
+      items_.push_back(std::move(item));
+    }
+  }
+  for (const Item& one : displaced) {
+    if (one.why) continue;  // it was told already
+    one.tried(fail(Errc::refused, "", "a newer one took its place before it was written"));
+  }
+  if (refused) {
+    refused(fail(
+        Errc::unavailable, "state.directory",
+        fmt::format("{} MiB wait for the disk already: check the disk", kMaxQueuedBytes >> 20)));
+  }
+  wake();
+}
+
+void DaemonStore::wake() {
+  if (disk_ != nullptr) return disk_->post([this] { (void)turn(); });
+  while (turn()) {
+  }
+}
+
+bool DaemonStore::turn() {
+  Item item;
+  {
+    const std::lock_guard lock(mutex_);
+    if (refused_ > 0 && monotonic_ns() >= next_try_ns_) make_all_due();
+    const auto next =
+        std::find_if(items_.begin(), items_.end(), [](const Item& one) { return one.due; });
+    if (next == items_.end() || trying_) return false;
+    item = *next;
+    next->due = false;
+    trying_ = next->number;
+  }
+  const Result<std::string> done = carry_out(item);
+  bool all_written = false, more = false;
+  {
+    const std::lock_guard lock(mutex_);
+    settle(item, done);
+    trying_.reset();
+    all_written = refused_ > 0 && items_.empty();
+    if (all_written) refused_ = 0;
+    more = any_due();
+  }
+  if (done || !item.why) item.tried(done);
+  if (all_written) {
+    events_.emit("store", Severity::info, "all that waited for the disk is written",
+                 {{"path", *directory_}});
+  }
+  tried_.notify_all();
+  return more;
+}
+
+/// An exception is one more reason not to be kept: the item is tried again.
+Result<std::string> DaemonStore::carry_out(const Item& item) {
+  try {
+    return write(item);
+  } catch (const std::exception& error) {
+    return fail(Errc::internal, "", error.what());
+  }
+}
+
+Result<std::string> DaemonStore::write(const Item& item) {
+  if (!item.text) {
+    const bool aside = item.older == Older::set_aside;
+    auto gone =
+        aside ? store_->set_aside(item.kind, item.name) : store_->drop(item.kind, item.name);
+    if (!gone) return fail(gone.error());
+    return std::string();
+  }
+  auto kept = store_->put_text(item.kind, item.name, *item.text);
+  if (!kept && store_->make_again()) {
+    events_.emit("store", Severity::warning,
+                 *directory_ + " was removed, with all that was kept in it; it is made again",
+                 {{"path", *directory_}});
+    kept = store_->put_text(item.kind, item.name, *item.text);
+  }
+  if (kept || item.older == Older::stays) return kept;
+  if (!store_->set_aside(item.kind, item.name)) {
+    kept.error().reason += "; until it is written a restart loads the one before";
+  }
+  return kept;
+}
+
+/// A drop is tried once: who asked for it undoes what belongs to it.
+void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
+  const auto now = std::find_if(items_.begin(), items_.end(),
+                                [&](const Item& one) { return one.number == item.number; });
+  if (done && item.text) why_read_only_.reset();
+  if (done && item.why) make_all_due();  // there is room again
+  if (!done) next_try_ns_ = monotonic_ns() + kTryAgainNs;
+  if (now == items_.end()) return;  // a newer one took its place
+  if (!done && item.text) {
+    if (!now->why) ++refused_;
+    now->why = done.error().reason;
+    return;
+  }
+  items_.erase(now);
+}
+
+bool DaemonStore::any_due() const {
+  return std::any_of(items_.begin(), items_.end(), [](const Item& one) { return one.due; });
+}
+
+void DaemonStore::make_all_due() {
+  for (Item& one : items_) one.due = one.due || one.number != trying_;
+  next_try_ns_ = monotonic_ns() + kTryAgainNs;
+}
+
+DaemonStore::Tried DaemonStore::reporting(std::string kind, std::string title,
+                                          std::int64_t t_taken_ns,
+                                          std::function<void(const std::string&)> then) {
+  return [this, kind = std::move(kind), title = std::move(title), t_taken_ns,
+          then = std::move(then)](const Result<std::string>& kept) {
+    json data{{"t_taken_ns", t_taken_ns}};
+    if (kept) {
+      data["sha256"] = *kept;
+      events_.emit(kind, Severity::info, fmt::format("{} is kept (sha256 {})", title, *kept), data);
+    } else if (directory_) {
+      events_.emit(kind, Severity::error,
+                   fmt::format("{} is active, and will not survive a restart: {}", title,
+                               kept.error().reason),
+                   data);
+    }
+    if (then) then(kept.value_or(""));
+  };
+}
+
+std::optional<std::string> DaemonStore::why_queued(std::string_view kind) const {
+  const std::lock_guard lock(mutex_);
+  std::optional<std::string> why;
+  for (const Item& item : items_) {
+    if (item.kind == kind && item.why) why = item.why;
+  }
+  return why;
+}
+
+bool DaemonStore::is_queued(std::string_view kind, std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(items_.begin(), items_.end(),
+                     [&](const Item& one) { return one.kind == kind && one.name == name; });
+}
+
+StatusMessage::StorePart DaemonStore::report() const {
+  const std::lock_guard lock(mutex_);
+  StatusMessage::StorePart report{directory_, store_ ? why_read_only_ : why_none_};
+  const auto refused = [](const Item& one) { return one.why.has_value(); };
+  const auto last = std::find_if(items_.rbegin(), items_.rend(), refused);
+  if (last == items_.rend()) return report;
+  report.reason = fmt::format("{}; {} of the items that are kept wait, and are tried again",
+                              *last->why, std::count_if(items_.begin(), items_.end(), refused));
+  return report;
+}
+
+int DaemonStore::queued() const {
+  const std::lock_guard lock(mutex_);
+  return int(items_.size());
+}
+
+Result<void> DaemonStore::request(Disk::Task task) {
+  if (disk_ != nullptr) return disk_->request(std::move(task));
+  task();
+  return {};
+}
+
+/// Who is asked may end before it answers.
+template <class T>
+Result<T> DaemonStore::wait_for(
+    const std::function<void(std::function<void(const Result<T>&)>)>& ask) {
+  auto answer = std::make_shared<std::optional<Result<T>>>();
+  ask([this, answer](const Result<T>& done) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!*answer) *answer = done;
+    }
+    tried_.notify_all();
+  });
+  std::unique_lock lock(mutex_);
+  tried_.wait(lock, [&] { return *answer || ending_; });
+  if (*answer) return **answer;
+  return fail(Errc::unavailable, "", "the daemon stops");
+}
+
+Result<std::string> DaemonStore::put_and_wait(std::string_view kind, std::string_view name,
+                                              const json& content) {
+  return wait_for<std::string>(
+      [&](Tried tried) { put(kind, name, content, Older::stays, std::move(tried)); });
+}
+
+Result<void> DaemonStore::drop_and_wait(std::string_view kind, std::string_view name) {
+  return wait_for<void>([&](Dropped dropped) { drop(kind, name, std::move(dropped)); });
+}
+
+void DaemonStore::try_again_and_wait() {
+  {
+    const std::lock_guard lock(mutex_);
+    make_all_due();
+  }
+  wake();
+  std::unique_lock lock(mutex_);
+  tried_.wait(lock, [this] { return ending_ || (!trying_ && !any_due()); });
+}
+
+void DaemonStore::end_soon() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  tried_.notify_all();
+}
+
+std::vector<DaemonStore::Item> DaemonStore::queued_of(std::string_view kind) const {
+  std::vector<Item> found;
+  const std::lock_guard lock(mutex_);
+  for (const Item& item : items_) {
+    if (item.kind == kind) found.push_back(item);
+  }
+  return found;
+}
+
+std::optional<StateItem> DaemonStore::find(std::string_view kind, std::string_view name) const {
+  if (!store_) return std::nullopt;
+  for (const Item& item : queued_of(kind)) {
+    if (item.name != name) continue;
+    return item.text ? std::optional(store_->item_of(kind, name, *item.text)) : std::nullopt;
+  }
+  return store_->find(kind, name);
+}
+
+void DaemonStore::load(std::string_view kind, const std::function<void(StateItem)>& take) const {
+  if (!store_) return;
+  const std::vector<Item> queued = queued_of(kind);
+  const auto from_disk = [&](StateItem item) {
+    const bool newer = std::any_of(queued.begin(), queued.end(),
+                                   [&](const Item& one) { return one.name == item.name; });
+    if (!newer) take(std::move(item));
+  };
+  for (const BadState& bad : store_->load(kind, from_disk)) {
+    events_.emit("store", Severity::warning,
+                 bad.path + " is not used, and left as it is: " + bad.reason,
+                 {{"path", bad.path}, {"reason", bad.reason}});
+  }
+  for (const Item& item : queued) {
+    if (item.text) take(store_->item_of(kind, item.name, *item.text));
+  }
+}
+
+}  // namespace ovws

@@ -1,0 +1,210 @@
+#include "daemon/ovwsd/store/state_store.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "daemon/shared/atomic_file.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kMaxDepth = 16;
+constexpr std::uintmax_t kMaxFileBytes = 1U << 30;
+constexpr std::string_view kSumBegin = ",\n\"sha256\": \"";
+constexpr std::string_view kSumEnd = "\"\n}\n";
+constexpr std::size_t kSumDigits = 64;
+constexpr const char* kAside = ".outdated";  // behind the name of a file that is set aside
+constexpr std::size_t kSealSize = kSumBegin.size() + kSumDigits + kSumEnd.size();
+
+tl::unexpected<Error> damaged(const std::string& reason) {
+  return fail(Errc::invalid, "", reason);
+}
+
+/// Empty, and `reason` is set, if it cannot be read.
+std::string read_text(const fs::path& path, std::string& reason) {
+  std::error_code unknown;
+  const std::uintmax_t size = fs::file_size(path, unknown);
+  if (!unknown && size > kMaxFileBytes) {
+    reason = "larger than 1 GiB, so not of the daemon";
+    return {};
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string text(unknown ? 0 : std::size_t(size), '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (unknown || !file) {
+    reason = std::string("it cannot be read: ") + std::strerror(errno);
+    return {};
+  }
+  return text;
+}
+
+/// The checksum that a sealed text ends with.
+std::string sum_of(std::string_view text) {
+  return std::string(text.substr(text.size() - kSumEnd.size() - kSumDigits, kSumDigits));
+}
+
+std::string schema_of(std::string_view kind) {
+  return "ovws.state." + std::string(kind) + "/1";
+}
+
+}  // namespace
+
+std::string seal(std::string_view schema, const json& content) {
+  const auto text = [](const json& value, int indent) {
+    return value.dump(indent, ' ', false, json::error_handler_t::replace);
+  };
+  std::string sealed = "{\n\"schema\": " + text(schema, -1) + ",\n\"content\": " + text(content, 1);
+  const std::string sum = sha256_hex(sealed);
+  sealed += kSumBegin;
+  sealed += sum;
+  sealed += kSumEnd;
+  return sealed;
+}
+
+Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
+  if (text.empty()) return damaged("it is empty");
+  const bool whole = text.size() > kSealSize && text.ends_with(kSumEnd) &&
+                     text.substr(text.size() - kSealSize).starts_with(kSumBegin);
+  if (!whole) return damaged("it is cut off, or not a file of the daemon: its checksum is missing");
+  const std::string_view body = text.substr(0, text.size() - kSealSize);
+  const std::string_view sum = text.substr(body.size() + kSumBegin.size(), kSumDigits);
+  if (sha256_hex(body) != sum) {
+    return damaged("it is damaged or was changed by hand: its checksum does not fit");
+  }
+  auto parsed = parse_strict_json(text, kMaxDepth, JsonComments::refused);
+  if (!parsed) return damaged(parsed.error().reason);
+  if (!parsed->is_object() || !parsed->contains("schema") || (*parsed)["schema"] != schema) {
+    return damaged("its schema is not " + std::string(schema));
+  }
+  if (!parsed->contains("content")) return damaged("it holds no content");
+  return Unsealed{std::move((*parsed)["content"]), std::string(sum)};
+}
+
+Result<StateStore> StateStore::open(const std::string& directory) {
+  std::error_code failed;
+  fs::create_directories(directory, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "state.directory",
+                directory + " cannot be made: " + failed.message());
+  }
+  const fs::directory_iterator readable(directory, failed);
+  if (failed) {
+    return fail(Errc::unavailable, "state.directory",
+                directory + " cannot be read: " + failed.message());
+  }
+  StateStore store(directory);
+  // First: they may be what fills the disk.
+  store.leftovers_ = remove_leftovers(directory);
+  // Asked of the disk, not of the permissions: what matters is whether a file can be written. A
+  // full disk takes an empty one.
+  constexpr std::size_t kProbeBytes = 4096;
+  const std::string probe = directory + "/.write-test";
+  auto writable = replace_file(probe, std::string(kProbeBytes, '\n'));
+  if (writable) writable = remove_file(probe);
+  if (!writable) store.why_read_only_ = writable.error().reason;
+  return store;
+}
+
+std::string StateStore::path_of(std::string_view kind, std::string_view name) const {
+  return directory_ + "/" + std::string(kind) + "." + std::string(name) + ".json";
+}
+
+std::string StateStore::text_of(std::string_view kind, const json& content) {
+  return seal(schema_of(kind), content);
+}
+
+Result<std::string> StateStore::put(std::string_view kind, std::string_view name,
+                                    const json& content) {
+  return put_text(kind, name, text_of(kind, content));
+}
+
+Result<std::string> StateStore::put_text(std::string_view kind, std::string_view name,
+                                         std::string_view text) {
+  const std::string path = path_of(kind, name);
+  if (text.size() > kMaxFileBytes) {
+    return fail(Errc::refused, "path", path + " would be larger than 1 GiB");
+  }
+  if (auto written = replace_file(path, text); !written) return fail(written.error());
+  ::unlink((path + kAside).c_str());
+  return sum_of(text);
+}
+
+Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
+  const std::string path = path_of(kind, name);
+  auto dropped = remove_file(path);
+  if (dropped) ::unlink((path + kAside).c_str());
+  return dropped;
+}
+
+Result<void> StateStore::set_aside(std::string_view kind, std::string_view name) {
+  const std::string path = path_of(kind, name);
+  if (std::rename(path.c_str(), (path + kAside).c_str()) == 0 || errno == ENOENT) return {};
+  return fail(Errc::unavailable, "path", path + " cannot be renamed: " + std::strerror(errno));
+}
+
+bool StateStore::make_again() {
+  std::error_code failed;
+  return fs::create_directories(directory_, failed) && !failed;
+}
+
+StateItem StateStore::item_of(std::string_view kind, std::string_view name,
+                              std::string_view text) const {
+  auto whole = unseal(schema_of(kind), text);
+  return {std::string(name), path_of(kind, name), whole ? std::move(whole->content) : json(),
+          sum_of(text)};
+}
+
+std::optional<StateItem> StateStore::find(std::string_view kind, std::string_view name) const {
+  const std::string path = path_of(kind, name);
+  std::string reason;
+  const std::string text = read_text(path, reason);
+  if (!reason.empty()) return std::nullopt;
+  auto whole = unseal(schema_of(kind), text);
+  if (!whole) return std::nullopt;
+  return StateItem{std::string(name), path, std::move(whole->content), std::move(whole->sha256)};
+}
+
+std::vector<BadState> StateStore::load(std::string_view kind,
+                                       const std::function<void(StateItem)>& take) const {
+  std::vector<std::string> files;
+  const std::string prefix = std::string(kind) + ".";
+  std::error_code failed;
+  for (fs::directory_iterator at(directory_, failed), end; !failed && at != end;
+       at.increment(failed)) {
+    const std::string file = at->path().filename();
+    if (file.starts_with(prefix) && file.ends_with(".json")) files.push_back(file);
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<BadState> all_bad;
+  for (const std::string& file : files) {
+    const std::string path = directory_ + "/" + file;
+    std::string reason;
+    const std::string text = read_text(path, reason);
+    if (!reason.empty()) {
+      all_bad.push_back({path, reason});
+      continue;
+    }
+    auto whole = unseal(schema_of(kind), text);
+    if (!whole) {
+      all_bad.push_back({path, whole.error().reason});
+      continue;
+    }
+    const std::size_t name_size = file.size() - prefix.size() - std::string_view(".json").size();
+    take({file.substr(prefix.size(), name_size), path, std::move(whole->content),
+          std::move(whole->sha256)});
+  }
+  return all_bad;
+}
+
+}  // namespace ovws

@@ -1,0 +1,108 @@
+#include "daemon/ovwsd/streams/image_publisher.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <new>
+#include <thread>
+
+#include "core/port/clock.hpp"
+#include "proto/encode.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kTurnNs = 50'000'000;
+constexpr std::int64_t kPauseNs = 10'000'000;  // until somebody is asked again what is wanted
+
+}  // namespace
+
+ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
+                               Pipeline& pipeline, Counters& counters,
+                               std::vector<FrameTaker*> takers)
+    : socket_(std::move(socket)),
+      config_(config),
+      pipeline_(pipeline),
+      counters_(counters),
+      takers_(std::move(takers)),
+      rate_hz_(config_.rate_hz) {}
+
+bool ImagePublisher::picture_is_due() const {
+  return rate_hz_.load() > 0.0 && monotonic_ns() >= next_ns_;
+}
+
+bool ImagePublisher::do_work() {
+  const bool wanted =
+      std::any_of(takers_.begin(), takers_.end(), [](FrameTaker* taker) { return taker->wants(); });
+  if (!requested_ && !wanted && !picture_is_due()) {
+    const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
+    std::this_thread::sleep_for(
+        std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));
+    return false;
+  }
+  if (!requested_) pipeline_.request_image();
+  requested_ = true;
+  FrameRecord* record = pipeline_.next_image(int(kTurnNs / 1000));
+  if (record == nullptr) return false;
+  requested_ = false;
+  const auto release = [this](FrameRecord* one) { pipeline_.release_image(one); };
+  const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
+  for (FrameTaker* taker : takers_) hand_to(*taker, *record);
+  if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
+    next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
+    send(*record);
+  }
+  return true;
+}
+
+void ImagePublisher::hand_to(FrameTaker& taker, const FrameRecord& record) {
+  if (!taker.wants()) return;
+  try {
+    taker.take(record);
+  } catch (const std::bad_alloc&) {
+    counters_.add(Counter::messages_dropped);  // it asks again; the next frame may find memory
+  }
+}
+
+void ImagePublisher::send(const FrameRecord& record) {
+  send_image(record);
+  send_phase(record);
+  sent_.fetch_add(1);
+}
+
+void ImagePublisher::send_image(const FrameRecord& record) {
+  ImageMessage message;
+  message.seq = image_seq_++;
+  message.frame_id = record.frame.frame_id;
+  message.hologram_id = record.hologram_id;
+  message.t_arrival_ns = record.frame.t_arrival_ns;
+  message.image = record.frame.image;
+  const auto binary = encode(message, json_, binary_);
+  if (!socket_.send(kTopicImage, json_, binary)) counters_.add(Counter::messages_dropped);
+}
+
+void ImagePublisher::send_phase(const FrameRecord& record) {
+  const auto& modes_j = record.plan->reconstructor->modes_j();
+  if (!phase_map_ || modes_j != phase_modes_j_) {
+    phase_modes_j_ = modes_j;
+    phase_map_ = std::make_unique<PhaseMap>(modes_j, config_.phase_size_px);
+  }
+  PhaseMessage message;
+  message.seq = phase_seq_++;
+  message.frame_id = record.frame.frame_id;
+  message.hologram_id = record.hologram_id;
+  message.t_arrival_ns = record.frame.t_arrival_ns;
+  message.valid = record.valid;
+  message.wavelength_nm = config_.wavelength_nm;
+  phase_map_->render(std::span(record.coefficients).first(std::size_t(record.mode_count)),
+                     phase_waves_);
+  if (!record.valid) {
+    std::fill(phase_waves_.pixels.begin(), phase_waves_.pixels.end(),
+              std::numeric_limits<float>::quiet_NaN());
+  }
+  message.waves = &phase_waves_;
+  const auto binary = encode(message, json_);
+  if (!socket_.send(kTopicPhase, json_, binary)) counters_.add(Counter::messages_dropped);
+}
+
+}  // namespace ovws

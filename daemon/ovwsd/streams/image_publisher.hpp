@@ -1,0 +1,66 @@
+/// Borrows frames with their pixels: sends pictures at a rate for eyes, the camera's image and the
+/// wavefront over the pupil, and hands frames on to who else wants some.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/rt/agent.hpp"
+#include "core/rt/counters.hpp"
+#include "core/wavefront/phase_map.hpp"
+#include "daemon/ovwsd/frames/frame_taker.hpp"
+#include "drivers/zmq/publisher.hpp"
+
+namespace ovws {
+
+struct ImagePublisherConfig {
+  double rate_hz = 10.0;  ///< 0: none are sent
+  double wavelength_nm = 632.0;
+  int phase_size_px = 128;
+};
+
+/// The images thread's agent.
+class ImagePublisher : public Agent {
+ public:
+  /// `takers` get what they want between the pictures; they outlive this object.
+  ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
+                 Counters& counters, std::vector<FrameTaker*> takers);
+
+  bool do_work() override;
+  std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
+  /// Thread-safe: pictures are sent at this rate from now on; 0: none.
+  void set_rate(double rate_hz) {
+    rate_hz_.store(rate_hz);
+    next_ns_.store(0);
+  }
+
+ private:
+  bool picture_is_due() const;
+  void hand_to(FrameTaker& taker, const FrameRecord& record);
+  void send(const FrameRecord& record);
+  void send_image(const FrameRecord& record);
+  void send_phase(const FrameRecord& record);
+
+  Publisher socket_;
+  ImagePublisherConfig config_;
+  Pipeline& pipeline_;
+  Counters& counters_;
+  std::vector<FrameTaker*> takers_;
+  std::atomic<double> rate_hz_;
+  std::atomic<std::int64_t> next_ns_{0};
+  bool requested_ = false;
+  std::atomic<std::uint64_t> sent_{0};
+  std::uint64_t image_seq_ = 0, phase_seq_ = 0;
+  std::unique_ptr<PhaseMap> phase_map_;
+  std::vector<int> phase_modes_j_;
+  Image<float> phase_waves_;
+  std::string json_;
+  std::vector<std::byte> binary_;
+};
+
+}  // namespace ovws

@@ -1,0 +1,112 @@
+#include "daemon/ovwsd/streams/stream_publisher.hpp"
+
+#include <memory>
+
+#include "core/port/clock.hpp"
+#include "proto/encode.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kTurnUs = 5000;
+
+}  // namespace
+
+FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
+  const MeasurementPlan& plan = *record.plan;
+  FrameMessage message;
+  message.frame_id = record.frame.frame_id;
+  message.gap = record.gap;
+  message.t_device_ns = record.frame.t_device_ns;
+  message.t_arrival_ns = record.frame.t_arrival_ns;
+  message.hologram_id = record.hologram_id;
+  message.settled = record.settled;
+  message.charge = plan.charge;
+  message.tracker = tracker_name(plan.tracker_kind);
+  message.subapertures = record.spot_count;
+  message.tracked = record.tracked;
+  message.valid = record.valid;
+  message.wavelength_nm = wavelength_nm;
+  if (record.valid) message.rms_waves = record.reconstruction.rms_waves;
+  if (record.valid || !record.explained) {
+    message.fit_residual_px = record.reconstruction.fit_residual_px;
+  }
+  if (record.settings_known) {
+    message.gain_db = record.gain_db;
+    message.gain_raw = record.gain_raw;
+    message.exposure_us = record.exposure_us;
+  }
+  message.saturated = record.saturated_fraction;
+  message.reference_introduced_rms_waves = plan.reference_introduced_rms_waves;
+  return message;
+}
+
+StreamPublisher::StreamPublisher(Publisher socket, double wavelength_nm, StreamPublisherDeps deps)
+    : socket_(std::move(socket)), wavelength_nm_(wavelength_nm), deps_(deps) {}
+
+bool StreamPublisher::do_work() {
+  FrameRecord* record = deps_.pipeline.next(kTurnUs);
+  if (record != nullptr) {
+    const auto release = [this](FrameRecord* one) { deps_.pipeline.release(one); };
+    const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
+    send_record(*record);
+    deps_.collector.add(*record);
+    deps_.series.add(*record);
+    deps_.finder.saw(*record);
+    deps_.loop.saw(*record);
+  }
+  send_queue();
+  return record != nullptr;
+}
+
+void StreamPublisher::on_close() {
+  send_queue();
+}
+
+void StreamPublisher::send_record(const FrameRecord& record) {
+  WavefrontMessage wavefront;
+  static_cast<FrameMessage&>(wavefront) = frame_message(record, wavelength_nm_);
+  wavefront.loop_closed = deps_.loop.is_closed();
+  const std::int64_t latency_ns = monotonic_ns() - record.frame.t_arrival_mono_ns;
+  wavefront.t_publish_ns = utc_ns();
+  wavefront.latency_us = double(latency_ns) / 1000.0;
+  SpotsMessage spots;
+  static_cast<FrameMessage&>(spots) = wavefront;
+
+  wavefront.seq = wavefront_seq_++;
+  wavefront.j = record.plan->reconstructor->modes_j();
+  wavefront.coefficients = std::span(record.coefficients).first(std::size_t(record.mode_count));
+  encode(wavefront, json_);
+  send(kTopicWavefront);
+  deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);
+
+  spots.seq = spots_seq_++;
+  spots.spots = std::span(record.spots).first(std::size_t(record.spot_count));
+  spots.reference_px = record.plan->reference_px;
+  send(kTopicSpots, encode(spots, json_, binary_));
+}
+
+void StreamPublisher::send_queue() {
+  if (const auto dropped = deps_.queue.take_dropped(); dropped > 0) {
+    deps_.counters.add(Counter::messages_dropped, dropped);
+  }
+  while (auto message = deps_.queue.take()) {
+    if (auto* event = std::get_if<Event>(&*message)) {
+      json_ = encode(event->message, event->data);
+      send(kTopicEvent);
+    } else if (auto* refined = std::get_if<RefinedMessage>(&*message)) {
+      refined->t_publish_ns = utc_ns();
+      json_ = encode(*refined);
+      send(kTopicRefined);
+    } else if (auto* status = std::get_if<StatusMessage>(&*message)) {
+      json_ = encode(*status);
+      send(kTopicStatus);
+    }
+  }
+}
+
+void StreamPublisher::send(std::string_view topic, std::span<const std::byte> binary) {
+  if (!socket_.send(topic, json_, binary)) deps_.counters.add(Counter::messages_dropped);
+}
+
+}  // namespace ovws

@@ -1,0 +1,60 @@
+/// Sends what the pipeline measured, and what the rest of the daemon has to say, on the measurement
+/// stream.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/pipeline.hpp"
+#include "core/rt/agent.hpp"
+#include "core/rt/counters.hpp"
+#include "core/rt/latency_histogram.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/frames/frame_series.hpp"
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "drivers/zmq/publisher.hpp"
+#include "proto/messages.hpp"
+
+namespace ovws {
+
+struct StreamPublisherDeps {
+  Pipeline& pipeline;
+  ReferenceCollector& collector;
+  FrameSeriesTaker& series;
+  SpotFinder& finder;
+  ClosedLoop& loop;
+  Counters& counters;
+  StreamQueue& queue;
+  LatencyHistogram& published_latency;
+};
+
+/// What `wavefront` and `spots` say of the frame that they were measured in; seq and publish times
+/// apart.
+FrameMessage frame_message(const FrameRecord& record, double wavelength_nm);
+
+/// The publish thread's agent; owns the socket's use.
+class StreamPublisher : public Agent {
+ public:
+  StreamPublisher(Publisher socket, double wavelength_nm, StreamPublisherDeps deps);
+
+  bool do_work() override;
+  /// Sends what is still waiting, so that the last events are not lost.
+  void on_close() override;
+
+ private:
+  void send_record(const FrameRecord& record);
+  void send_queue();
+  void send(std::string_view topic, std::span<const std::byte> binary = {});
+
+  Publisher socket_;
+  double wavelength_nm_;
+  StreamPublisherDeps deps_;
+  std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0;
+  std::string json_;
+  std::vector<std::byte> binary_;
+};
+
+}  // namespace ovws

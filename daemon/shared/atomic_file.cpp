@@ -1,0 +1,147 @@
+#include "daemon/shared/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kUnique = ".XXXXXX";  // as mkostemps wants it
+constexpr std::string_view kTemporary = ".ovws-tmp";
+
+const char* way_out(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return ": make room there";
+    case EROFS:
+      return ": the file system can only be read, mount it for writing or name another folder";
+    case EACCES:
+    case EPERM:
+      return ": give the daemon's user the right to write in this folder";
+    case ENOENT:
+    case ENOTDIR:
+      return ": make the folder, or name another one";
+    default:
+      return ": check the disk, or name another folder";
+  }
+}
+
+tl::unexpected<Error> failure(const std::string& path, const char* what) {
+  const int error = errno;
+  return fail(Errc::unavailable, "path",
+              path + " cannot be " + what + ": " + std::strerror(error) + way_out(error));
+}
+
+bool write_all(int fd, std::string_view content, const FileCalls& calls) {
+  while (!content.empty()) {
+    const ssize_t written = calls.write(fd, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    content.remove_prefix(std::size_t(written));
+  }
+  return true;
+}
+
+Result<void> sync_folder_of(const std::string& path, const FileCalls& calls) {
+  const auto folder = fs::absolute(path).parent_path();
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return failure(folder, "synchronised");
+  const bool synced = calls.fsync(fd) == 0;
+  auto unsynced = failure(folder, "synchronised");
+  ::close(fd);
+  if (!synced) return unsynced;
+  return {};
+}
+
+/// The file keeps its owner, as far as we may give it, and its permissions.
+bool like_before(int fd, const std::string& path) {
+  struct stat before {};
+  if (::stat(path.c_str(), &before) != 0) return ::fchmod(fd, 0644) == 0;
+  if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
+  return ::fchmod(fd, before.st_mode & 07777) == 0;
+}
+
+/// The file keeps its owner, and its permissions as long as they are its owner's alone. A link's
+/// are not taken: nothing keeps it from leading to a file that another user chose.
+bool secret_like_before(int fd, const std::string& path) {
+  struct stat before {};
+  if (::lstat(path.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return true;
+  if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
+  const mode_t mode = before.st_mode & 07777;
+  return (mode & ~mode_t(S_IRWXU)) != 0 || ::fchmod(fd, mode) == 0;
+}
+
+std::string target_of(const std::string& path) {
+  std::error_code unknown;
+  const auto target = fs::canonical(path, unknown);
+  return unknown ? path : target.string();
+}
+
+/// NAME.123456.ovws-tmp
+bool is_leftover(std::string_view file) {
+  if (!file.ends_with(kTemporary)) return false;
+  file.remove_suffix(kTemporary.size());
+  return file.size() > kUnique.size() && file[file.size() - kUnique.size()] == '.';
+}
+
+using Dress = bool (*)(int fd, const std::string& path);
+
+/// `dress` gives the new file its owner and permissions.
+Result<void> replace(const std::string& path, std::string_view content, Dress dress,
+                     const FileCalls& calls) {
+  std::string temporary = path + std::string(kUnique) + std::string(kTemporary);
+  const int fd = ::mkostemps(temporary.data(), int(kTemporary.size()), O_CLOEXEC);
+  if (fd < 0) return failure(path, "written");
+  const bool written = write_all(fd, content, calls) && dress(fd, path) && calls.fsync(fd) == 0;
+  auto unwritten = failure(path, "written");
+  if (::close(fd) != 0 || !written || calls.rename(temporary.c_str(), path.c_str()) != 0) {
+    if (written) unwritten = failure(path, "written");
+    ::unlink(temporary.c_str());
+    return unwritten;
+  }
+  return sync_folder_of(path, calls);
+}
+
+}  // namespace
+
+Result<void> replace_file(const std::string& path, std::string_view content,
+                          const FileCalls& calls) {
+  return replace(target_of(path), content, like_before, calls);
+}
+
+Result<void> replace_secret_file(const std::string& path, std::string_view content,
+                                 const FileCalls& calls) {
+  return replace(path, content, secret_like_before, calls);  // mkostemps makes it 0600
+}
+
+Result<void> remove_file(const std::string& path, const FileCalls& calls) {
+  if (::unlink(path.c_str()) == 0) return sync_folder_of(path, calls);
+  const int why = errno;
+  if (why == ENOENT) return {};
+  auto unremoved = failure(path, "removed");
+  // A read-only file system refuses before it looks whether the name is there.
+  struct stat found {};
+  if (why == EROFS && ::lstat(path.c_str(), &found) != 0 && errno == ENOENT) return {};
+  return unremoved;
+}
+
+int remove_leftovers(const std::string& folder) {
+  int removed = 0;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+    const bool left = is_leftover(at->path().filename().string());
+    if (left && ::unlink(at->path().c_str()) == 0) ++removed;
+  }
+  return removed;
+}
+
+}  // namespace ovws

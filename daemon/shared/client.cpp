@@ -1,0 +1,191 @@
+#include "daemon/shared/client.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <string_view>
+
+#include "daemon/shared/key_file.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kCredential = "ovws.key";  // the units of the services say so
+
+/// HOST of "tcp://HOST:PORT"; empty for anything else.
+std::string host_of(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const auto colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
+  return endpoint.substr(kTcp.size(), colon - kTcp.size());
+}
+
+/// "tcp://HOST:PORT" or "ipc://PATH"; an address of another shape would just never answer.
+std::string check_endpoint(const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
+  if (endpoint.starts_with(kIpc) && endpoint.size() > kIpc.size()) return {};
+  const std::string host = host_of(endpoint);
+  if (!host.empty()) {
+    const std::string_view port = std::string_view(endpoint).substr(endpoint.rfind(':') + 1);
+    int number = 0;
+    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
+    const bool whole = read.ec == std::errc{} && read.ptr == port.data() + port.size();
+    if (whole && number >= 1 && number <= 65535) return {};
+  }
+  return endpoint + " is no endpoint: it is written as tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+}
+
+tl::unexpected<CallFailure> no_answer(const std::string& why) {
+  return tl::make_unexpected(CallFailure{false, {{"message", why}}});
+}
+
+/// None if none are given.
+Result<std::optional<ClientKeys>> keys_of(const Common& common) {
+  const std::string path = common.key_path.empty() ? credential_path(kCredential) : common.key_path;
+  if (path.empty() && common.server_key.empty()) return std::nullopt;
+  if (path.empty()) {
+    return fail(Errc::invalid, "--key", "--server-key is of no use without --key FILE");
+  }
+  const auto file = load_key_file(path);
+  if (!file) return fail(file.error());
+  const std::string server_key = common.server_key.empty() ? file->server_key : common.server_key;
+  if (!server_key.empty()) return ClientKeys{file->pair, server_key};
+  return fail(Errc::invalid, "--server-key",
+              "the daemon's public key must be given, as ovws keygen printed it there, or as "
+              "\"server_key\" in " +
+                  path);
+}
+
+/// A daemon names its streams as it bound them. Seen from another machine, "every address" and
+/// "this machine" are the host under which its control socket was reached.
+std::string as_seen_from_here(const std::string& stream, const std::string& control) {
+  const std::string bound = host_of(stream);
+  const std::string reached = host_of(control);
+  const bool own_name = bound == "*" || bound == "0.0.0.0" || bound == "127.0.0.1" ||
+                        bound == "localhost" || bound == "[::]" || bound == "[::1]";
+  if (!own_name || reached.empty()) return stream;
+  return "tcp://" + reached + stream.substr(stream.rfind(':'));
+}
+
+/// A JSON-RPC request's reply, whatever it says.
+tl::expected<json, CallFailure> ask(const Common& common, const json& request) {
+  const auto keys = keys_of(common);
+  if (!keys) return no_answer(keys.error().reason);
+  auto client = ControlClient::connect(common.endpoint, *keys);
+  if (!client) return no_answer(client.error().reason);
+  const auto reply =
+      client->request(request.dump(-1, ' ', false, json::error_handler_t::replace),
+                      std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
+  if (!reply) return no_answer(reply.error().reason);
+  return json::parse(*reply, nullptr, false);
+}
+
+json request_of(int id, const std::string& method, const json& params) {
+  return {{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", params}};
+}
+
+tl::expected<json, CallFailure> result_of(json& answer) {
+  if (answer.is_object() && answer.contains("result")) return std::move(answer["result"]);
+  if (answer.is_object() && answer.contains("error")) {
+    return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
+  }
+  return tl::make_unexpected(CallFailure{true, {{"message", "the answer is not JSON-RPC"}}});
+}
+
+}  // namespace
+
+tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
+                                     const json& params) {
+  auto answer = ask(common, request_of(1, method, params));
+  if (!answer) return answer;
+  return result_of(*answer);
+}
+
+tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
+                                                      const std::vector<std::string>& methods) {
+  json batch = json::array();
+  for (const auto& method : methods) {
+    batch.push_back(request_of(int(batch.size()), method, json::object()));
+  }
+  auto answers = ask(common, batch);
+  if (!answers) return tl::make_unexpected(answers.error());
+  std::vector<json> results(methods.size());
+  if (!answers->is_array() || answers->size() != methods.size()) {
+    return tl::make_unexpected(CallFailure{true, {{"message", "the answer is no batch"}}});
+  }
+  for (json& answer : *answers) {
+    auto result = result_of(answer);
+    if (!result) return tl::make_unexpected(result.error());
+    const json id = answer.value("id", json());
+    if (!id.is_number_unsigned() || id >= results.size()) {
+      return tl::make_unexpected(CallFailure{true, {{"message", "an answer to no question"}}});
+    }
+    results[id.get<std::size_t>()] = std::move(*result);
+  }
+  return results;
+}
+
+void add_connection_options(CLI::App& app, Common& common) {
+  app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
+      ->capture_default_str()
+      ->check(CLI::Validator(check_endpoint, ""));
+  app.add_option("--key", common.key_path,
+                 "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
+                 "keys (default: the service's credential ovws.key, if systemd gave it one)")
+      ->envname("OVWS_KEY");
+  app.add_option("--server-key", common.server_key,
+                 "public key of that daemon (default: server_key in the key file)")
+      ->envname("OVWS_SERVER_KEY");
+}
+
+int report_failure(const Common& common, const CallFailure& failure) {
+  if (common.json) {
+    print("{}\n", json{{"error", failure.error}}.dump());
+  } else {
+    fmt::print(stderr, "ovws: {}\n", failure.error.value("message", "unknown error"));
+  }
+  return failure.answered ? kError : kNoDaemon;
+}
+
+tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
+  const auto config = call(common, "config.get", json::object());
+  if (!config) return tl::make_unexpected(config.error());
+  return as_seen_from_here(config->at("stream").at(key).get<std::string>(), common.endpoint);
+}
+
+Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
+                             const std::vector<std::string>& topics, int receive_queue) {
+  const auto keys = keys_of(common);
+  if (!keys) return fail(keys.error());
+  return Subscriber::connect(endpoint, topics, receive_queue, *keys);
+}
+
+std::string why_not_valid(const json& message, const json& status) {
+  const json& slm = status.at("slm");
+  const auto pattern = slm.at("pattern").get<std::string>();
+  if (pattern != "sensor") {
+    const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
+    return what + " stands on the SLM: no wavefront is measured";
+  }
+  if (!message.value("settled", false)) {
+    const bool stands = slm.value("settled", false) &&
+                        slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
+    return stands ? "the frame came late, or the camera is being changed" : "hologram changing";
+  }
+  if (!status.at("sensor").at("referenced").get<bool>()) {
+    return "no reference: ovws call reference.take";
+  }
+  if (message.value("fit_residual_px", json()).is_number())
+    return "no wavefront explains where the spots are";
+  return fmt::format("{} of {} spots found", message.value("tracked", 0),
+                     message.value("subapertures", 0));
+}
+
+int report(const Common& common, const Error& error) {
+  const std::string text = error.field.empty() ? error.reason : error.field + ": " + error.reason;
+  return report_failure(common, {true, {{"message", text}, {"data", {{"field", error.field}}}}});
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,141 @@
+#include "daemon/shared/key_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "daemon/shared/atomic_file.hpp"
+#include "proto/reader.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr const char* kField = "path";
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr int kMaxDepth = 4;
+constexpr mode_t kOwnerOnly = 0600;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+tl::unexpected<Error> trouble(Errc code, const std::string& path, const std::string& what) {
+  return fail(code, kField, path + ": " + what);
+}
+
+std::string credentials_folder() {
+  const char* const folder = std::getenv("CREDENTIALS_DIRECTORY");
+  return folder == nullptr ? std::string{} : folder;
+}
+
+Result<void> check_pair(const std::string& path, const KeyFile& keys) {
+  if (public_key_of(keys.pair.secret_key) != keys.pair.public_key) {
+    return trouble(Errc::invalid, path,
+                   "public_key does not belong to secret_key: make both with ovws keygen");
+  }
+  if (keys.server_key.empty() || is_curve_key(keys.server_key)) return {};
+  return trouble(Errc::invalid, path, "server_key is no key of 40 characters");
+}
+
+}  // namespace
+
+Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
+                                   const std::string& secrecy) {
+  // A pipe that nobody writes to must not hold the daemon.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat about {};
+  if (file.get() < 0 || ::fstat(file.get(), &about) != 0) {
+    return trouble(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
+  }
+  if (!S_ISREG(about.st_mode)) return trouble(Errc::invalid, path, "is not a file");
+  if ((about.st_mode & forbidden) != 0) return trouble(Errc::invalid, path, secrecy);
+  if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
+    return trouble(Errc::invalid, path,
+                   "belongs to another user, who could change it: chown it to the user of this "
+                   "program, or to root");
+  }
+  std::string text(kMaxFileBytes + 1, '\0');
+  std::size_t size = 0;
+  ssize_t got = 1;
+  while (got > 0 && size < text.size()) {
+    got = ::read(file.get(), text.data() + size, text.size() - size);
+    if (got > 0) size += std::size_t(got);
+  }
+  if (got < 0) {
+    return trouble(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
+  }
+  if (size > kMaxFileBytes) return trouble(Errc::invalid, path, "is larger than 1 MiB");
+  text.resize(size);
+  return text;
+}
+
+std::string credential_path(const std::string& name) {
+  const std::string folder = credentials_folder();
+  if (folder.empty()) return {};
+  const std::string path = folder + "/" + name;
+  return ::access(path.c_str(), F_OK) == 0 ? path : std::string{};
+}
+
+Result<KeyFile> load_key_file(const std::string& path) {
+  const std::string credentials = credentials_folder();
+  const bool is_credential = !credentials.empty() && path.starts_with(credentials + "/");
+  const auto text = read_kept_file(
+      path, is_credential ? S_IWGRP | S_IXGRP | S_IRWXO : S_IRWXG | S_IRWXO,
+      "a secret key that group or others can read is no secret: chmod 600 it, or, if somebody may "
+      "have read it, make a new one with ovws keygen");
+  if (!text) return fail(text.error());
+  const auto json = parse_strict_json(*text, kMaxDepth, JsonComments::refused);
+  if (!json) return trouble(Errc::invalid, path, "is not what ovws keygen writes");
+  KeyFile keys;
+  ObjectReader reader(*json, "");
+  reader.require("public_key");
+  reader.require("secret_key");
+  reader.string("public_key", keys.pair.public_key);
+  reader.string("secret_key", keys.pair.secret_key);
+  reader.string("server_key", keys.server_key);
+  if (const auto done = reader.finish(); !done) {
+    return trouble(Errc::invalid, path, done.error().field + ": " + done.error().reason);
+  }
+  if (auto right = check_pair(path, keys); !right) return fail(right.error());
+  return keys;
+}
+
+Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace) {
+  nlohmann::ordered_json json{{"public_key", keys.pair.public_key},
+                              {"secret_key", keys.pair.secret_key}};
+  if (!keys.server_key.empty()) json["server_key"] = keys.server_key;
+  const std::string text = json.dump(2) + "\n";
+  if (replace) return replace_secret_file(path, text);
+  const Descriptor file(
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
+  if (file.get() < 0 && errno == EEXIST) {
+    return trouble(Errc::refused, path,
+                   "is there already, and whoever uses that key would be shut out: choose another "
+                   "name, or --replace it");
+  }
+  const bool written = file.get() >= 0 && ::fchmod(file.get(), kOwnerOnly) == 0 &&
+                       ::write(file.get(), text.data(), text.size()) == ssize_t(text.size()) &&
+                       ::fsync(file.get()) == 0;
+  if (written) return {};
+  const std::string why = std::strerror(errno);
+  if (file.get() >= 0) ::unlink(path.c_str());
+  return trouble(Errc::unavailable, path, "cannot be written: " + why);
+}
+
+}  // namespace ovws

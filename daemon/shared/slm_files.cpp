@@ -1,0 +1,152 @@
+#include "daemon/shared/slm_files.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "drivers/png/grey_png.hpp"
+
+namespace ovws {
+namespace {
+
+/// All numbers of a text file by its lines, those without a number left out; none if it cannot be
+/// read. `bad` is set to the first word that is not a finite number.
+std::optional<std::vector<std::vector<double>>> read_lines(const std::string& path,
+                                                           std::string& bad) {
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  std::vector<std::vector<double>> lines;
+  for (std::string line; std::getline(file, line);) {
+    line = line.substr(0, line.find('#'));
+    for (char& c : line) c = (c == ',' || c == ';') ? ' ' : c;
+    std::istringstream words(line);
+    std::vector<double> numbers;
+    for (std::string word; words >> word;) {
+      std::size_t used = 0;
+      double value = NAN;
+      try {
+        value = std::stod(word, &used);
+      } catch (const std::exception&) {
+        used = 0;
+      }
+      if (used != word.size() || !std::isfinite(value)) {
+        bad = word;
+        return lines;
+      }
+      numbers.push_back(value);
+    }
+    if (!numbers.empty()) lines.push_back(std::move(numbers));
+  }
+  return lines;
+}
+
+Result<std::vector<std::vector<double>>> checked_lines(const std::string& path, const char* field) {
+  std::string bad;
+  auto lines = read_lines(path, bad);
+  if (!lines) return fail(Errc::invalid, field, "the file " + path + " cannot be read");
+  if (bad.empty()) return std::move(*lines);
+  return fail(Errc::invalid, field, fmt::format("{}: \"{}\" is not a finite number", path, bad));
+}
+
+/// A table of phases over one turn goes through the grey levels once: it may begin anew at one
+/// place, where the phase is a whole turn on. More changes of direction are a damaged file.
+Result<void> check_monotonic(const std::string& path, const PhaseLut& lut) {
+  std::vector<std::size_t> rises, falls;
+  for (std::size_t i = 1; i < lut.size(); ++i) {
+    if (lut[i] > lut[i - 1]) rises.push_back(i);
+    if (lut[i] < lut[i - 1]) falls.push_back(i);
+  }
+  const auto& wrong = rises.size() < falls.size() ? rises : falls;
+  if (wrong.size() <= 1) return {};
+  return fail(
+      Errc::invalid, "slm.lut",
+      fmt::format("{} is not monotonic: entry {} is {}, entry {} is {}, and {} such changes "
+                  "of direction are in it; one, at a whole turn, is allowed",
+                  path, wrong[0] - 1, lut[wrong[0] - 1], wrong[0], lut[wrong[0]], wrong.size()));
+}
+
+Result<std::shared_ptr<const Image<float>>> flatness_from_png(const std::string& path, int width,
+                                                              int height) {
+  const auto grey = read_grey16_png(path, width, height);
+  if (!grey) return fail(Errc::invalid, "slm.flatness", grey.error().reason);
+  auto waves = std::make_shared<Image<float>>(width, height);
+  std::transform(grey->pixels.begin(), grey->pixels.end(), waves->pixels.begin(),
+                 [](std::uint16_t level) { return float(level) / 65536.0F; });
+  return waves;
+}
+
+}  // namespace
+
+Result<PhaseLut> load_lut(const std::string& path) {
+  const auto lines = checked_lines(path, "slm.lut");
+  if (!lines) return fail(lines.error());
+  PhaseLut lut{};
+  std::vector<double> numbers;
+  for (const auto& line : *lines) numbers.insert(numbers.end(), line.begin(), line.end());
+  if (numbers.size() != lut.size()) {
+    return fail(Errc::invalid, "slm.lut",
+                fmt::format("{} holds {} numbers, not {}", path, numbers.size(), lut.size()));
+  }
+  for (std::size_t i = 0; i < lut.size(); ++i) {
+    const double grey = numbers[i];
+    if (grey < 0.0 || grey > 255.0 || grey != std::floor(grey)) {
+      return fail(Errc::invalid, "slm.lut",
+                  fmt::format("{}: entry {} is {}, not a grey level from 0 to 255", path, i, grey));
+    }
+    lut[i] = std::uint8_t(grey);
+  }
+  if (auto monotonic = check_monotonic(path, lut); !monotonic) return fail(monotonic.error());
+  return lut;
+}
+
+Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& path, int width,
+                                                          int height) {
+  if (path.ends_with(".png") || path.ends_with(".PNG")) {
+    return flatness_from_png(path, width, height);
+  }
+  const auto lines = checked_lines(path, "slm.flatness");
+  if (!lines) return fail(lines.error());
+  const std::size_t cols = lines->empty() ? 0 : lines->front().size();
+  const auto other = std::find_if(lines->begin(), lines->end(),
+                                  [cols](const auto& l) { return l.size() != cols; });
+  if (other != lines->end()) {
+    return fail(Errc::invalid, "slm.flatness",
+                fmt::format("{}: row {} holds {} numbers, the first {}", path,
+                            other - lines->begin() + 1, other->size(), cols));
+  }
+  if (cols != std::size_t(width) || lines->size() != std::size_t(height)) {
+    return fail(Errc::invalid, "slm.flatness",
+                fmt::format("{} is {} x {} pixels, the SLM {} x {}: they must be equal", path, cols,
+                            lines->size(), width, height));
+  }
+  auto waves = std::make_shared<Image<float>>(width, height);
+  for (int y = 0; y < height; ++y) {
+    std::copy((*lines)[std::size_t(y)].begin(), (*lines)[std::size_t(y)].end(), waves->row(y));
+  }
+  return waves;
+}
+
+Result<HologramConfig> load_hologram_config(const Config& config) {
+  HologramConfig hologram;
+  hologram.slm = config.slm.geometry;
+  hologram.sensor = config.sensor;
+  if (config.slm.lut) {
+    auto lut = load_lut(*config.slm.lut);
+    if (!lut) return fail(lut.error());
+    hologram.lut = *lut;
+  }
+  if (config.slm.flatness) {
+    auto flatness =
+        load_flatness(*config.slm.flatness, hologram.slm.width_px, hologram.slm.height_px);
+    if (!flatness) return fail(flatness.error());
+    hologram.flatness_waves = *flatness;
+  }
+  return hologram;
+}
+
+}  // namespace ovws
