@@ -158,6 +158,15 @@ class CommandLine(BenchCase):
         self.assertEqual(json.loads(self.ovws("--json", "watch", "phase", "-n", 1))["schema"], "ovws.phase/1")
         self.ovws("watch", "-n", -1, code=2)
 
+    def is_told_of_a_change(self, watch, waves):
+        """Whether `watch` sees this change of the hologram: on a busy machine the change may be over when it looks."""
+        hologram = self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": waves}]})["hologram_id"]
+        for line in watch.stdout:
+            if "NOT VALID: hologram changing" in line:
+                return True
+            if f"hologram {hologram} " in line and "NOT VALID" not in line:
+                return False
+
     def test_watch_says_why_not_valid(self):
         self.take_reference(10)
         watch = subprocess.Popen([self.bench.programs / "ovws", "watch"], stdout=subprocess.PIPE, text=True)
@@ -165,8 +174,7 @@ class CommandLine(BenchCase):
         self.addCleanup(watch.wait)
         self.addCleanup(watch.kill)
         self.assertIn("valid", watch.stdout.readline())
-        self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.2}]})
-        self.assertTrue(any("NOT VALID: hologram changing" in line for line in itertools.islice(watch.stdout, 2000)))
+        self.assertTrue(any(self.is_told_of_a_change(watch, 0.01 * k) for k in range(1, 40)))
         self.client.call("sensor.set", {"charge": 2})
         self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
 
