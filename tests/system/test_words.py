@@ -11,7 +11,7 @@ from case import ROOT, bench_module, wait_for
 from terminal import Terminal
 
 BUILD = pathlib.Path(os.environ.get("OVWS_BUILD", ""))
-MADE = BUILD / "daemon" / "man"
+MADE = BUILD / "daemon" / "ovws" / "man"
 PAGES = ("ovws.1", "ovws-twin.1", "ovwsd.8", "ovwsd.json.5")
 
 
