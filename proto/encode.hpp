@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "proto/messages.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 
@@ -36,8 +37,5 @@ std::span<const std::byte> encode(const PhaseMessage& message, std::string& json
 std::string encode(const RefinedMessage& message);
 std::string encode(const StatusMessage& message);
 std::string encode(const EventMessage& message, const nlohmann::json& data);
-
-/// The result of `system.status`: the status message without `schema` and `seq`.
-nlohmann::json status_body(const StatusMessage& message);
 
 }  // namespace ovws

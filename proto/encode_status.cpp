@@ -2,8 +2,7 @@
 #include <cmath>
 
 #include "proto/encode.hpp"
-#include "proto/names.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 namespace {
@@ -14,68 +13,8 @@ std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-json or_null(const std::optional<std::string>& text) {
-  return text ? json(*text) : json(nullptr);
-}
-
 json or_null(double number) {
   return std::isnan(number) ? json() : json(number);
-}
-
-json camera_part(const StatusMessage::CameraPart& camera) {
-  return {{"connected", camera.connected},
-          {"streaming", camera.streaming},
-          {"info", camera.info ? to_json(*camera.info) : json(nullptr)},
-          {"settings", to_json(camera.settings)},
-          {"fault", or_null(camera.fault)}};
-}
-
-json slm_part(const StatusMessage::SlmPart& slm) {
-  json info = nullptr;
-  if (slm.info) {
-    info = {{"output", slm.info->output},
-            {"driver", slm.info->driver},
-            {"width", slm.info->width},
-            {"height", slm.info->height},
-            {"refresh_hz", slm.info->refresh_hz}};
-  }
-  return {{"connected", slm.connected}, {"info", info},
-          {"pattern", slm.pattern},     {"hologram_id", slm.hologram_id},
-          {"settled", slm.settled},     {"fault", or_null(slm.fault)}};
-}
-
-json sensor_part(const StatusMessage::SensorPart& sensor) {
-  json out = to_json(sensor.config);
-  out["tracker"] = tracker_name(sensor.tracking.tracker);
-  out["template"] = template_name(sensor.tracking.templates);
-  put(out, sensor.templates);
-  out["operator"] = operator_name(sensor.tracking.mode_operator);
-  put(out, sensor.mode_operator);
-  out["subapertures"] = sensor.subapertures;
-  out["modes"] = sensor.modes;
-  out["referenced"] = sensor.referenced;
-  out["reference"] = sensor.reference;
-  out["reference_introduced_rms_waves"] = sensor.reference_introduced_rms_waves;
-  out["layout_fault"] = sensor.layout_fault.empty() ? json() : json(sensor.layout_fault);
-  out["torn"] = sensor.torn;
-  out["invalid"] = nullptr;
-  if (const auto& invalid = sensor.invalid) {
-    out["invalid"] = {{"t_since_ns", invalid->t_since_ns},
-                      {"reason", invalid->reason},
-                      {"action", invalid->action},
-                      {"searches", invalid->searches},
-                      {"t_next_search_ns",
-                       invalid->t_next_search_ns ? json(*invalid->t_next_search_ns) : json()}};
-  }
-  return out;
-}
-
-json refine_part(const StatusMessage::RefinePart& refine) {
-  return {{"state", refine.state},
-          {"done", refine.done},
-          {"refused", refine.refused},
-          {"last_duration_ms", refine.last_duration_ms ? json(*refine.last_duration_ms) : json()},
-          {"reason", or_null(refine.reason)}};
 }
 
 /// Root sum square without piston and tilts.
@@ -85,29 +24,6 @@ double rms_waves(const RefinedMessage& message) {
     if (message.j[k] > 2) squares += message.coefficients[k] * message.coefficients[k];
   }
   return std::sqrt(squares);
-}
-
-json failed_job_part(const std::optional<StatusMessage::FailedJob>& failed) {
-  if (!failed) return nullptr;
-  return {{"job", failed->job},
-          {"kind", failed->kind},
-          {"field", failed->field},
-          {"reason", failed->reason},
-          {"t_failed_ns", failed->t_failed_ns},
-          {"t_failed", utc_text(failed->t_failed_ns)}};
-}
-
-json latency_part(const LatencySummary& latency) {
-  return {{"count", latency.count},
-          {"p50_us", latency.p50_us},
-          {"p99_us", latency.p99_us},
-          {"p999_us", latency.p999_us},
-          {"max_us", latency.max_us},
-          {"since_start",
-           {{"count", latency.since_start.count},
-            {"sum_us", latency.since_start.sum_us},
-            {"edges_us", LatencyTotals::edges_us()},
-            {"below", latency.since_start.below}}}};
 }
 
 std::string_view severity_name(Severity severity) {
@@ -123,35 +39,6 @@ std::string_view severity_name(Severity severity) {
 }
 
 }  // namespace
-
-json status_body(const StatusMessage& message) {
-  json out{{"t_ns", message.t_ns},
-           {"uptime_s", message.uptime_s},
-           {"state", message.state},
-           {"fault", or_null(message.fault)},
-           {"camera", camera_part(message.camera)},
-           {"slm", slm_part(message.slm)},
-           {"sensor", sensor_part(message.sensor)},
-           {"refine", refine_part(message.refine)},
-           {"record", record_result(message.record)},
-           {"store",
-            {{"directory", or_null(message.store.directory)},
-             {"reason", or_null(message.store.reason)}}},
-           {"loop", message.loop_closed ? "closed" : "open"},
-           {"failed_job", failed_job_part(message.failed_job)},
-           {"rates",
-            {{"grabbed_hz", message.rates.grabbed_hz},
-             {"published_hz", message.rates.published_hz},
-             {"images_hz", message.rates.images_hz}}},
-           {"counters", json::object()},
-           {"latency", json::object()},
-           {"versions", json::object()}};
-  for (const auto& [name, count] : message.counters) out["counters"][name] = count;
-  for (const auto& [stage, latency] : message.latency)
-    out["latency"][stage] = latency_part(latency);
-  for (const auto& [name, version] : message.versions) out["versions"][name] = version;
-  return out;
-}
 
 std::string encode(const RefinedMessage& message) {
   const json unknown = std::vector<json>(message.j.size());
@@ -185,7 +72,7 @@ std::string encode(const RefinedMessage& message) {
 }
 
 std::string encode(const StatusMessage& message) {
-  json out = status_body(message);
+  json out = to_json(message);
   out["schema"] = "ovws.status/1";
   out["seq"] = message.seq;
   return text_of(out);

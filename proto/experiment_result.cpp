@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/results.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
 namespace {

@@ -13,10 +13,7 @@
 #include "core/base/vec2.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/port/camera.hpp"
-#include "core/port/display.hpp"
-#include "core/rt/latency_histogram.hpp"
 #include "core/tracking/spot.hpp"
-#include "proto/results.hpp"
 
 namespace ovws {
 
@@ -99,81 +96,6 @@ struct EventMessage {
   std::string kind;  ///< "state", "camera", "slm", "job", "config", …
   Severity severity = Severity::info;
   std::string text;  ///< one sentence for a person
-};
-
-/// `ovws.status/1` and the result of `system.status`.
-struct StatusMessage {
-  std::uint64_t seq = 0;
-  std::int64_t t_ns = 0;
-  double uptime_s = 0.0;
-  std::string state;                 ///< the state machine's name of it
-  std::optional<std::string> fault;  ///< why the state is a fault, and the way out
-
-  struct CameraPart {
-    bool connected = false, streaming = false;
-    std::optional<CameraInfo> info;
-    CameraSettings settings;           ///< in use; if not connected, those that will be applied
-    std::optional<std::string> fault;  ///< why it is not there
-  } camera;
-  struct SlmPart {
-    bool connected = false;
-    std::optional<DisplayInfo> info;
-    std::string pattern = "sensor";
-    std::uint64_t hologram_id = 0;  ///< shown now; 0: none
-    bool settled = false;
-    std::optional<std::string> fault;
-  } slm;
-  struct SensorPart {
-    SensorConfig config;
-    TrackingSettings tracking;
-    TemplateReport templates;
-    OperatorReport mode_operator;
-    int subapertures = 0, modes = 0;
-    bool referenced = false;
-    std::string reference = "none";               ///< "none", "in_force", "stale"
-    double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
-    /// why the camera cannot see the spots, or the tracker tell them apart; empty: null
-    std::string layout_fault;
-    std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
-    /// Why no frame is valid although settled frames come and there is a reference.
-    struct Invalid {
-      std::int64_t t_since_ns = 0;  ///< UTC
-      std::string reason;
-      std::string action;                            ///< what is done about it, and when
-      int searches = 0;                              ///< of the whole image, since then
-      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: one is running
-    };
-    std::optional<Invalid> invalid;
-  } sensor;
-  bool loop_closed = false;
-  struct RefinePart {
-    std::string state = "off";            ///< "off", "waiting", "refining"
-    std::uint64_t done = 0, refused = 0;  ///< since the start
-    std::optional<double> last_duration_ms;
-    std::optional<std::string> reason;  ///< why there is no refinement now
-  } refine;
-
-  RecordReport record;
-
-  struct StorePart {
-    std::optional<std::string> directory;  ///< what is kept over a restart is there
-    std::optional<std::string> reason;     ///< why something is not kept
-  } store;
-
-  struct FailedJob {
-    int job = 0;
-    std::string kind, field, reason;
-    std::int64_t t_failed_ns = 0;
-  };
-  /// The one that failed last, of those after which none of the same kind was done.
-  std::optional<FailedJob> failed_job;
-
-  struct Rates {
-    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
-  } rates;
-  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< since start, every one
-  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage, since the last status
-  std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
 };
 
 }  // namespace ovws

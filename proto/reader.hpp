@@ -32,7 +32,8 @@ class ObjectReader {
   void clamp(bool on) { clamp_ = on; }
 
   bool has(const char* key) const;  ///< present (null counts as present)
-  void require(const char* key);    ///< a fault if absent, told by `finish` after all others
+  bool is_null(const char* key) const;
+  void require(const char* key);  ///< a fault if absent, told by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max

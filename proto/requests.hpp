@@ -18,6 +18,7 @@
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "proto/refine_setup.hpp"
+#include "proto/tables/record.hpp"
 
 namespace ovws {
 
@@ -70,13 +71,6 @@ struct CalibrationRun {
   double amplitude_waves = 0.15;            ///< RMS-normalised
   int frames = 20;                          ///< averaged for each picture
   std::optional<std::vector<int>> modes_j;  ///< key "modes": OSA indices; none: all
-};
-
-/// `record.start`.
-struct RecordStart {
-  std::string name;        ///< of the file, without folder and ending
-  int pictures_every = 1;  ///< the picture of every n-th frame; 0: of none
-  std::optional<double> limit_s, limit_mib;
 };
 
 Result<CameraSet> decode_camera_set(const nlohmann::json& params);

@@ -12,7 +12,7 @@
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
 #include "daemon/ovws/cli/relineariser.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws::cli {
 

@@ -55,9 +55,9 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   line["spots"] = spots_of(measured);
   line["torn"] = measured.torn;
   line["template"] = template_name(config.tracking.templates);
-  put(line, measurement.templates());
+  put_fields(line, measurement.templates());
   line["operator"] = operator_name(config.tracking.mode_operator);
-  put(line, measured.mode_operator);
+  put_fields(line, measured.mode_operator);
   return line;
 }
 

@@ -12,22 +12,8 @@ namespace {
 
 constexpr std::size_t kMostRemembered = 100;
 
-const char* state_name(JobState state) {
-  switch (state) {
-    case JobState::running:
-      return "running";
-    case JobState::done:
-      return "done";
-    case JobState::failed:
-      return "failed";
-    case JobState::cancelled:
-      return "cancelled";
-  }
-  return "failed";
-}
-
 nlohmann::json event_data(int id, JobState state, double progress) {
-  return {{"job", id}, {"state", state_name(state)}, {"progress", progress}};
+  return {{"job", id}, {"state", to_json(state)}, {"progress", progress}};
 }
 
 }  // namespace
@@ -142,7 +128,7 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
   job.result = std::move(result);
   job.error = error;
   note_end(job);
-  const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, state_name(state),
+  const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, to_json(state),
                                        error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;
   events_.emit("job", severity, text, event_data(id, state, progress));

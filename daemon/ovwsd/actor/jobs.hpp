@@ -11,7 +11,8 @@
 
 #include "core/base/result.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/job.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "proto/messages.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 

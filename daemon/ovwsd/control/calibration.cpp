@@ -2,8 +2,8 @@
 #include "daemon/ovwsd/procedures/calibration.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/procedures/registration.hpp"
-#include "proto/calibration_result.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/job.hpp"
 
 namespace ovws {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 void start(Services& services, const char* kind, Procedure procedure, const RpcReply& reply) {
   services.procedures.start(kind, std::move(procedure), [reply](Result<int> job) {
     if (!job) return reply(failed(job.error()));
-    reply(job_started_result(*job));
+    reply(to_json(JobNumber{*job}));
   });
 }
 
@@ -25,28 +25,29 @@ void run_registration(Services& services, const nlohmann::json& params, RpcReply
         const auto found = measure_registration(bench, slm, frames);
         if (!found) return fail(found.error());
         if (auto used = bench.use_registration(*found); !used) return fail(used.error());
-        return registration_result(*found);
+        return to_json(KnownRegistration{*found});
       },
       reply);
 }
 
 void get_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(registration_result(services.instrument.snapshot().registration));
+  reply(to_json(KnownRegistration{services.instrument.snapshot().registration}));
 }
 
 void clear_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   services.instrument.clear_registration([reply](Result<SensorSnapshot> cleared) {
     if (!cleared) return reply(failed(cleared.error()));
-    reply(registration_result(cleared->registration));
+    reply(to_json(KnownRegistration{cleared->registration}));
   });
 }
 
 nlohmann::json calibration_of(const SensorSnapshot& sensor) {
-  if (!sensor.calibration) return calibration_result(std::nullopt);
+  if (!sensor.calibration) return to_json(KnownCalibration{});
   const Calibration& c = *sensor.calibration;
   const bool in_force = sensor.mode_operator.in_force == OperatorKind::measured;
-  return calibration_result(CalibrationReport{in_force, c.amplitude_waves, c.frames, c.t_taken_ns,
-                                              c.matrix, c.comparison, c.sha256, *c.origin});
+  return to_json(
+      KnownCalibration{in_force, CalibrationReport{c.amplitude_waves, c.frames, c.t_taken_ns,
+                                                   c.matrix, c.comparison, c.sha256, *c.origin}});
 }
 
 void run_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {

@@ -1,12 +1,12 @@
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
   const CameraSnapshot camera = services.camera.snapshot();
-  reply(camera_get_result(camera.info, camera.settings, camera.limits));
+  reply(to_json(CameraReport{camera.info, camera.settings, camera.limits}));
 }
 
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
@@ -19,7 +19,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
     if (!applied) return reply(failed(applied.error()));
     services.instrument.after_changes([params, reply, camera = *applied] {
-      reply(camera_set_result(params, camera.settings, camera.limits));
+      reply(to_json(CameraSetReport{requested(params), camera.settings, camera.limits}));
     });
   });
 }

@@ -8,7 +8,7 @@
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/procedures/gain_sweep.hpp"
 #include "daemon/ovwsd/procedures/sweep_bench.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/job.hpp"
 
 namespace ovws {
 namespace {
@@ -60,7 +60,7 @@ void start(Services& services, const ExperimentRun& run, const RpcReply& reply) 
                             [reply, &archive, run](Result<int> job) {
                               if (!job) return reply(failed(job.error()));
                               archive.begin_job(run, *job);
-                              reply(job_started_result(*job));
+                              reply(to_json(JobNumber{*job}));
                             });
 }
 
@@ -73,7 +73,7 @@ void gain_sweep(Services& services, const json& params, RpcReply reply) {
   if (!asked) return reply(failed(asked.error()));
   const ExperimentRun run = asked_now(services, *asked);
   const auto job = services.experiments.job_of(run.name);
-  if (job && services.jobs.runs(*job) && !asked->anew) return reply(job_started_result(*job));
+  if (job && services.jobs.runs(*job) && !asked->anew) return reply(to_json(JobNumber{*job}));
   if (auto allowed = services.state.check(Action::start_job); !allowed) {
     return reply(failed(allowed.error()));
   }

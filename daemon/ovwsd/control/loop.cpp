@@ -1,6 +1,6 @@
 /// loop.* and correction.*: what is subtracted from the hologram, by the loop or by a person.
+#include "proto/tables/loop.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/results.hpp"
 
 namespace ovws {
 namespace {
@@ -8,7 +8,7 @@ namespace {
 ClosedLoop::Done answer_with(RpcReply reply) {
   return [reply = std::move(reply)](const Result<LoopReport>& now) {
     if (!now) return reply(failed(now.error()));
-    reply(loop_result(*now));
+    reply(to_json(*now));
   };
 }
 
@@ -25,12 +25,12 @@ void open(Services& services, const nlohmann::json& params, RpcReply reply) {
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(loop_result(services.loop.report()));
+  reply(to_json(services.loop.report()));
 }
 
 void answer_correction(const RpcReply& reply, const Result<SensorSnapshot>& now) {
   if (!now) return reply(failed(now.error()));
-  reply(aberration_result(now->correction, now->hologram_id));
+  reply(to_json(ModesReport(now->correction, now->hologram_id)));
 }
 
 void get_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {

@@ -1,7 +1,7 @@
 /// record.*: what the pipeline measures, into a file.
+#include "proto/tables/record.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
-#include "proto/results.hpp"
 
 namespace ovws {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 Recorder::Done answer_with(RpcReply reply) {
   return [reply = std::move(reply)](const Result<RecordReport>& now) {
     if (!now) return reply(failed(now.error()));
-    reply(record_result(*now));
+    reply(to_json(*now));
   };
 }
 
@@ -28,7 +28,7 @@ void stop(Services& services, const nlohmann::json& /*params*/, RpcReply reply) 
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(record_result(services.recorder.report()));
+  reply(to_json(services.recorder.report()));
 }
 
 constexpr std::array<Method, 3> kMethods{{

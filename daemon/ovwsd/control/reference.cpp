@@ -1,30 +1,25 @@
 /// reference.* and job.*: what takes time.
+#include "proto/tables/reference.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/job.hpp"
 
 namespace ovws {
 namespace {
 
-std::optional<ReferenceReport> report_of(const Services& services,
-                                         const std::optional<Reference>& reference) {
-  if (!reference) return std::nullopt;
-  return ReferenceReport{reference->frames,
-                         reference->key.sensor.charge,
-                         reference->key.tracking.tracker,
-                         reference->t_taken_ns,
-                         reference->positions_px,
-                         reference->standard_error_px,
-                         reference_source_name(reference->source),
-                         reference->sha256,
-                         stale_fields(*reference, services.camera.snapshot().settings),
-                         *reference->origin,
-                         rms_waves(reference->introduced)};
+KnownReference report_of(const Services& services, const std::optional<Reference>& reference) {
+  if (!reference) return {};
+  return {ReferenceReport{reference->frames, reference->key.sensor.charge,
+                          reference->key.tracking.tracker, reference->t_taken_ns,
+                          reference->positions_px, reference->standard_error_px,
+                          std::string(reference_source_name(reference->source)), reference->sha256,
+                          stale_fields(*reference, services.camera.snapshot().settings),
+                          *reference->origin, rms_waves(reference->introduced)}};
 }
 
 Instrument::Changed answer(const Services& services, RpcReply reply) {
   return [&services, reply = std::move(reply)](Result<SensorSnapshot> changed) {
     if (!changed) return reply(failed(changed.error()));
-    reply(reference_result(report_of(services, changed->reference)));
+    reply(to_json(report_of(services, changed->reference)));
   };
 }
 
@@ -33,12 +28,12 @@ void take(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (!take) return reply(failed(take.error()));
   services.instrument.take_reference(*take, [reply](Result<int> job) {
     if (!job) return reply(failed(job.error()));
-    reply(job_started_result(*job));
+    reply(to_json(JobNumber{*job}));
   });
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(reference_result(report_of(services, services.instrument.snapshot().reference)));
+  reply(to_json(report_of(services, services.instrument.snapshot().reference)));
 }
 
 void clear(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {

@@ -1,6 +1,6 @@
 /// refine.*: the refinement of frames beside the fast estimate.
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {
@@ -10,7 +10,7 @@ PixelFormat camera_format(const Services& services) {
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(refine_get_result(in_format(services.refiner.settings(), camera_format(services))));
+  reply(to_json(RefineReport{in_format(services.refiner.settings(), camera_format(services))}));
 }
 
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
@@ -18,7 +18,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (!change) return reply(failed(change.error()));
   const auto applied = services.refiner.change(*change, camera_format(services));
   if (!applied) return reply(failed(applied.error()));
-  reply(refine_set_result(params, *applied));
+  reply(to_json(RefineSetReport{requested(params), {*applied}}));
 }
 
 constexpr std::array<Method, 2> kMethods{{

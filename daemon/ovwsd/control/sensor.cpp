@@ -1,17 +1,22 @@
 /// sensor.*, aberration.* and slm.show: all that changes the hologram.
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/set.hpp"
+#include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
 
 SensorReport report_of(const SensorSnapshot& sensor) {
-  return {sensor.sensor,       sensor.tracking, sensor.templates,  sensor.mode_operator,
-          sensor.subapertures, sensor.modes_j,  sensor.hologram_id};
+  return {{sensor.sensor, sensor.tracking},
+          sensor.templates,
+          sensor.mode_operator,
+          sensor.subapertures,
+          sensor.modes_j,
+          sensor.hologram_id};
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(sensor_get_result(report_of(services.instrument.snapshot())));
+  reply(to_json(report_of(services.instrument.snapshot())));
 }
 
 /// The core names settings as the configuration does, a client as the method's params do.
@@ -27,13 +32,14 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (!change) return reply(failed(change.error()));
   services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
     if (!applied) return reply(failed(in_params(applied.error())));
-    reply(sensor_set_result(params, report_of(*applied)));
+    reply(to_json(SensorSetReport{
+        requested(params), {applied->sensor, applied->tracking}, applied->hologram_id}));
   });
 }
 
 void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& applied) {
   if (!applied) return reply(failed(applied.error()));
-  reply(aberration_result(applied->aberration, applied->hologram_id));
+  reply(to_json(ModesReport(applied->aberration, applied->hologram_id)));
 }
 
 void get_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
@@ -58,7 +64,7 @@ void show(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (!pattern) return reply(failed(pattern.error()));
   services.instrument.show(*pattern, [reply](Result<SensorSnapshot> applied) {
     if (!applied) return reply(failed(applied.error()));
-    reply(slm_show_result(applied->pattern, applied->hologram_id));
+    reply(to_json(ShowReport{applied->pattern, applied->hologram_id}));
   });
 }
 

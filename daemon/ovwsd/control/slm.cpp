@@ -5,8 +5,8 @@
 #include "daemon/ovwsd/procedures/flatness.hpp"
 #include "daemon/ovwsd/procedures/lut.hpp"
 #include "daemon/ovwsd/procedures/settle.hpp"
-#include "proto/results.hpp"
-#include "proto/slm_result.hpp"
+#include "proto/tables/job.hpp"
+#include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
@@ -16,17 +16,17 @@ using nlohmann::json;
 json lut_of(const Services& services, const SensorSnapshot& now) {
   LutReport report{now.slm->hologram.lut, services.config.slm.lut, std::nullopt};
   if (const auto& lut = now.slm->lut) {
-    report.measured = LutReport::Measured{lut->t_taken_ns, lut->frames, lut->response,
-                                          lut->table,      lut->sha256, lut->origin};
+    report.measured = LutMeasured{lut->t_taken_ns, lut->frames, lut->response,
+                                  lut->table,      lut->sha256, lut->origin};
   }
-  return lut_result(report);
+  return to_json(report);
 }
 
 void start(Services& services, const char* kind, Procedure procedure, RpcReply reply) {
   services.procedures.start(kind, std::move(procedure),
                             [reply = std::move(reply)](Result<int> job) {
                               if (!job) return reply(failed(job.error()));
-                              reply(job_started_result(*job));
+                              reply(to_json(JobNumber{*job}));
                             });
 }
 
@@ -59,11 +59,14 @@ json flatness_of(const Services& services, const SensorSnapshot& now) {
   FlatnessReport report{services.config.slm.flatness, std::nullopt};
   if (const auto& f = now.slm->flatness) {
     report.measured =
-        FlatnessReport::Measured{f->t_taken_ns,         f->frames, f->iterations,
-                                 f->pupil_diameter_px,  f->modes,  f->standard_error_waves,
-                                 f->residual_rms_waves, f->sha256, f->origin};
+        FlatnessMeasured{f->t_taken_ns,         f->frames, f->iterations, f->pupil_diameter_px, {},
+                         f->residual_rms_waves, f->sha256, f->origin};
+    for (std::size_t k = 0; k < f->modes.size(); ++k) {
+      report.measured->modes.push_back(
+          {f->modes[k].j, f->modes[k].waves, f->standard_error_waves[k]});
+    }
   }
-  return flatness_result(report);
+  return to_json(report);
 }
 
 void run_flatness(Services& services, const json& params, RpcReply reply) {
@@ -102,7 +105,7 @@ void settle(Services& services, const json& params, RpcReply reply) {
       [&services, run = *run](Bench& bench) -> Result<json> {
         const auto time = measure_settle(bench, services.config.slm.geometry, run);
         if (!time) return fail(time.error());
-        return settle_result(*time, run.repetitions, services.config.slm.settle_ms);
+        return to_json(SettleReport{*time, run.repetitions, services.config.slm.settle_ms});
       },
       std::move(reply));
 }
@@ -110,8 +113,8 @@ void settle(Services& services, const json& params, RpcReply reply) {
 void verify(Services& services, const json& /*params*/, RpcReply reply) {
   services.slm.verify([reply](Result<SlmVerdict> seen) {
     if (!seen) return reply(failed(seen.error()));
-    reply(
-        verify_result({seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels}));
+    reply(to_json(
+        VerifyReport{seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels}));
   });
 }
 

@@ -50,8 +50,7 @@ std::string reference_state(const SensorSnapshot& sensor, const CameraSnapshot& 
 
 StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const CameraSnapshot& camera) {
   StatusMessage::SensorPart part;
-  part.config = sensor.sensor;
-  part.tracking = sensor.tracking;
+  part.settings = {sensor.sensor, sensor.tracking};
   part.templates = sensor.templates;
   part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;

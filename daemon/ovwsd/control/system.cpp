@@ -36,7 +36,7 @@ void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply
 }
 
 void status(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(status_body(services.status.current()));
+  reply(to_json(services.status.current()));
 }
 
 constexpr std::array<Method, 2> kMethods{{

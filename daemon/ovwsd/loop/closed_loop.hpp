@@ -18,7 +18,7 @@
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/ovwsd/sensor/instrument.hpp"
 #include "daemon/shared/guarded.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/loop.hpp"
 
 namespace ovws {
 

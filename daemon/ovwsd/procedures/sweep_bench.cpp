@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 namespace {

@@ -4,7 +4,9 @@
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/names.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/reference.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 namespace {
@@ -88,7 +90,7 @@ json plan_content(const PlanFacts& facts) {
           {"pattern", pattern_name(now.pattern)},
           {"sensor", to_json(now.sensor)},
           {"optics", optics_content(now.optics)},
-          {"registration", registration_result(now.registration)},
+          {"registration", to_json(KnownRegistration{now.registration})},
           {"aberration", modes(now.aberration)},
           {"correction", modes(now.correction)}};
 }

@@ -12,7 +12,7 @@
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/encoding.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/camera.hpp"
 
 namespace ovws {
 namespace {

@@ -13,6 +13,7 @@
 #include "proto/messages.hpp"
 #include "proto/refine_setup.hpp"
 #include "proto/requests.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 

@@ -8,7 +8,7 @@
 #include "daemon/shared/encoding.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
 namespace {

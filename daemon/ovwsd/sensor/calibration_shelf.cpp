@@ -9,7 +9,7 @@
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/shared/encoding.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
 namespace {

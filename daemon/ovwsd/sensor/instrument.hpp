@@ -31,7 +31,7 @@
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/requests.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 

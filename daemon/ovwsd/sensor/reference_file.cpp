@@ -5,7 +5,7 @@
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/reader.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
 namespace {

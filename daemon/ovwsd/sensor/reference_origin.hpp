@@ -12,7 +12,8 @@
 #include "core/wavefront/registration.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/reference.hpp"
 
 namespace ovws {
 

@@ -7,7 +7,7 @@
 
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 

@@ -7,7 +7,7 @@
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/reference.hpp"
 
 namespace ovws {
 namespace {
@@ -105,7 +105,7 @@ void RegistrationArchive::keep(const Registration& registration,
                                const std::optional<CameraInfo>& camera,
                                std::function<void(const std::string& sha256)> told) {
   camera_ = camera_json(camera);
-  json numbers = registration_result(registration);
+  json numbers = to_json(KnownRegistration{registration});
   numbers["base_grating_cpp"] = {registration.base_cpp.x, registration.base_cpp.y};
   store_.put(
       kKind, kName, {{"registration", numbers}, {"slm", slm_json(slm_)}, {"camera", camera_}},

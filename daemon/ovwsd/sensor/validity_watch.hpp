@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "proto/messages.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 

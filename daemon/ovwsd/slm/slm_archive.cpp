@@ -6,7 +6,7 @@
 
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
 namespace {

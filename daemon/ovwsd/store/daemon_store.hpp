@@ -17,7 +17,7 @@
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/store/state_store.hpp"
-#include "proto/messages.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 

@@ -6,13 +6,16 @@
 #include <random>
 
 #include "config/config.hpp"
-#include "proto/calibration_result.hpp"
 #include "proto/encode.hpp"
 #include "proto/experiment.hpp"
 #include "proto/requests.hpp"
-#include "proto/results.hpp"
 #include "proto/schemas.hpp"
-#include "proto/slm_result.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/job.hpp"
+#include "proto/tables/loop.hpp"
+#include "proto/tables/set.hpp"
+#include "proto/tables/slm.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 namespace {
@@ -98,9 +101,9 @@ void print_status() {
       status.camera.info = kInfo;
       status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
       status.fault = "none really";
-      status.sensor.tracking.templates = TemplateKind::reference;
+      status.sensor.settings.tracking.templates = TemplateKind::reference;
       status.sensor.templates = {0, "there is no reference"};
-      status.sensor.tracking.mode_operator = OperatorKind::diffractive;
+      status.sensor.settings.tracking.mode_operator = OperatorKind::diffractive;
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
       status.sensor.reference_introduced_rms_waves = 0.3;
@@ -110,14 +113,14 @@ void print_status() {
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
       status.record = {"ended", "/var/lib/run.h5", 1.5, 700, 1, 699, 2, 1 << 20, "record.stop"};
       for (const char* method : {"record.start", "record.stop", "record.get"}) {
-        print_result(method, record_result(status.record));
+        print_result(method, to_json(status.record));
       }
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
       status.versions = {{"ovws", "0"}};
     }
     print_stream(kTopicStatus, encode(status));
-    print_result("system.status", status_body(status));
+    print_result("system.status", to_json(status));
   }
   const EventMessage event{3, 4, "camera", Severity::warning, "something"};
   print_stream(kTopicEvent, encode(event, {{"field", 1}}));
@@ -126,10 +129,10 @@ void print_status() {
 
 void print_luts() {
   LutReport lut;
-  print_result("lut.get", lut_result(lut));
+  print_result("lut.get", to_json(lut));
   lut.path = "lut.txt";
-  print_result("lut.clear", lut_result(lut));
-  lut.measured = LutReport::Measured{};
+  print_result("lut.clear", to_json(lut));
+  lut.measured = LutMeasured{};
   lut.measured->frames = 3;
   lut.measured->response.levels = 33;
   lut.measured->origin =
@@ -139,29 +142,28 @@ void print_luts() {
       lut.measured->response.phase_rad[g] = depth * double(g);
     }
     lut.measured->table = linearising_lut(lut.measured->response.phase_rad);
-    print_result("lut.get", lut_result(lut));
+    print_result("lut.get", to_json(lut));
     lut.measured->sha256 = "ba7816bf";
   }
-  print_result("lut.run", job_started_result(5));
+  print_result("lut.run", to_json(JobNumber{5}));
 }
 
 void print_flatnesses() {
   FlatnessReport flatness;
-  print_result("flatness.get", flatness_result(flatness));
+  print_result("flatness.get", to_json(flatness));
   flatness.path = "flat.png";
-  print_result("flatness.clear", flatness_result(flatness));
-  flatness.measured = FlatnessReport::Measured{};
+  print_result("flatness.clear", to_json(flatness));
+  flatness.measured = FlatnessMeasured{};
   flatness.measured->frames = 30;
   flatness.measured->iterations = 4;
   flatness.measured->pupil_diameter_px = 768.0;
-  flatness.measured->modes = {{3, 0.1}, {4, -0.2}};
-  flatness.measured->standard_error_waves = {0.001, 0.0};
+  flatness.measured->modes = {{3, 0.1, 0.001}, {4, -0.2, 0.0}};
   flatness.measured->origin =
       json::parse(schema_text("flatness.get")).at("result").at("examples")[0].at("origin");
-  print_result("flatness.get", flatness_result(flatness));
-  print_result("flatness.run", job_started_result(6));
-  print_result("slm.settle", job_started_result(7));
-  print_result("slm.verify", verify_result({7, 0xffffffffU, 1U, 12}));
+  print_result("flatness.get", to_json(flatness));
+  print_result("flatness.run", to_json(JobNumber{6}));
+  print_result("slm.settle", to_json(JobNumber{7}));
+  print_result("slm.verify", to_json(VerifyReport{7, 0xffffffffU, 1U, 12}));
 }
 
 /// What a calibration was measured with is as of a reference: `origin` is of the schema's example.
@@ -179,12 +181,13 @@ void print_calibrations() {
   for (int kind = 0; kind <= int(Disagreement::unlike); ++kind) {
     comparison.disagreement = Disagreement(kind);
     if (kind > 0) comparison.words = "the axes x and y are exchanged";
-    print_result("calibration.get", calibration_result(CalibrationReport{
-                                        kind > 0, 0.1, 20, 1767225600000000000, matrix, comparison,
-                                        "", example.at("origin")}));
+    print_result("calibration.get",
+                 to_json(KnownCalibration{
+                     kind > 0, CalibrationReport{0.1, 20, 1767225600000000000, matrix, comparison,
+                                                 "", example.at("origin")}}));
   }
-  print_result("calibration.clear", calibration_result(std::nullopt));
-  print_result("calibration.run", job_started_result(4));
+  print_result("calibration.clear", to_json(KnownCalibration{}));
+  print_result("calibration.run", to_json(JobNumber{4}));
 }
 
 /// What a sweep is measured with is of the schema's example.
@@ -223,30 +226,30 @@ void print_experiments() {
   report.time_left_s = 1.5;
   report.not_kept_reason = "no folder is named";
   print_result("experiment.get", experiment_result(&report));
-  print_result("experiment.gain_sweep", job_started_result(5));
+  print_result("experiment.gain_sweep", to_json(JobNumber{5}));
 }
 
 void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
-  print_result("camera.get", camera_get_result(std::nullopt, {}, std::nullopt));
-  print_result("camera.get", camera_get_result(kInfo, {}, kLimits));
-  print_result("camera.set", camera_set_result(params, {}, kLimits));
-  print_result("camera.set", camera_set_result(json::object(), {}, std::nullopt));
+  print_result("camera.get", to_json(CameraReport{}));
+  print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
+  print_result("camera.set", to_json(CameraSetReport{requested(params), {}, kLimits}));
+  print_result("camera.set", to_json(CameraSetReport{json::object(), {}, std::nullopt}));
   const SensorReport sensor{
-      {}, {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
-  print_result("sensor.get", sensor_get_result(sensor));
-  print_result("sensor.set", sensor_set_result({{"charge", 90}, {"clamp", true}}, sensor));
+      {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
+  print_result("sensor.get", to_json(sensor));
+  print_result("sensor.set", to_json(SensorSetReport{{{"charge", 90}}, {}, 7}));
   RefineSetup refine;
   for (const bool known : {false, true}) {
     if (known) refine.electrons_per_dn = refine.saturation_dn = 40.0;
-    print_result("refine.get", refine_get_result(refine));
-    print_result("refine.set", refine_set_result({{"rate_hz", 1e9}, {"clamp", true}}, refine));
+    print_result("refine.get", to_json(RefineReport{refine}));
+    print_result("refine.set", to_json(RefineSetReport{{{"rate_hz", 1e9}}, {refine}}));
   }
   std::vector<Mode> modes;
   for (int j = 0; j <= kMaxZernikeIndex; ++j) modes.push_back({j, 0.001 * j});
   for (const char* method : {"aberration.get", "aberration.set", "aberration.clear"}) {
-    print_result(method, aberration_result(modes, 3));
-    print_result(method, aberration_result({}, 0));
+    print_result(method, to_json(ModesReport(modes, 3)));
+    print_result(method, to_json(ModesReport()));
   }
   ReferenceReport reference;
   reference.charge = -1;
@@ -256,35 +259,35 @@ void print_results() {
   reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
   reference.origin =
       json::parse(schema_text("reference.get")).at("result").at("examples")[0].at("origin");
-  print_result("reference.set", reference_result(reference));
+  print_result("reference.set", to_json(KnownReference{reference}));
   reference.sha256 = "ba7816bf";
-  print_result("reference.get", reference_result(reference));
-  print_result("reference.clear", reference_result(std::nullopt));
-  print_result("reference.take", job_started_result(1));
+  print_result("reference.get", to_json(KnownReference{reference}));
+  print_result("reference.clear", to_json(KnownReference{}));
+  print_result("reference.take", to_json(JobNumber{1}));
   LoopReport loop;
-  print_result("loop.get", loop_result(loop));
+  print_result("loop.get", to_json(loop));
   loop.settings.modes = {3, 4};
   loop.settings.gains = {{3, 0.2}};
   loop.residual_rms_waves = 0.1;
   loop.opened_because = "no usable frame came for 2 s";
   loop.t_opened_ns = 1767225600000000000;
   for (const char* method : {"loop.close", "loop.open", "loop.get"}) {
-    print_result(method, loop_result(loop));
+    print_result(method, to_json(loop));
   }
   for (const char* method : {"correction.get", "correction.set", "correction.clear"}) {
-    print_result(method, aberration_result(modes, 3));
+    print_result(method, to_json(ModesReport(modes, 3)));
   }
   Registration registration;
   registration.px_per_cycle = {1617.0, -1050.0, 1050.0, 1617.0};
-  print_result("registration.get", registration_result(registration));
-  print_result("registration.clear", registration_result(std::nullopt));
-  print_result("registration.run", job_started_result(2));
+  print_result("registration.get", to_json(KnownRegistration{registration}));
+  print_result("registration.clear", to_json(KnownRegistration{}));
+  print_result("registration.run", to_json(JobNumber{2}));
   print_calibrations();
   print_experiments();
   print_luts();
   print_flatnesses();
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
-    print_result("slm.show", slm_show_result(HologramKind(k), 1));
+    print_result("slm.show", to_json(ShowReport{HologramKind(k), 1}));
   }
   for (int k = 0; k <= int(JobState::cancelled); ++k) {
     JobReport job{1, "reference.take", JobState(k), 0.5, nullptr, std::nullopt};

@@ -1,5 +1,5 @@
 #include "proto/encode.hpp"
-#include "proto/slm_result.hpp"
+#include "proto/tables/slm.hpp"
 
 #include <gtest/gtest.h>
 
@@ -230,7 +230,7 @@ TEST(EncodeStatus, IsTheBodyOfSystemStatusAndSchemaAndSeq) {
   EXPECT_EQ(out.at("seq"), 5);
   EXPECT_EQ(out.at("failed_job"), json());
   EXPECT_EQ(out.at("schema"), "ovws.status/1");
-  EXPECT_FALSE(status_body(m).contains("seq"));
+  EXPECT_FALSE(to_json(m).contains("seq"));
 }
 
 TEST(SettleResult, SaysWhatIsWrongWithTheSettingAndThatOutliersMayNotBeTheMachines) {
@@ -240,14 +240,14 @@ TEST(SettleResult, SaysWhatIsWrongWithTheSettingAndThatOutliersMayNotBeTheMachin
   time.outliers = 2;
   time.proposed_ms = 28.0;
   const auto reason = [&](double configured_ms) {
-    return settle_result(time, 5, configured_ms).at("reason");
+    return to_json(SettleReport{time, 5, configured_ms}).at("reason");
   };
   EXPECT_NE(reason(22.2).get<std::string>().find("22.2 ms"), std::string::npos);
   EXPECT_NE(reason(22.2).get<std::string>().find("set slm.settle_ms to 28"), std::string::npos);
-  EXPECT_FALSE(settle_result(time, 5, 22.2).at("long_enough"));
+  EXPECT_FALSE(to_json(SettleReport{time, 5, 22.2}).at("long_enough"));
   EXPECT_NE(reason(30.0).get<std::string>().find("2 changes took up to 41.0 ms"),
             std::string::npos);
-  EXPECT_TRUE(settle_result(time, 5, 30.0).at("long_enough"));
+  EXPECT_TRUE(to_json(SettleReport{time, 5, 30.0}).at("long_enough"));
   EXPECT_TRUE(reason(41.0).is_null());
 }
 

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "proto/experiment.hpp"
-#include "proto/results.hpp"
+#include "proto/tables/job.hpp"
+#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {
@@ -242,11 +243,11 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
   const json params{{"gain_db", 500}, {"clamp", true}};
   CameraSettings applied;
   applied.gain_db = 24;
-  const json result = camera_set_result(params, applied, std::nullopt);
+  const json result = to_json(CameraSetReport{requested(params), applied, std::nullopt});
   EXPECT_EQ(result.at("requested"), json({{"gain_db", 500}}));
   EXPECT_EQ(result.at("applied").at("gain_db"), 24);
   EXPECT_TRUE(result.at("limits").is_null());
-  EXPECT_EQ(job_started_result(3), json::parse(R"({"job":3})"));
+  EXPECT_EQ(to_json(JobNumber{3}), json::parse(R"({"job":3})"));
 }
 
 TEST(GainSweep, IsThePapersUnlessToldOtherwise) {

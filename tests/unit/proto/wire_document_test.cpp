@@ -6,9 +6,9 @@
 
 #include "core/rt/counters.hpp"
 #include "proto/requests.hpp"
-#include "proto/results.hpp"
 #include "proto/rpc.hpp"
 #include "proto/schemas.hpp"
+#include "proto/tables/modes.hpp"
 
 namespace ovws {
 namespace {
@@ -41,7 +41,7 @@ RpcAnswer answer(const std::string& method, const Json& params) {
   if (method == "job.get") return refusal_or_nothing(decode_job(params));
   const auto modes = decode_aberration_set(params);
   if (!modes) return refusal_or_nothing(modes);
-  return aberration_result(*modes, 9);
+  return to_json(ModesReport(*modes, 9));
 }
 
 TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {

@@ -1,0 +1,231 @@
+/// The vocabulary of field tables. A struct that goes over the wire, or stands in the configuration
+/// file, has one table: the key, member, range and meaning of each field. Encoding
+/// (field_json.hpp), strict decoding (field_json.hpp) and JSON Schemas (field_schema.hpp) follow
+/// from it.
+///
+///     template <>
+///     struct Table<Roi> {
+///       static constexpr const char* kName = "Roi";
+///       static constexpr auto kFields = std::tuple{
+///           field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
+///           …};
+///     };
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "proto/limits.hpp"
+
+namespace ovws {
+
+/// Of a number, or of each number of an array.
+struct Bounds {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+
+  constexpr Bounds() = default;
+  constexpr Bounds(double least, double most) : min(least), max(most) {}
+  constexpr Bounds(limits::Numbers range) : min(range.min), max(range.max) {}
+  constexpr Bounds(limits::Integers range) : min(range.min), max(range.max) {}
+  static constexpr Bounds at_least(double least) {
+    return {least, std::numeric_limits<double>::infinity()};
+  }
+};
+
+/// What is known of a field besides its type.
+struct FieldInfo {
+  const char* key = "";
+  const char* meaning = "";  ///< for a person, with the unit
+  Bounds bounds{};
+  std::size_t min_size = 0, max_size = std::numeric_limits<std::size_t>::max();  ///< of an array
+  bool nullable = false;        ///< null stands for NaN, an empty text, an empty array
+  bool required = false;        ///< of params: there is no default
+  bool distinct = false;        ///< of an array: no value is given twice
+  const char* absent = "null";  ///< JSON text; see Inlined
+};
+
+/// Why a value that has the right type and range is wrong all the same; none: it is not.
+template <class T>
+using FieldCheck = std::optional<std::string> (*)(const T&);
+
+template <class S, class T>
+struct Field : FieldInfo {
+  using Value = T;
+  T S::*member = nullptr;
+  FieldCheck<T> check = nullptr;
+
+  const T& of(const S& from) const { return from.*member; }
+
+  constexpr Field or_null() const {
+    return with([](Field& f) { f.nullable = true; });
+  }
+  constexpr Field must() const {
+    return with([](Field& f) { f.required = true; });
+  }
+  constexpr Field unlike() const {
+    return with([](Field& f) { f.distinct = true; });
+  }
+  constexpr Field sized(std::size_t least, std::size_t most) const {
+    return with([=](Field& f) { f.min_size = least, f.max_size = most; });
+  }
+  constexpr Field checked(FieldCheck<T> by) const {
+    return with([=](Field& f) { f.check = by; });
+  }
+  constexpr Field if_absent(const char* json) const {
+    return with([=](Field& f) { f.absent = json; });
+  }
+
+ private:
+  template <class Change>
+  constexpr Field with(Change change) const {
+    Field out = *this;
+    change(out);
+    return out;
+  }
+};
+
+template <class S, class T>
+constexpr auto field(const char* key, T S::*member, const char* meaning, Bounds bounds = {}) {
+  Field<S, T> out;
+  out.key = key;
+  out.meaning = meaning;
+  out.bounds = bounds;
+  out.member = member;
+  return out;
+}
+
+/// A field that is only encoded: what `Get` makes of the struct.
+template <class S, class Get>
+struct Computed : FieldInfo {
+  using Value = std::remove_cvref_t<std::invoke_result_t<Get, const S&>>;
+  Get get;
+
+  decltype(auto) of(const S& from) const { return get(from); }
+  constexpr Computed or_null() const {
+    Computed out = *this;
+    out.nullable = true;
+    return out;
+  }
+};
+
+template <class S, class Get>
+constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bounds = {}) {
+  Computed<S, Get> out{{}, get};
+  out.key = key;
+  out.meaning = meaning;
+  out.bounds = bounds;
+  return out;
+}
+
+/// A text that is always the same.
+struct Constant : FieldInfo {
+  using Value = std::string_view;
+  const char* text = "";
+};
+
+constexpr Constant constant(const char* key, const char* text, const char* meaning) {
+  Constant out;
+  out.key = key;
+  out.meaning = meaning;
+  out.text = text;
+  return out;
+}
+
+/// The fields of a member among the struct's own. Those of an empty optional are null, or as their
+/// `if_absent` says.
+template <class S, class T>
+struct Inlined {
+  T S::*member;
+};
+template <class S, class T>
+constexpr Inlined<S, T> inlined(T S::*member) {
+  return {member};
+}
+
+/// What a field of an empty optional has for a value: JSON text.
+struct Absent {
+  const char* json;
+};
+
+/// Specialised for each struct with a table: kName, kFields, and where several fields depend on
+/// each other `static void check(const S&, ObjectReader&)`.
+template <class S>
+struct Table;
+template <class S>
+concept HasTable = requires {
+  Table<S>::kFields;
+};
+
+/// Specialised for each enumeration on the wire: `all()`, its names in the order of the values.
+template <class E>
+struct Names;
+template <class E>
+concept HasNames = requires {
+  Names<E>::all();
+};
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+template <class S, class Visit>
+void visit_absent(Visit& visit);
+
+template <class Visit>
+void visit_absent_entry(const FieldInfo& entry, Visit& visit) {
+  visit(entry, Absent{entry.absent});
+}
+template <class S, class T, class Visit>
+void visit_absent_entry(const Inlined<S, T>&, Visit& visit) {
+  visit_absent<T>(visit);
+}
+template <class S, class Visit>
+void visit_absent(Visit& visit) {
+  std::apply([&](const auto&... entry) { (visit_absent_entry(entry, visit), ...); },
+             Table<S>::kFields);
+}
+
+template <class S, class Entry, class Visit>
+void visit_entry(const S& from, const Entry& entry, Visit& visit) {
+  visit(entry, entry.of(from));
+}
+template <class S, class Visit>
+void visit_entry(const S&, const Constant& entry, Visit& visit) {
+  visit(entry, std::string_view(entry.text));
+}
+template <class Owner, class S, class T, class Visit>
+void visit_entry(const Owner& from, const Inlined<S, T>& entry, Visit& visit);
+
+}  // namespace detail
+
+/// Calls visit(field, value) for every field of `from`, in the table's order; a value of an empty
+/// inlined optional is an Absent.
+template <HasTable S, class Visit>
+void visit_fields(const S& from, Visit&& visit) {
+  std::apply([&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); },
+             Table<S>::kFields);
+}
+
+template <class Owner, class S, class T, class Visit>
+void detail::visit_entry(const Owner& from, const Inlined<S, T>& entry, Visit& visit) {
+  if constexpr (is_optional<T>) {
+    const T& value = from.*entry.member;
+    if (!value) return visit_absent<typename T::value_type>(visit);
+    visit_fields(*value, visit);
+  } else {
+    visit_fields(from.*entry.member, visit);
+  }
+}
+
+}  // namespace ovws

@@ -1,0 +1,147 @@
+/// Field tables of calibrations.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/wavefront/interaction_matrix.hpp"
+#include "core/wavefront/matrix_comparison.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/reference.hpp"
+
+namespace ovws {
+
+template <>
+struct Names<Disagreement> {
+  static const std::vector<std::string>& all() {
+    static const std::vector<std::string> names{
+        "none", "sign", "axes", "scale", "rotation", "parity", "order", "single_modes", "unlike"};
+    return names;
+  }
+};
+
+struct CalibratedMode {
+  int j = 0;
+  double amplitude_waves = 0.0;
+  double signal_px_per_wave = 0.0, standard_error_px_per_wave = 0.0;
+  std::optional<double> factor, factor_standard_error, correlation;  ///< none: not the model's
+};
+template <>
+struct Table<CalibratedMode> {
+  using M = CalibratedMode;
+  static constexpr const char* kName = "CalibratedMode";
+  static constexpr auto kFields = std::tuple{
+      field("j", &M::j, kModeIndexMeaning),
+      field("amplitude_waves", &M::amplitude_waves,
+            "of its pokes, RMS-normalised waves: half or a quarter of what was asked for if the "
+            "SLM cannot show that, or it lost spots",
+            Bounds::at_least(0)),
+      field("signal_px_per_wave", &M::signal_px_per_wave,
+            "RMS over the spots, x and y, of the column: camera pixels per RMS-normalised wave",
+            Bounds::at_least(0)),
+      field("standard_error_px_per_wave", &M::standard_error_px_per_wave,
+            "RMS of its standard errors", Bounds::at_least(0)),
+      field("factor", &M::factor,
+            "regression: the measured column is so many times the model's (operator slopes); null: "
+            "the model has none"),
+      field("factor_standard_error", &M::factor_standard_error, "of factor, from the noise"),
+      field("correlation", &M::correlation, "of the measured column with the model's, -1 to 1")};
+};
+
+template <>
+struct Table<DroppedMode> {
+  static constexpr const char* kName = "DroppedMode";
+  static constexpr auto kFields =
+      std::tuple{field("j", &DroppedMode::j, kModeIndexMeaning),
+                 field("reason", &DroppedMode::reason, "why, for a person")};
+};
+
+struct CalibrationReport {
+  double amplitude_waves = 0.0;  ///< asked for
+  int frames = 0;
+  std::int64_t t_taken_ns = 0;
+  InteractionMatrix matrix;
+  MatrixComparison comparison;
+  std::string sha256;  ///< empty: it is not kept
+  Json origin;
+};
+std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report);
+std::vector<double> singular_values_of(const CalibrationReport& report);
+template <>
+struct Table<CalibrationReport> {
+  using C = CalibrationReport;
+  static constexpr const char* kName = "CalibrationReport";
+  static constexpr auto kFields = std::tuple{
+      field("t_taken_ns", &C::t_taken_ns, kTimeMeaning),
+      time_text("t_taken", &C::t_taken_ns),
+      field("sha256", &C::sha256, kSha256Meaning).or_null(),
+      field("amplitude_waves", &C::amplitude_waves,
+            "asked for, of each poke, RMS-normalised waves"),
+      field("frames", &C::frames, "how many were averaged for each picture", Bounds::at_least(2)),
+      computed<C>(
+          "subapertures", [](const C& c) { return c.matrix.spots(); }, "spots of the sensor",
+          Bounds::at_least(1)),
+      computed<C>(
+          "lost_spots", [](const C& c) { return c.matrix.lost_spots; },
+          "numbers of the spots that were lost in a picture: their rows of the matrix are "
+          "0, and modes are read without them",
+          Bounds::at_least(0)),
+      computed<C>("modes", calibrated_modes, "one for each column of the matrix"),
+      computed<C>(
+          "dropped", [](const C& c) { return c.matrix.dropped; },
+          "modes that were asked for and are not read"),
+      computed<C>("singular_values_px_per_wave", singular_values_of,
+                  "of the matrix, largest first, camera pixels per RMS-normalised wave",
+                  Bounds::at_least(0)),
+      computed<C>(
+          "condition_number",
+          [](const C& c) {
+            const std::vector<double> values = singular_values_of(c);
+            return values.front() / values.back();
+          },
+          "the largest over the smallest of them", Bounds::at_least(1)),
+      computed<C>(
+          "drift_px", [](const C& c) { return c.matrix.drift_px; },
+          "RMS over the spots, x and y, of how far they moved from the beginning to the end "
+          "without a poke, camera pixels",
+          Bounds::at_least(0)),
+      computed<C>(
+          "drift_noise_px", [](const C& c) { return c.matrix.drift_noise_px; },
+          "what the standard errors alone make of drift_px", Bounds::at_least(0)),
+      computed<C>(
+          "disagreement", [](const C& c) { return c.comparison.disagreement; },
+          "in what the matrix is not the model's: sign (of all, of x, of y or of single "
+          "modes), axes (x and y exchanged), scale, rotation, parity (modes are turned over "
+          "as by a camera that sees the lattice mirrored or from the other side), order (of "
+          "the modes), single_modes (other factors), unlike (nothing of these); none: they "
+          "agree"),
+      computed<C>(
+          "disagreement_reason", [](const C& c) { return c.comparison.words; },
+          "the same for a person, and what to do; null: they agree")
+          .or_null(),
+      field("origin", &C::origin,
+            "what it was measured with; aberration: shown below the pokes, less the correction")};
+};
+
+/// `calibration.get` and `.clear`, and the result of the job of `calibration.run`.
+struct KnownCalibration {
+  bool in_force = false;
+  std::optional<CalibrationReport> calibration;
+};
+template <>
+struct Table<KnownCalibration> {
+  static constexpr const char* kName = "KnownCalibration";
+  static constexpr auto kFields = std::tuple{
+      computed<KnownCalibration>(
+          "calibrated", [](const KnownCalibration& known) { return known.calibration.has_value(); },
+          "whether a calibration of this sensor, camera, region, tracker and registration is "
+          "known; "
+          "if not, all else is false or null"),
+      field("in_force", &KnownCalibration::in_force,
+            "whether modes are read with it: the operator is measured"),
+      inlined(&KnownCalibration::calibration)};
+};
+
+}  // namespace ovws

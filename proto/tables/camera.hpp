@@ -1,0 +1,97 @@
+/// Field tables of the camera.
+#pragma once
+
+#include "core/port/camera.hpp"
+#include "proto/field_json.hpp"
+#include "proto/tables/names.hpp"
+
+namespace ovws {
+
+template <>
+struct Table<Roi> {
+  static constexpr const char* kName = "Roi";
+  static constexpr auto kFields =
+      std::tuple{field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
+                 field("y", &Roi::y, "top edge, sensor pixels", limits::kRoiOffset),
+                 field("width", &Roi::width, "sensor pixels", limits::kRoiSize),
+                 field("height", &Roi::height, "sensor pixels", limits::kRoiSize)};
+};
+
+template <>
+struct Table<CameraSettings> {
+  static constexpr const char* kName = "CameraSettings";
+  static constexpr auto kFields = std::tuple{
+      field("gain_db", &CameraSettings::gain_db,
+            "analogue gain, dB; null: the camera has no gain in dB", limits::kGainDb)
+          .or_null(),
+      field("gain_raw", &CameraSettings::gain_raw,
+            "gain in steps of the camera's own, if it has no gain in dB; otherwise null",
+            limits::kGainRaw)
+          .or_null(),
+      field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
+            limits::kExposureUs),
+      field("frame_rate_hz", &CameraSettings::frame_rate_hz, "frames per second",
+            limits::kFrameRateHz),
+      field("pixel_format", &CameraSettings::pixel_format,
+            "GenICam name; of a Bayer format the pixels that see the laser are measured"),
+      field("roi", &CameraSettings::roi, "region of interest of the sensor")};
+};
+
+template <class T>
+struct Table<Range<T>> {
+  static constexpr const char* kName = std::is_integral_v<T> ? "WholeRange" : "Range";
+  static constexpr auto kFields =
+      std::tuple{field("min", &Range<T>::min, "smallest"), field("max", &Range<T>::max, "largest"),
+                 field("increment", &Range<T>::increment, "step; 0: continuous")};
+};
+
+template <>
+struct Table<CameraLimits> {
+  static constexpr const char* kName = "CameraLimits";
+  static constexpr auto kFields = std::tuple{
+      computed<CameraLimits>(
+          "gain_db",
+          [](const CameraLimits& limits) {
+            return limits.gain_raw ? std::nullopt : std::optional(limits.gain_db);
+          },
+          "dB; null: the camera has no gain in dB"),
+      field("gain_raw", &CameraLimits::gain_raw,
+            "gain in steps of the camera's own, if it has no gain in dB; otherwise null"),
+      field("exposure_us", &CameraLimits::exposure_us, "microseconds"),
+      field("frame_rate_hz", &CameraLimits::frame_rate_hz, "frames per second"),
+      field("roi_width", &CameraLimits::roi_width, "sensor pixels"),
+      field("roi_height", &CameraLimits::roi_height, "sensor pixels"),
+      field("sensor_width", &CameraLimits::sensor_width, "sensor pixels", Bounds::at_least(0)),
+      field("sensor_height", &CameraLimits::sensor_height, "sensor pixels", Bounds::at_least(0)),
+      field("pixel_formats", &CameraLimits::pixel_formats,
+            "formats that both camera and daemon know")};
+};
+
+template <>
+struct Table<CameraInfo> {
+  static constexpr const char* kName = "CameraInfo";
+  static constexpr auto kFields = std::tuple{
+      field("vendor", &CameraInfo::vendor, "maker"), field("model", &CameraInfo::model, "model"),
+      field("serial", &CameraInfo::serial, "serial number"),
+      field("address", &CameraInfo::address, "network address or bus, empty if unknown")};
+};
+
+/// `camera.get`; `info` and `limits` are none while no camera is connected.
+struct CameraReport {
+  std::optional<CameraInfo> info;
+  CameraSettings settings;
+  std::optional<CameraLimits> limits;
+};
+template <>
+struct Table<CameraReport> {
+  static constexpr const char* kName = "CameraReport";
+  static constexpr auto kFields = std::tuple{
+      computed<CameraReport>(
+          "connected", [](const CameraReport& report) { return report.info.has_value(); },
+          "answers now"),
+      field("info", &CameraReport::info, "which camera it is"),
+      field("settings", &CameraReport::settings, "the camera's settings"),
+      field("limits", &CameraReport::limits, "what the connected camera allows now")};
+};
+
+}  // namespace ovws

@@ -1,0 +1,54 @@
+/// Field tables of jobs.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/field_json.hpp"
+
+namespace ovws {
+
+enum class JobState { running, done, failed, cancelled };
+template <>
+struct Names<JobState> {
+  static const std::vector<std::string>& all() {
+    static const std::vector<std::string> names{"running", "done", "failed", "cancelled"};
+    return names;
+  }
+};
+
+struct JobReport {
+  int job = 0;
+  std::string kind;  ///< the method that started it
+  JobState state = JobState::running;
+  double progress = 0.0;       ///< 0 to 1
+  Json result;                 ///< null unless done
+  std::optional<Error> error;  ///< of a failed job
+};
+/// As the error of a reply; null: none.
+Json job_error(const JobReport& job);
+template <>
+struct Table<JobReport> {
+  static constexpr const char* kName = "JobReport";
+  static constexpr auto kFields =
+      std::tuple{field("job", &JobReport::job, "number of the job", limits::kJob),
+                 field("kind", &JobReport::kind, "the method that started it"),
+                 field("state", &JobReport::state, "where it is"),
+                 field("progress", &JobReport::progress, "part done", {0, 1}),
+                 field("result", &JobReport::result, "what it found; null unless done"),
+                 computed<JobReport>("error", job_error, "why it failed; null unless failed")};
+};
+
+/// A method that starts a job, and the params of those that ask for one.
+struct JobNumber {
+  int job = 0;
+};
+template <>
+struct Table<JobNumber> {
+  static constexpr const char* kName = "JobNumber";
+  static constexpr auto kFields =
+      std::tuple{field("job", &JobNumber::job, "number of the job", limits::kJob).must()};
+};
+
+}  // namespace ovws

@@ -1,0 +1,89 @@
+/// Field tables of the closed loop.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/control/integrator.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/time.hpp"
+
+namespace ovws {
+
+template <>
+struct Table<ModeGain> {
+  static constexpr const char* kName = "ModeGain";
+  static constexpr auto kFields = std::tuple{
+      field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).must(),
+      field("gain", &ModeGain::gain,
+            "of this mode, in place of gain: the part of the residual that a step takes away",
+            {0.0, limits::kLoopGain.max})
+          .must()};
+};
+
+template <>
+struct Table<LoopSettings> {
+  static constexpr const char* kName = "LoopSettings";
+  static constexpr auto kFields = std::tuple{
+      field("gain", &LoopSettings::gain, "part of the residual that a step corrects",
+            limits::kLoopGain),
+      field("leak", &LoopSettings::leak, "part of the correction that a step forgets",
+            limits::kLoopLeak),
+      field("modes", &LoopSettings::modes,
+            "OSA/ANSI indices to correct; left out or null: all that are measured",
+            {1, kMaxZernikeIndex})
+          .sized(1, kMaxZernikeIndex)
+          .unlike()
+          .or_null(),
+      field("gains", &LoopSettings::gains, "gains of single modes").sized(0, kMaxZernikeIndex),
+      field("limit_waves", &LoopSettings::limit_waves,
+            "of each mode's correction, RMS-normalised waves", limits::kLoopLimitWaves),
+      field("patience_s", &LoopSettings::patience_s,
+            "seconds without a usable frame, at the limit, or with a growing residual after which "
+            "the loop opens by itself",
+            limits::kLoopPatienceS)};
+};
+
+/// `loop.close`, `.open` and `.get`.
+struct LoopReport {
+  bool closed = false;
+  LoopSettings settings;  ///< of the present or the last time
+  std::int64_t steps = 0;
+  std::optional<double> residual_rms_waves;
+  double correction_rms_waves = 0.0;
+  std::string opened_because;    ///< empty: it is closed, or never was
+  std::int64_t t_opened_ns = 0;  ///< of no meaning if that is empty
+
+  std::optional<std::int64_t> opened_ns() const {
+    return opened_because.empty() ? std::nullopt : std::optional(t_opened_ns);
+  }
+};
+template <>
+struct Table<LoopReport> {
+  static constexpr const char* kName = "LoopReport";
+  static constexpr auto kFields = std::tuple{
+      field("closed", &LoopReport::closed, "whether the loop is closed"),
+      inlined(&LoopReport::settings),
+      field("steps", &LoopReport::steps, "since the loop was closed last", Bounds::at_least(0)),
+      field("residual_rms_waves", &LoopReport::residual_rms_waves,
+            "root sum square of the corrected modes before the last step, waves",
+            Bounds::at_least(0)),
+      field("correction_rms_waves", &LoopReport::correction_rms_waves,
+            "root sum square of the correction, waves", Bounds::at_least(0)),
+      field("opened_because", &LoopReport::opened_because,
+            "why the loop is open; null: it is closed, or never was")
+          .or_null(),
+      computed<LoopReport>(
+          "t_opened_ns", [](const LoopReport& report) { return report.opened_ns(); },
+          "when it was opened, ns since 1970; null like opened_because"),
+      computed<LoopReport>(
+          "t_opened",
+          [](const LoopReport& report) {
+            return report.opened_ns() ? std::optional(utc_text(*report.opened_ns())) : std::nullopt;
+          },
+          kTimeTextMeaning)};
+};
+
+}  // namespace ovws

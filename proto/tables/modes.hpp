@@ -1,0 +1,67 @@
+/// Field tables of wavefronts given as Zernike modes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/optics/zernike.hpp"
+#include "proto/field_json.hpp"
+#include "proto/tables/names.hpp"
+
+namespace ovws {
+
+inline constexpr const char* kModeIndexMeaning = "OSA/ANSI index";
+inline constexpr const char* kHologramIdMeaning =
+    "number of the hologram, as in every stream message; 0: none";
+
+template <>
+struct Table<Mode> {
+  static constexpr const char* kName = "Mode";
+  static constexpr auto kFields = std::tuple{field("j", &Mode::j, kModeIndexMeaning),
+                                             field("waves", &Mode::waves, "RMS-normalised waves")};
+};
+
+/// A mode as a person reads it.
+struct NamedMode {
+  Mode mode;
+};
+template <>
+struct Table<NamedMode> {
+  static constexpr const char* kName = "NamedMode";
+  static constexpr auto kFields =
+      std::tuple{computed<NamedMode>("j", [](const NamedMode& named) { return named.mode.j; },
+                                     kModeIndexMeaning, {0, kMaxZernikeIndex}),
+                 computed<NamedMode>(
+                     "n", [](const NamedMode& named) { return zernike_index(named.mode.j).n; },
+                     "radial order"),
+                 computed<NamedMode>(
+                     "m", [](const NamedMode& named) { return zernike_index(named.mode.j).m; },
+                     "azimuthal frequency; negative: sine"),
+                 computed<NamedMode>(
+                     "name", [](const NamedMode& named) { return zernike_name(named.mode.j); },
+                     "common name, or Z(n,m)"),
+                 computed<NamedMode>(
+                     "waves", [](const NamedMode& named) { return named.mode.waves; },
+                     "coefficient, waves RMS at the laser's wavelength")};
+};
+
+/// `aberration.*` and `correction.*`.
+struct ModesReport {
+  std::vector<NamedMode> modes;
+  std::uint64_t hologram_id = 0;
+
+  ModesReport() = default;
+  ModesReport(const std::vector<Mode>& of, std::uint64_t shown) : hologram_id(shown) {
+    for (const Mode& mode : of) modes.push_back({mode});
+  }
+};
+template <>
+struct Table<ModesReport> {
+  static constexpr const char* kName = "ModesReport";
+  static constexpr auto kFields = std::tuple{
+      field("modes", &ModesReport::modes, "the wavefront added or subtracted, RMS-normalised"),
+      constant("norm", "rms", "normalisation of the coefficients"),
+      field("hologram_id", &ModesReport::hologram_id, kHologramIdMeaning)};
+};
+
+}  // namespace ovws

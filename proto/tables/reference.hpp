@@ -1,0 +1,142 @@
+/// Field tables of references and registrations.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/vec2.hpp"
+#include "core/wavefront/registration.hpp"
+#include "proto/field_json.hpp"
+#include "proto/tables/names.hpp"
+#include "proto/tables/time.hpp"
+
+namespace ovws {
+
+inline constexpr const char* kSha256Meaning =
+    "checksum of the file that keeps it over a restart; null: it is not kept, and status (store) "
+    "says why";
+
+/// A camera setting that is not what it was when the reference was taken.
+struct StaleField {
+  std::string field;
+  Json then, now;
+};
+template <>
+struct Table<StaleField> {
+  static constexpr const char* kName = "StaleField";
+  static constexpr auto kFields =
+      std::tuple{field("field", &StaleField::field, "key of camera.set"),
+                 field("then", &StaleField::then, "when it was taken"),
+                 field("now", &StaleField::now, "in use")};
+};
+
+struct ReferenceReport {
+  int frames = 0;
+  int charge = 1;
+  TrackerKind tracker = TrackerKind::lg;
+  std::int64_t t_taken_ns = 0;
+  std::vector<Vec2> positions_px;
+  std::vector<Vec2> standard_error_px;
+  std::string source = "measured";  ///< or "model"
+  std::string sha256;               ///< empty: it is not kept
+  std::vector<StaleField> stale;
+  Json origin;
+  double introduced_rms_waves = 0.0;
+};
+template <>
+struct Table<ReferenceReport> {
+  static constexpr const char* kName = "ReferenceReport";
+  static constexpr auto kFields = std::tuple{
+      field("source", &ReferenceReport::source,
+            "measured: averaged from frames; model: where the configuration says that spots are, "
+            "so that misalignment is in the coefficients"),
+      field("frames", &ReferenceReport::frames, "how many frames were averaged",
+            Bounds::at_least(0)),
+      field("charge", &ReferenceReport::charge, "charge that it was taken with", limits::kCharge),
+      field("tracker", &ReferenceReport::tracker, "tracker that it was taken with"),
+      field("t_taken_ns", &ReferenceReport::t_taken_ns, kTimeMeaning),
+      time_text("t_taken", &ReferenceReport::t_taken_ns),
+      field("positions_px", &ReferenceReport::positions_px,
+            "[x, y] of each subaperture's spot, camera pixels of the region of interest"),
+      field("standard_error_px", &ReferenceReport::standard_error_px,
+            "[x, y] standard error of each position, camera pixels; null: the spot was lost, its "
+            "position is where it is expected, and it is not used"),
+      field("sha256", &ReferenceReport::sha256, kSha256Meaning).or_null(),
+      field("introduced_rms_waves", &ReferenceReport::introduced_rms_waves,
+            "introduced aberration that it holds, so that coefficients do not, RMS-normalised "
+            "waves; 0: none",
+            Bounds::at_least(0)),
+      field("stale", &ReferenceReport::stale,
+            "settings of the camera that are not those it was taken with; it is active all the "
+            "same")
+          .if_absent("[]"),
+      field("origin", &ReferenceReport::origin, "what it was taken with")};
+};
+
+/// `reference.get`, `.set` and `.clear`.
+struct KnownReference {
+  std::optional<ReferenceReport> reference;
+};
+template <>
+struct Table<KnownReference> {
+  static constexpr const char* kName = "KnownReference";
+  static constexpr auto kFields = std::tuple{
+      computed<KnownReference>(
+          "taken", [](const KnownReference& known) { return known.reference.has_value(); },
+          "whether there is a reference; if not, all else is null or empty"),
+      inlined(&KnownReference::reference)};
+};
+
+template <>
+struct Wire<PxPerCycle> {
+  static Json to_json(const PxPerCycle& map) { return {map.xx, map.xy, map.yx, map.yy}; }
+};
+
+template <>
+struct Table<Registration> {
+  static constexpr const char* kName = "Registration";
+  static constexpr auto kFields = std::tuple{
+      field("t_taken_ns", &Registration::t_taken_ns, kTimeMeaning),
+      field("base_px", &Registration::base_px,
+            "[x, y] of the base subaperture's spot, pixels of the camera's whole sensor"),
+      field("base_standard_error_px", &Registration::base_standard_error_px,
+            "[x, y] standard error of base_px"),
+      field("px_per_cycle", &Registration::px_per_cycle,
+            "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by "
+            "(xx u + xy v, yx u + yy v) camera pixels"),
+      field("px_per_cycle_standard_error", &Registration::standard_error,
+            "standard error of each, camera pixels per cycle per SLM pixel"),
+      computed<Registration>(
+          "scale_px_per_cycle", [](const Registration& r) { return r.px_per_cycle.scale(); },
+          "square root of the map's determinant"),
+      computed<Registration>(
+          "rotation_deg", [](const Registration& r) { return r.px_per_cycle.rotation_deg(); },
+          "by how much the camera sees the SLM's +x turned towards its own +y, degrees"),
+      computed<Registration>(
+          "mirrored", [](const Registration& r) { return r.px_per_cycle.mirrored(); },
+          "whether the camera sees the SLM mirrored"),
+      field("residual_px", &Registration::residual_px,
+            "RMS of what the map leaves of the places where the spot was found, camera pixels",
+            Bounds::at_least(0)),
+      field("sights", &Registration::sights, "slopes for which the spot was found",
+            Bounds::at_least(0))};
+};
+
+/// `registration.get` and `.clear`, and the result of the job of `registration.run`.
+struct KnownRegistration {
+  std::optional<Registration> registration;
+};
+template <>
+struct Table<KnownRegistration> {
+  static constexpr const char* kName = "KnownRegistration";
+  static constexpr auto kFields =
+      std::tuple{computed<KnownRegistration>(
+                     "registered",
+                     [](const KnownRegistration& known) { return known.registration.has_value(); },
+                     "whether a registration is active; if not, all else is null"),
+                 inlined(&KnownRegistration::registration)};
+};
+
+}  // namespace ovws

@@ -1,0 +1,65 @@
+/// Results of the `….set` methods: what was asked for, and what it became.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "proto/tables/camera.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/refine.hpp"
+#include "proto/tables/sensor.hpp"
+
+namespace ovws {
+
+/// The params of a set without `clamp`, which only says how to set.
+inline Json requested(Json params) {
+  params.erase("clamp");
+  return params;
+}
+
+inline constexpr const char* kRequestedMeaning = "as it was asked for";
+inline constexpr const char* kAppliedMeaning = "as it is now";
+
+struct CameraSetReport {
+  Json requested;
+  CameraSettings applied;              ///< every setting as read back
+  std::optional<CameraLimits> limits;  ///< none: no camera is connected, it is set when one is
+};
+template <>
+struct Table<CameraSetReport> {
+  using R = CameraSetReport;
+  static constexpr const char* kName = "CameraSetReport";
+  static constexpr auto kFields =
+      std::tuple{field("requested", &R::requested, kRequestedMeaning),
+                 field("applied", &R::applied, "the camera's settings"),
+                 field("limits", &R::limits, "what the connected camera allows now")};
+};
+
+struct SensorSetReport {
+  Json requested;
+  SensorSettings applied;
+  std::uint64_t hologram_id = 0;
+};
+template <>
+struct Table<SensorSetReport> {
+  using R = SensorSetReport;
+  static constexpr const char* kName = "SensorSetReport";
+  static constexpr auto kFields =
+      std::tuple{field("requested", &R::requested, kRequestedMeaning),
+                 field("applied", &R::applied, kAppliedMeaning),
+                 field("hologram_id", &R::hologram_id, kHologramIdMeaning)};
+};
+
+struct RefineSetReport {
+  Json requested;
+  RefineReport applied;
+};
+template <>
+struct Table<RefineSetReport> {
+  using R = RefineSetReport;
+  static constexpr const char* kName = "RefineSetReport";
+  static constexpr auto kFields = std::tuple{field("requested", &R::requested, kRequestedMeaning),
+                                             field("applied", &R::applied, kAppliedMeaning)};
+};
+
+}  // namespace ovws

@@ -1,0 +1,272 @@
+/// Field tables of `status` and `system.status`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/rt/latency_histogram.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/record.hpp"
+#include "proto/tables/sensor.hpp"
+#include "proto/tables/slm.hpp"
+
+namespace ovws {
+
+inline constexpr const char* kFaultMeaning = "what is wrong and the way out; null: nothing";
+
+struct StatusMessage {
+  std::uint64_t seq = 0;  ///< of the stream's message
+  std::int64_t t_ns = 0;
+  double uptime_s = 0.0;
+  std::string state;                 ///< the state machine's name of it
+  std::optional<std::string> fault;  ///< why the state is a fault, and the way out
+
+  struct CameraPart {
+    bool connected = false, streaming = false;
+    std::optional<CameraInfo> info;
+    CameraSettings settings;           ///< in use; if not connected, those that will be applied
+    std::optional<std::string> fault;  ///< why it is not there
+  } camera;
+  struct SlmPart {
+    bool connected = false;
+    std::optional<DisplayInfo> info;
+    std::string pattern = "sensor";
+    std::uint64_t hologram_id = 0;  ///< shown now; 0: none
+    bool settled = false;
+    std::optional<std::string> fault;
+  } slm;
+  struct SensorPart {
+    SensorSettings settings;
+    TemplateReport templates;
+    OperatorReport mode_operator;
+    int subapertures = 0, modes = 0;
+    bool referenced = false;
+    std::string reference = "none";               ///< "none", "in_force", "stale"
+    double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
+    /// why the camera cannot see the spots, or the tracker tell them apart; empty: null
+    std::string layout_fault;
+    std::vector<int> torn;  ///< split spots
+    /// Why no frame is valid although settled frames come and there is a reference.
+    struct Invalid {
+      std::int64_t t_since_ns = 0;  ///< UTC
+      std::string reason;
+      std::string action;                            ///< what is done about it, and when
+      int searches = 0;                              ///< of the whole image, since then
+      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: one is running
+    };
+    std::optional<Invalid> invalid;
+  } sensor;
+  bool loop_closed = false;
+  struct RefinePart {
+    std::string state = "off";            ///< "off", "waiting", "refining"
+    std::uint64_t done = 0, refused = 0;  ///< since the start
+    std::optional<double> last_duration_ms;
+    std::optional<std::string> reason;  ///< why there is no refinement now
+  } refine;
+
+  RecordReport record;
+
+  struct StorePart {
+    std::optional<std::string> directory;  ///< what is kept over a restart is there
+    std::optional<std::string> reason;     ///< why something is not kept
+  } store;
+
+  struct FailedJob {
+    int job = 0;
+    std::string kind, field, reason;
+    std::int64_t t_failed_ns = 0;
+  };
+  /// The one that failed last, of those after which none of the same kind was done.
+  std::optional<FailedJob> failed_job;
+
+  struct Rates {
+    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
+  } rates;
+  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< since start, every one
+  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage
+  std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
+};
+
+template <>
+struct Table<StatusMessage::CameraPart> {
+  using P = StatusMessage::CameraPart;
+  static constexpr const char* kName = "StatusCamera";
+  static constexpr auto kFields =
+      std::tuple{field("connected", &P::connected, "answers now"),
+                 field("streaming", &P::streaming, "frames are asked for"),
+                 field("info", &P::info, "which camera it is"),
+                 field("settings", &P::settings, "the camera's settings"),
+                 field("fault", &P::fault, kFaultMeaning)};
+};
+
+template <>
+struct Table<StatusMessage::SlmPart> {
+  using P = StatusMessage::SlmPart;
+  static constexpr const char* kName = "StatusSlm";
+  static constexpr auto kFields =
+      std::tuple{field("connected", &P::connected, "the display is there"),
+                 field("info", &P::info, "which display it is"),
+                 field("pattern", &P::pattern,
+                       "what is shown: sensor, grating, flat, identify, or test, a job's own"),
+                 field("hologram_id", &P::hologram_id, "shown now; 0: none"),
+                 field("settled", &P::settled, "false while it changes"),
+                 field("fault", &P::fault, kFaultMeaning)};
+};
+
+template <>
+struct Table<StatusMessage::SensorPart::Invalid> {
+  using P = StatusMessage::SensorPart::Invalid;
+  static constexpr const char* kName = "StatusInvalid";
+  static constexpr auto kFields = std::tuple{
+      field("t_since_ns", &P::t_since_ns, "when the first frame of them came, UTC"),
+      field("reason", &P::reason, "what such a frame lacks"),
+      field("action", &P::action, "what the daemon does about it, and when"),
+      field("searches", &P::searches, "of the whole image, since then", Bounds::at_least(0)),
+      field("t_next_search_ns", &P::t_next_search_ns,
+            "when the same image is searched again at the latest, UTC; an image that changes is "
+            "searched at once; null: a search is running")};
+};
+
+template <>
+struct Table<StatusMessage::SensorPart> {
+  using P = StatusMessage::SensorPart;
+  static constexpr const char* kName = "StatusSensor";
+  static constexpr auto kFields = std::tuple{
+      inlined(&P::settings),
+      inlined(&P::templates),
+      inlined(&P::mode_operator),
+      field("subapertures", &P::subapertures, "how many there are", Bounds::at_least(0)),
+      field("modes", &P::modes, "how many are reconstructed", Bounds::at_least(0)),
+      field("referenced", &P::referenced, "whether there is a reference"),
+      field("reference", &P::reference,
+            "none; in_force; or stale: in use, and taken with another gain, exposure or pixel "
+            "format; reference.get says which"),
+      field("reference_introduced_rms_waves", &P::reference_introduced_rms_waves,
+            "introduced aberration that the reference holds, so that coefficients do not, "
+            "RMS-normalised waves; 0: none",
+            Bounds::at_least(0)),
+      field("layout_fault", &P::layout_fault,
+            "why the camera's region cannot see the spots, or the tracker cannot tell them apart, "
+            "with values that work; null: nothing is known to be wrong")
+          .or_null(),
+      field("torn", &P::torn,
+            "numbers of the spots that the wavefront has split, followed by the shapes that it "
+            "gives them",
+            Bounds::at_least(0)),
+      field("invalid", &P::invalid,
+            "why no frame is valid although settled frames come and there is a reference; null: "
+            "frames are valid, or another field says why not")};
+};
+
+template <>
+struct Table<StatusMessage::RefinePart> {
+  using P = StatusMessage::RefinePart;
+  static constexpr const char* kName = "StatusRefine";
+  static constexpr auto kFields = std::tuple{
+      field("state", &P::state, "off; waiting: for a frame, or until the next is due; refining"),
+      field("done", &P::done, "frames refined, since the start"),
+      field("refused", &P::refused, "frames that could not be, since the start"),
+      field("last_duration_ms", &P::last_duration_ms, "of the last fit, milliseconds",
+            Bounds::at_least(0)),
+      field("reason", &P::reason,
+            "why nothing is refined now, or why the last frame could not be; null: nothing is in "
+            "the way")};
+};
+
+template <>
+struct Table<StatusMessage::StorePart> {
+  using P = StatusMessage::StorePart;
+  static constexpr const char* kName = "StatusStore";
+  static constexpr auto kFields = std::tuple{
+      field("directory", &P::directory, "where; null: nothing is kept"),
+      field("reason", &P::reason, "why something is not kept, and the way out; null: all is")};
+};
+
+template <>
+struct Table<StatusMessage::FailedJob> {
+  using P = StatusMessage::FailedJob;
+  static constexpr const char* kName = "FailedJob";
+  static constexpr auto kFields =
+      std::tuple{field("job", &P::job, "number of the job", limits::kJob),
+                 field("kind", &P::kind, "the method that started it"),
+                 field("field", &P::field, "what was at fault; empty: nothing by name"),
+                 field("reason", &P::reason, "what was wrong and the way out"),
+                 field("t_failed_ns", &P::t_failed_ns, kTimeMeaning),
+                 time_text("t_failed", &P::t_failed_ns)};
+};
+
+template <>
+struct Table<StatusMessage::Rates> {
+  using P = StatusMessage::Rates;
+  static constexpr const char* kName = "Rates";
+  static constexpr auto kFields = std::tuple{
+      field("grabbed_hz", &P::grabbed_hz, "frames taken from the camera, per second",
+            Bounds::at_least(0)),
+      field("published_hz", &P::published_hz, "frames published, per second", Bounds::at_least(0)),
+      field("images_hz", &P::images_hz, "images published, per second", Bounds::at_least(0))};
+};
+
+template <>
+struct Table<LatencyTotals> {
+  static constexpr const char* kName = "LatencyTotals";
+  static constexpr auto kFields =
+      std::tuple{field("count", &LatencyTotals::count, "frames"),
+                 field("sum_us", &LatencyTotals::sum_us, "of all latencies, microseconds",
+                       Bounds::at_least(0)),
+                 computed<LatencyTotals>(
+                     "edges_us", [](const LatencyTotals&) { return LatencyTotals::edges_us(); },
+                     "rising, microseconds"),
+                 field("below", &LatencyTotals::below, "how many took less than each edge")};
+};
+
+template <>
+struct Table<LatencySummary> {
+  static constexpr const char* kName = "Latency";
+  static constexpr auto kFields = std::tuple{
+      field("count", &LatencySummary::count, "frames"),
+      field("p50_us", &LatencySummary::p50_us, "median, microseconds", Bounds::at_least(0)),
+      field("p99_us", &LatencySummary::p99_us, "99th percentile, microseconds",
+            Bounds::at_least(0)),
+      field("p999_us", &LatencySummary::p999_us, "99.9th percentile, microseconds",
+            Bounds::at_least(0)),
+      field("max_us", &LatencySummary::max_us, "microseconds", Bounds::at_least(0)),
+      field("since_start", &LatencySummary::since_start,
+            "all since the start: for histograms that are added up over time")};
+};
+
+template <>
+struct Table<StatusMessage> {
+  using M = StatusMessage;
+  static constexpr const char* kName = "Status";
+  static constexpr auto kFields = std::tuple{
+      field("t_ns", &M::t_ns, kTimeMeaning),
+      field("uptime_s", &M::uptime_s, "since the start, seconds", Bounds::at_least(0)),
+      field("state", &M::state,
+            "what the daemon is doing: starting, waiting_for_camera, waiting_for_display, running, "
+            "job_running, fault, stopping"),
+      field("fault", &M::fault, kFaultMeaning),
+      field("camera", &M::camera, "the camera"),
+      field("slm", &M::slm, "the spatial light modulator"),
+      field("sensor", &M::sensor, "the sensor shown"),
+      field("refine", &M::refine, "the refinement of frames beside the fast estimate"),
+      field("record", &M::record, "the recording that is on, or the last one"),
+      field("store", &M::store, "what is kept over a restart"),
+      computed<M>(
+          "loop", [](const M& m) { return m.loop_closed ? "closed" : "open"; },
+          "whether the correction follows the measurement: open or closed"),
+      field("failed_job", &M::failed_job,
+            "the job that failed last since the start, of those after which none of the same kind "
+            "was done; null: none"),
+      field("rates", &M::rates, "since the last status"),
+      field("counters", &M::counters, "every counter, since the start"),
+      field("latency", &M::latency,
+            "by stage, since the last status: tracked, reconstructed and published from the "
+            "frame's arrival; arrived from when it would have arrived had nothing held it up, of a "
+            "camera with device stamps"),
+      field("versions", &M::versions, "of the daemon and its libraries")};
+};
+
+}  // namespace ovws

@@ -1,0 +1,99 @@
+/// What computed fields say that is more than a line.
+#include <array>
+#include <cmath>
+#include <ctime>
+
+#include "proto/rpc.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/job.hpp"
+#include "proto/tables/record.hpp"
+#include "proto/tables/slm.hpp"
+
+namespace ovws {
+namespace {
+
+std::string milliseconds(double ms) {
+  const long tenths = std::lround(10.0 * ms);
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+}
+
+}  // namespace
+
+std::string utc_text(std::int64_t t_ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::time_t seconds = t_ns / kSecond;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
+  const std::string milliseconds = std::to_string(1000 + t_ns % kSecond / 1'000'000);
+  return text.data() + ("." + milliseconds.substr(1)) + "Z";
+}
+
+std::string settle_reason(const SettleReport& report) {
+  const SettleTime& time = report.time;
+  if (report.configured_ms < time.max_ms) {
+    return "slm.settle_ms is " + milliseconds(report.configured_ms) +
+           ", and the image is stable after " + milliseconds(time.max_ms) +
+           ": frames are taken for settled that are not; set slm.settle_ms to " +
+           std::to_string(std::lround(time.proposed_ms));
+  }
+  if (report.configured_ms < time.worst_ms) {
+    return std::to_string(time.outliers) + " changes took up to " + milliseconds(time.worst_ms) +
+           ", longer than slm.settle_ms (" + milliseconds(report.configured_ms) +
+           "): if this machine was not busy then, the SLM's controller is slower at times; measure "
+           "again, and set slm.settle_ms above it if it stays";
+  }
+  return {};
+}
+
+Json job_error(const JobReport& job) {
+  if (!job.error) return nullptr;
+  const RpcFailure failure = rpc_failure(*job.error);
+  return {{"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
+}
+
+std::optional<std::string> not_plain(const std::string& name) {
+  const auto is_letter = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  };
+  const bool plain = !name.empty() && name.size() <= limits::kRecordName && is_letter(name[0]) &&
+                     std::all_of(name.begin(), name.end(), [&](char c) {
+                       return is_letter(c) || c == '.' || c == '_' || c == '-';
+                     });
+  if (plain) return std::nullopt;
+  return "must be a plain name: letters, digits, '.', '_' and '-', at most 100 of them, the first "
+         "a letter or a digit; the folder is record.directory";
+}
+
+std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report) {
+  const InteractionMatrix& matrix = report.matrix;
+  const int found = matrix.spots() - int(matrix.lost_spots.size());
+  const double by = 1.0 / std::sqrt(2.0 * std::max(1, found));
+  std::vector<CalibratedMode> modes;
+  for (std::size_t k = 0; k < matrix.modes_j.size(); ++k) {
+    const auto column = Eigen::Index(k);
+    CalibratedMode mode{matrix.modes_j[k],
+                        matrix.amplitude_waves[k],
+                        by * matrix.slopes.col(column).norm(),
+                        by * matrix.standard_error.col(column).norm(),
+                        {},
+                        {},
+                        {}};
+    for (const ModeComparison& one : report.comparison.modes) {
+      if (one.j != mode.j) continue;
+      mode.factor = one.factor;
+      mode.factor_standard_error = one.factor_standard_error;
+      mode.correlation = one.correlation;
+    }
+    modes.push_back(mode);
+  }
+  return modes;
+}
+
+std::vector<double> singular_values_of(const CalibrationReport& report) {
+  const Eigen::VectorXd values = singular_values(report.matrix);
+  return {values.begin(), values.end()};
+}
+
+}  // namespace ovws

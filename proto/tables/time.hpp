@@ -1,0 +1,24 @@
+/// Times as fields: nanoseconds, and the same as text.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "proto/field.hpp"
+
+namespace ovws {
+
+/// "2026-01-31T12:00:00.000Z"
+std::string utc_text(std::int64_t t_ns);
+
+inline constexpr const char* kTimeMeaning = "UNIX epoch UTC, nanoseconds";
+inline constexpr const char* kTimeTextMeaning = "the same as text, ISO 8601";
+
+/// The field `key` that says the time of `member` as text.
+template <class S>
+constexpr auto time_text(const char* key, std::int64_t S::*member) {
+  return computed<S>(
+      key, [member](const S& from) { return utc_text(from.*member); }, kTimeTextMeaning);
+}
+
+}  // namespace ovws
