@@ -36,6 +36,6 @@ std::span<const std::byte> encode(const PhaseMessage& message, std::string& json
 // These are rare and may allocate.
 std::string encode(const RefinedMessage& message);
 std::string encode(const StatusMessage& message);
-std::string encode(const EventMessage& message, const nlohmann::json& data);
+std::string encode(const EventMessage& message);
 
 }  // namespace ovws

@@ -150,6 +150,14 @@ constexpr Inlined<S, T> inlined(T S::*member) {
   return {member};
 }
 
+/// The fields of a base among the struct's own.
+template <class T>
+struct Based {};
+template <class T>
+constexpr Based<T> based() {
+  return {};
+}
+
 /// What a field of an empty optional has for a value: JSON text.
 struct Absent {
   const char* json;
@@ -206,6 +214,8 @@ void visit_entry(const S&, const Constant& entry, Visit& visit) {
 }
 template <class Owner, class S, class T, class Visit>
 void visit_entry(const Owner& from, const Inlined<S, T>& entry, Visit& visit);
+template <class Owner, class T, class Visit>
+void visit_entry(const Owner& from, const Based<T>& entry, Visit& visit);
 
 }  // namespace detail
 
@@ -215,6 +225,11 @@ template <HasTable S, class Visit>
 void visit_fields(const S& from, Visit&& visit) {
   std::apply([&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); },
              Table<S>::kFields);
+}
+
+template <class Owner, class T, class Visit>
+void detail::visit_entry(const Owner& from, const Based<T>&, Visit& visit) {
+  visit_fields(static_cast<const T&>(from), visit);
 }
 
 template <class Owner, class S, class T, class Visit>

@@ -25,6 +25,7 @@ using Json = nlohmann::json;
 /// Specialised for a type whose form on the wire follows from no table: encode, decode, schema.
 template <class T>
 struct Wire;
+struct SchemaParts;  // field_schema.hpp
 template <class T>
 concept HasWire = requires {
   sizeof(Wire<T>);

@@ -126,6 +126,11 @@ void put_entry(SchemaParts& parts, const Inlined<S, T>&, Json& properties, Json&
   }
 }
 
+template <class, class T>
+void put_entry(SchemaParts& parts, const Based<T>&, Json& properties, Json& required) {
+  put_schema<T>(parts, properties, required);
+}
+
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required) {
   std::apply([&](const auto&... entry) { (put_entry<S>(parts, entry, properties, required), ...); },

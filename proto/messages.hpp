@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -89,13 +90,14 @@ struct PhaseMessage {
 
 enum class Severity { info, warning, error };
 
-/// `ovws.event/1`; its `data` is given to the encoder as JSON.
+/// `ovws.event/1`.
 struct EventMessage {
   std::uint64_t seq = 0;
   std::int64_t t_ns = 0;
   std::string kind;  ///< "state", "camera", "slm", "job", "config", …
   Severity severity = Severity::info;
-  std::string text;  ///< one sentence for a person
+  std::string text;     ///< one sentence for a person
+  nlohmann::json data;  ///< for programs; its shape depends on the kind
 };
 
 }  // namespace ovws

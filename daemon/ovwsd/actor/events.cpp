@@ -28,7 +28,8 @@ spdlog::level::level_enum log_level(Severity severity) {
 void Events::emit(std::string kind, Severity severity, std::string text, nlohmann::json data) {
   text = printable(text, kMaxTextBytes);
   spdlog::log(log_level(severity), "{}", text);
-  queue_.put(Event{{0, utc_ns(), std::move(kind), severity, std::move(text)}, std::move(data)});
+  queue_.put(
+      EventMessage{0, utc_ns(), std::move(kind), severity, std::move(text), std::move(data)});
   queue_.ask_for_status();
 }
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -16,16 +15,11 @@
 
 namespace ovws {
 
-struct Event {
-  EventMessage message;
-  nlohmann::json data;
-};
-
 /// Thread-safe. Numbers the messages of each topic as they come. The oldest are dropped while they
 /// are not sent, counted, and missing in `seq`.
 class StreamQueue {
  public:
-  using Message = std::variant<Event, StatusMessage, RefinedMessage>;
+  using Message = std::variant<EventMessage, StatusMessage, RefinedMessage>;
 
   void put(Message message) {
     const std::lock_guard lock(mutex_);
@@ -60,9 +54,7 @@ class StreamQueue {
 
   void number(Message& message) {
     const std::uint64_t seq = next_seq_[message.index()]++;
-    if (auto* event = std::get_if<Event>(&message)) event->message.seq = seq;
-    if (auto* status = std::get_if<StatusMessage>(&message)) status->seq = seq;
-    if (auto* refined = std::get_if<RefinedMessage>(&message)) refined->seq = seq;
+    std::visit([seq](auto& one) { one.seq = seq; }, message);
   }
 
   std::mutex mutex_;

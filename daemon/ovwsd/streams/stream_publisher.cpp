@@ -91,14 +91,14 @@ void StreamPublisher::send_queue() {
     deps_.counters.add(Counter::messages_dropped, dropped);
   }
   while (auto message = deps_.queue.take()) {
-    if (auto* event = std::get_if<Event>(&*message)) {
-      json_ = encode(event->message, event->data);
+    if (const auto* event = std::get_if<EventMessage>(&*message)) {
+      json_ = encode(*event);
       send(kTopicEvent);
     } else if (auto* refined = std::get_if<RefinedMessage>(&*message)) {
       refined->t_publish_ns = utc_ns();
       json_ = encode(*refined);
       send(kTopicRefined);
-    } else if (auto* status = std::get_if<StatusMessage>(&*message)) {
+    } else if (const auto* status = std::get_if<StatusMessage>(&*message)) {
       json_ = encode(*status);
       send(kTopicStatus);
     }

@@ -105,10 +105,10 @@ class CameraActorTest : public testing::Test {
     return told;
   }
   /// Events whose data has this key.
-  std::vector<Event> events_with(const char* key) {
-    std::vector<Event> found;
+  std::vector<EventMessage> events_with(const char* key) {
+    std::vector<EventMessage> found;
     while (auto message = queue_.take()) {
-      auto* const event = std::get_if<Event>(&*message);
+      auto* const event = std::get_if<EventMessage>(&*message);
       if (event != nullptr && event->data.contains(key)) found.push_back(std::move(*event));
     }
     return found;
@@ -180,10 +180,10 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_TRUE(put_back(3.0));
   const auto events = events_with("gain_db");
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].message.kind, "camera");
-  EXPECT_EQ(events[0].message.severity, Severity::warning);
+  EXPECT_EQ(events[0].kind, "camera");
+  EXPECT_EQ(events[0].severity, Severity::warning);
   EXPECT_EQ(events[0].data["gain_db"], 3.0);
-  EXPECT_EQ(events[0].message.text,
+  EXPECT_EQ(events[0].text,
             "camera: after a job its gain of 3 dB could not be set again: the register is locked; "
             "set it with camera.set");
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
@@ -257,16 +257,16 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
     device_.alive = false;
     actor_->do_work();
     device_.alive = true;
-    std::vector<Event> told;
+    std::vector<EventMessage> told;
     for (int turn = 0; turn < 400 && told.empty(); ++turn) {
       actor_->do_work();
       told = events_with("counter");
     }
     ASSERT_EQ(told.size(), 1U);
     EXPECT_EQ(told[0].data["counter"], counter);
-    EXPECT_EQ(told[0].message.kind, "camera");
-    EXPECT_EQ(told[0].message.severity, Severity::error);
-    texts.push_back(told[0].message.text);
+    EXPECT_EQ(told[0].kind, "camera");
+    EXPECT_EQ(told[0].severity, Severity::error);
+    texts.push_back(told[0].text);
     for (int turn = 0; turn < 10; ++turn) actor_->do_work();
     EXPECT_TRUE(events_with("counter").empty()) << "told once";
   }

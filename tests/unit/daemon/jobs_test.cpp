@@ -28,7 +28,7 @@ class JobsTest : public testing::Test {
   std::vector<double> told() {
     std::vector<double> all;
     while (const auto message = queue_.take()) {
-      all.push_back(std::get<Event>(*message).data["progress"].get<double>());
+      all.push_back(std::get<EventMessage>(*message).data["progress"].get<double>());
     }
     return all;
   }

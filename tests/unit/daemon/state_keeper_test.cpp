@@ -36,7 +36,7 @@ TEST_F(StateKeeperTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
   state_.take(DaemonEvent::display_connected);
   std::string told;
   while (const auto message = queue_.take()) {
-    told += std::get<Event>(*message).data["state"].get<std::string>() + " ";
+    told += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
   }
   EXPECT_EQ(told, "fault waiting_for_display running ");
 }

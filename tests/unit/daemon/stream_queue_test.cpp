@@ -8,7 +8,7 @@ namespace ovws {
 namespace {
 
 std::uint64_t seq_of(const StreamQueue::Message& message) {
-  if (const auto* event = std::get_if<Event>(&message)) return event->message.seq;
+  if (const auto* event = std::get_if<EventMessage>(&message)) return event->seq;
   if (const auto* status = std::get_if<StatusMessage>(&message)) return status->seq;
   return std::get<RefinedMessage>(message).seq;
 }
@@ -16,16 +16,16 @@ std::uint64_t seq_of(const StreamQueue::Message& message) {
 std::vector<std::uint64_t> seqs_of_events(StreamQueue& queue) {
   std::vector<std::uint64_t> seqs;
   while (auto message = queue.take()) {
-    if (std::holds_alternative<Event>(*message)) seqs.push_back(seq_of(*message));
+    if (std::holds_alternative<EventMessage>(*message)) seqs.push_back(seq_of(*message));
   }
   return seqs;
 }
 
 TEST(StreamQueue, NumbersEachTopicFromZero) {
   StreamQueue queue;
-  queue.put(Event{});
+  queue.put(EventMessage{});
   queue.put(StatusMessage{});
-  queue.put(Event{});
+  queue.put(EventMessage{});
   queue.put(RefinedMessage{});
   std::vector<std::uint64_t> seqs;
   while (auto message = queue.take()) seqs.push_back(seq_of(*message));
@@ -35,10 +35,10 @@ TEST(StreamQueue, NumbersEachTopicFromZero) {
 
 TEST(StreamQueue, CountsWhatItDropsAndLeavesAHoleInTheNumbers) {
   StreamQueue queue;
-  queue.put(Event{});
+  queue.put(EventMessage{});
   EXPECT_EQ(seqs_of_events(queue), std::vector<std::uint64_t>{0});
   constexpr std::uint64_t kEvents = 1000;
-  for (std::uint64_t k = 0; k < kEvents; ++k) queue.put(Event{});
+  for (std::uint64_t k = 0; k < kEvents; ++k) queue.put(EventMessage{});
   const std::uint64_t dropped = queue.take_dropped();
   EXPECT_GT(dropped, 0u);
   EXPECT_EQ(queue.take_dropped(), 0u);

@@ -122,9 +122,10 @@ void print_status() {
     print_stream(kTopicStatus, encode(status));
     print_result("system.status", to_json(status));
   }
-  const EventMessage event{3, 4, "camera", Severity::warning, "something"};
-  print_stream(kTopicEvent, encode(event, {{"field", 1}}));
-  print_stream(kTopicEvent, encode(event, nullptr));
+  EventMessage event{3, 4, "camera", Severity::warning, "something", {{"field", 1}}};
+  print_stream(kTopicEvent, encode(event));
+  event.data = nullptr;
+  print_stream(kTopicEvent, encode(event));
 }
 
 void print_luts() {
