@@ -44,14 +44,14 @@ void read_aberrations(ObjectReader& reader, GainSweep& sweep) {
   }
   sweep.aberrations.clear();
   for (std::size_t k = 0; k < given->size(); ++k) {
-    auto modes = decode_aberration_set((*given)[k]);
+    auto modes = ModesSet::decode((*given)[k]);
     if (!modes) {
       const std::string& inner = modes.error().field;
       return reader.fault(
           "aberrations[" + std::to_string(k) + "]" + (inner.empty() ? "" : ".") + inner,
           modes.error().reason);
     }
-    sweep.aberrations.push_back(std::move(*modes));
+    sweep.aberrations.push_back(std::move(modes->modes));
   }
 }
 
@@ -101,7 +101,7 @@ std::string sweep_tracker_name(const SweepArm& arm) {
   return arm.fixed_cell ? sweep_tracker_names().back() : std::string(tracker_name(arm.tracker));
 }
 
-Result<GainSweep> decode_gain_sweep(const json& params) {
+Result<GainSweep> GainSweep::decode(const json& params) {
   GainSweep sweep;
   ObjectReader reader(params, "");
   reader.boolean("clamp", sweep.clamp);
@@ -117,15 +117,6 @@ Result<GainSweep> decode_gain_sweep(const json& params) {
   read_arms(reader, sweep);
   if (auto done = reader.finish(); !done) return fail(done.error());
   return sweep;
-}
-
-Result<int> decode_experiment_cell(const json& params) {
-  int cell = 0;
-  ObjectReader reader(params, "");
-  reader.require("cell");
-  reader.integer("cell", cell, limits::kSweepCell.min, limits::kSweepCell.max);
-  if (auto done = reader.finish(); !done) return fail(done.error());
-  return cell;
 }
 
 json to_json(const SweepArm& arm) {

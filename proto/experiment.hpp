@@ -43,18 +43,16 @@ struct GainSweep {
   struct Cell {
     std::size_t arm, aberration, gain;
   };
+  /// Strict; errors as of every decoder. `aberrations` are each as the params of aberration.set.
+  static Result<GainSweep> decode(const nlohmann::json& params);
   std::size_t cells() const { return arms.size() * aberrations.size() * gains_db.size(); }
   Cell cell(std::size_t number) const;
 };
 
-/// Errors as of every decoder. `aberrations` are each as the params of aberration.set.
 const std::vector<std::string>& sweep_tracker_names();  ///< tracker_names, and cell_centroid
 std::string sweep_tracker_name(const SweepArm& arm);
-Result<GainSweep> decode_gain_sweep(const nlohmann::json& params);
-/// `experiment.cell`: the cell's number.
-Result<int> decode_experiment_cell(const nlohmann::json& params);
 nlohmann::json to_json(const SweepArm& arm);
-/// What decode_gain_sweep makes the same sweep of; without `clamp` and `anew`.
+/// What GainSweep::decode makes the same sweep of; without `clamp` and `anew`.
 nlohmann::json to_json(const GainSweep& sweep);
 
 /// Medians over all spots found in all frames, camera units; NaN: none was found.

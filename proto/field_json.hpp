@@ -244,36 +244,118 @@ Result<S> decode(const Json& object, S base = {}) {
   return base;
 }
 
+namespace detail {
+
+template <class S, class T>
+T value_of(T S::*member);
+
+/// The key of a member in a table, or in those of its inlined members; null: there is no such
+/// field.
+template <class S, class T, class Member>
+const char* key_of_entry(const Field<S, T>& entry, Member member) {
+  if constexpr (std::is_same_v<decltype(entry.member), Member>) {
+    return entry.member == member ? entry.key : nullptr;
+  } else {
+    return nullptr;
+  }
+}
+template <class Table, class Member>
+const char* key_in_table(Member member) {
+  const char* key = nullptr;
+  const auto look = [&](const auto& entry) {
+    if (key != nullptr) return;
+    if constexpr (requires { key_of_entry(entry, member); }) {
+      key = key_of_entry(entry, member);
+    } else if constexpr (requires { entry.member; }) {
+      key =
+          key_in_table<ovws::Table<std::remove_cvref_t<decltype(value_of(entry.member))>>>(member);
+    }
+  };
+  std::apply([&](const auto&... entry) { (look(entry), ...); }, Table::kFields);
+  return key;
+}
+
+}  // namespace detail
+
 /// A change of some of a struct's fields: what is absent stays as it is.
 template <HasTable S>
 class Partial {
  public:
-  /// With `"clamp": true` a number out of range becomes the nearest limit. Errors as of decode; all
-  /// is checked here, against a default-made S.
-  static Result<Partial> decode(const Json& object);
-
-  template <class T>
-  void set(T S::*member, const T& value) {
-    given_[key_of(member)] = to_json(value);
+  Partial() = default;
+  /// With `"clamp": true` a number out of range becomes the nearest limit. Errors as of decode, for
+  /// everything that does not depend on the other fields' values.
+  static Result<Partial> decode(Json object) {
+    Partial partial;
+    ObjectReader reader(object, "");
+    reader.boolean("clamp", partial.clamp_);
+    S checked{};
+    reader.clamp(partial.clamp_);
+    detail::decode_fields(reader, checked);
+    if constexpr (requires { Table<S>::check_change(reader); }) Table<S>::check_change(reader);
+    if (auto done = reader.finish(); !done) return fail(done.error());
+    object.erase("clamp");
+    partial.given_ = std::move(object);
+    return partial;
   }
-  template <class T>
-  bool has(T S::*member) const {
-    return given_.contains(key_of(member));
+
+  /// What makes `after` of `before`.
+  static Partial difference(const S& before, const S& after) {
+    const Json then = to_json(before), now = to_json(after);
+    Partial partial;
+    for (const auto& [key, value] : now.items()) {
+      if (then.at(key) != value) partial.given_[key] = value;
+    }
+    return partial;
+  }
+  /// What makes `all` of anything.
+  static Partial whole(const S& all) {
+    Partial partial;
+    partial.given_ = to_json(all);
+    return partial;
+  }
+
+  template <class Member>
+  void put(Member member, const auto& value) {
+    given_[detail::key_in_table<Table<S>>(member)] = to_json(value);
+  }
+  template <class Member>
+  void forget(Member member) {
+    given_.erase(detail::key_in_table<Table<S>>(member));
+  }
+  /// Null gives nothing, but to an optional.
+  template <class Member>
+  bool gives(Member member) const {
+    const auto found = given_.find(detail::key_in_table<Table<S>>(member));
+    if (found == given_.end()) return false;
+    return detail::is_optional<decltype(detail::value_of(member))> || !found->is_null();
   }
   bool clamp() const { return clamp_; }
-  const Json& given() const { return given_; }
-  S applied_to(S base) const;
+  void set_clamp(bool on) { clamp_ = on; }
+  const Json& given() const { return given_; }  ///< without `clamp`
 
- private:
-  template <class T>
-  static const char* key_of(T S::*member);
-  static void read(ObjectReader& reader, bool clamp, S& out) {
-    reader.clamp(clamp);
-    detail::decode_fields(reader, out);
+  S applied_to(S base) const {
+    if constexpr (requires { Table<S>::begin_change(base, given_); }) {
+      Table<S>::begin_change(base, given_);
+    }
+    ObjectReader reader(given_, "");
+    reader.clamp(clamp_);
+    detail::decode_fields(reader, base);
+    return base;
   }
 
+ private:
   Json given_ = Json::object();
   bool clamp_ = false;
 };
+
+/// Params that have a table, or a decode of their own.
+template <class P>
+Result<P> decode_params(const Json& params) {
+  if constexpr (requires { P::decode(params); }) {
+    return P::decode(params);
+  } else {
+    return decode<P>(params);
+  }
+}
 
 }  // namespace ovws

@@ -122,9 +122,9 @@ void read_aberration(ObjectReader& r, Truth& truth) {
   const nlohmann::json* modes = r.raw("aberration");
   if (modes == nullptr || r.failed()) return;
   const auto decoded =
-      decode_aberration_set({{"modes", *modes}, {"norm", norm_names()[std::size_t(norm)]}});
+      ModesSet::decode({{"modes", *modes}, {"norm", norm_names()[std::size_t(norm)]}});
   if (decoded) {
-    truth.aberration = *decoded;
+    truth.aberration = decoded->modes;
     return;
   }
   const std::string within = decoded.error().field.substr(std::string("modes").size());

@@ -35,6 +35,22 @@ struct Table<CameraSettings> {
       field("pixel_format", &CameraSettings::pixel_format,
             "GenICam name; of a Bayer format the pixels that see the laser are measured"),
       field("roi", &CameraSettings::roi, "region of interest of the sensor")};
+
+  /// A camera has one of the two gains; null, as the other one is reported, leaves it.
+  static void check_change(ObjectReader& reader) {
+    const auto gives = [&reader](const char* key) {
+      return reader.has(key) && !reader.is_null(key);
+    };
+    if (gives("gain_db") && gives("gain_raw")) {
+      reader.fault("gain_raw",
+                   "cannot be set together with gain_db: set the one that camera.get has");
+    }
+  }
+  /// One gain, in the unit that it is asked for in.
+  static void begin_change(CameraSettings& settings, const Json& given) {
+    if (!given.value("gain_db", Json()).is_null()) settings.gain_raw = kNotKnown;
+    if (!given.value("gain_raw", Json()).is_null()) settings.gain_db = kNotKnown;
+  }
 };
 
 template <class T>

@@ -8,24 +8,24 @@ namespace ovws::test {
 
 /// Decodes params as every method would: none may throw.
 inline void decode_all(const Json& params) {
-  (void)decode_camera_set(params);
-  (void)decode_sensor_set(params);
-  (void)decode_aberration_set(params);
-  (void)decode_reference_take(params);
-  (void)decode_reference_set(params);
-  (void)decode_registration_run(params);
-  (void)decode_lut_run(params);
-  (void)decode_flatness_run(params);
-  (void)decode_slm_settle(params);
-  (void)decode_loop_close(params);
-  (void)decode_loop_open(params);
-  (void)decode_calibration_run(params);
-  (void)decode_gain_sweep(params);
-  (void)decode_experiment_cell(params);
-  (void)decode_slm_show(params);
-  (void)decode_record_start(params);
-  (void)decode_job(params);
-  (void)decode_nothing(params);
+  (void)CameraSet::decode(params);
+  (void)SensorSet::decode(params);
+  (void)ModesSet::decode(params);
+  (void)decode<ReferenceTake>(params);
+  (void)decode<ReferenceSet>(params);
+  (void)decode<RegistrationRun>(params);
+  (void)decode<LutRun>(params);
+  (void)decode<FlatnessRun>(params);
+  (void)decode<SettleRun>(params);
+  (void)decode<LoopSettings>(params);
+  (void)decode<LoopOpen>(params);
+  (void)decode<CalibrationRun>(params);
+  (void)GainSweep::decode(params);
+  (void)decode<ExperimentCell>(params);
+  (void)decode<SlmShow>(params);
+  (void)decode<RecordStart>(params);
+  (void)decode<JobNumber>(params);
+  (void)decode<Nothing>(params);
 }
 
 }  // namespace ovws::test

@@ -151,7 +151,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
 }
 
 Measured measure(const Common& common, const json& params, double seconds) {
-  const auto settings = decode_loop_close(params);
+  const auto settings = decode<LoopSettings>(params);
   if (!settings) {
     return tl::make_unexpected(failure(settings.error().field + ": " + settings.error().reason));
   }

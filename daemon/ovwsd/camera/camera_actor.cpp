@@ -78,7 +78,7 @@ void CameraActor::change(CameraSet change, Applied done) {
   // The camera thread may be busy for seconds with one that does not answer.
   const CameraSnapshot now = snapshot_.get();
   if (!now.connected && !now.at_fault) return done(not_connected(now));
-  if (change.gain_db && now.limits && now.limits->gain_raw)
+  if (change.gives(&CameraSettings::gain_db) && now.limits && now.limits->gain_raw)
     return done(fail(no_gain_in_db("gain_db", *now.limits)));
   mailbox_.post([this, change, done = std::move(done)] {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
@@ -104,7 +104,7 @@ void CameraActor::change_or_want(CameraSet change, Applied done) {
 void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
   mailbox_.post([this, gain_db, then = std::move(then)] {
     CameraSet change;
-    change.gain_db = gain_db;
+    change.put(&CameraSettings::gain_db, gain_db);
     carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
       if (applied) return;
       settings_.gain_db = gain_db;  // what the next connection or camera.set asks for
@@ -125,7 +125,7 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
 void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
   if (!camera_ || lost_) return done(not_connected(snapshot_.get()));
-  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp());
   if (!wanted) return done(fail(wanted.error()));
   if (const auto applied = apply(*wanted); !applied) {
     // Its settings are not known any more: it was reset, or does not answer.
@@ -158,7 +158,7 @@ void CameraActor::open_with(const CameraSet& change) {
   auto limits = camera_->limits();
   if (!limits) return lose(limits.error());
   limits_ = *limits;
-  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp);
+  const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp());
   if (!wanted) {
     return lose({wanted.error().code, "camera",
                  "camera." + wanted.error().field + ": " + wanted.error().reason});
@@ -178,7 +178,7 @@ void CameraActor::open_with(const CameraSet& change) {
 /// Once they were taken, with the limits that they were held against.
 void CameraActor::keep_asked(const CameraSet& change) {
   asked_ = change.applied_to(asked_);
-  if (change.clamp && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
+  if (change.clamp() && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
 }
 
 /// Applies, starts, and lends the camera to the frame path.

@@ -16,12 +16,12 @@ void start(Services& services, const char* kind, Procedure procedure, const RpcR
 }
 
 void run_registration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto frames = decode_registration_run(params);
-  if (!frames) return reply(failed(frames.error()));
+  const auto run = decode<RegistrationRun>(params);
+  if (!run) return reply(failed(run.error()));
   const SlmGeometry slm = services.config.slm.geometry;
   start(
       services, "registration.run",
-      [slm, frames = *frames](Bench& bench) -> Result<nlohmann::json> {
+      [slm, frames = run->frames](Bench& bench) -> Result<nlohmann::json> {
         const auto found = measure_registration(bench, slm, frames);
         if (!found) return fail(found.error());
         if (auto used = bench.use_registration(*found); !used) return fail(used.error());
@@ -51,7 +51,7 @@ nlohmann::json calibration_of(const SensorSnapshot& sensor) {
 }
 
 void run_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto run = decode_calibration_run(params);
+  const auto run = decode<CalibrationRun>(params);
   if (!run) return reply(failed(run.error()));
   if (services.instrument.snapshot().pattern != HologramKind::sensor) {
     return reply(failed({Errc::refused, "",
@@ -85,11 +85,10 @@ void clear_calibration(Services& services, const nlohmann::json& /*params*/, Rpc
 
 constexpr std::array<Method, 6> kMethods{{
     {"registration.run", Role::control, Action::start_job, run_registration,
-     decodes<decode_registration_run>},
+     decodes<RegistrationRun>},
     {"registration.get", Role::read, Action::read, get_registration},
     {"registration.clear", Role::control, Action::clear_reference, clear_registration},
-    {"calibration.run", Role::control, Action::start_job, run_calibration,
-     decodes<decode_calibration_run>},
+    {"calibration.run", Role::control, Action::start_job, run_calibration, decodes<CalibrationRun>},
     {"calibration.get", Role::read, Action::read, get_calibration},
     {"calibration.clear", Role::control, Action::clear_reference, clear_calibration},
 }};

@@ -10,10 +10,10 @@ void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
 }
 
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto change = decode_camera_set(params);
+  const auto change = CameraSet::decode(params);
   if (!change) return reply(failed(change.error()));
-  if (change->pixel_format) {
-    const auto suits = services.instrument.can_measure(*change->pixel_format);
+  if (change->gives(&CameraSettings::pixel_format)) {
+    const auto suits = services.instrument.can_measure(change->applied_to({}).pixel_format);
     if (!suits) return reply(failed(suits.error()));
   }
   services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
@@ -26,7 +26,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 2> kMethods{{
     {"camera.get", Role::read, Action::read, get},
-    {"camera.set", Role::control, Action::set_camera, set, decodes<decode_camera_set>},
+    {"camera.set", Role::control, Action::set_camera, set, decodes<CameraSet>},
 }};
 
 }  // namespace

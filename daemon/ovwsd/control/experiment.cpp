@@ -66,7 +66,7 @@ void start(Services& services, const ExperimentRun& run, const RpcReply& reply) 
 
 /// Who asks for the run that is being measured is given its job.
 void gain_sweep(Services& services, const json& params, RpcReply reply) {
-  auto asked = decode_gain_sweep(params);
+  auto asked = GainSweep::decode(params);
   if (!asked) return reply(failed(asked.error()));
   const CameraSnapshot camera = services.camera.snapshot();
   if (camera.limits) asked = within(std::move(*asked), *camera.limits);
@@ -85,18 +85,18 @@ void get(Services& services, const json& /*params*/, RpcReply reply) {
 }
 
 void get_cell(Services& services, const json& params, RpcReply reply) {
-  const auto number = decode_experiment_cell(params);
+  const auto number = decode<ExperimentCell>(params);
   if (!number) return reply(failed(number.error()));
-  services.experiments.cell(*number, [reply = std::move(reply)](Result<json> cell) {
+  services.experiments.cell(number->cell, [reply = std::move(reply)](Result<json> cell) {
     if (!cell) return reply(failed(cell.error()));
     reply(std::move(*cell));
   });
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<decode_gain_sweep>},
+    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<GainSweep>},
     {"experiment.get", Role::read, Action::read, get},
-    {"experiment.cell", Role::read, Action::read, get_cell, decodes<decode_experiment_cell>},
+    {"experiment.cell", Role::read, Action::read, get_cell, decodes<ExperimentCell>},
 }};
 
 }  // namespace

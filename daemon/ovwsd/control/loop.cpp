@@ -13,15 +13,15 @@ ClosedLoop::Done answer_with(RpcReply reply) {
 }
 
 void close(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto settings = decode_loop_close(params);
+  const auto settings = decode<LoopSettings>(params);
   if (!settings) return reply(failed(settings.error()));
   services.loop.close(*settings, answer_with(std::move(reply)));
 }
 
 void open(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto keep = decode_loop_open(params);
+  const auto keep = decode<LoopOpen>(params);
   if (!keep) return reply(failed(keep.error()));
-  services.loop.open(*keep, answer_with(std::move(reply)));
+  services.loop.open(keep->keep, answer_with(std::move(reply)));
 }
 
 void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
@@ -38,10 +38,11 @@ void get_correction(Services& services, const nlohmann::json& /*params*/, RpcRep
 }
 
 void set_correction(Services& services, const nlohmann::json& params, RpcReply reply) {
-  auto modes = decode_aberration_set(params);
+  auto modes = ModesSet::decode(params);
   if (!modes) return reply(failed(modes.error()));
-  services.instrument.set_correction(
-      std::move(*modes), [reply](Result<SensorSnapshot> now) { answer_correction(reply, now); });
+  services.instrument.set_correction(std::move(modes->modes), [reply](Result<SensorSnapshot> now) {
+    answer_correction(reply, now);
+  });
 }
 
 void clear_correction(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
@@ -50,12 +51,11 @@ void clear_correction(Services& services, const nlohmann::json& /*params*/, RpcR
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"loop.close", Role::control, Action::close_loop, close, decodes<decode_loop_close>},
-    {"loop.open", Role::control, Action::open_loop, open, decodes<decode_loop_open>},
+    {"loop.close", Role::control, Action::close_loop, close, decodes<LoopSettings>},
+    {"loop.open", Role::control, Action::open_loop, open, decodes<LoopOpen>},
     {"loop.get", Role::read, Action::read, get},
     {"correction.get", Role::read, Action::read, get_correction},
-    {"correction.set", Role::control, Action::set_correction, set_correction,
-     decodes<decode_aberration_set>},
+    {"correction.set", Role::control, Action::set_correction, set_correction, decodes<ModesSet>},
     {"correction.clear", Role::control, Action::set_correction, clear_correction},
 }};
 

@@ -8,6 +8,7 @@
 
 #include "core/control/state_machine.hpp"
 #include "daemon/ovwsd/control/services.hpp"
+#include "proto/requests.hpp"
 #include "proto/rpc.hpp"
 
 namespace ovws {
@@ -19,9 +20,9 @@ using MethodCall = void (*)(Services& services, const nlohmann::json& params, Rp
 /// Errc::invalid, with the key at fault, unless these are params of the method.
 using ParamsCheck = Result<void> (*)(const nlohmann::json& params);
 
-template <auto decode>
+template <class P>
 Result<void> decodes(const nlohmann::json& params) {
-  const auto decoded = decode(params);
+  const auto decoded = decode_params<P>(params);
   if (!decoded) return fail(decoded.error());
   return {};
 }
@@ -31,7 +32,7 @@ struct Method {
   Role role;  ///< that a client must have at least
   Action action;
   MethodCall call;
-  ParamsCheck check = decode_nothing;
+  ParamsCheck check = decodes<Nothing>;
 };
 
 // One table a room; a new method is one function and one row.

@@ -14,7 +14,7 @@ Recorder::Done answer_with(RpcReply reply) {
 }
 
 void start(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto asked = decode_record_start(params);
+  const auto asked = decode<RecordStart>(params);
   if (!asked) return reply(failed(asked.error()));
   const Config in_use = config_in_use(services.config, services.loaded.get(), services.camera,
                                       services.instrument, services.refiner);
@@ -32,7 +32,7 @@ void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"record.start", Role::control, Action::record, start, decodes<decode_record_start>},
+    {"record.start", Role::control, Action::record, start, decodes<RecordStart>},
     {"record.stop", Role::control, Action::record, stop},
     {"record.get", Role::read, Action::read, get},
 }};

@@ -24,7 +24,7 @@ Instrument::Changed answer(const Services& services, RpcReply reply) {
 }
 
 void take(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto take = decode_reference_take(params);
+  const auto take = decode<ReferenceTake>(params);
   if (!take) return reply(failed(take.error()));
   services.instrument.take_reference(*take, [reply](Result<int> job) {
     if (!job) return reply(failed(job.error()));
@@ -50,16 +50,16 @@ void answer_job(const RpcReply& reply, const Result<JobReport>& job) {
 }
 
 void get_job(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto id = decode_job(params);
+  const auto id = decode<JobNumber>(params);
   if (!id) return reply(failed(id.error()));
-  answer_job(reply, services.jobs.get(*id));
+  answer_job(reply, services.jobs.get(id->job));
 }
 
 void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto id = decode_job(params);
+  const auto id = decode<JobNumber>(params);
   if (!id) return reply(failed(id.error()));
-  const bool ran = services.jobs.runs(*id);
-  const auto cancelled = services.jobs.cancel(*id);
+  const bool ran = services.jobs.runs(id->job);
+  const auto cancelled = services.jobs.cancel(id->job);
   if (!ran) return answer_job(reply, cancelled);
   // Answered when the sensor is free again: the next request may be the next job.
   services.procedures.when_free([&services, reply, cancelled] {
@@ -68,12 +68,12 @@ void cancel_job(Services& services, const nlohmann::json& params, RpcReply reply
 }
 
 constexpr std::array<Method, 6> kMethods{{
-    {"reference.take", Role::control, Action::start_job, take, decodes<decode_reference_take>},
+    {"reference.take", Role::control, Action::start_job, take, decodes<ReferenceTake>},
     {"reference.get", Role::read, Action::read, get},
-    {"reference.set", Role::control, Action::clear_reference, set, decodes<decode_reference_set>},
+    {"reference.set", Role::control, Action::clear_reference, set, decodes<ReferenceSet>},
     {"reference.clear", Role::control, Action::clear_reference, clear},
-    {"job.get", Role::read, Action::read, get_job, decodes<decode_job>},
-    {"job.cancel", Role::control, Action::cancel_job, cancel_job, decodes<decode_job>},
+    {"job.get", Role::read, Action::read, get_job, decodes<JobNumber>},
+    {"job.cancel", Role::control, Action::cancel_job, cancel_job, decodes<JobNumber>},
 }};
 
 }  // namespace

@@ -14,7 +14,7 @@ void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
 }
 
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto change = decode_refine_set(params);
+  const auto change = RefineSet::decode(params);
   if (!change) return reply(failed(change.error()));
   const auto applied = services.refiner.change(*change, camera_format(services));
   if (!applied) return reply(failed(applied.error()));
@@ -23,7 +23,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 2> kMethods{{
     {"refine.get", Role::read, Action::read, get},
-    {"refine.set", Role::control, Action::set_refine, set, decodes<decode_refine_set>},
+    {"refine.set", Role::control, Action::set_refine, set, decodes<RefineSet>},
 }};
 
 }  // namespace

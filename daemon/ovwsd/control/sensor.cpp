@@ -28,7 +28,7 @@ Error in_params(Error error) {
 }
 
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto change = decode_sensor_set(params);
+  const auto change = SensorSet::decode(params);
   if (!change) return reply(failed(change.error()));
   services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
     if (!applied) return reply(failed(in_params(applied.error())));
@@ -47,11 +47,11 @@ void get_aberration(Services& services, const nlohmann::json& /*params*/, RpcRep
 }
 
 void set_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  auto modes = decode_aberration_set(params);
+  auto modes = ModesSet::decode(params);
   if (!modes) return reply(failed(modes.error()));
-  services.instrument.set_aberration(std::move(*modes), [reply](Result<SensorSnapshot> applied) {
-    answer_aberration(reply, applied);
-  });
+  services.instrument.set_aberration(
+      std::move(modes->modes),
+      [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
 }
 
 void clear_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
@@ -60,9 +60,9 @@ void clear_aberration(Services& services, const nlohmann::json& /*params*/, RpcR
 }
 
 void show(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto pattern = decode_slm_show(params);
+  const auto pattern = decode<SlmShow>(params);
   if (!pattern) return reply(failed(pattern.error()));
-  services.instrument.show(*pattern, [reply](Result<SensorSnapshot> applied) {
+  services.instrument.show(pattern->pattern.kind, [reply](Result<SensorSnapshot> applied) {
     if (!applied) return reply(failed(applied.error()));
     reply(to_json(ShowReport{applied->pattern, applied->hologram_id}));
   });
@@ -70,12 +70,11 @@ void show(Services& services, const nlohmann::json& params, RpcReply reply) {
 
 constexpr std::array<Method, 6> kMethods{{
     {"sensor.get", Role::read, Action::read, get},
-    {"sensor.set", Role::control, Action::set_sensor, set, decodes<decode_sensor_set>},
+    {"sensor.set", Role::control, Action::set_sensor, set, decodes<SensorSet>},
     {"aberration.get", Role::read, Action::read, get_aberration},
-    {"aberration.set", Role::control, Action::set_aberration, set_aberration,
-     decodes<decode_aberration_set>},
+    {"aberration.set", Role::control, Action::set_aberration, set_aberration, decodes<ModesSet>},
     {"aberration.clear", Role::control, Action::set_aberration, clear_aberration},
-    {"slm.show", Role::control, Action::show_pattern, show, decodes<decode_slm_show>},
+    {"slm.show", Role::control, Action::show_pattern, show, decodes<SlmShow>},
 }};
 
 }  // namespace

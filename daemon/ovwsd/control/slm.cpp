@@ -31,7 +31,7 @@ void start(Services& services, const char* kind, Procedure procedure, RpcReply r
 }
 
 void run_lut(Services& services, const json& params, RpcReply reply) {
-  const auto run = decode_lut_run(params);
+  const auto run = decode<LutRun>(params);
   if (!run) return reply(failed(run.error()));
   start(
       services, "lut.run",
@@ -70,11 +70,11 @@ json flatness_of(const Services& services, const SensorSnapshot& now) {
 }
 
 void run_flatness(Services& services, const json& params, RpcReply reply) {
-  const auto frames = decode_flatness_run(params);
-  if (!frames) return reply(failed(frames.error()));
+  const auto asked = decode<FlatnessRun>(params);
+  if (!asked) return reply(failed(asked.error()));
   start(
       services, "flatness.run",
-      [&services, frames = *frames](Bench& bench) -> Result<json> {
+      [&services, frames = asked->frames](Bench& bench) -> Result<json> {
         const std::uint64_t epoch = bench.sensor().sensor_epoch;
         auto flatness = measure_flatness(bench, services.config.slm.geometry, frames);
         if (!flatness) return fail(flatness.error());
@@ -98,7 +98,7 @@ void clear_flatness(Services& services, const json& /*params*/, RpcReply reply) 
 }
 
 void settle(Services& services, const json& params, RpcReply reply) {
-  const auto run = decode_slm_settle(params);
+  const auto run = decode<SettleRun>(params);
   if (!run) return reply(failed(run.error()));
   start(
       services, "slm.settle",
@@ -119,13 +119,13 @@ void verify(Services& services, const json& /*params*/, RpcReply reply) {
 }
 
 constexpr std::array<Method, 8> kMethods{{
-    {"lut.run", Role::control, Action::start_job, run_lut, decodes<decode_lut_run>},
+    {"lut.run", Role::control, Action::start_job, run_lut, decodes<LutRun>},
     {"lut.get", Role::read, Action::read, get_lut},
     {"lut.clear", Role::control, Action::clear_reference, clear_lut},
-    {"flatness.run", Role::control, Action::start_job, run_flatness, decodes<decode_flatness_run>},
+    {"flatness.run", Role::control, Action::start_job, run_flatness, decodes<FlatnessRun>},
     {"flatness.get", Role::read, Action::read, get_flatness},
     {"flatness.clear", Role::control, Action::clear_reference, clear_flatness},
-    {"slm.settle", Role::control, Action::start_job, settle, decodes<decode_slm_settle>},
+    {"slm.settle", Role::control, Action::start_job, settle, decodes<SettleRun>},
     {"slm.verify", Role::read, Action::read, verify},
 }};
 

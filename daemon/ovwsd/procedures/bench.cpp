@@ -135,7 +135,7 @@ Result<double> Bench::try_gain(double gain_db) {
   auto promise = std::make_shared<std::promise<Result<double>>>();
   auto future = promise->get_future();
   CameraSet change;
-  change.gain_db = gain_db;
+  change.put(&CameraSettings::gain_db, gain_db);
   deps_.camera.change_for_job(
       change, [promise = std::move(promise)](const Result<CameraSnapshot>& set) {
         promise->set_value(set ? Result<double>(set->settings.gain_db) : fail(set.error()));

@@ -45,15 +45,17 @@ Result<SpotMeans> look(Bench& bench, const std::vector<Mode>& aberration, int fr
 }
 
 Result<std::vector<int>> modes_to_push(const CalibrationRun& run, const ModeOperator& model) {
-  if (!run.modes_j) return model.modes_j;
-  for (const int j : *run.modes_j) {
+  if (run.modes_j.empty()) return model.modes_j;
+  for (const int j : run.modes_j) {
     const auto& told = model.modes_j;
     if (std::find(told.begin(), told.end(), j) != told.end()) continue;
     return fail(Errc::invalid, "modes",
                 "this lattice does not tell j = " + std::to_string(j) + ": it tells j = 1 to " +
                     std::to_string(told.empty() ? 0 : told.back()));
   }
-  return *run.modes_j;
+  std::vector<int> modes_j = run.modes_j;
+  std::sort(modes_j.begin(), modes_j.end());
+  return modes_j;
 }
 
 struct Pushed {
@@ -133,7 +135,7 @@ Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& m
   if (!matrix) return matrix;
   any_lost = any_lost || !matrix->lost_spots.empty();
   matrix->dropped.insert(matrix->dropped.begin(), dropped.begin(), dropped.end());
-  if (auto whole = check_whole(*matrix, any_lost && !run.modes_j); !whole) {
+  if (auto whole = check_whole(*matrix, any_lost && run.modes_j.empty()); !whole) {
     return fail(whole.error());
   }
   return matrix;

@@ -49,7 +49,7 @@ std::optional<Header> header_of(const StateItem& item) {
   if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
     return std::nullopt;
   }
-  const auto request = decode_gain_sweep(content["request"]);
+  const auto request = GainSweep::decode(content["request"]);
   const json begun = content.value("t_begun_ns", json()),
              opened = content.value("t_opened_ns", json());
   if (!request || !begun.is_number_integer() || !opened.is_number_integer()) return std::nullopt;

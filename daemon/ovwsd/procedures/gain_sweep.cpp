@@ -24,10 +24,10 @@ constexpr std::size_t kMostPicturePixels = 9'000'000;  // a reply with it stays 
 
 SensorSet sensor_of(const SweepArm& arm) {
   SensorSet set;
-  set.charge = arm.charge;
-  set.tracker = arm.tracker;
-  set.templates = TemplateKind::model;
-  set.mode_operator = OperatorKind::slopes;
+  set.put(&SensorConfig::charge, arm.charge);
+  set.put(&TrackingSettings::tracker, arm.tracker);
+  set.put(&TrackingSettings::templates, TemplateKind::model);
+  set.put(&TrackingSettings::mode_operator, OperatorKind::slopes);
   return set;
 }
 

@@ -18,8 +18,9 @@ constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is
 
 /// Of two numbers that do not go together the one that was given is at fault.
 Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
-  const bool black_stands = error.field == "black_level_dn" && !change.black_level_dn;
-  if (!black_stands || !change.saturation_dn) return error;
+  const bool black_stands =
+      error.field == "black_level_dn" && !change.gives(&RefineSetup::black_level_dn);
+  if (!black_stands || !change.gives(&RefineSetup::saturation_dn)) return error;
   error.field = "saturation_dn";
   error.reason = fmt::format("must be above black_level_dn, which is {}", next.black_level_dn);
   return error;
@@ -132,6 +133,9 @@ void LiveRefiner::tell(std::string state, std::optional<std::string> reason) {
 Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat format) {
   auto changed = settings_.change([&](RefineSetup& settings) -> Result<RefineSetup> {
     RefineSetup next = change.applied_to(in_format(settings, format));
+    if (change.clamp() && next.saturation_dn) {
+      next.saturation_dn = std::min(*next.saturation_dn, full_scale_dn(next.format));
+    }
     if (auto whole = check_refine(next); !whole) return fail(of_given(whole.error(), change, next));
     if (auto can = check_refinable(next); !can) return fail(can.error());
     settings = next;

@@ -84,8 +84,9 @@ void Instrument::change_sensor(SensorSet change, Changed done) {
 
 Result<Instrument::State> Instrument::changed_state(const SensorSet& change) const {
   State next = state_;
-  next.sensor = change.applied_to(state_.sensor);
-  next.tracking = change.applied_to(state_.tracking);
+  const SensorSettings changed = change.applied_to({state_.sensor, state_.tracking});
+  next.sensor = changed.sensor;
+  next.tracking = changed.tracking;
   if (auto there = check_operator(change, next); !there) return fail(there.error());
   if (auto fast = check_daemon_tracker(next.tracking); !fast) return fail(fast.error());
   const auto lattice = make_lattice(next.sensor, slm_geometry_);

@@ -36,7 +36,9 @@ CalibrationKey Instrument::calibration_key(const State& state) const {
 
 /// What is asked for must be there, but what was in force may go with what it belonged to.
 Result<void> Instrument::check_operator(const SensorSet& change, const State& next) const {
-  if (change.mode_operator != OperatorKind::measured) return {};
+  const bool asked = change.gives(&TrackingSettings::mode_operator) &&
+                     next.tracking.mode_operator == OperatorKind::measured;
+  if (!asked) return {};
   const CalibrationKey key = calibration_key(next);
   if (calibrations_.find(key)) return {};
   return fail(Errc::refused, "operator", calibrations_.why_none(key));

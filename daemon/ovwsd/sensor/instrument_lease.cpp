@@ -84,8 +84,9 @@ void Instrument::exhibit(int job, Exhibit exhibit, Changed done) {
   mailbox_.post([this, job, exhibit = std::move(exhibit), done = std::move(done)] {
     auto next = lent_state(job);
     if (!next) return done(fail(next.error()));
-    next->sensor = exhibit.sensor.applied_to(state_.sensor);
-    next->tracking = exhibit.sensor.applied_to(state_.tracking);
+    const SensorSettings changed = exhibit.sensor.applied_to({state_.sensor, state_.tracking});
+    next->sensor = changed.sensor;
+    next->tracking = changed.tracking;
     if (auto fast = check_daemon_tracker(next->tracking); !fast) return done(fail(fast.error()));
     next->aberration = exhibit.aberration;
     next->painted.reset();

@@ -131,14 +131,14 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
       {"camera",
        {{"roi", origin["roi"]}}}}.dump());
   if (!config) return fail(config.error());
-  auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  auto modes = ModesSet::decode({{"modes", origin["aberration"]}});
   if (!modes) return fail(modes.error());
-  auto introduced = decode_aberration_set({{"modes", origin.value("introduced", json::array())}});
+  auto introduced = ModesSet::decode({{"modes", origin.value("introduced", json::array())}});
   if (!introduced) return fail(introduced.error());
   auto registration = registration_from(origin["registration"]);
   if (!registration) return fail(registration.error());
   return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
-               std::move(*modes), std::move(*introduced), *registration};
+               std::move(modes->modes), std::move(introduced->modes), *registration};
 }
 
 /// As of a bench with this LUT and flatness.
@@ -180,9 +180,9 @@ std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key
   const json hash = origin.value("hologram_sha256", json());
   if (hash.is_null()) return {};
   Image<std::uint8_t> grey;
-  const auto modes = decode_aberration_set({{"modes", origin["aberration"]}});
+  const auto modes = ModesSet::decode({{"modes", origin["aberration"]}});
   if (!modes) return modes.error().reason;
-  renderer->render(HologramKind::sensor, *modes, grey);
+  renderer->render(HologramKind::sensor, modes->modes, grey);
   return hash == hash_of(grey) ? "" : "this program draws its hologram otherwise";
 }
 

@@ -37,11 +37,6 @@ void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraS
   rule(to.roi.height, a.roi.height, b.roi.height);
 }
 
-template <class T>
-void take_difference(std::optional<T>& change, const T& before, const T& after) {
-  if (!(before == after)) change = after;
-}
-
 }  // namespace
 
 bool changes_live(std::string_view key) {
@@ -82,25 +77,6 @@ CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
     if (wanted == written) value = written;
   });
   return in_use;
-}
-
-CameraSet camera_change(const CameraSettings& before, const CameraSettings& after) {
-  CameraSet change;
-  if (!same_gain(before, after)) {
-    // Only the gain that is stated: the other one is not known.
-    if (std::isnan(after.gain_raw))
-      change.gain_db = after.gain_db;
-    else
-      change.gain_raw = after.gain_raw;
-  }
-  take_difference(change.exposure_us, before.exposure_us, after.exposure_us);
-  take_difference(change.frame_rate_hz, before.frame_rate_hz, after.frame_rate_hz);
-  take_difference(change.pixel_format, before.pixel_format, after.pixel_format);
-  take_difference(change.roi.x, before.roi.x, after.roi.x);
-  take_difference(change.roi.y, before.roi.y, after.roi.y);
-  take_difference(change.roi.width, before.roi.width, after.roi.width);
-  take_difference(change.roi.height, before.roi.height, after.roi.height);
-  return change;
 }
 
 }  // namespace ovws

@@ -7,7 +7,6 @@
 
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "proto/requests.hpp"
 
 namespace ovws {
 
@@ -30,8 +29,5 @@ CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now);
 /// change of the file.
 CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
                           const CameraSettings& file);
-
-/// Only what differs.
-CameraSet camera_change(const CameraSettings& before, const CameraSettings& after);
 
 }  // namespace ovws

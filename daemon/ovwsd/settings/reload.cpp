@@ -14,32 +14,6 @@
 namespace ovws {
 namespace {
 
-SensorSet sensor_set(const Config& to) {
-  SensorSet change;
-  change.charge = to.sensor.charge;
-  change.grid = to.sensor.grid;
-  change.subapertures_across = to.sensor.subapertures_across;
-  change.pupil_diameter_px = to.sensor.pupil_diameter_px;
-  change.grooves = to.sensor.grooves;
-  change.spacing = to.sensor.spacing;
-  change.tracker = to.tracking.tracker;
-  change.templates = to.tracking.templates;
-  change.mode_operator = to.tracking.mode_operator;
-  return change;
-}
-
-RefineSet refine_set(const RefineSetup& to) {
-  RefineSet change;
-  change.enabled = to.enabled;
-  change.rate_hz = to.rate_hz;
-  change.electrons_per_dn = to.electrons_per_dn;
-  change.read_noise_e = to.read_noise_e;
-  change.black_level_dn = to.black_level_dn;
-  change.saturation_dn = to.saturation_dn;
-  change.spot_amplitudes = to.spot_amplitudes;
-  return change;
-}
-
 /// The parts name their keys as their methods do, a file's reader knows them with their room. A
 /// saved value is not in the file, where a person would look for it.
 Error in_room(std::string room, Error error, const LoadedConfig& read) {
@@ -115,7 +89,7 @@ void Reloader::change_camera(const Reload& reload) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
   if (after == before) return change_refine(reload);
-  deps_.camera.change_or_want(camera_change(before, after),
+  deps_.camera.change_or_want(CameraSet::difference(before, after),
                               [this, reload](const Result<CameraSnapshot>& used) {
                                 if (!used)
                                   return refuse(in_room("camera", used.error(), reload.read));
@@ -124,19 +98,21 @@ void Reloader::change_camera(const Reload& reload) {
 }
 
 void Reloader::change_refine(const Reload& reload) {
-  const auto used = deps_.refiner.change(refine_set(reload.after.refine),
+  const auto used = deps_.refiner.change(RefineSet::whole(reload.after.refine),
                                          reload.after.camera.settings.pixel_format);
   if (!used) return put_back_camera(reload, in_room("refine", used.error(), reload.read));
   change_sensor(reload);
 }
 
 void Reloader::change_sensor(const Reload& reload) {
-  SensorSet change = sensor_set(reload.after);
-  if (reload.after.tracking.mode_operator == reload.before.tracking.mode_operator) {
-    change.mode_operator.reset();  // it stays also where it could not be asked for anew
+  const SensorSettings before{reload.before.sensor, reload.before.tracking},
+      after{reload.after.sensor, reload.after.tracking};
+  SensorSet change = SensorSet::whole(after);
+  if (after.tracking.mode_operator == before.tracking.mode_operator) {
+    // It stays also where it could not be asked for again.
+    change.forget(&TrackingSettings::mode_operator);
   }
-  const bool same = reload.after.sensor == reload.before.sensor &&
-                    change.applied_to(reload.before.tracking) == reload.before.tracking;
+  const bool same = to_json(after) == to_json(before);
   if (same) return finish(reload);
   deps_.instrument.reload_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
     if (!used) return put_back(reload, in_room("sensor", used.error(), reload.read));
@@ -147,7 +123,7 @@ void Reloader::change_sensor(const Reload& reload) {
 /// The sensor comes last: of what was changed only refinement and camera go back.
 void Reloader::put_back(const Reload& reload, const Error& why) {
   if (!(reload.after.refine == reload.before.refine)) {
-    (void)deps_.refiner.change(refine_set(reload.before.refine),
+    (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
                                reload.before.camera.settings.pixel_format);
   }
   put_back_camera(reload, why);
@@ -158,7 +134,7 @@ void Reloader::put_back_camera(const Reload& reload, const Error& why) {
                        &after = reload.after.camera.settings;
   if (after == before) return refuse(why);
   deps_.camera.change_or_want(
-      camera_change(after, before), [this, why](const Result<CameraSnapshot>& used) {
+      CameraSet::difference(after, before), [this, why](const Result<CameraSnapshot>& used) {
         if (used) return refuse(why);
         Error told = why;
         told.reason += "; the camera keeps the new settings, for " + used.error().reason;

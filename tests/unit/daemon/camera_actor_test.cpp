@@ -92,7 +92,7 @@ class CameraActorTest : public testing::Test {
 
   Result<CameraSnapshot> set_for_job(double gain_db) {
     CameraSet change;
-    change.gain_db = gain_db;
+    change.put(&CameraSettings::gain_db, gain_db);
     std::optional<Result<CameraSnapshot>> answer;
     actor_->change_for_job(change, [&](Result<CameraSnapshot> set) { answer = std::move(set); });
     actor_->do_work();
@@ -149,7 +149,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
 TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   device_.rounds_gains = true;
   CameraSet change;
-  change.gain_db = 4.3;
+  change.put(&CameraSettings::gain_db, 4.3);
   actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
@@ -159,7 +159,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
   device_.refuses_gains = true;
-  change.gain_db = 7.1;
+  change.put(&CameraSettings::gain_db, 7.1);
   actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_FALSE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
@@ -167,8 +167,8 @@ TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
 
 TEST_F(CameraActorTest, GainBroughtIntoRangeIsAskedForAsThat) {
   CameraSet change;
-  change.gain_db = 60.0;
-  change.clamp = true;
+  change.put(&CameraSettings::gain_db, 60.0);
+  change.set_clamp(true);
   actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 48.0);
@@ -189,7 +189,7 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.refuses_gains = false;
   CameraSet exposure;
-  exposure.exposure_us = 500.0;
+  exposure.put(&CameraSettings::exposure_us, 500.0);
   bool set = false;
   actor_->change(exposure, [&set](const Result<CameraSnapshot>& now) { set = bool(now); });
   actor_->do_work();
@@ -215,7 +215,7 @@ TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
 
 TEST_F(CameraActorTest, CameraThatLostPowerDuringASetIsOpenedAgainWithAllThatWasAsked) {
   CameraSet exposure;
-  exposure.exposure_us = 300.0;
+  exposure.put(&CameraSettings::exposure_us, 300.0);
   actor_->change(exposure, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   device_.loses_power = true;

@@ -71,14 +71,14 @@ TEST(AsInFile, IsTheFilesValueWhereTheCameraWasAskedForIt) {
 
 TEST(CameraChange, HoldsWhatDiffersAndMakesTheOneOfTheOther) {
   CameraSettings after;
-  EXPECT_EQ(camera_change(CameraSettings{}, after).applied_to({}), CameraSettings{});
+  EXPECT_EQ(CameraSet::difference(CameraSettings{}, after).applied_to({}), CameraSettings{});
   after.gain_db = 3.0;
   after.pixel_format = PixelFormat::mono12;
   after.roi = {16, 32, 128, 64};
-  const CameraSet change = camera_change(CameraSettings{}, after);
+  const CameraSet change = CameraSet::difference(CameraSettings{}, after);
   EXPECT_EQ(change.applied_to({}), after);
-  EXPECT_FALSE(change.exposure_us);
-  EXPECT_FALSE(change.frame_rate_hz);
+  EXPECT_FALSE(change.gives(&CameraSettings::exposure_us));
+  EXPECT_FALSE(change.gives(&CameraSettings::frame_rate_hz));
 }
 
 TEST(CameraChange, OfAGainNamesTheOneThatIsStated) {
@@ -86,12 +86,15 @@ TEST(CameraChange, OfAGainNamesTheOneThatIsStated) {
   in_db.gain_db = 3.0;
   raw.gain_db = kNotKnown;
   raw.gain_raw = 7.0;
-  EXPECT_EQ(camera_change(in_db, raw).gain_raw, 7.0);
-  EXPECT_FALSE(camera_change(in_db, raw).gain_db);
-  EXPECT_EQ(camera_change(raw, in_db).gain_db, 3.0);
-  EXPECT_FALSE(camera_change(raw, in_db).gain_raw);
-  EXPECT_FALSE(camera_change(raw, raw).gain_db);
-  EXPECT_FALSE(camera_change(raw, raw).gain_raw);
+  const auto gives = [](const CameraSet& change) {
+    return std::pair(change.gives(&CameraSettings::gain_db),
+                     change.gives(&CameraSettings::gain_raw));
+  };
+  EXPECT_EQ(gives(CameraSet::difference(in_db, raw)), std::pair(false, true));
+  EXPECT_EQ(gives(CameraSet::difference(raw, in_db)), std::pair(true, false));
+  EXPECT_EQ(gives(CameraSet::difference(raw, raw)), std::pair(false, false));
+  EXPECT_EQ(CameraSet::difference(in_db, raw).applied_to(in_db), raw);
+  EXPECT_EQ(CameraSet::difference(raw, in_db).applied_to(raw), in_db);
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ class Experiments : public testing::Test {
     ExperimentArchive archive{store};
   };
   static ExperimentRun run_of(int frames, double exposure_us = 2000.0) {
-    const auto sweep = decode_gain_sweep({{"gains_db", {10}}, {"frames", frames}});
+    const auto sweep = GainSweep::decode({{"gains_db", {10}}, {"frames", frames}});
     return experiment_run(*sweep, {{"exposure_us", exposure_us}});
   }
   static json cell_of(const ExperimentRun& run, int number) {

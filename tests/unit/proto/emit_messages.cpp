@@ -194,7 +194,7 @@ void print_calibrations() {
 /// What a sweep is measured with is of the schema's example.
 void print_experiments() {
   const json example = json::parse(schema_text("experiment.get")).at("result").at("examples")[0];
-  const GainSweep sweep = *decode_gain_sweep({{"gains_db", {10, 12}}, {"frames", 2}});
+  const GainSweep sweep = *GainSweep::decode({{"gains_db", {10, 12}}, {"frames", 2}});
   std::vector<json> references(sweep.arms.size()), cells(sweep.cells());
   for (int arm = 0; arm < int(sweep.arms.size()); ++arm) {
     const bool fixed = sweep.arms[std::size_t(arm)].fixed_cell;
@@ -320,9 +320,8 @@ json any_value(std::mt19937& random) {
   return values[random() % values.size()];
 }
 
-template <class Decode>
-void print_params(const char* method, const std::vector<std::string>& keys, Decode decode,
-                  int trials = 1000) {
+template <class P>
+void print_params(const char* method, const std::vector<std::string>& keys, int trials = 1000) {
   std::mt19937 random(7);
   for (int k = 0; k < trials; ++k) {
     json params = json::object();
@@ -331,46 +330,41 @@ void print_params(const char* method, const std::vector<std::string>& keys, Deco
     }
     print({{"schema", method},
            {"part", "params"},
-           {"valid", bool(decode(params))},
+           {"valid", bool(decode_params<P>(params))},
            {"value", params}});
   }
 }
 
 void print_all_params() {
-  print_params("camera.set",
-               {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"},
-               decode_camera_set);
-  print_params("sensor.set",
-               {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
-                "tracker", "template", "operator"},
-               decode_sensor_set);
-  print_params("refine.set",
-               {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e", "black_level_dn",
-                "saturation_dn", "spot_amplitudes"},
-               decode_refine_set);
-  print_params("record.start", {"name", "name", "pictures_every", "limit_s", "limit_mib"},
-               decode_record_start, 2000);
-  print_params("aberration.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
-  print_params("reference.take", {"frames", "allow_aberration", "frame"}, decode_reference_take);
-  print_params("loop.close", {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"},
-               decode_loop_close);
-  print_params("loop.open", {"keep", "clear"}, decode_loop_open);
-  print_params("correction.set", {"modes", "modes", "norm"}, decode_aberration_set, 2000);
-  print_params("registration.run", {"frames", "frame"}, decode_registration_run);
-  print_params("flatness.run", {"frames", "frame"}, decode_flatness_run);
-  print_params("slm.settle", {"repetitions", "watch_ms", "frames"}, decode_slm_settle);
-  print_params("lut.run", {"levels", "frames", "level"}, decode_lut_run);
-  print_params("reference.set", {"source"}, decode_reference_set, 3000);
-  print_params("calibration.run", {"amplitude_waves", "frames", "modes", "mode"},
-               decode_calibration_run);
-  print_params("experiment.gain_sweep",
-               {"gains_db", "frames", "reference_gain_db", "reference_frames", "aberrations",
-                "arms", "picture_gains_db", "clamp", "anew", "gain_db"},
-               decode_gain_sweep, 3000);
-  print_params("experiment.cell", {"cell", "cel"}, decode_experiment_cell, 2000);
-  print_params("slm.show", {"pattern"}, decode_slm_show);
-  print_params("job.get", {"job", "id"}, decode_job);
-  print_params("config.get", {"path"}, decode_nothing);
+  print_params<CameraSet>(
+      "camera.set", {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"});
+  print_params<SensorSet>("sensor.set",
+                          {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves",
+                           "spacing", "tracker", "template", "operator"});
+  print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
+                                         "black_level_dn", "saturation_dn", "spot_amplitudes"});
+  print_params<RecordStart>("record.start",
+                            {"name", "name", "pictures_every", "limit_s", "limit_mib"}, 2000);
+  print_params<ModesSet>("aberration.set", {"modes", "modes", "norm"}, 2000);
+  print_params<ReferenceTake>("reference.take", {"frames", "allow_aberration", "frame"});
+  print_params<LoopSettings>("loop.close",
+                             {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"});
+  print_params<LoopOpen>("loop.open", {"keep", "clear"});
+  print_params<ModesSet>("correction.set", {"modes", "modes", "norm"}, 2000);
+  print_params<RegistrationRun>("registration.run", {"frames", "frame"});
+  print_params<FlatnessRun>("flatness.run", {"frames", "frame"});
+  print_params<SettleRun>("slm.settle", {"repetitions", "watch_ms", "frames"});
+  print_params<LutRun>("lut.run", {"levels", "frames", "level"});
+  print_params<ReferenceSet>("reference.set", {"source"}, 3000);
+  print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
+  print_params<GainSweep>("experiment.gain_sweep",
+                          {"gains_db", "frames", "reference_gain_db", "reference_frames",
+                           "aberrations", "arms", "picture_gains_db", "clamp", "anew", "gain_db"},
+                          3000);
+  print_params<ExperimentCell>("experiment.cell", {"cell", "cel"}, 2000);
+  print_params<SlmShow>("slm.show", {"pattern"});
+  print_params<JobNumber>("job.get", {"job", "id"});
+  print_params<Nothing>("config.get", {"path"});
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ Error error_of(const Result<T>& result) {
 }
 
 TEST(CameraSetRequest, LeavesWhatIsAbsent) {
-  const auto set = decode_camera_set(json::parse(R"({"gain_db": 12, "pixel_format": "Mono12"})"));
+  const auto set = CameraSet::decode(json::parse(R"({"gain_db": 12, "pixel_format": "Mono12"})"));
   ASSERT_TRUE(set);
   CameraSettings before;
   before.exposure_us = 777;
@@ -30,48 +30,48 @@ TEST(CameraSetRequest, LeavesWhatIsAbsent) {
   EXPECT_EQ(after.pixel_format, PixelFormat::mono12);
   EXPECT_EQ(after.exposure_us, 777);
   EXPECT_EQ(after.roi, before.roi);
-  EXPECT_FALSE(set->exposure_us);
+  EXPECT_FALSE(set->gives(&CameraSettings::exposure_us));
 }
 
 TEST(CameraSetRequest, ReadsTheRegionWholeWithXBeforeY) {
   const auto set =
-      decode_camera_set(json::parse(R"({"roi": {"x": 1, "y": 2, "width": 30, "height": 40}})"));
+      CameraSet::decode(json::parse(R"({"roi": {"x": 1, "y": 2, "width": 30, "height": 40}})"));
   ASSERT_TRUE(set);
   EXPECT_EQ(set->applied_to({}).roi, (Roi{1, 2, 30, 40}));
-  const auto part = decode_camera_set(json::parse(R"({"roi": {"x": 1, "width": 30}})"));
+  const auto part = CameraSet::decode(json::parse(R"({"roi": {"x": 1, "width": 30}})"));
   CameraSettings before;
   before.roi = {5, 6, 7, 8};
   EXPECT_EQ(part->applied_to(before).roi, (Roi{1, 6, 30, 8}));
 }
 
 TEST(CameraSetRequest, RefusesOrClampsNumbersOutOfRange) {
-  EXPECT_EQ(error_of(decode_camera_set({{"gain_db", 1000}})).field, "gain_db");
-  EXPECT_EQ(error_of(decode_camera_set({{"exposure_us", 0}})).field, "exposure_us");
-  const auto clamped = decode_camera_set({{"gain_db", 1000}, {"clamp", true}});
+  EXPECT_EQ(error_of(CameraSet::decode({{"gain_db", 1000}})).field, "gain_db");
+  EXPECT_EQ(error_of(CameraSet::decode({{"exposure_us", 0}})).field, "exposure_us");
+  const auto clamped = CameraSet::decode({{"gain_db", 1000}, {"clamp", true}});
   ASSERT_TRUE(clamped);
-  EXPECT_EQ(clamped->gain_db, 100.0);
-  EXPECT_TRUE(clamped->clamp);
+  EXPECT_EQ(clamped->applied_to({}).gain_db, 100.0);
+  EXPECT_TRUE(clamped->clamp());
 }
 
 TEST(CameraSetRequest, TakesAGainInOneUnitAndNullAsLeft) {
-  const auto raw = decode_camera_set({{"gain_raw", 7}, {"gain_db", nullptr}});
+  const auto raw = CameraSet::decode({{"gain_raw", 7}, {"gain_db", nullptr}});
   ASSERT_TRUE(raw);
   const CameraSettings after = raw->applied_to({});
   EXPECT_TRUE(std::isnan(after.gain_db));
   EXPECT_EQ(after.gain_raw, 7.0);
-  const auto back = decode_camera_set({{"gain_db", 3}, {"gain_raw", nullptr}});
+  const auto back = CameraSet::decode({{"gain_db", 3}, {"gain_raw", nullptr}});
   ASSERT_TRUE(back);
   EXPECT_EQ(back->applied_to(after).gain_db, 3.0);
   EXPECT_TRUE(std::isnan(back->applied_to(after).gain_raw));
-  EXPECT_EQ(error_of(decode_camera_set({{"gain_db", 3}, {"gain_raw", 7}})).field, "gain_raw");
+  EXPECT_EQ(error_of(CameraSet::decode({{"gain_db", 3}, {"gain_raw", 7}})).field, "gain_raw");
   EXPECT_EQ(to_json(after).at("gain_db"), json());
   EXPECT_EQ(to_json(after).at("gain_raw"), 7.0);
   EXPECT_EQ(to_json(CameraSettings{}).at("gain_raw"), json());
 }
 
 TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
-  EXPECT_EQ(error_of(decode_camera_set({{"gain", 3}})).nearest, "gain_db");
-  EXPECT_EQ(error_of(decode_camera_set({{"pixel_format", "Mono11"}})).field, "pixel_format");
+  EXPECT_EQ(error_of(CameraSet::decode({{"gain", 3}})).nearest, "gain_db");
+  EXPECT_EQ(error_of(CameraSet::decode({{"pixel_format", "Mono11"}})).field, "pixel_format");
 }
 
 TEST(RefineSetRequest, LeavesWhatIsAbsentAndTellsNullFromAbsent) {
@@ -79,7 +79,7 @@ TEST(RefineSetRequest, LeavesWhatIsAbsentAndTellsNullFromAbsent) {
   before.electrons_per_dn = 40.0;
   before.saturation_dn = 250.0;
   const auto set =
-      decode_refine_set(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null,
+      RefineSet::decode(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null,
                                         "spot_amplitudes": true})"));
   ASSERT_TRUE(set);
   const RefineSetup after = set->applied_to(before);
@@ -107,69 +107,68 @@ TEST(RefineSetup, FollowsTheFormatWithTheFitAsItIs) {
 }
 
 TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
-  EXPECT_EQ(error_of(decode_refine_set({{"rate_hz", 0}})).field, "rate_hz");
-  EXPECT_EQ(error_of(decode_refine_set({{"rate_hz", nullptr}})).field, "rate_hz");
-  EXPECT_EQ(error_of(decode_refine_set({{"electrons_per_dn", 0}})).field, "electrons_per_dn");
-  EXPECT_EQ(error_of(decode_refine_set({{"read_noise_e", -1}})).field, "read_noise_e");
-  EXPECT_EQ(error_of(decode_refine_set({{"enabled", "yes"}})).field, "enabled");
-  EXPECT_EQ(error_of(decode_refine_set({{"spot_amplitudes", 1}})).field, "spot_amplitudes");
-  EXPECT_EQ(error_of(decode_refine_set({{"rate", 1}})).nearest, "rate_hz");
+  EXPECT_EQ(error_of(RefineSet::decode({{"rate_hz", 0}})).field, "rate_hz");
+  EXPECT_EQ(error_of(RefineSet::decode({{"rate_hz", nullptr}})).field, "rate_hz");
+  EXPECT_EQ(error_of(RefineSet::decode({{"electrons_per_dn", 0}})).field, "electrons_per_dn");
+  EXPECT_EQ(error_of(RefineSet::decode({{"read_noise_e", -1}})).field, "read_noise_e");
+  EXPECT_EQ(error_of(RefineSet::decode({{"enabled", "yes"}})).field, "enabled");
+  EXPECT_EQ(error_of(RefineSet::decode({{"spot_amplitudes", 1}})).field, "spot_amplitudes");
+  EXPECT_EQ(error_of(RefineSet::decode({{"rate", 1}})).nearest, "rate_hz");
   const auto clamped =
-      decode_refine_set({{"rate_hz", 1e6}, {"saturation_dn", 4095}, {"clamp", true}});
+      RefineSet::decode({{"rate_hz", 1e6}, {"saturation_dn", 4095}, {"clamp", true}});
   ASSERT_TRUE(clamped);
-  EXPECT_EQ(clamped->rate_hz, 100.0);
-  EXPECT_EQ(clamped->applied_to({}).saturation_dn, 255.0);  // of Mono8
+  EXPECT_EQ(clamped->applied_to({}).rate_hz, 100.0);
 }
 
 TEST(SensorSetRequest, ReadsEveryKey) {
-  const auto set = decode_sensor_set(json::parse(
+  const auto set = SensorSet::decode(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
           "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour", "template": "reference",
           "operator": "diffractive"})"));
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
-  EXPECT_EQ(set->applied_to(SensorConfig{}), wanted);
+  EXPECT_EQ(set->applied_to({}).sensor, wanted);
   const TrackingSettings tracking{
       {TrackerKind::lg_contour, 0.3}, TemplateKind::reference, OperatorKind::diffractive};
-  EXPECT_EQ(set->applied_to(TrackingSettings{}), tracking);
-  const auto nothing = decode_sensor_set(json::object());
+  EXPECT_EQ(set->applied_to({}).tracking, tracking);
+  const auto nothing = SensorSet::decode(json::object());
   ASSERT_TRUE(nothing);
-  EXPECT_EQ(nothing->applied_to(wanted), wanted);
-  EXPECT_EQ(nothing->applied_to(tracking), tracking);
+  EXPECT_EQ(nothing->applied_to({wanted, tracking}).sensor, wanted);
+  EXPECT_EQ(nothing->applied_to({wanted, tracking}).tracking, tracking);
 }
 
 TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
-  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 9}})).field, "charge");
-  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 0.5}})).field, "charge");
-  EXPECT_EQ(error_of(decode_sensor_set({{"subapertures_across", 32}})).field,
+  EXPECT_EQ(error_of(SensorSet::decode({{"charge", 9}})).field, "charge");
+  EXPECT_EQ(error_of(SensorSet::decode({{"charge", 0.5}})).field, "charge");
+  EXPECT_EQ(error_of(SensorSet::decode({{"subapertures_across", 32}})).field,
             "subapertures_across");
-  EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 2, 3}}})).field, "grooves");
-  EXPECT_EQ(error_of(decode_sensor_set({{"grooves", {1, 1e9}}})).field, "grooves[1]");
-  EXPECT_EQ(error_of(decode_sensor_set({{"tracker", "lgg"}})).nearest, "lg");
-  EXPECT_EQ(error_of(decode_sensor_set({{"template", "referenc"}})).nearest, "reference");
-  EXPECT_EQ(error_of(decode_sensor_set({{"operator", "slope"}})).nearest, "slopes");
-  EXPECT_EQ(error_of(decode_sensor_set({{"charge", 0}, {"template", nullptr}})).field, "template");
+  EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 2, 3}}})).field, "grooves");
+  EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 1e9}}})).field, "grooves[1]");
+  EXPECT_EQ(error_of(SensorSet::decode({{"tracker", "lgg"}})).nearest, "lg");
+  EXPECT_EQ(error_of(SensorSet::decode({{"template", "referenc"}})).nearest, "reference");
+  EXPECT_EQ(error_of(SensorSet::decode({{"operator", "slope"}})).nearest, "slopes");
+  EXPECT_EQ(error_of(SensorSet::decode({{"charge", 0}, {"template", nullptr}})).field, "template");
 }
 
 TEST(AberrationRequest, TakesModesByIndexOrByOrder) {
-  const auto modes = decode_aberration_set(
+  const auto modes = ModesSet::decode(
       json::parse(R"({"modes": [{"n": 2, "m": -2, "waves": 0.5}, {"j": 4, "waves": -0.3}]})"));
   ASSERT_TRUE(modes);
-  EXPECT_EQ(*modes, (std::vector<Mode>{{3, 0.5}, {4, -0.3}}));
+  EXPECT_EQ(modes->modes, (std::vector<Mode>{{3, 0.5}, {4, -0.3}}));
 }
 
 TEST(AberrationRequest, TurnsUnitAmplitudeIntoRms) {
   // Astigmatism of amplitude 1 at the pupil's edge has RMS 1/sqrt 6, defocus 1/sqrt 3.
-  const auto modes = decode_aberration_set(json::parse(
+  const auto modes = ModesSet::decode(json::parse(
       R"({"modes": [{"n": 2, "m": 2, "waves": 1}, {"n": 2, "m": 0, "waves": 1}], "norm": "unit"})"));
   ASSERT_TRUE(modes);
-  EXPECT_NEAR((*modes)[0].waves, 1 / std::sqrt(6.0), 1e-12);
-  EXPECT_NEAR((*modes)[1].waves, 1 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(modes->modes[0].waves, 1 / std::sqrt(6.0), 1e-12);
+  EXPECT_NEAR(modes->modes[1].waves, 1 / std::sqrt(3.0), 1e-12);
 }
 
 TEST(AberrationRequest, RefusesWhatIsNoMode) {
   const auto field = [](const char* text) {
-    return error_of(decode_aberration_set(json::parse(text))).field;
+    return error_of(ModesSet::decode(json::parse(text))).field;
   };
   EXPECT_EQ(field(R"({})"), "modes");
   EXPECT_EQ(field(R"({"modes": {"j": 1}})"), "modes");
@@ -187,56 +186,56 @@ TEST(AberrationRequest, RefusesWhatIsNoMode) {
             "modes[1]");
   EXPECT_EQ(field(R"({"modes": [{"j": 3, "waves": 1001}]})"), "modes[0].waves");
   EXPECT_EQ(field(R"({"modes": [], "norm": "peak"})"), "norm");
-  EXPECT_TRUE(decode_aberration_set(json::parse(R"({"modes": []})")));
+  EXPECT_TRUE(ModesSet::decode(json::parse(R"({"modes": []})")));
 }
 
 TEST(OtherRequests, AreStrict) {
-  EXPECT_EQ(decode_reference_take(json::object())->frames, 100);
-  EXPECT_FALSE(decode_reference_take(json::object())->allow_aberration);
-  EXPECT_EQ(decode_reference_take({{"frames", 7}})->frames, 7);
-  EXPECT_TRUE(decode_reference_take({{"allow_aberration", true}})->allow_aberration);
-  EXPECT_EQ(error_of(decode_reference_take({{"frames", 0}})).field, "frames");
-  EXPECT_TRUE(decode_reference_set({{"source", "model"}}));
-  EXPECT_EQ(error_of(decode_reference_set(json::object())).field, "source");
-  EXPECT_EQ(error_of(decode_reference_set({{"source", "modle"}})).nearest, "model");
-  EXPECT_EQ(decode_slm_show({{"pattern", "identify"}}), HologramKind::identify);
-  EXPECT_EQ(error_of(decode_slm_show({{"pattern", "test"}})).field, "pattern");
-  EXPECT_EQ(decode_registration_run(json::object()), 5);
-  const auto loop =
-      decode_loop_close({{"gain", 0.3}, {"modes", {3, 5}}, {"gains", {{{"j", 5}, {"gain", 0.1}}}}});
+  EXPECT_EQ(decode<ReferenceTake>(json::object())->frames, 100);
+  EXPECT_FALSE(decode<ReferenceTake>(json::object())->allow_aberration);
+  EXPECT_EQ(decode<ReferenceTake>({{"frames", 7}})->frames, 7);
+  EXPECT_TRUE(decode<ReferenceTake>({{"allow_aberration", true}})->allow_aberration);
+  EXPECT_EQ(error_of(decode<ReferenceTake>({{"frames", 0}})).field, "frames");
+  EXPECT_TRUE(decode<ReferenceSet>({{"source", "model"}}));
+  EXPECT_EQ(error_of(decode<ReferenceSet>(json::object())).field, "source");
+  EXPECT_EQ(error_of(decode<ReferenceSet>({{"source", "modle"}})).nearest, "model");
+  EXPECT_EQ(decode<SlmShow>({{"pattern", "identify"}})->pattern.kind, HologramKind::identify);
+  EXPECT_EQ(error_of(decode<SlmShow>({{"pattern", "test"}})).field, "pattern");
+  EXPECT_EQ(decode<RegistrationRun>(json::object())->frames, 5);
+  const auto loop = decode<LoopSettings>(
+      {{"gain", 0.3}, {"modes", {3, 5}}, {"gains", {{{"j", 5}, {"gain", 0.1}}}}});
   ASSERT_TRUE(loop);
   EXPECT_EQ(loop->modes, (std::vector<int>{3, 5}));
   EXPECT_EQ(loop->gains, (std::vector<ModeGain>{{5, 0.1}}));
-  EXPECT_EQ(error_of(decode_loop_close({{"modes", {3.5}}})).field, "modes");
-  EXPECT_EQ(error_of(decode_loop_close({{"gain", 0.0}})).field, "gain");
-  EXPECT_EQ(decode_loop_open({{"keep", false}}), false);
-  EXPECT_EQ(error_of(decode_registration_run({{"frames", 101}})).field, "frames");
-  EXPECT_EQ(error_of(decode_slm_show(json::object())).field, "pattern");
-  EXPECT_EQ(decode_flatness_run(json::object()), 5);
-  EXPECT_EQ(error_of(decode_flatness_run({{"frames", 0}})).field, "frames");
-  EXPECT_EQ(decode_slm_settle(json::object())->repetitions, 20);
-  EXPECT_EQ(error_of(decode_slm_settle({{"repetitions", 2}})).field, "repetitions");
-  EXPECT_EQ(error_of(decode_slm_settle({{"watch_ms", 1}})).field, "watch_ms");
-  EXPECT_EQ(decode_lut_run(json::object())->levels, 33);
-  EXPECT_EQ(error_of(decode_lut_run({{"levels", 8}})).field, "levels");
-  EXPECT_EQ(error_of(decode_lut_run({{"frames", 0}})).field, "frames");
-  const auto run = decode_calibration_run(json::object());
+  EXPECT_EQ(error_of(decode<LoopSettings>({{"modes", {3.5}}})).field, "modes");
+  EXPECT_EQ(error_of(decode<LoopSettings>({{"gain", 0.0}})).field, "gain");
+  EXPECT_EQ(decode<LoopOpen>({{"keep", false}})->keep, false);
+  EXPECT_EQ(error_of(decode<RegistrationRun>({{"frames", 101}})).field, "frames");
+  EXPECT_EQ(error_of(decode<SlmShow>(json::object())).field, "pattern");
+  EXPECT_EQ(decode<FlatnessRun>(json::object())->frames, 5);
+  EXPECT_EQ(error_of(decode<FlatnessRun>({{"frames", 0}})).field, "frames");
+  EXPECT_EQ(decode<SettleRun>(json::object())->repetitions, 20);
+  EXPECT_EQ(error_of(decode<SettleRun>({{"repetitions", 2}})).field, "repetitions");
+  EXPECT_EQ(error_of(decode<SettleRun>({{"watch_ms", 1}})).field, "watch_ms");
+  EXPECT_EQ(decode<LutRun>(json::object())->levels, 33);
+  EXPECT_EQ(error_of(decode<LutRun>({{"levels", 8}})).field, "levels");
+  EXPECT_EQ(error_of(decode<LutRun>({{"frames", 0}})).field, "frames");
+  const auto run = decode<CalibrationRun>(json::object());
   ASSERT_TRUE(run);
   EXPECT_EQ(run->amplitude_waves, 0.15);
   EXPECT_EQ(run->frames, 20);
-  EXPECT_FALSE(run->modes_j);
-  EXPECT_EQ(decode_calibration_run({{"modes", {5, 3}}})->modes_j, (std::vector<int>{3, 5}));
-  EXPECT_EQ(error_of(decode_calibration_run({{"amplitude_waves", 0.3}})).field, "amplitude_waves");
-  EXPECT_EQ(error_of(decode_calibration_run({{"frames", 1}})).field, "frames");
-  EXPECT_EQ(error_of(decode_calibration_run({{"modes", json::array()}})).field, "modes");
-  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {0}}})).field, "modes[0]");
-  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {3, 3}}})).field, "modes");
-  EXPECT_EQ(error_of(decode_calibration_run({{"modes", {3.5}}})).field, "modes");
-  EXPECT_EQ(error_of(decode_slm_show({{"pattern", "sensr"}})).nearest, "sensor");
-  EXPECT_EQ(decode_job({{"job", 3}}), 3);
-  EXPECT_EQ(error_of(decode_job(json::object())).field, "job");
-  EXPECT_TRUE(decode_nothing(json::object()));
-  EXPECT_EQ(error_of(decode_nothing({{"a", 1}})).field, "a");
+  EXPECT_TRUE(run->modes_j.empty());
+  EXPECT_EQ(decode<CalibrationRun>({{"modes", {5, 3}}})->modes_j, (std::vector<int>{5, 3}));
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"amplitude_waves", 0.3}})).field, "amplitude_waves");
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"frames", 1}})).field, "frames");
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"modes", json::array()}})).field, "modes");
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"modes", {0}}})).field, "modes[0]");
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"modes", {3, 3}}})).field, "modes");
+  EXPECT_EQ(error_of(decode<CalibrationRun>({{"modes", {3.5}}})).field, "modes");
+  EXPECT_EQ(error_of(decode<SlmShow>({{"pattern", "sensr"}})).nearest, "sensor");
+  EXPECT_EQ(decode<JobNumber>({{"job", 3}})->job, 3);
+  EXPECT_EQ(error_of(decode<JobNumber>(json::object())).field, "job");
+  EXPECT_TRUE(decode<Nothing>(json::object()));
+  EXPECT_EQ(error_of(decode<Nothing>({{"a", 1}})).field, "a");
 }
 
 TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
@@ -251,7 +250,7 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
 }
 
 TEST(GainSweep, IsThePapersUnlessToldOtherwise) {
-  const auto sweep = decode_gain_sweep(json::object());
+  const auto sweep = GainSweep::decode(json::object());
   ASSERT_TRUE(sweep);
   EXPECT_EQ(sweep->gains_db.size(), 16U);
   EXPECT_EQ(sweep->frames, 100);
@@ -266,13 +265,13 @@ TEST(GainSweep, IsThePapersUnlessToldOtherwise) {
 }
 
 TEST(GainSweep, ComesBackFromItsJson) {
-  const auto sweep = decode_gain_sweep(
+  const auto sweep = GainSweep::decode(
       {{"gains_db", {3, 1.5}},
        {"aberrations", {{{"modes", {{{"n", 2}, {"m", 0}, {"waves", 1}}}}, {"norm", "unit"}}}},
        {"arms", {{{"charge", 0}, {"tracker", "cell_centroid"}}}},
        {"clamp", true}});
   ASSERT_TRUE(sweep);
-  const auto again = decode_gain_sweep(to_json(*sweep));
+  const auto again = GainSweep::decode(to_json(*sweep));
   ASSERT_TRUE(again);
   EXPECT_EQ(to_json(*again), to_json(*sweep));
   EXPECT_EQ(again->arms, sweep->arms);
@@ -281,14 +280,14 @@ TEST(GainSweep, ComesBackFromItsJson) {
 }
 
 TEST(GainSweep, NamesWhatIsWrong) {
-  const auto field = [](const json& params) { return error_of(decode_gain_sweep(params)).field; };
+  const auto field = [](const json& params) { return error_of(GainSweep::decode(params)).field; };
   EXPECT_EQ(field({{"gains_db", {1, 2, 1}}}), "gains_db");
   EXPECT_EQ(field({{"gains_db", json::array()}}), "gains_db");
   EXPECT_EQ(field({{"frames", 1}}), "frames");
   EXPECT_EQ(field({{"arms", json::array()}}), "arms");
   EXPECT_EQ(field({{"arms", {{{"charge", 1}, {"tracker", "lgg"}}}}}), "arms[0].tracker");
   EXPECT_EQ(field({{"aberrations", {{{"modes", {{{"j", 3}}}}}}}}), "aberrations[0].modes[0].waves");
-  EXPECT_EQ(error_of(decode_experiment_cell({{"cell", -1}})).field, "cell");
+  EXPECT_EQ(error_of(decode<ExperimentCell>({{"cell", -1}})).field, "cell");
 }
 
 json numbers_to(std::size_t count) {
@@ -313,17 +312,17 @@ json aberrations_of(std::size_t count) {
 TEST(GainSweep, HasSixteenThousandCellsAtMost) {
   const json largest{
       {"gains_db", numbers_to(64)}, {"arms", arms_of(16)}, {"aberrations", aberrations_of(16)}};
-  const auto sweep = decode_gain_sweep(largest);
+  const auto sweep = GainSweep::decode(largest);
   ASSERT_TRUE(sweep) << sweep.error().reason;
   EXPECT_EQ(sweep->cells(), 16384U);
   const GainSweep::Cell last = sweep->cell(16383);
   EXPECT_EQ((std::array{last.arm, last.aberration, last.gain}),
             (std::array<std::size_t, 3>{15, 15, 63}));
-  EXPECT_EQ(decode_experiment_cell({{"cell", 16383}}), 16383);
+  EXPECT_EQ(decode<ExperimentCell>({{"cell", 16383}})->cell, 16383);
   const auto refusal = [&largest](const char* key, const json& more) {
     json params = largest;
     params[key] = more;
-    const Error error = error_of(decode_gain_sweep(params));
+    const Error error = error_of(GainSweep::decode(params));
     EXPECT_EQ(error.field, key);
     return error.reason;
   };
@@ -331,13 +330,13 @@ TEST(GainSweep, HasSixteenThousandCellsAtMost) {
   EXPECT_EQ(refusal("arms", arms_of(17)), "must be an array of at most 16 objects");
   EXPECT_EQ(refusal("aberrations", aberrations_of(17)),
             "must be an array of 1 to 16 objects, each as the params of aberration.set");
-  const Error beyond = error_of(decode_experiment_cell({{"cell", 16384}}));
+  const Error beyond = error_of(decode<ExperimentCell>({{"cell", 16384}}));
   EXPECT_EQ(beyond.field, "cell");
   EXPECT_EQ(beyond.reason, "must be a whole number from 0 to 16383, not 16384");
 }
 
 TEST(GainSweep, TellsSaturatedAndUndeterminedFramesApart) {
-  const GainSweep sweep = *decode_gain_sweep(json::object());
+  const GainSweep sweep = *GainSweep::decode(json::object());
   CellMeasured cell;
   cell.subapertures = 19;
   cell.modes_j = {1};

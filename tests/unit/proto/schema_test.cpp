@@ -146,24 +146,24 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   const auto examples = [](const char* method) {
     return json::parse(schema_text(method)).at("params").at("examples");
   };
-  for (const json& e : examples("camera.set")) EXPECT_TRUE(decode_camera_set(e)) << e;
-  for (const json& e : examples("sensor.set")) EXPECT_TRUE(decode_sensor_set(e)) << e;
-  for (const json& e : examples("refine.set")) EXPECT_TRUE(decode_refine_set(e)) << e;
-  for (const json& e : examples("aberration.set")) EXPECT_TRUE(decode_aberration_set(e)) << e;
-  for (const json& e : examples("reference.take")) EXPECT_TRUE(decode_reference_take(e)) << e;
-  for (const json& e : examples("registration.run")) EXPECT_TRUE(decode_registration_run(e)) << e;
-  for (const json& e : examples("reference.set")) EXPECT_TRUE(decode_reference_set(e)) << e;
-  for (const json& e : examples("loop.close")) EXPECT_TRUE(decode_loop_close(e)) << e;
-  for (const json& e : examples("loop.open")) EXPECT_TRUE(decode_loop_open(e)) << e;
-  for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode_calibration_run(e)) << e;
-  for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(decode_gain_sweep(e)) << e;
-  for (const json& e : examples("experiment.cell")) EXPECT_TRUE(decode_experiment_cell(e)) << e;
-  for (const json& e : examples("lut.run")) EXPECT_TRUE(decode_lut_run(e)) << e;
-  for (const json& e : examples("flatness.run")) EXPECT_TRUE(decode_flatness_run(e)) << e;
-  for (const json& e : examples("slm.settle")) EXPECT_TRUE(decode_slm_settle(e)) << e;
-  for (const json& e : examples("slm.show")) EXPECT_TRUE(decode_slm_show(e)) << e;
-  for (const json& e : examples("record.start")) EXPECT_TRUE(decode_record_start(e)) << e;
-  for (const json& e : examples("job.get")) EXPECT_TRUE(decode_job(e)) << e;
+  for (const json& e : examples("camera.set")) EXPECT_TRUE(CameraSet::decode(e)) << e;
+  for (const json& e : examples("sensor.set")) EXPECT_TRUE(SensorSet::decode(e)) << e;
+  for (const json& e : examples("refine.set")) EXPECT_TRUE(RefineSet::decode(e)) << e;
+  for (const json& e : examples("aberration.set")) EXPECT_TRUE(ModesSet::decode(e)) << e;
+  for (const json& e : examples("reference.take")) EXPECT_TRUE(decode<ReferenceTake>(e)) << e;
+  for (const json& e : examples("registration.run")) EXPECT_TRUE(decode<RegistrationRun>(e)) << e;
+  for (const json& e : examples("reference.set")) EXPECT_TRUE(decode<ReferenceSet>(e)) << e;
+  for (const json& e : examples("loop.close")) EXPECT_TRUE(decode<LoopSettings>(e)) << e;
+  for (const json& e : examples("loop.open")) EXPECT_TRUE(decode<LoopOpen>(e)) << e;
+  for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode<CalibrationRun>(e)) << e;
+  for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(GainSweep::decode(e)) << e;
+  for (const json& e : examples("experiment.cell")) EXPECT_TRUE(decode<ExperimentCell>(e)) << e;
+  for (const json& e : examples("lut.run")) EXPECT_TRUE(decode<LutRun>(e)) << e;
+  for (const json& e : examples("flatness.run")) EXPECT_TRUE(decode<FlatnessRun>(e)) << e;
+  for (const json& e : examples("slm.settle")) EXPECT_TRUE(decode<SettleRun>(e)) << e;
+  for (const json& e : examples("slm.show")) EXPECT_TRUE(decode<SlmShow>(e)) << e;
+  for (const json& e : examples("record.start")) EXPECT_TRUE(decode<RecordStart>(e)) << e;
+  for (const json& e : examples("job.get")) EXPECT_TRUE(decode<JobNumber>(e)) << e;
 }
 
 }  // namespace

@@ -36,12 +36,12 @@ RpcAnswer refusal_or_nothing(const Result<T>& decoded) {
 }
 
 RpcAnswer answer(const std::string& method, const Json& params) {
-  if (method == "camera.set") return refusal_or_nothing(decode_camera_set(params));
-  if (method == "reference.take") return refusal_or_nothing(decode_reference_take(params));
-  if (method == "job.get") return refusal_or_nothing(decode_job(params));
-  const auto modes = decode_aberration_set(params);
+  if (method == "camera.set") return refusal_or_nothing(CameraSet::decode(params));
+  if (method == "reference.take") return refusal_or_nothing(decode<ReferenceTake>(params));
+  if (method == "job.get") return refusal_or_nothing(decode<JobNumber>(params));
+  const auto modes = ModesSet::decode(params);
   if (!modes) return refusal_or_nothing(modes);
-  return to_json(ModesReport(*modes, 9));
+  return to_json(ModesReport(modes->modes, 9));
 }
 
 TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {

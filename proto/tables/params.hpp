@@ -1,0 +1,191 @@
+/// Field tables of the methods' params.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/refine.hpp"
+#include "proto/tables/sensor.hpp"
+
+namespace ovws {
+
+using CameraSet = Partial<CameraSettings>;
+using SensorSet = Partial<SensorSettings>;
+using RefineSet = Partial<RefineSetup>;
+
+/// Of a method that takes no params.
+struct Nothing {};
+template <>
+struct Table<Nothing> {
+  static constexpr const char* kName = "Nothing";
+  static constexpr auto kFields = std::tuple<>{};
+};
+
+/// `aberration.set` and `correction.set`: in RMS normalisation whatever `norm` was, in the order
+/// given; no mode twice.
+struct ModesSet {
+  std::vector<Mode> modes;
+  static Result<ModesSet> decode(const Json& params);
+};
+
+struct ReferenceTake {
+  int frames = 100;
+  bool allow_aberration = false;
+};
+template <>
+struct Table<ReferenceTake> {
+  static constexpr const char* kName = "ReferenceTake";
+  static constexpr auto kFields = std::tuple{
+      field("frames", &ReferenceTake::frames, "how many frames to average",
+            limits::kReferenceFrames),
+      field("allow_aberration", &ReferenceTake::allow_aberration,
+            "take it under an introduced aberration, too, which coefficients then do not hold")};
+};
+
+/// What positions count from, of those that can be set.
+enum class ReferenceOrigin { model };
+template <>
+struct Names<ReferenceOrigin> {
+  static const std::vector<std::string>& all() {
+    static const std::vector<std::string> names{"model"};
+    return names;
+  }
+};
+struct ReferenceSet {
+  ReferenceOrigin source = ReferenceOrigin::model;
+};
+template <>
+struct Table<ReferenceSet> {
+  static constexpr const char* kName = "ReferenceSet";
+  static constexpr auto kFields =
+      std::tuple{field("source", &ReferenceSet::source, "what positions count from").must()};
+};
+
+struct RegistrationRun {
+  int frames = 5;
+};
+template <>
+struct Table<RegistrationRun> {
+  static constexpr const char* kName = "RegistrationRun";
+  static constexpr auto kFields =
+      std::tuple{field("frames", &RegistrationRun::frames,
+                       "how many frames to average for each picture", limits::kPictureFrames)};
+};
+
+struct FlatnessRun {
+  int frames = 5;
+};
+template <>
+struct Table<FlatnessRun> {
+  static constexpr const char* kName = "FlatnessRun";
+  static constexpr auto kFields =
+      std::tuple{field("frames", &FlatnessRun::frames,
+                       "how many settled frames to average for each place of the spot's aperture",
+                       limits::kPictureFrames)};
+};
+
+struct LutRun {
+  int levels = 33;
+  int frames = 3;
+};
+template <>
+struct Table<LutRun> {
+  static constexpr const char* kName = "LutRun";
+  static constexpr auto kFields = std::tuple{
+      field("levels", &LutRun::levels,
+            "how many grey levels, from 0 to 255, are measured, each twice; more are added where "
+            "the phase changes by more than a twenty-fourth of a turn from one to the next",
+            limits::kGreyLevels),
+      field("frames", &LutRun::frames, "how many frames to average for each picture",
+            limits::kPictureFrames)};
+};
+
+struct SettleRun {
+  int repetitions = 20;
+  double watch_ms = 200.0;
+};
+template <>
+struct Table<SettleRun> {
+  static constexpr const char* kName = "SettleRun";
+  static constexpr auto kFields = std::tuple{
+      field("repetitions", &SettleRun::repetitions, "changes of the picture",
+            limits::kSettleRepetitions),
+      field("watch_ms", &SettleRun::watch_ms,
+            "how long frames are watched after each change, milliseconds", limits::kWatchMs)};
+};
+
+struct CalibrationRun {
+  double amplitude_waves = 0.15;
+  int frames = 20;
+  std::vector<int> modes_j;  ///< empty: all
+};
+template <>
+struct Table<CalibrationRun> {
+  static constexpr const char* kName = "CalibrationRun";
+  static constexpr auto kFields = std::tuple{
+      field("amplitude_waves", &CalibrationRun::amplitude_waves,
+            "of each poke, RMS-normalised waves", limits::kPushWaves),
+      field("frames", &CalibrationRun::frames,
+            "how many settled frames to average for each picture", limits::kPushFrames),
+      field("modes", &CalibrationRun::modes_j,
+            "OSA/ANSI indices of the modes to measure, which are then the only ones read; left "
+            "out: every mode that the lattice tells",
+            {1, kMaxZernikeIndex})
+          .sized(1, kMaxZernikeIndex)
+          .unlike()};
+};
+
+/// Patterns that a client can have shown: all but `test`, which is for jobs.
+struct ShowablePattern {
+  HologramKind kind = HologramKind::sensor;
+};
+template <>
+struct Wire<ShowablePattern> {
+  static Json to_json(const ShowablePattern& pattern) { return pattern_name(pattern.kind); }
+  static void decode(ObjectReader& reader, const FieldInfo& field, ShowablePattern& out) {
+    int value = int(out.kind);
+    reader.choice(field.key, value, showable_pattern_names());
+    out.kind = HologramKind(value);
+  }
+  static Json schema(SchemaParts&, const FieldInfo&) {
+    return {{"type", "string"}, {"enum", showable_pattern_names()}};
+  }
+};
+struct SlmShow {
+  ShowablePattern pattern;
+};
+template <>
+struct Table<SlmShow> {
+  static constexpr const char* kName = "SlmShow";
+  static constexpr auto kFields = std::tuple{
+      field("pattern", &SlmShow::pattern,
+            "sensor: the wavefront sensor; grating: base grating and correction only, for using "
+            "the corrected beam; flat: flatness map only; identify: a picture that tells which "
+            "screen it is")
+          .must()};
+};
+
+struct LoopOpen {
+  bool keep = true;
+};
+template <>
+struct Table<LoopOpen> {
+  static constexpr const char* kName = "LoopOpen";
+  static constexpr auto kFields =
+      std::tuple{field("keep", &LoopOpen::keep, "whether the correction stays")};
+};
+
+struct ExperimentCell {
+  int cell = 0;
+};
+template <>
+struct Table<ExperimentCell> {
+  static constexpr const char* kName = "ExperimentCell";
+  static constexpr auto kFields = std::tuple{
+      field("cell", &ExperimentCell::cell, "its number, from 0", limits::kSweepCell).must()};
+};
+
+}  // namespace ovws
