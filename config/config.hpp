@@ -62,8 +62,21 @@ enum class RealtimePolicy {
   ignore,   ///< a missing privilege is a warning
 };
 
+enum class LogLevel { trace, debug, info, warn, error };
+
 struct LogConfig {
-  std::string level = "info";  ///< trace, debug, info, warn, error
+  LogLevel level = LogLevel::info;
+};
+
+/// With the kernel's radius, which only the configuration file sets.
+struct ConfiguredTracking : TrackingSettings {
+  ConfiguredTracking() = default;
+  ConfiguredTracking(const TrackingSettings& settings)  // NOLINT(google-explicit-constructor)
+      : TrackingSettings(settings) {}
+};
+
+struct ConfiguredPipeline : PipelineConfig {
+  std::vector<int> cpus;  ///< where the threads of the frame path may run; empty: anywhere
 };
 
 struct Config {
@@ -71,7 +84,7 @@ struct Config {
   SlmConfig slm;
   OpticsConfig optics;
   SensorConfig sensor;
-  TrackingSettings tracking;
+  ConfiguredTracking tracking;
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
   ControlConfig control;
@@ -79,9 +92,7 @@ struct Config {
   StateConfig state;
   RecordConfig record;
   RealtimePolicy realtime = RealtimePolicy::ignore;
-  PipelineConfig pipeline;
-  std::vector<int>
-      frame_path_cpus;  ///< "pipeline.cpus": where its threads may run; empty: anywhere
+  ConfiguredPipeline pipeline;
   LogConfig log;
 };
 

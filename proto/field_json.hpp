@@ -61,39 +61,40 @@ bool is_nothing(const T& value) {
 
 }  // namespace detail
 
-template <class T>
-Json to_json(const T& value);
+template <class J = Json, class T>
+J to_json(const T& value);
 
 /// The fields of `from` into the object `out`.
-template <HasTable S>
-void put_fields(Json& out, const S& from) {
+template <class J, HasTable S>
+void put_fields(J& out, const S& from) {
   visit_fields(from, [&out](const FieldInfo& field, const auto& value) {
-    out[field.key] = field.nullable && detail::is_nothing(value) ? Json() : to_json(value);
+    out[field.key] = field.nullable && detail::is_nothing(value) ? J() : to_json<J>(value);
   });
 }
 
-template <class T>
-Json to_json(const T& value) {
+/// J: Json, or nlohmann::ordered_json for keys in the table's order.
+template <class J, class T>
+J to_json(const T& value) {
   using namespace detail;
   if constexpr (HasWire<T>) {
     return Wire<T>::to_json(value);
   } else if constexpr (std::is_same_v<T, Absent>) {
-    return Json::parse(value.json);
+    return J::parse(value.json);
   } else if constexpr (is_optional<T>) {
-    return value ? to_json(*value) : Json();
+    return value ? to_json<J>(*value) : J();
   } else if constexpr (std::is_floating_point_v<T>) {
-    return std::isfinite(value) ? Json(value) : Json();
+    return std::isfinite(value) ? J(value) : J();
   } else if constexpr (HasNames<T>) {
     return Names<T>::all()[std::size_t(value)];
   } else if constexpr (std::is_same_v<T, Vec2>) {
-    return Json::array({to_json(value.x), to_json(value.y)});
+    return J::array({to_json<J>(value.x), to_json<J>(value.y)});
   } else if constexpr (HasTable<T>) {
-    Json out = Json::object();
+    J out = J::object();
     put_fields(out, value);
     return out;
   } else if constexpr (is_named_list<T>) {
-    Json out = Json::object();
-    for (const auto& [key, one] : value) out[key] = to_json(one);
+    J out = J::object();
+    for (const auto& [key, one] : value) out[key] = to_json<J>(one);
     return out;
   } else if constexpr (std::is_same_v<T, Json> || std::is_arithmetic_v<T>) {
     return value;
@@ -101,8 +102,8 @@ Json to_json(const T& value) {
     return std::string(std::string_view(value));
   } else {
     static_assert(ListLike<T>, "this type has no form on the wire");
-    Json out = Json::array();
-    for (const auto& one : value) out.push_back(to_json(one));
+    J out = J::array();
+    for (const auto& one : value) out.push_back(to_json<J>(one));
     return out;
   }
 }
@@ -218,6 +219,10 @@ void decode_entry(ObjectReader& reader, const Field<S, T>& field, Owner& out) {
   decode_value(reader, field, out.*field.member);
   if (field.check == nullptr || reader.failed()) return;
   if (auto wrong = field.check(out.*field.member)) reader.fault(field.key, std::move(*wrong));
+}
+template <class Owner, class T>
+void decode_entry(ObjectReader& reader, const Based<T>&, Owner& out) {
+  decode_fields(reader, static_cast<T&>(out));
 }
 template <class Owner, class S, class T>
 void decode_entry(ObjectReader& reader, const Inlined<S, T>& entry, Owner& out) {

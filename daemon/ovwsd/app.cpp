@@ -120,7 +120,7 @@ struct App::Parts {
         camera(config.camera, {pipeline, settings, counters, events,
                                [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
-        threads(config.realtime, config.frame_path_cpus,
+        threads(config.realtime, config.pipeline.cpus,
                 [this](const ThreadFailure& failure) { thread_failed(failure); }) {
     disk.each_turn([this] { return store.turn(); });
   }

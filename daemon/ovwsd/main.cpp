@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
 
   const auto loaded =
       ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);
-  ovws::start_log(loaded ? loaded->effective.log.level : "info");
+  ovws::start_log(loaded ? loaded->effective.log.level : ovws::LogLevel::info);
   if (!loaded) return complain(loaded.error());
   if (const auto usable = ovws::check_usable(loaded->effective); !usable) {
     return complain(usable.error());

@@ -75,13 +75,14 @@ class QuickSink : public spdlog::sinks::base_sink<std::mutex> {
   std::size_t lost_ = 0;
 };
 
-spdlog::level::level_enum level_of(const std::string& name) {
-  return spdlog::level::from_str(name == "error" ? "err" : name);
+static_assert(int(LogLevel::error) == int(spdlog::level::err), "both have the same levels");
+spdlog::level::level_enum level_of(LogLevel level) {
+  return spdlog::level::level_enum(int(level));
 }
 
 }  // namespace
 
-void start_log(const std::string& level) {
+void start_log(LogLevel level) {
   auto logger = std::make_shared<spdlog::logger>("ovwsd", std::make_shared<QuickSink>());
   if (std::getenv("JOURNAL_STREAM") != nullptr) {
     auto formatter = std::make_unique<spdlog::pattern_formatter>();
@@ -95,7 +96,7 @@ void start_log(const std::string& level) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-void set_log_level(const std::string& level) {
+void set_log_level(LogLevel level) {
   spdlog::default_logger()->set_level(level_of(level));
 }
 

@@ -78,6 +78,6 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ovws::cli::kOk : ovws::cli::kUsage;
   }
-  ovws::start_log("info");
+  ovws::start_log(ovws::LogLevel::info);
   return ovws::web::serve(options);
 }

@@ -21,6 +21,10 @@ template <>
 struct Table<CameraSettings> {
   static constexpr const char* kName = "CameraSettings";
   static constexpr auto kFields = std::tuple{
+      field("pixel_format", &CameraSettings::pixel_format,
+            "GenICam name; of a Bayer format the pixels that see the laser are measured"),
+      field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
+            limits::kExposureUs),
       field("gain_db", &CameraSettings::gain_db,
             "analogue gain, dB; null: the camera has no gain in dB", limits::kGainDb)
           .or_null(),
@@ -28,12 +32,8 @@ struct Table<CameraSettings> {
             "gain in steps of the camera's own, if it has no gain in dB; otherwise null",
             limits::kGainRaw)
           .or_null(),
-      field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
-            limits::kExposureUs),
       field("frame_rate_hz", &CameraSettings::frame_rate_hz, "frames per second",
             limits::kFrameRateHz),
-      field("pixel_format", &CameraSettings::pixel_format,
-            "GenICam name; of a Bayer format the pixels that see the laser are measured"),
       field("roi", &CameraSettings::roi, "region of interest of the sensor")};
 
   /// A camera has one of the two gains; null, as the other one is reported, leaves it.

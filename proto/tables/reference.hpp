@@ -10,6 +10,7 @@
 #include "core/wavefront/registration.hpp"
 #include "proto/field_json.hpp"
 #include "proto/tables/names.hpp"
+#include "proto/tables/optics.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -87,11 +88,6 @@ struct Table<KnownReference> {
           "taken", [](const KnownReference& known) { return known.reference.has_value(); },
           "whether there is a reference; if not, all else is null or empty"),
       inlined(&KnownReference::reference)};
-};
-
-template <>
-struct Wire<PxPerCycle> {
-  static Json to_json(const PxPerCycle& map) { return {map.xx, map.xy, map.yx, map.yy}; }
 };
 
 template <>

@@ -31,7 +31,7 @@ Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
     return known;
   }
-  if (auto there = check_cpus(config.frame_path_cpus); !there) return there;
+  if (auto there = check_cpus(config.pipeline.cpus); !there) return there;
   const auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);

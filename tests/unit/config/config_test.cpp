@@ -81,9 +81,10 @@ Config random_config(unsigned seed) {
               dice.number(limits::kPupilDiameterPx),
               {dice.number(limits::kGrooves), dice.number(limits::kGrooves)},
               dice.number(limits::kSpacing)};
-  c.tracking = {{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
-                TemplateKind(dice.integer({0, 1})),
-                OperatorKind(dice.integer({0, 3}))};
+  c.tracking =
+      TrackingSettings{{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
+                       TemplateKind(dice.integer({0, 1})),
+                       OperatorKind(dice.integer({0, 3}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
   if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);
@@ -99,9 +100,9 @@ Config random_config(unsigned seed) {
   if (dice.coin()) c.record.directory = dice.text();
   c.record.buffer_mib = dice.integer(limits::kRecordBufferMib);
   c.realtime = dice.coin() ? RealtimePolicy::enforce : RealtimePolicy::ignore;
-  c.pipeline = {dice.integer(limits::kWorkers), 1 << dice.integer({3, 12})};
-  if (dice.coin()) c.frame_path_cpus = {3, dice.integer({4, limits::kCpu.max})};
-  c.log.level = dice.coin() ? "debug" : "error";
+  c.pipeline = {{dice.integer(limits::kWorkers), 1 << dice.integer({3, 12})}, {}};
+  if (dice.coin()) c.pipeline.cpus = {3, dice.integer({4, limits::kCpu.max})};
+  c.log.level = dice.coin() ? LogLevel::debug : LogLevel::error;
   return c;
 }
 
@@ -141,7 +142,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.realtime, b.realtime);
   EXPECT_EQ(a.pipeline.workers, b.pipeline.workers);
   EXPECT_EQ(a.pipeline.records, b.pipeline.records);
-  EXPECT_EQ(a.frame_path_cpus, b.frame_path_cpus);
+  EXPECT_EQ(a.pipeline.cpus, b.pipeline.cpus);
   EXPECT_EQ(a.log.level, b.log.level);
 }
 

@@ -40,7 +40,7 @@ class StderrPipe {
 
 TEST(Log, AReaderThatDoesNotReadLosesLinesAndHoldsNobodyUp) {
   const StderrPipe pipe;
-  start_log("info");
+  start_log(LogLevel::info);
   for (int i = 0; i < 20'000; ++i)
     spdlog::info("line {} of many", i);  // far more than a pipe holds
   const std::string kept = pipe.read_all();
@@ -54,7 +54,7 @@ TEST(Log, AReaderThatDoesNotReadLosesLinesAndHoldsNobodyUp) {
 
 TEST(Log, ALineLongerThanAPipeTakesAtOnceIsCut) {
   const StderrPipe pipe;
-  start_log("info");
+  start_log(LogLevel::info);
   spdlog::info("{}", std::string(100'000, 'x'));
   const std::string text = pipe.read_all();
   EXPECT_LE(text.size(), 4096U);

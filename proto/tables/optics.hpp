@@ -1,0 +1,68 @@
+/// Field tables of the bench's optics.
+#pragma once
+
+#include <cstdint>
+
+#include "core/optics/geometry.hpp"
+#include "proto/field_json.hpp"
+
+namespace ovws {
+
+/// [xx, xy, yx, yy]
+template <>
+struct Wire<PxPerCycle> {
+  static Json to_json(const PxPerCycle& map) { return {map.xx, map.xy, map.yx, map.yy}; }
+  static void decode(ObjectReader& reader, const FieldInfo& field, PxPerCycle& out) {
+    PxPerCycle read;
+    detail::decode_tuple(reader, field, 4, [&read](const std::vector<double>& m) {
+      read = {m[0], m[1], m[2], m[3]};
+    });
+    if (reader.failed() || !reader.has(field.key)) return;
+    if (read.scale() < limits::kLeastPxPerCycle) {
+      return reader.fault(field.key,
+                          "these four numbers map an area to almost nothing: they are "
+                          "[xx, xy, yx, yy], camera pixels per cycle per SLM pixel");
+    }
+    out = read;
+  }
+  static Json schema(SchemaParts&, const FieldInfo& field) {
+    Json number{{"type", "number"}};
+    if (std::isfinite(field.bounds.min)) number["minimum"] = field.bounds.min;
+    if (std::isfinite(field.bounds.max)) number["maximum"] = field.bounds.max;
+    return {{"type", "array"}, {"items", number}, {"minItems", 4}, {"maxItems", 4}};
+  }
+};
+
+template <>
+struct Table<SlmGeometry> {
+  static constexpr const char* kName = "SlmGeometry";
+  static constexpr auto kFields =
+      std::tuple{field("width", &SlmGeometry::width_px, "pixels", limits::kSlmSizePx),
+                 field("height", &SlmGeometry::height_px, "pixels", limits::kSlmSizePx),
+                 field("pitch_um", &SlmGeometry::pitch_um, "distance of its pixels, micrometres",
+                       limits::kSlmPitchUm)};
+};
+
+template <>
+struct Table<OpticsConfig> {
+  static constexpr const char* kName = "OpticsConfig";
+  static constexpr auto kFields = std::tuple{
+      field("wavelength_nm", &OpticsConfig::wavelength_nm, "laser, nanometres",
+            limits::kWavelengthNm),
+      field("focal_length_mm", &OpticsConfig::focal_length_mm, "Fourier lens, millimetres",
+            limits::kFocalLengthMm),
+      field("magnification", &OpticsConfig::magnification,
+            "from the lens' focal plane to the camera", limits::kMagnification),
+      field("camera_pitch_um", &OpticsConfig::camera_pitch_um,
+            "distance of the camera's pixels, micrometres", limits::kCameraPitchUm),
+      field("centre_px", &OpticsConfig::centre_px,
+            "[x, y] of the base subaperture's spot in the image, camera pixels; null: the image's "
+            "centre",
+            limits::kCentrePx),
+      field("px_per_cycle", &OpticsConfig::registered,
+            "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by "
+            "(xx u + xy v, yx u + yy v) camera pixels; null: from the keys above, without rotation",
+            limits::kPxPerCycle)};
+};
+
+}  // namespace ovws
