@@ -64,6 +64,17 @@ bool is_nothing(const T& value) {
 template <class J = Json, class T>
 J to_json(const T& value);
 
+/// JSON that has the fields of S, and was read or kept as such.
+template <class S>
+struct JsonOf {
+  Json json;
+};
+template <class S>
+struct Wire<JsonOf<S>> {
+  static Json to_json(const JsonOf<S>& kept) { return kept.json; }
+  static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
+};
+
 /// The fields of `from` into the object `out`.
 template <class J, HasTable S>
 void put_fields(J& out, const S& from) {
@@ -108,6 +119,16 @@ J to_json(const T& value) {
   }
 }
 
+/// The fields of S that the object has.
+template <HasTable S>
+Json only_fields(const Json& object) {
+  Json out = Json::object();
+  visit_fields(S{}, [&](const FieldInfo& field, const auto&) {
+    if (object.contains(field.key)) out[field.key] = object[field.key];
+  });
+  return out;
+}
+
 namespace detail {
 
 inline constexpr std::size_t kMostElements = 10000;
@@ -146,13 +167,42 @@ void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out);
 
+/// Elements with a decode of their own.
+template <class T>
+void decode_each(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
+  const Json* const given = reader.raw(field.key);
+  if (given == nullptr || reader.failed()) return;
+  if (!given->is_array() || given->size() < field.min_size || given->size() > field.max_size) {
+    return reader.fault(field.key, "must be an array of " + std::to_string(field.min_size) +
+                                       " to " + std::to_string(field.max_size) + " objects");
+  }
+  std::vector<T> read;
+  for (std::size_t k = 0; k < given->size(); ++k) {
+    auto one = T::decode((*given)[k]);
+    if (!one) {
+      const std::string& inner = one.error().field;
+      return reader.fault(std::string(field.key) + "[" + std::to_string(k) + "]" +
+                              (inner.empty() ? "" : ".") + inner,
+                          one.error().reason);
+    }
+    read.push_back(std::move(*one));
+  }
+  out = std::move(read);
+}
+
 template <class T>
 void decode_list(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   std::vector<T> read;
   reader.objects(field.key, std::min(field.max_size, kMostElements),
-                 [&read](ObjectReader& inner, std::size_t) {
+                 [&](ObjectReader& inner, std::size_t) {
                    T one{};
                    decode_fields(inner, one);
+                   if constexpr (std::equality_comparable<T>) {
+                     const bool known = std::find(read.begin(), read.end(), one) != read.end();
+                     if (field.distinct && known && !inner.failed()) {
+                       inner.fault("", "is given twice");
+                     }
+                   }
                    read.push_back(std::move(one));
                  });
   if (!reader.has(field.key) || reader.failed()) return;
@@ -206,6 +256,8 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
     decode_tuple(reader, field, 2, [&out](const auto& given) { out = {given[0], given[1]}; });
   } else if constexpr (HasTable<T>) {
     reader.object(key, [&out](ObjectReader& inner) { decode_fields(inner, out); });
+  } else if constexpr (requires { T::value_type::decode(Json()); }) {
+    decode_each(reader, field, out);
   } else if constexpr (HasTable<typename T::value_type>) {
     decode_list(reader, field, out);
   } else {

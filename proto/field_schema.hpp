@@ -158,6 +158,11 @@ Json schema_reference(SchemaParts& parts) {
 
 }  // namespace detail
 
+template <class S>
+Json Wire<JsonOf<S>>::schema(SchemaParts& parts, const FieldInfo&) {
+  return detail::schema_reference<S>(parts);
+}
+
 /// A whole schema: of params, of a result, of a message.
 template <HasTable S>
 Json schema_of(SchemaOf of) {

@@ -6,6 +6,7 @@
 
 #include "proto/names.hpp"
 #include "proto/reader.hpp"
+#include "proto/tables/modes.hpp"
 
 namespace ovws {
 namespace {
@@ -59,6 +60,51 @@ Result<ModesSet> ModesSet::decode(const Json& params) {
   });
   if (auto done = reader.finish(); !done) return fail(done.error());
   return ModesSet{std::move(modes)};
+}
+
+Json Wire<ModesSet>::to_json(const ModesSet& set) {
+  return {{"modes", ovws::to_json(set.modes)}, {"norm", "rms"}};
+}
+
+Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
+  const auto whole = [](int least, int most, const char* meaning) -> Json {
+    return {{"type", "integer"}, {"minimum", least}, {"maximum", most}, {"description", meaning}};
+  };
+  const Json waves{{"type", "number"},
+                   {"minimum", limits::kModeWaves.min},
+                   {"maximum", limits::kModeWaves.max},
+                   {"description",
+                    "coefficient in the normalisation given by norm, waves at the laser's "
+                    "wavelength"}};
+  const int highest = zernike_index(kMaxZernikeIndex).n;
+  const Json by_index{
+      {"type", "object"},
+      {"properties", {{"j", whole(0, kMaxZernikeIndex, kModeIndexMeaning)}, {"waves", waves}}},
+      {"required", {"j", "waves"}},
+      {"additionalProperties", false}};
+  const Json by_orders{
+      {"type", "object"},
+      {"properties",
+       {{"n", whole(0, highest, "radial order")},
+        {"m",
+         whole(-highest, highest, "azimuthal frequency, |m| <= n, n - |m| even; negative: sine")},
+        {"waves", waves}}},
+      {"required", {"n", "m", "waves"}},
+      {"additionalProperties", false}};
+  return {{"type", "object"},
+          {"properties",
+           {{"modes",
+             {{"type", "array"},
+              {"items", {{"oneOf", {by_index, by_orders}}}},
+              {"maxItems", kMaxZernikeIndex + 1},
+              {"description", "by j, or by n and m"}}},
+            {"norm",
+             {{"type", "string"},
+              {"enum", norm_names()},
+              {"default", "rms"},
+              {"description", "rms: RMS 1 over the pupil; unit: amplitude 1 at its edge"}}}}},
+          {"required", {"modes"}},
+          {"additionalProperties", false}};
 }
 
 }  // namespace ovws

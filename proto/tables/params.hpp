@@ -30,6 +30,11 @@ struct ModesSet {
   std::vector<Mode> modes;
   static Result<ModesSet> decode(const Json& params);
 };
+template <>
+struct Wire<ModesSet> {
+  static Json to_json(const ModesSet& set);
+  static Json schema(SchemaParts&, const FieldInfo&);
+};
 
 struct ReferenceTake {
   int frames = 100;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "proto/experiment.hpp"
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws::test {
 
@@ -20,7 +20,7 @@ inline void decode_all(const Json& params) {
   (void)decode<LoopSettings>(params);
   (void)decode<LoopOpen>(params);
   (void)decode<CalibrationRun>(params);
-  (void)GainSweep::decode(params);
+  (void)decode<GainSweepRun>(params);
   (void)decode<ExperimentCell>(params);
   (void)decode<SlmShow>(params);
   (void)decode<RecordStart>(params);

@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 
 /// Gains that the camera has not are an error, or left out.
-Result<GainSweep> within(GainSweep sweep, const CameraLimits& limits) {
+Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
+  GainSweep& sweep = run.sweep;
   if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
   const Range<double>& range = limits.gain_db;
   const auto check = [&range](const char* field, double gain_db) -> Result<void> {
@@ -30,20 +31,20 @@ Result<GainSweep> within(GainSweep sweep, const CameraLimits& limits) {
   };
   if (auto has = check("reference_gain_db", sweep.reference_gain_db); !has)
     return fail(has.error());
-  if (sweep.clamp) {
+  if (run.clamp) {
     std::erase_if(sweep.gains_db, [&](double gain_db) { return !check("", gain_db); });
-    if (!sweep.gains_db.empty()) return sweep;
+    if (!sweep.gains_db.empty()) return run;
     return fail(Errc::invalid, "gains_db", "the camera has none of these gains");
   }
   for (const double gain_db : sweep.gains_db) {
     if (auto has = check("gains_db", gain_db); !has) return fail(has.error());
   }
-  return sweep;
+  return run;
 }
 
-ExperimentRun asked_now(const Services& services, const GainSweep& sweep) {
+ExperimentRun asked_now(const Services& services, const GainSweepRun& asked) {
   const json config = json::parse(dump_config(services.config));
-  return experiment_run(sweep, sweep_bench(services.instrument.snapshot(),
+  return experiment_run(asked, sweep_bench(services.instrument.snapshot(),
                                            services.camera.snapshot(), config["optics"]));
 }
 
@@ -66,7 +67,7 @@ void start(Services& services, const ExperimentRun& run, const RpcReply& reply) 
 
 /// Who asks for the run that is being measured is given its job.
 void gain_sweep(Services& services, const json& params, RpcReply reply) {
-  auto asked = GainSweep::decode(params);
+  auto asked = decode<GainSweepRun>(params);
   if (!asked) return reply(failed(asked.error()));
   const CameraSnapshot camera = services.camera.snapshot();
   if (camera.limits) asked = within(std::move(*asked), *camera.limits);
@@ -94,7 +95,7 @@ void get_cell(Services& services, const json& params, RpcReply reply) {
 }
 
 constexpr std::array<Method, 3> kMethods{{
-    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<GainSweep>},
+    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<GainSweepRun>},
     {"experiment.get", Role::read, Action::read, get},
     {"experiment.cell", Role::read, Action::read, get_cell, decodes<ExperimentCell>},
 }};

@@ -114,7 +114,7 @@ void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   const std::lock_guard lock(mutex_);
   job_ = Job{run.name, job, monotonic_ns(), 0};
   not_kept_reason_.reset();
-  if (run_ && run_->name == run.name && !run.request.anew) return;
+  if (run_ && run_->name == run.name && !run.anew) return;
   run_ = run;
   references_.assign(run.request.arms.size(), nullptr);
   cells_.assign(run.request.cells(), nullptr);
@@ -148,18 +148,24 @@ std::optional<std::string> ExperimentArchive::why_not_kept() const {
 
 json ExperimentArchive::result() const {
   const std::lock_guard lock(mutex_);
-  if (!run_) return experiment_result(nullptr);
+  if (!run_) return to_json(KnownExperiment{});
   const bool runs = job_ && job_->run == run_->name;
-  const ExperimentReport report{run_->name,
-                                run_->request,
-                                run_->bench,
-                                run_->t_begun_ns,
-                                runs ? std::optional(job_->number) : std::nullopt,
-                                time_left_s(),
-                                why_not_kept(),
-                                references_,
-                                cells_};
-  return experiment_result(&report);
+  ExperimentReport report{run_->name,
+                          run_->request,
+                          run_->bench,
+                          run_->t_begun_ns,
+                          runs ? std::optional(job_->number) : std::nullopt,
+                          time_left_s(),
+                          why_not_kept(),
+                          {},
+                          {}};
+  for (const json& one : references_) {
+    if (!one.is_null()) report.references.push_back({one});
+  }
+  for (const json& one : cells_) {
+    if (!one.is_null()) report.cells.push_back({only_fields<CellSummary>(one)});
+  }
+  return to_json(KnownExperiment{std::move(report), cells_.size()});
 }
 
 void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done) {

@@ -49,11 +49,11 @@ std::optional<Header> header_of(const StateItem& item) {
   if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
     return std::nullopt;
   }
-  const auto request = GainSweep::decode(content["request"]);
+  const auto request = decode<GainSweep>(content["request"]);
   const json begun = content.value("t_begun_ns", json()),
              opened = content.value("t_opened_ns", json());
   if (!request || !begun.is_number_integer() || !opened.is_number_integer()) return std::nullopt;
-  return Header{{item.name, *request, content["bench"], begun.get<std::int64_t>()},
+  return Header{{item.name, *request, content["bench"], begun.get<std::int64_t>(), false},
                 opened.get<std::int64_t>()};
 }
 

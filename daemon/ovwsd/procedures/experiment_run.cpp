@@ -5,10 +5,12 @@
 
 namespace ovws {
 
-ExperimentRun experiment_run(const GainSweep& request, nlohmann::json bench) {
+ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench) {
   constexpr std::size_t kNameDigits = 16;
-  const std::string all = nlohmann::json{{"request", to_json(request)}, {"bench", bench}}.dump();
-  return {sha256_hex(all).substr(0, kNameDigits), request, std::move(bench), utc_ns()};
+  const std::string all =
+      nlohmann::json{{"request", to_json(asked.sweep)}, {"bench", bench}}.dump();
+  return {sha256_hex(all).substr(0, kNameDigits), asked.sweep, std::move(bench), utc_ns(),
+          asked.anew};
 }
 
 }  // namespace ovws

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "proto/experiment.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws {
 
@@ -14,8 +14,9 @@ struct ExperimentRun {
   GainSweep request;
   nlohmann::json bench;  ///< what its numbers are of, and the same while it lasts
   std::int64_t t_begun_ns = 0;
+  bool anew = false;  ///< cells that are known already are measured again
 };
 /// It begins now.
-ExperimentRun experiment_run(const GainSweep& request, nlohmann::json bench);
+ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
 
 }  // namespace ovws

@@ -25,7 +25,7 @@ constexpr std::size_t kMostPicturePixels = 9'000'000;  // a reply with it stays 
 SensorSet sensor_of(const SweepArm& arm) {
   SensorSet set;
   set.put(&SensorConfig::charge, arm.charge);
-  set.put(&TrackingSettings::tracker, arm.tracker);
+  set.put(&TrackingSettings::tracker, arm.tracker.kind);
   set.put(&TrackingSettings::templates, TemplateKind::model);
   set.put(&TrackingSettings::mode_operator, OperatorKind::slopes);
   return set;
@@ -69,7 +69,7 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
   return fail(Errc::refused, "camera.exposure_us",
               fmt::format("at the reference's gain of {} dB {} finds {} of {} spots of charge {} "
                           "too rarely: give more light, or look at the alignment",
-                          measured.gain_db, sweep_tracker_name(arm), lost,
+                          measured.gain_db, to_json(arm.tracker).get<std::string>(), lost,
                           measured.positions_px.size(), arm.charge));
 }
 
@@ -152,14 +152,15 @@ Result<void> Sweep::check_table() {
     const SweepArm& with = sweep_.arms[std::size_t(arm)];
     const json reference = archive_.reference(arm);
     const auto before_px =
-        reference_places(reference, arm, with.fixed_cell ? "cells_px" : "positions_px");
+        reference_places(reference, arm, with.tracker.fixed_cell ? "cells_px" : "positions_px");
     if (!before_px) continue;
     const auto frames = reference_series(with);
     if (!frames) return fail(frames.error());
     const SensorSnapshot now = bench_.sensor();
-    return check_unmoved(spot_motion(*before_px, reference.value("frames", 1), *frames),
-                         kMostMotion * lambda_d_px(now.optics, slm_, now.sensor),
-                         fmt::format("charge {}, {}", with.charge, sweep_tracker_name(with)));
+    return check_unmoved(
+        spot_motion(*before_px, reference.value("frames", 1), *frames),
+        kMostMotion * lambda_d_px(now.optics, slm_, now.sensor),
+        fmt::format("charge {}, {}", with.charge, to_json(with.tracker).get<std::string>()));
   }
   return {};
 }
@@ -169,9 +170,10 @@ Result<void> Sweep::measure_reference(int arm) {
   const SweepArm& with = sweep_.arms[std::size_t(arm)];
   ReferenceMeasured measured;
   measured.arm = arm;
+  measured.with = with;
   measured.t_begun_ns = utc_ns();
   auto frames = reference_series(with);
-  if (frames && with.fixed_cell) {
+  if (frames && with.tracker.fixed_cell) {
     measured.cells_px = mean_positions(*frames);
     if (lost_of(measured.cells_px) == 0) {
       frames = bench_.series(sweep_.reference_frames, measured.cells_px);
@@ -185,21 +187,23 @@ Result<void> Sweep::measure_reference(int arm) {
   measured.positions_px = mean_positions(*frames);
   if (auto usable = check_reference(with, measured); !usable) return usable;
   if (auto same = check_bench(); !same) return same;
-  archive_.put_reference(arm, to_json(sweep_, measured));
+  archive_.put_reference(arm, to_json(measured));
   return {};
 }
 
 Result<void> Sweep::measure_cell(int number) {
   if (archive_.has_cell(number)) return {};
   const GainSweep::Cell at = sweep_.cell(std::size_t(number));
-  const std::vector<Mode>& introduced = sweep_.aberrations[at.aberration];
+  const std::vector<Mode>& introduced = sweep_.aberrations[at.aberration].modes;
   CellMeasured cell;
   cell.cell = number;
+  cell.at = at;
+  cell.with = sweep_.arms[at.arm];
   cell.t_begun_ns = utc_ns();
   if (auto shown = bench_.show(sensor_of(sweep_.arms[at.arm]), introduced); !shown) return shown;
   const auto gain_db = set_gain(bench_, sweep_.gains_db[at.gain]);
   if (!gain_db) return fail(gain_db.error());
-  if (!sweep_.arms[at.arm].fixed_cell) {
+  if (!sweep_.arms[at.arm].tracker.fixed_cell) {
     if (auto found = find_spots(); !found) return found;
   }
   const json reference = archive_.reference(int(at.arm));
@@ -223,7 +227,7 @@ Result<void> Sweep::measure_cell(int number) {
   cell.frames = judge_frames(*frames, *reconstructor, introduced);
   cell.levels = levels_of(*frames);
   if (auto same = check_bench(); !same) return same;
-  archive_.put_cell(number, to_json(sweep_, cell));
+  archive_.put_cell(number, to_json(CellReport{CellSummary(std::move(cell))}));
   return {};
 }
 
@@ -244,7 +248,7 @@ Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const Expe
                                 ExperimentArchive& archive) {
   Sweep sweep(bench, slm, run, archive);
   if (auto same = sweep.check_bench(); !same) return same;
-  if (auto opened = archive.open(run.request.anew); !opened) return opened;
+  if (auto opened = archive.open(run.anew); !opened) return opened;
   const std::vector<int> order = order_of(run.request);
   const bool complete =
       std::all_of(order.begin(), order.end(), [&](int cell) { return archive.has_cell(cell); });

@@ -6,7 +6,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/frames/frame_series.hpp"
-#include "proto/experiment.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws {
 

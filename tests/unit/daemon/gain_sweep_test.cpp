@@ -124,7 +124,7 @@ class Experiments : public testing::Test {
       archive.load();
     }
     Result<void> begin(ExperimentRun run, bool anew) {
-      run.request.anew = anew;
+      run.anew = anew;
       archive.begin_job(run, 7);
       auto opened = archive.open(anew);
       archive.end_job();
@@ -136,13 +136,15 @@ class Experiments : public testing::Test {
     ExperimentArchive archive{store};
   };
   static ExperimentRun run_of(int frames, double exposure_us = 2000.0) {
-    const auto sweep = GainSweep::decode({{"gains_db", {10}}, {"frames", frames}});
+    const auto sweep = decode<GainSweepRun>({{"gains_db", {10}}, {"frames", frames}});
     return experiment_run(*sweep, {{"exposure_us", exposure_us}});
   }
   static json cell_of(const ExperimentRun& run, int number) {
     CellMeasured cell;
     cell.cell = number;
-    return to_json(run.request, cell);
+    cell.at = run.request.cell(std::size_t(number));
+    cell.with = run.request.arms[cell.at.arm];
+    return to_json(CellReport{CellSummary(cell)});
   }
   static Result<json> cell_in(ExperimentArchive& archive, int number) {
     Result<json> found = fail(Errc::internal, "", "no answer");
@@ -162,7 +164,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
     ReferenceMeasured reference;
     reference.arm = 2;
     reference.positions_px = {{1.5, 2.0}, {NAN, NAN}};
-    daemon.archive.put_reference(2, to_json(run.request, reference));
+    daemon.archive.put_reference(2, to_json(reference));
     daemon.archive.put_cell(3, cell_of(run, 3));
     told = daemon.archive.result();
     EXPECT_TRUE(told["not_kept_reason"].is_null());
@@ -250,7 +252,7 @@ TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
   daemon.archive.begin_job(run_of(10), 7);
   EXPECT_EQ(daemon.archive.result()["cells_done"], 1);
   ExperimentRun run = run_of(10);
-  run.request.anew = true;
+  run.anew = true;
   daemon.archive.begin_job(run, 8);
   EXPECT_EQ(daemon.archive.result()["cells_done"], 0);
   EXPECT_EQ(daemon.archive.result()["t_begun_ns"], run.t_begun_ns);
@@ -311,7 +313,7 @@ TEST_F(Experiments, GiveAPictureBackThatTheDiskHoldsOrMemoryIfThereIsNone) {
     CellMeasured cell;
     cell.cell = number;
     cell.picture = CellMeasured::Picture{1, 1, "/w=="};
-    return to_json(run_of(10).request, cell);
+    return to_json(CellReport{CellSummary(cell)});
   };
   for (const bool stored : {true, false}) {
     Started daemon(stored ? std::optional(folder_) : std::nullopt);

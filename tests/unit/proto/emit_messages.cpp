@@ -7,10 +7,10 @@
 
 #include "config/config.hpp"
 #include "proto/encode.hpp"
-#include "proto/experiment.hpp"
 #include "proto/requests.hpp"
 #include "proto/schemas.hpp"
 #include "proto/tables/calibration.hpp"
+#include "proto/tables/experiment.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/loop.hpp"
 #include "proto/tables/set.hpp"
@@ -194,39 +194,45 @@ void print_calibrations() {
 /// What a sweep is measured with is of the schema's example.
 void print_experiments() {
   const json example = json::parse(schema_text("experiment.get")).at("result").at("examples")[0];
-  const GainSweep sweep = *GainSweep::decode({{"gains_db", {10, 12}}, {"frames", 2}});
-  std::vector<json> references(sweep.arms.size()), cells(sweep.cells());
+  const GainSweep sweep = *decode<GainSweep>({{"gains_db", {10, 12}}, {"frames", 2}});
+  ExperimentReport report;
+  report.run = "0123456789abcdef";
+  report.request = sweep;
+  report.bench = example.at("bench");
   for (int arm = 0; arm < int(sweep.arms.size()); ++arm) {
-    const bool fixed = sweep.arms[std::size_t(arm)].fixed_cell;
-    references[std::size_t(arm)] =
-        to_json(sweep, ReferenceMeasured{arm,
-                                         16.0,
-                                         1,
-                                         2,
-                                         0,
-                                         {1.0, std::nan(""), 3.0},
-                                         {{1, 2}, {std::nan(""), std::nan("")}},
-                                         fixed ? std::vector<Vec2>{{1, 2}} : std::vector<Vec2>{}});
+    const SweepArm& with = sweep.arms[std::size_t(arm)];
+    const std::vector<Vec2> cells =
+        with.tracker.fixed_cell ? std::vector<Vec2>{{1, 2}} : std::vector<Vec2>{};
+    report.references.push_back({to_json(ReferenceMeasured{arm,
+                                                           with,
+                                                           16.0,
+                                                           1,
+                                                           2,
+                                                           0,
+                                                           {1.0, std::nan(""), 3.0},
+                                                           {{1, 2}, {std::nan(""), std::nan("")}},
+                                                           cells})});
   }
   for (int cell = 0; cell < 10; ++cell) {
     CellMeasured measured;
     measured.cell = cell;
+    measured.at = sweep.cell(std::size_t(cell));
+    measured.with = sweep.arms[measured.at.arm];
     measured.subapertures = 19;
     measured.modes_j = {1, 2};
     if (cell > 0) measured.frames.push_back({{}, std::nan(""), 0.5, 3});
     if (cell > 1) measured.frames.push_back({{0.1, 0.2}, 0.3, 0.0, 19});
     if (cell > 2) measured.picture = CellMeasured::Picture{1, 1, "/w=="};
-    cells[std::size_t(cell)] = to_json(sweep, measured);
-    print_result("experiment.cell", cells[std::size_t(cell)]);
+    const json told = to_json(CellReport{CellSummary(measured)});
+    print_result("experiment.cell", told);
+    report.cells.push_back({only_fields<CellSummary>(told)});
   }
-  print_result("experiment.get", experiment_result(nullptr));
-  ExperimentReport report{"0123456789abcdef", sweep, example.at("bench"), 1,    std::nullopt,
-                          std::nullopt,       {},    references,          cells};
-  print_result("experiment.get", experiment_result(&report));
+  print_result("experiment.get", to_json(KnownExperiment{}));
+  print_result("experiment.get", to_json(KnownExperiment{report, sweep.cells()}));
   report.job = 3;
   report.time_left_s = 1.5;
   report.not_kept_reason = "no folder is named";
-  print_result("experiment.get", experiment_result(&report));
+  print_result("experiment.get", to_json(KnownExperiment{report, sweep.cells()}));
   print_result("experiment.gain_sweep", to_json(JobNumber{5}));
 }
 
@@ -357,10 +363,11 @@ void print_all_params() {
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ReferenceSet>("reference.set", {"source"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
-  print_params<GainSweep>("experiment.gain_sweep",
-                          {"gains_db", "frames", "reference_gain_db", "reference_frames",
-                           "aberrations", "arms", "picture_gains_db", "clamp", "anew", "gain_db"},
-                          3000);
+  print_params<GainSweepRun>(
+      "experiment.gain_sweep",
+      {"gains_db", "frames", "reference_gain_db", "reference_frames", "aberrations", "arms",
+       "picture_gains_db", "clamp", "anew", "gain_db"},
+      3000);
   print_params<ExperimentCell>("experiment.cell", {"cell", "cel"}, 2000);
   print_params<SlmShow>("slm.show", {"pattern"});
   print_params<JobNumber>("job.get", {"job", "id"});

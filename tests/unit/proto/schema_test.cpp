@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "core/optics/zernike.hpp"
-#include "proto/experiment.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
 #include "proto/schemas.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws {
 namespace {
@@ -156,7 +156,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
   for (const json& e : examples("loop.close")) EXPECT_TRUE(decode<LoopSettings>(e)) << e;
   for (const json& e : examples("loop.open")) EXPECT_TRUE(decode<LoopOpen>(e)) << e;
   for (const json& e : examples("calibration.run")) EXPECT_TRUE(decode<CalibrationRun>(e)) << e;
-  for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(GainSweep::decode(e)) << e;
+  for (const json& e : examples("experiment.gain_sweep")) EXPECT_TRUE(decode<GainSweepRun>(e)) << e;
   for (const json& e : examples("experiment.cell")) EXPECT_TRUE(decode<ExperimentCell>(e)) << e;
   for (const json& e : examples("lut.run")) EXPECT_TRUE(decode<LutRun>(e)) << e;
   for (const json& e : examples("flatness.run")) EXPECT_TRUE(decode<FlatnessRun>(e)) << e;

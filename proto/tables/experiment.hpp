@@ -1,0 +1,398 @@
+/// Field tables of `experiment.*`: the paper's comparison of sensors against the camera's gain.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/vec2.hpp"
+#include "core/tracking/spot.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/params.hpp"
+#include "proto/tables/time.hpp"
+
+namespace ovws {
+
+/// How an arm finds its spots: a tracker, or the paper's Shack-Hartmann sensor, "cell_centroid":
+/// the centroid of a fixed window around the reference, which `centroid` has found.
+struct SweepTracker {
+  TrackerKind kind = TrackerKind::lg;
+  bool fixed_cell = false;
+  friend bool operator==(const SweepTracker&, const SweepTracker&) = default;
+};
+const std::vector<std::string>& sweep_tracker_names();  ///< tracker_names, and cell_centroid
+template <>
+struct Wire<SweepTracker> {
+  static Json to_json(const SweepTracker& tracker);
+  static void decode(ObjectReader& reader, const FieldInfo& field, SweepTracker& out);
+  static Json schema(SchemaParts&, const FieldInfo&) {
+    return {{"type", "string"}, {"enum", sweep_tracker_names()}};
+  }
+};
+
+/// One way to measure.
+struct SweepArm {
+  int charge = 1;
+  SweepTracker tracker;
+  friend bool operator==(const SweepArm&, const SweepArm&) = default;
+};
+template <>
+struct Table<SweepArm> {
+  static constexpr const char* kName = "SweepArm";
+  static constexpr auto kFields = std::tuple{
+      field("charge", &SweepArm::charge, "topological charge, 0: the Shack-Hartmann sensor",
+            limits::kCharge)
+          .must(),
+      field("tracker", &SweepArm::tracker,
+            "how spots are found: as in sensor.set, or cell_centroid, the centroid of all "
+            "intensity in a fixed window around the reference: the text-book Shack-Hartmann "
+            "sensor, and the paper's")
+          .must()};
+};
+
+/// The paper's oblique astigmatism of 0.5, 1.5 and 2 waves, unit amplitude.
+std::vector<ModesSet> paper_aberrations();
+
+/// `experiment.gain_sweep`; the defaults are the paper's experiment. A cell is one arm with one
+/// aberration at one gain; cells are numbered from 0, arms change fastest, aberrations slowest.
+struct GainSweep {
+  std::vector<double> gains_db{10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, 40};
+  int frames = 100;  ///< of each cell
+  double reference_gain_db = 16.0;
+  int reference_frames = 100;
+  std::vector<ModesSet> aberrations = paper_aberrations();
+  std::vector<SweepArm> arms{{1, {TrackerKind::lg}},
+                             {1, {TrackerKind::matched}},
+                             {0, {TrackerKind::centroid, true}},
+                             {0, {TrackerKind::matched}}};
+  std::vector<double> picture_gains_db{10, 20, 30};  ///< where a frame of each charge is kept
+
+  struct Cell {
+    std::size_t arm, aberration, gain;
+  };
+  std::size_t cells() const { return arms.size() * aberrations.size() * gains_db.size(); }
+  Cell cell(std::size_t number) const;
+};
+template <>
+struct Table<GainSweep> {
+  static constexpr const char* kName = "GainSweep";
+  static constexpr auto kFields = std::tuple{
+      field("gains_db", &GainSweep::gains_db, "dB, the cells' gains in their order",
+            limits::kGainDb)
+          .sized(1, limits::kSweepGains)
+          .unlike(),
+      field("frames", &GainSweep::frames, "settled frames of each cell", limits::kSweepFrames),
+      field("reference_gain_db", &GainSweep::reference_gain_db,
+            "dB, at which the references are taken", limits::kGainDb),
+      field("reference_frames", &GainSweep::reference_frames, "settled frames of each reference",
+            limits::kSweepFrames),
+      field("aberrations", &GainSweep::aberrations,
+            "what is introduced, each as the params of aberration.set; left out: the paper's "
+            "oblique astigmatism of 0.5, 1.5 and 2 waves, unit amplitude")
+          .sized(1, limits::kSweepAberrations),
+      field("arms", &GainSweep::arms,
+            "ways to measure; left out: charge 1 with lg and matched, charge 0 with cell_centroid "
+            "and matched")
+          .sized(1, limits::kSweepArms)
+          .unlike(),
+      field("picture_gains_db", &GainSweep::picture_gains_db,
+            "dB, at which a frame of each charge is kept, with the first aberration",
+            limits::kGainDb)
+          .sized(0, limits::kSweepPictures)
+          .unlike()};
+};
+
+struct GainSweepRun {
+  GainSweep sweep;
+  bool clamp = false;  ///< gains that the camera does not have are left out
+  bool anew = false;   ///< cells that are known already are measured again
+};
+template <>
+struct Table<GainSweepRun> {
+  static constexpr const char* kName = "GainSweepRun";
+  static constexpr auto kFields =
+      std::tuple{inlined(&GainSweepRun::sweep),
+                 field("clamp", &GainSweepRun::clamp,
+                       "gains that the camera does not have are left out instead of refused"),
+                 field("anew", &GainSweepRun::anew,
+                       "what was measured of this run before is discarded, and measured again")};
+};
+
+/// To a millionth: what a file holds is then short, and far below any noise.
+double to_millionth(double value);
+
+/// Medians over all spots found in all frames, camera units; NaN: none was found.
+struct SpotLevels {
+  double level_dn = 0.0;  ///< see SpotFix
+  double noise_dn = 0.0;
+  double peak_dn = 0.0;  ///< the brightest pixel of all, no median
+};
+template <>
+struct Table<SpotLevels> {
+  using L = SpotLevels;
+  static constexpr const char* kName = "SpotLevels";
+  static constexpr auto kFields = std::tuple{
+      computed<L>(
+          "level_dn", [](const L& levels) { return to_millionth(levels.level_dn); },
+          "median over spots and frames of a spot's bright part above its background, camera units")
+          .or_null(),
+      computed<L>(
+          "noise_dn", [](const L& levels) { return to_millionth(levels.noise_dn); },
+          "median RMS noise of a pixel about a spot, camera units")
+          .or_null(),
+      computed<L>(
+          "peak_dn", [](const L& levels) { return to_millionth(levels.peak_dn); },
+          "the brightest pixel of any spot, camera units")
+          .or_null()};
+};
+
+struct ReferenceMeasured {
+  int arm = 0;
+  SweepArm with;
+  double gain_db = 0.0;  ///< as read back
+  std::int64_t t_begun_ns = 0;
+  int frames = 0, saturated_frames = 0;
+  SpotLevels levels;
+  std::vector<Vec2> positions_px;  ///< NaN: not used
+  std::vector<Vec2> cells_px;      ///< centres; empty: no fixed windows
+};
+template <>
+struct Table<ReferenceMeasured> {
+  using R = ReferenceMeasured;
+  static constexpr const char* kName = "SweepReference";
+  static constexpr auto kFields =
+      std::tuple{field("arm", &R::arm, "place in the request's arms", Bounds::at_least(0)),
+                 inlined(&R::with),
+                 field("gain_db", &R::gain_db, "dB, as read back"),
+                 field("t_begun_ns", &R::t_begun_ns, kTimeMeaning),
+                 field("frames", &R::frames, "averaged", Bounds::at_least(2)),
+                 field("saturated_frames", &R::saturated_frames, "frames with a spot at full scale",
+                       Bounds::at_least(0)),
+                 inlined(&R::levels),
+                 field("positions_px", &R::positions_px,
+                       "[x, y] of each spot, camera pixels of the region; null: not used"),
+                 field("cells_px", &R::cells_px,
+                       "[x, y] of each fixed window's centre; empty: not of cell_centroid")};
+};
+/// Places of such an object, "positions_px" or "cells_px"; none if it is not one of `arm`.
+std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
+                                                  const char* key = "positions_px");
+
+struct CellMeasured {
+  int cell = 0;
+  GainSweep::Cell at{};
+  SweepArm with;
+  double gain_db = 0.0;  ///< as read back
+  double exposure_us = 0.0, frame_rate_hz = 0.0;
+  std::int64_t t_begun_ns = 0;
+  int subapertures = 0;
+  std::vector<int> modes_j;
+  struct Frame {
+    std::vector<double> coefficients;  ///< RMS-normalised waves; empty: too few spots
+    double variance_rad2 = 0.0;        ///< NaN then
+    double saturated_fraction = 0.0;   ///< of the spots
+    int tracked = 0;
+  };
+  std::vector<Frame> frames;
+  SpotLevels levels;
+  struct Picture {  ///< a frame
+    int width = 0, height = 0;
+    std::string base64;  ///< of its 8 bit pixels, row by row; 255: the format's full scale
+  };
+  std::optional<Picture> picture;
+};
+template <>
+struct Table<CellMeasured::Picture> {
+  using P = CellMeasured::Picture;
+  static constexpr const char* kName = "CellPicture";
+  static constexpr auto kFields = std::tuple{
+      field("width", &P::width, "pixels", Bounds::at_least(1)),
+      field("height", &P::height, "pixels", Bounds::at_least(1)),
+      field("base64", &P::base64, "8 bit grey, row by row; 255: the format's full scale")};
+};
+
+/// The residual variance of a cell's frames, rad^2; NaN: no frame told its modes.
+struct CellVariance {
+  double mean = 0.0, standard_deviation = 0.0, standard_error = 0.0;
+  double unsaturated = 0.0;  ///< the mean over frames without a saturated spot
+  int undetermined_frames = 0;
+  int saturated_frames = 0, lost_spots = 0;
+};
+template <>
+struct Table<CellVariance> {
+  using V = CellVariance;
+  static constexpr const char* kName = "CellVariance";
+  static constexpr auto kFields = std::tuple{
+      field("variance_rad2", &V::mean,
+            "mean over the frames of the residual variance, rad^2: 4 pi^2 times the sum of the "
+            "squares of the measured less the introduced coefficients, RMS-normalised waves, tilts "
+            "included; null: no frame told its modes")
+          .or_null(),
+      field("standard_deviation_rad2", &V::standard_deviation, "of single frames, rad^2").or_null(),
+      field("standard_error_rad2", &V::standard_error, "of the mean, rad^2").or_null(),
+      field("unsaturated_variance_rad2", &V::unsaturated,
+            "the mean over frames without a saturated spot; null: none")
+          .or_null(),
+      field("undetermined_frames", &V::undetermined_frames,
+            "frames with too few spots to tell the modes, which are not in the mean",
+            Bounds::at_least(0)),
+      field("saturated_frames", &V::saturated_frames,
+            "frames with a spot at the format's full scale", Bounds::at_least(0)),
+      field("lost_spots", &V::lost_spots, "of all frames together", Bounds::at_least(0))};
+};
+
+/// A cell without what is of single frames.
+struct CellSummary {
+  CellMeasured cell;
+  CellVariance variance;
+  SpotLevels levels;
+
+  CellSummary() = default;
+  explicit CellSummary(CellMeasured measured);
+};
+template <>
+struct Table<CellSummary> {
+  using S = CellSummary;
+  static constexpr const char* kName = "CellSummary";
+  static constexpr auto kFields = std::tuple{
+      computed<S>(
+          "cell", [](const S& s) { return s.cell.cell; },
+          "its number, from 0: arms change fastest, aberrations slowest", limits::kSweepCell),
+      computed<S>(
+          "arm", [](const S& s) { return s.cell.at.arm; }, "place in the request's arms"),
+      computed<S>(
+          "charge", [](const S& s) { return s.cell.with.charge; },
+          "topological charge, 0: the Shack-Hartmann sensor", limits::kCharge),
+      computed<S>(
+          "tracker", [](const S& s) { return s.cell.with.tracker; },
+          "how spots are found: as in experiment.gain_sweep"),
+      computed<S>(
+          "aberration", [](const S& s) { return s.cell.at.aberration; },
+          "place in the request's aberrations"),
+      computed<S>(
+          "gain_db", [](const S& s) { return s.cell.gain_db; }, "dB, as read back"),
+      computed<S>(
+          "exposure_us", [](const S& s) { return s.cell.exposure_us; },
+          "exposure time, microseconds"),
+      computed<S>(
+          "frame_rate_hz", [](const S& s) { return s.cell.frame_rate_hz; }, "frames a second"),
+      computed<S>(
+          "t_begun_ns", [](const S& s) { return s.cell.t_begun_ns; }, kTimeMeaning),
+      computed<S>(
+          "frames", [](const S& s) { return s.cell.frames.size(); },
+          "settled frames, all of which count"),
+      inlined(&S::variance),
+      inlined(&S::levels)};
+};
+
+/// `experiment.cell`.
+struct CellReport {
+  CellSummary summary;
+
+  /// One number or list a frame.
+  template <class Get>
+  auto of_frames(Get get) const {
+    std::vector<decltype(get(CellMeasured::Frame()))> all;
+    for (const CellMeasured::Frame& frame : summary.cell.frames) all.push_back(get(frame));
+    return all;
+  }
+};
+template <>
+struct Table<CellReport> {
+  using C = CellReport;
+  using F = CellMeasured::Frame;
+  static constexpr const char* kName = "CellReport";
+  static constexpr auto kFields = std::tuple{
+      inlined(&C::summary),
+      computed<C>(
+          "modes_j", [](const C& c) { return c.summary.cell.modes_j; },
+          "OSA/ANSI indices, the order of coefficients_waves"),
+      computed<C>(
+          "variances_rad2",
+          [](const C& c) { return c.of_frames([](const F& f) { return f.variance_rad2; }); },
+          "of each frame; null: too few spots"),
+      computed<C>(
+          "coefficients_waves",
+          [](const C& c) {
+            return c.of_frames([](const F& f) {
+              std::vector<double> waves;
+              for (const double one : f.coefficients) waves.push_back(to_millionth(one));
+              return waves;
+            });
+          },
+          "of each frame, minus the reference, RMS-normalised waves to a millionth; empty: too few "
+          "spots"),
+      computed<C>("saturated_fractions",
+                  [](const C& c) {
+                    return c.of_frames(
+                        [](const F& f) { return to_millionth(f.saturated_fraction); });
+                  },
+                  "the fraction of the spots that hold a saturated pixel, frame by frame", {0, 1}),
+      computed<C>(
+          "tracked", [](const C& c) { return c.of_frames([](const F& f) { return f.tracked; }); },
+          "spots found in each frame", Bounds::at_least(0)),
+      computed<C>(
+          "picture", [](const C& c) { return c.summary.cell.picture; },
+          "a frame of the cell, where one is kept")};
+};
+
+struct ExperimentReport {
+  std::string run;  ///< its name, 16 hexadecimal digits
+  GainSweep request;
+  Json bench;
+  std::int64_t t_begun_ns = 0;
+  std::optional<int> job;             ///< that measures it now
+  std::optional<double> time_left_s;  ///< not known before a cell was measured
+  std::optional<std::string> not_kept_reason;
+  std::vector<JsonOf<ReferenceMeasured>> references;
+  std::vector<JsonOf<CellSummary>> cells;
+};
+template <>
+struct Table<ExperimentReport> {
+  using R = ExperimentReport;
+  static constexpr const char* kName = "ExperimentReport";
+  static constexpr auto kFields = std::tuple{
+      field("run", &R::run,
+            "its name, 16 hexadecimal digits: the same for the same request on the same bench"),
+      field("job", &R::job, "that measures it now"),
+      field("t_begun_ns", &R::t_begun_ns,
+            "UNIX epoch UTC, nanoseconds, when it was asked for first"),
+      time_text("t_begun", &R::t_begun_ns),
+      field("time_left_s", &R::time_left_s,
+            "seconds, by the cells that its job has measured; null: none yet, or no job",
+            Bounds::at_least(0)),
+      field("not_kept_reason", &R::not_kept_reason,
+            "why cells would not survive a restart; null: they would"),
+      field("request", &R::request,
+            "the params, complete; aberrations RMS-normalised, gains that were left out are not in "
+            "it"),
+      field("bench", &R::bench, "what the numbers are of"),
+      field("references", &R::references, "those taken so far, one an arm"),
+      field("cells", &R::cells, "those measured so far, by their numbers")};
+};
+
+/// `experiment.get`.
+struct KnownExperiment {
+  std::optional<ExperimentReport> experiment;
+  std::size_t cells_total = 0;
+
+  std::size_t cells_done() const { return experiment ? experiment->cells.size() : 0; }
+};
+template <>
+struct Table<KnownExperiment> {
+  using K = KnownExperiment;
+  static constexpr const char* kName = "KnownExperiment";
+  static constexpr auto kFields = std::tuple{
+      computed<K>(
+          "known", [](const K& k) { return k.experiment.has_value(); }, "whether there is one"),
+      computed<K>(
+          "complete", [](const K& k) { return k.experiment && k.cells_done() == k.cells_total; },
+          "whether every cell was measured"),
+      field("cells_total", &K::cells_total, "of the request"),
+      computed<K>(
+          "cells_done", [](const K& k) { return k.cells_done(); }, "of them measured"),
+      inlined(&K::experiment)};
+};
+
+}  // namespace ovws
