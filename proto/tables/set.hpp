@@ -11,12 +11,6 @@
 
 namespace ovws {
 
-/// The params of a set without `clamp`, which only says how to set.
-inline Json requested(Json params) {
-  params.erase("clamp");
-  return params;
-}
-
 inline constexpr const char* kRequestedMeaning = "as it was asked for";
 inline constexpr const char* kAppliedMeaning = "as it is now";
 

@@ -16,12 +16,13 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
     const auto suits = services.instrument.can_measure(change->applied_to({}).pixel_format);
     if (!suits) return reply(failed(suits.error()));
   }
-  services.camera.change(*change, [&services, params, reply](Result<CameraSnapshot> applied) {
-    if (!applied) return reply(failed(applied.error()));
-    services.instrument.after_changes([params, reply, camera = *applied] {
-      reply(to_json(CameraSetReport{requested(params), camera.settings, camera.limits}));
-    });
-  });
+  services.camera.change(
+      *change, [&services, given = change->given(), reply](Result<CameraSnapshot> applied) {
+        if (!applied) return reply(failed(applied.error()));
+        services.instrument.after_changes([given, reply, camera = *applied] {
+          reply(to_json(CameraSetReport{given, camera.settings, camera.limits}));
+        });
+      });
 }
 
 constexpr std::array<Method, 2> kMethods{{

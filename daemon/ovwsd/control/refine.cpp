@@ -18,7 +18,7 @@ void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   if (!change) return reply(failed(change.error()));
   const auto applied = services.refiner.change(*change, camera_format(services));
   if (!applied) return reply(failed(applied.error()));
-  reply(to_json(RefineSetReport{requested(params), {*applied}}));
+  reply(to_json(RefineSetReport{change->given(), {*applied}}));
 }
 
 constexpr std::array<Method, 2> kMethods{{

@@ -30,11 +30,12 @@ Error in_params(Error error) {
 void set(Services& services, const nlohmann::json& params, RpcReply reply) {
   const auto change = SensorSet::decode(params);
   if (!change) return reply(failed(change.error()));
-  services.instrument.change_sensor(*change, [params, reply](Result<SensorSnapshot> applied) {
-    if (!applied) return reply(failed(in_params(applied.error())));
-    reply(to_json(SensorSetReport{
-        requested(params), {applied->sensor, applied->tracking}, applied->hologram_id}));
-  });
+  services.instrument.change_sensor(
+      *change, [given = change->given(), reply](Result<SensorSnapshot> applied) {
+        if (!applied) return reply(failed(in_params(applied.error())));
+        reply(to_json(
+            SensorSetReport{given, {applied->sensor, applied->tracking}, applied->hologram_id}));
+      });
 }
 
 void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& applied) {

@@ -240,7 +240,8 @@ void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", to_json(CameraReport{}));
   print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
-  print_result("camera.set", to_json(CameraSetReport{requested(params), {}, kLimits}));
+  print_result("camera.set",
+               to_json(CameraSetReport{CameraSet::decode(params)->given(), {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{json::object(), {}, std::nullopt}));
   const SensorReport sensor{
       {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
