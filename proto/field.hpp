@@ -19,9 +19,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
-#include "core/base/result.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws {

@@ -4,12 +4,12 @@
 /// Decoding is strict, see ObjectReader: every fault names the dotted path of its key.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "core/optics/zernike.hpp"
+#include "proto/field_schema.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
 #include "proto/schemas.hpp"
+#include "proto/tables/calibration.hpp"
 #include "proto/tables/experiment.hpp"
+#include "proto/tables/set.hpp"
+#include "proto/tables/streams.hpp"
 
 namespace ovws {
 namespace {
@@ -45,6 +51,62 @@ TEST(Schemas, AreThereForEveryStreamAndMethod) {
                        "stream.spots",       "stream.status",    "stream.wavefront",
                        "system.describe",    "system.status"}));
   EXPECT_EQ(schema_text("camera.sett"), "");
+}
+
+/// Which properties the table's schema has, and the written one: the same, as many of them
+/// required.
+template <class S>
+void expect_same_fields(const char* name, const char* part) {
+  json written = json::parse(schema_text(name));
+  if (part != nullptr) written = written.at(part);
+  const json made =
+      schema_of<S>(std::string_view(part == nullptr ? "" : part) == "params" ? SchemaOf::params
+                                                                             : SchemaOf::result);
+  const auto keys = [](const json& schema) {
+    std::set<std::string> all;
+    for (const auto& [key, value] : schema.at("properties").items()) all.insert(key);
+    return all;
+  };
+  const auto required = [](const json& schema) {
+    return schema.value("required", json::array()).get<std::set<std::string>>();
+  };
+  EXPECT_EQ(keys(made), keys(written)) << name;
+  EXPECT_EQ(required(made), required(written)) << name;
+}
+
+TEST(Schemas, HaveTheFieldsOfTheTables) {
+  expect_same_fields<CameraReport>("camera.get", "result");
+  expect_same_fields<CameraSetReport>("camera.set", "result");
+  expect_same_fields<SensorReport>("sensor.get", "result");
+  expect_same_fields<SensorSetReport>("sensor.set", "result");
+  expect_same_fields<RefineReport>("refine.get", "result");
+  expect_same_fields<ModesReport>("aberration.get", "result");
+  expect_same_fields<KnownReference>("reference.get", "result");
+  expect_same_fields<KnownRegistration>("registration.get", "result");
+  expect_same_fields<KnownCalibration>("calibration.get", "result");
+  expect_same_fields<LutReport>("lut.get", "result");
+  expect_same_fields<FlatnessReport>("flatness.get", "result");
+  expect_same_fields<VerifyReport>("slm.verify", "result");
+  expect_same_fields<ShowReport>("slm.show", "result");
+  expect_same_fields<LoopReport>("loop.get", "result");
+  expect_same_fields<RecordReport>("record.get", "result");
+  expect_same_fields<JobReport>("job.get", "result");
+  expect_same_fields<KnownExperiment>("experiment.get", "result");
+  expect_same_fields<CellReport>("experiment.cell", "result");
+  expect_same_fields<StatusMessage>("system.status", "result");
+  expect_same_fields<LoopSettings>("loop.close", "params");
+  expect_same_fields<RecordStart>("record.start", "params");
+  expect_same_fields<CalibrationRun>("calibration.run", "params");
+  expect_same_fields<GainSweepRun>("experiment.gain_sweep", "params");
+  expect_same_fields<ReferenceTake>("reference.take", "params");
+  expect_same_fields<SlmShow>("slm.show", "params");
+  expect_same_fields<WavefrontMessage>("stream.wavefront", nullptr);
+  expect_same_fields<SpotsMessage>("stream.spots", nullptr);
+  expect_same_fields<ImageMessage>("stream.image", nullptr);
+  expect_same_fields<PhaseMessage>("stream.phase", nullptr);
+  expect_same_fields<RefinedMessage>("stream.refined", nullptr);
+  expect_same_fields<EventMessage>("stream.event", nullptr);
+  expect_same_fields<StreamedStatus>("stream.status", nullptr);
 }
 
 TEST(Schemas, StateTheRangesThatAreUsed) {
