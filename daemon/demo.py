@@ -15,9 +15,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "drivers" / "twin"))
-sys.path.insert(0, str(ROOT / "proto" / "python"))
 
-from bench import Bench, BenchError  # noqa: E402
+from bench import Bench, BenchError, python_client  # noqa: E402
+
+python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
 NAMES = {3: "Z(2,-2)", 4: "Z(2,0)", 5: "Z(2,2)", 7: "Z(3,-1)", 8: "Z(3,1)"}

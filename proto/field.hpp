@@ -19,6 +19,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "proto/limits.hpp"
 
@@ -38,6 +39,8 @@ struct Bounds {
   }
 };
 
+using NamesOf = std::vector<std::string> (*)();
+
 /// What is known of a field besides its type.
 struct FieldInfo {
   const char* key = "";
@@ -45,9 +48,43 @@ struct FieldInfo {
   Bounds bounds{};
   std::size_t min_size = 0, max_size = std::numeric_limits<std::size_t>::max();  ///< of an array
   bool nullable = false;        ///< null stands for NaN, an empty text, an empty array
+  bool left_out = false;        ///< it is left out where nullable would be null
   bool required = false;        ///< of params: there is no default
   bool distinct = false;        ///< of an array: no value is given twice
+  bool nulls = false;           ///< of an array: numbers in it may be NaN, which is null
+  NamesOf names = nullptr;      ///< of a text, or of an object's keys: all that it may be
   const char* absent = "null";  ///< JSON text; see Inlined
+};
+
+/// What can be said of a field when it is declared: each returns a changed copy.
+template <class Self>
+struct Described : FieldInfo {
+  constexpr Self or_null() const {
+    return with([](Self& f) { f.nullable = true; });
+  }
+  constexpr Self or_left_out() const {
+    return with([](Self& f) { f.left_out = true; });
+  }
+  constexpr Self sized(std::size_t least, std::size_t most) const {
+    return with([=](Self& f) { f.min_size = least, f.max_size = most; });
+  }
+  constexpr Self with_nulls() const {
+    return with([](Self& f) { f.nulls = true; });
+  }
+  constexpr Self among(NamesOf all) const {
+    return with([=](Self& f) { f.names = all; });
+  }
+  constexpr Self if_absent(const char* json) const {
+    return with([=](Self& f) { f.absent = json; });
+  }
+
+ protected:
+  template <class Change>
+  constexpr Self with(Change change) const {
+    Self out = static_cast<const Self&>(*this);
+    change(out);
+    return out;
+  }
 };
 
 /// Why a value that has the right type and range is wrong all the same; none: it is not.
@@ -55,38 +92,21 @@ template <class T>
 using FieldCheck = std::optional<std::string> (*)(const T&);
 
 template <class S, class T>
-struct Field : FieldInfo {
+struct Field : Described<Field<S, T>> {
   using Value = T;
   T S::*member = nullptr;
   FieldCheck<T> check = nullptr;
 
   const T& of(const S& from) const { return from.*member; }
 
-  constexpr Field or_null() const {
-    return with([](Field& f) { f.nullable = true; });
-  }
   constexpr Field must() const {
-    return with([](Field& f) { f.required = true; });
+    return this->with([](Field& f) { f.required = true; });
   }
   constexpr Field unlike() const {
-    return with([](Field& f) { f.distinct = true; });
-  }
-  constexpr Field sized(std::size_t least, std::size_t most) const {
-    return with([=](Field& f) { f.min_size = least, f.max_size = most; });
+    return this->with([](Field& f) { f.distinct = true; });
   }
   constexpr Field checked(FieldCheck<T> by) const {
-    return with([=](Field& f) { f.check = by; });
-  }
-  constexpr Field if_absent(const char* json) const {
-    return with([=](Field& f) { f.absent = json; });
-  }
-
- private:
-  template <class Change>
-  constexpr Field with(Change change) const {
-    Field out = *this;
-    change(out);
-    return out;
+    return this->with([=](Field& f) { f.check = by; });
   }
 };
 
@@ -100,23 +120,19 @@ constexpr auto field(const char* key, T S::*member, const char* meaning, Bounds 
   return out;
 }
 
-/// A field that is only encoded: what `Get` makes of the struct.
+/// A field that is only encoded: what `get` makes of the struct.
 template <class S, class Get>
-struct Computed : FieldInfo {
+struct Computed : Described<Computed<S, Get>> {
   using Value = std::remove_cvref_t<std::invoke_result_t<Get, const S&>>;
   Get get;
 
+  constexpr explicit Computed(Get by) : get(by) {}
   decltype(auto) of(const S& from) const { return get(from); }
-  constexpr Computed or_null() const {
-    Computed out = *this;
-    out.nullable = true;
-    return out;
-  }
 };
 
 template <class S, class Get>
 constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bounds = {}) {
-  Computed<S, Get> out{{}, get};
+  Computed<S, Get> out(get);
   out.key = key;
   out.meaning = meaning;
   out.bounds = bounds;

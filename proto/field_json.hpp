@@ -75,11 +75,23 @@ struct Wire<JsonOf<S>> {
   static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
+/// An object with fields that are known elsewhere.
+struct JsonObject {
+  Json json = Json::object();
+};
+template <>
+struct Wire<JsonObject> {
+  static Json to_json(const JsonObject& object) { return object.json; }
+  static Json schema(SchemaParts&, const FieldInfo&) { return {{"type", "object"}}; }
+};
+
 /// The fields of `from` into the object `out`.
 template <class J, HasTable S>
 void put_fields(J& out, const S& from) {
   visit_fields(from, [&out](const FieldInfo& field, const auto& value) {
-    out[field.key] = field.nullable && detail::is_nothing(value) ? J() : to_json<J>(value);
+    const bool nothing = (field.nullable || field.left_out) && detail::is_nothing(value);
+    J encoded = nothing ? J() : to_json<J>(value);
+    if (!field.left_out || !encoded.is_null()) out[field.key] = std::move(encoded);
   });
 }
 
@@ -403,6 +415,13 @@ class Partial {
  private:
   Json given_ = Json::object();
   bool clamp_ = false;
+};
+
+/// A change on the wire: what is given, without `clamp`.
+template <class S>
+struct Wire<Partial<S>> {
+  static Json to_json(const Partial<S>& change) { return change.given(); }
+  static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
 /// Params that have a table, or a decode of their own.

@@ -1,8 +1,10 @@
 /// JSON Schemas (draft 2020-12) from field tables.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -10,8 +12,9 @@
 
 namespace ovws {
 
-/// What a schema is for: params may leave out all that is not required, results hold every field.
-enum class SchemaOf { params, result };
+/// What a schema is for: params may leave out all that is not required, which is then its default,
+/// or in a change stays as it is; results hold every field.
+enum class SchemaOf { params, change, result };
 
 /// Collects the schemas of structs, each once, for references by "#/$defs/NAME".
 struct SchemaParts {
@@ -36,10 +39,30 @@ inline Json with_null(Json schema) {
   return {{"anyOf", Json::array({std::move(schema), Json{{"type", "null"}}})}};
 }
 
+inline void erase_bounds(Json& schema) {
+  if (!schema.is_structured()) return;
+  if (schema.is_object()) {
+    schema.erase("minimum");
+    schema.erase("maximum");
+  }
+  for (Json& part : schema) erase_bounds(part);
+}
+
+inline Json reference_to(std::string_view name) {
+  std::string path = "#/$defs/";
+  path += name;
+  return {{"$ref", path}};
+}
+
 inline void put_bounds(Json& schema, const Bounds& bounds) {
   if (std::isfinite(bounds.min)) schema["minimum"] = bounds.min;
   if (std::isfinite(bounds.max)) schema["maximum"] = bounds.max;
 }
+
+template <class T>
+inline constexpr bool is_array = false;
+template <class T, std::size_t N>
+inline constexpr bool is_array<std::array<T, N>> = true;
 
 template <class T>
 Json schema_of_number(const Bounds& bounds) {
@@ -57,10 +80,16 @@ inline Json schema_of_array(Json items, const FieldInfo& field) {
   return schema;
 }
 
-inline Json schema_of_tuple(std::size_t size, const Bounds& bounds) {
+inline Json schema_of_text(const FieldInfo& field) {
+  Json schema{{"type", "string"}};
+  if (field.names != nullptr) schema["enum"] = field.names();
+  return schema;
+}
+
+inline Json schema_of_tuple(std::size_t size, Json items) {
   FieldInfo sized;
   sized.min_size = sized.max_size = size;
-  return schema_of_array(schema_of_number<double>(bounds), sized);
+  return schema_of_array(std::move(items), sized);
 }
 
 /// Without what is of single values.
@@ -76,46 +105,69 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
     return schema_of_number<T>(field.bounds);
   } else if constexpr (HasNames<T>) {
     return {{"type", "string"}, {"enum", Names<T>::all()}};
-  } else if constexpr (std::is_same_v<T, Vec2> || std::is_same_v<T, std::array<double, 2>>) {
-    return schema_of_tuple(2, field.bounds);
+  } else if constexpr (std::is_same_v<T, Vec2>) {
+    Json number = schema_of_number<double>(field.bounds);
+    return schema_of_tuple(2, field.nulls ? with_null(std::move(number)) : std::move(number));
+  } else if constexpr (is_array<T>) {
+    FieldInfo element;
+    element.bounds = field.bounds;
+    return schema_of_tuple(std::tuple_size_v<T>,
+                           schema_of_value<typename T::value_type>(parts, element));
   } else if constexpr (HasTable<T>) {
     return schema_reference<T>(parts);
   } else if constexpr (is_named_list<T>) {
-    return {
-        {"type", "object"},
-        {"additionalProperties", schema_of_value<typename T::value_type::second_type>(parts, {})}};
+    using Value = typename T::value_type::second_type;
+    Json schema{{"type", "object"}, {"additionalProperties", schema_of_value<Value>(parts, {})}};
+    if (field.names != nullptr) schema["propertyNames"] = {{"enum", field.names()}};
+    return schema;
   } else if constexpr (std::is_same_v<T, Json>) {
     return Json::object();
   } else if constexpr (TextLike<T>) {
-    return {{"type", "string"}};
+    return schema_of_text(field);
   } else {
     FieldInfo element;
     element.bounds = field.bounds;
-    return schema_of_array(schema_of_value<typename T::value_type>(parts, element), field);
+    element.nulls = field.nulls;
+    Json items = schema_of_value<typename T::value_type>(parts, element);
+    const bool number = std::is_floating_point_v<typename T::value_type>;
+    return schema_of_array(number && field.nulls ? with_null(std::move(items)) : std::move(items),
+                           field);
   }
 }
 
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required);
 
-template <class, class Entry>
+template <class S, class Entry>
+void put_default(Json& schema, const Entry& entry) {
+  if constexpr (requires { entry.member; }) {
+    if (entry.required) return;
+    const S defaults{};
+    const auto& value = defaults.*entry.member;
+    if (!is_nothing(value)) schema["default"] = to_json(value);
+  }
+}
+
+template <class S, class Entry>
 void put_entry(SchemaParts& parts, const Entry& entry, Json& properties, Json& required) {
   Json schema = schema_of_value<typename Entry::Value>(parts, entry);
   const bool or_absent = parts.may_be_absent && std::string_view(entry.absent) == "null";
   if (!is_optional<typename Entry::Value> && (entry.nullable || or_absent)) {
     schema = with_null(std::move(schema));
   }
+  if (parts.of == SchemaOf::params) put_default<S>(schema, entry);
   schema["description"] = entry.meaning;
   properties[entry.key] = std::move(schema);
-  if (parts.of == SchemaOf::result || entry.required) required.push_back(entry.key);
+  const bool always = parts.of == SchemaOf::result && !entry.left_out;
+  if (always || entry.required) required.push_back(entry.key);
 }
-template <class>
+template <class S>
 void put_entry(SchemaParts&, const Constant& entry, Json& properties, Json& required) {
   properties[entry.key] = {
       {"const", entry.text}, {"type", "string"}, {"description", entry.meaning}};
   required.push_back(entry.key);
 }
-template <class, class S, class T>
+template <class Owner, class S, class T>
 void put_entry(SchemaParts& parts, const Inlined<S, T>&, Json& properties, Json& required) {
   if constexpr (is_optional<T>) {
     const bool before = std::exchange(parts.may_be_absent, true);
@@ -125,8 +177,7 @@ void put_entry(SchemaParts& parts, const Inlined<S, T>&, Json& properties, Json&
     put_schema<T>(parts, properties, required);
   }
 }
-
-template <class, class T>
+template <class Owner, class T>
 void put_entry(SchemaParts& parts, const Based<T>&, Json& properties, Json& required) {
   put_schema<T>(parts, properties, required);
 }
@@ -139,21 +190,27 @@ void put_schema(SchemaParts& parts, Json& properties, Json& required) {
 
 template <class S>
 Json object_schema(SchemaParts& parts) {
+  // A part is not absent because what holds it may be.
+  const bool before = std::exchange(parts.may_be_absent, false);
   Json properties = Json::object(), required = Json::array();
   put_schema<S>(parts, properties, required);
+  parts.may_be_absent = before;
   Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   if (!required.empty()) schema["required"] = required;
+  if constexpr (requires { Table<S>::rules(); }) schema.update(Table<S>::rules());
   return schema;
 }
 
 template <class S>
 Json schema_reference(SchemaParts& parts) {
-  const char* const name = Table<S>::kName;
+  // In a change no field is required.
+  const std::string name =
+      std::string(Table<S>::kName) + (parts.of == SchemaOf::change ? "Change" : "");
   if (!parts.parts.contains(name)) {
     parts.parts[name] = nullptr;  // it is being made
     parts.parts[name] = object_schema<S>(parts);
   }
-  return {{"$ref", std::string("#/$defs/") + name}};
+  return reference_to(name);
 }
 
 }  // namespace detail
@@ -163,14 +220,48 @@ Json Wire<JsonOf<S>>::schema(SchemaParts& parts, const FieldInfo&) {
   return detail::schema_reference<S>(parts);
 }
 
+template <class S>
+Json Wire<Partial<S>>::schema(SchemaParts& parts, const FieldInfo&) {
+  SchemaParts asked{SchemaOf::change};
+  Json reference = detail::schema_reference<S>(asked);
+  detail::erase_bounds(asked.parts);  // what was asked for may have been clamped
+  parts.parts.update(asked.parts);
+  return reference;
+}
+
 /// A whole schema: of params, of a result, of a message.
-template <HasTable S>
+template <class S>
+struct WholeSchema {
+  static Json of(SchemaOf of) {
+    SchemaParts parts{of};
+    Json schema;
+    if constexpr (HasTable<S>) {
+      schema = detail::object_schema<S>(parts);
+      schema["title"] = Table<S>::kName;
+    } else {
+      schema = Wire<S>::schema(parts, {});
+    }
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+    if (!parts.parts.empty()) schema["$defs"] = std::move(parts.parts);
+    return schema;
+  }
+};
+template <class S>
+struct WholeSchema<Partial<S>> {
+  static Json of(SchemaOf) {
+    Json schema = WholeSchema<S>::of(SchemaOf::change);
+    schema["properties"]["clamp"] = {
+        {"type", "boolean"},
+        {"default", false},
+        {"description",
+         "true: a number out of range becomes the nearest limit instead of being refused; the "
+         "ranges stated here then do not bind"}};
+    return schema;
+  }
+};
+template <class S>
 Json schema_of(SchemaOf of) {
-  SchemaParts parts{of};
-  Json schema = detail::object_schema<S>(parts);
-  schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
-  if (!parts.parts.empty()) schema["$defs"] = std::move(parts.parts);
-  return schema;
+  return WholeSchema<S>::of(of);
 }
 
 }  // namespace ovws

@@ -1,5 +1,5 @@
 /// The ranges of every number that a person can set: the wire, the configuration and the JSON
-/// Schemas state the same ones (a test compares them). A device may allow less.
+/// Schemas state the same ones. A device may allow less.
 #pragma once
 
 #include <cstddef>

@@ -78,11 +78,13 @@ Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
                     "wavelength"}};
   const int highest = zernike_index(kMaxZernikeIndex).n;
   const Json by_index{
+      {"title", "ModeByJ"},
       {"type", "object"},
       {"properties", {{"j", whole(0, kMaxZernikeIndex, kModeIndexMeaning)}, {"waves", waves}}},
       {"required", {"j", "waves"}},
       {"additionalProperties", false}};
   const Json by_orders{
+      {"title", "ModeByOrders"},
       {"type", "object"},
       {"properties",
        {{"n", whole(0, highest, "radial order")},
@@ -91,7 +93,8 @@ Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
         {"waves", waves}}},
       {"required", {"n", "m", "waves"}},
       {"additionalProperties", false}};
-  return {{"type", "object"},
+  return {{"title", "ModesSet"},
+          {"type", "object"},
           {"properties",
            {{"modes",
              {{"type", "array"},

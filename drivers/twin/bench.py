@@ -24,6 +24,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -45,6 +46,11 @@ def find_programs(build=None):
     if not twins:
         raise BenchError(f"no bin/ovws-twin in {build or SOURCE / 'build'}: build the project first")
     return max(twins, key=lambda twin: twin.stat().st_mtime).resolve().parent
+
+
+def python_client():
+    """Makes ovws_client of the build that is run the one that is imported; it holds what the build made."""
+    sys.path.insert(0, str(find_programs().parent / "python"))
 
 
 def own_network():

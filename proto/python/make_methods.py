@@ -1,27 +1,17 @@
 #!/usr/bin/python3
-"""Makes ovws_client/methods.py from proto/schema: every method of the daemon with its types and its words.
+"""Makes ovws_client/methods.py from the JSON Schemas: every method of the daemon with its types and its words.
 
-    proto/python/make_methods.py            writes the file anew
-    proto/python/make_methods.py --print    prints it instead
+    make_methods.py SCHEMAS METHODS_PY      SCHEMAS: the folder that write_schemas has made
 """
 import json
 import re
 import sys
 import textwrap
-from collections import defaultdict
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-SCHEMAS = HERE.parent / "schema"
-MADE = HERE / "ovws_client" / "methods.py"
 WIDTH = 140
 PLAIN = {"number": "float", "integer": "int", "boolean": "bool", "string": "str", "null": "None"}
-# Structures that the wire gives no name, by their keys.
-NAMES = {
-    ("j", "waves"): "ModeByJ", ("m", "n", "waves"): "ModeByOrders", ("j", "m", "n", "name", "waves"): "Mode",
-    ("height", "width", "x", "y"): "Roi", ("increment", "max", "min"): "Range", ("job",): "JobStarted",
-}
-HEAD = '''"""Every method of the daemon, with its types and its words. Made by make_methods.py from proto/schema: change it there.
+HEAD = '''"""Every method of the daemon, with its types and its words. Made by make_methods.py from the daemon's field tables: change them.
 
 What is LEFT_OUT stays as it is, or is the default. Results are dicts, as the wire has them.
 """
@@ -49,96 +39,70 @@ def _given(**params: object) -> dict[str, object]:
 '''
 
 
-def camel(text):
-    return "".join(part[:1].upper() + part[1:] for part in re.split(r"[._]", text))
-
-
 def wrapped(text, first, later=None):
     """Lines that begin with `first`, and with `later` from the second on (as far in, if nothing is said)."""
     return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=" " * len(first) if later is None else later,
                          break_long_words=False, break_on_hyphens=False)
 
 
+def without_bounds(schema):
+    if isinstance(schema, dict):
+        return {key: without_bounds(value) for key, value in schema.items() if key not in ("minimum", "maximum")}
+    return schema
+
+
 class Structures:
-    """The objects with named keys in all schemas, each told once: one TypedDict per distinct set of keys, types and descriptions."""
+    """The objects with named keys in all schemas, each told once: one TypedDict for each table of the daemon's."""
 
     def __init__(self):
-        self._paths = defaultdict(list)  # structure -> where it stands
-        self._schemas = {}
-        self._names = {}
+        self._schemas = {}  # by name
 
-    @staticmethod
-    def identity(schema):
-        """What makes two objects the same: all but limits, examples and the object's own description."""
-        def kept(value, top=False):
-            if isinstance(value, dict):
-                return {k: kept(v) for k, v in value.items() if k not in ("minimum", "maximum", "examples", "default", "$schema", "title")
-                        and not (top and k in ("description", "type"))}
-            return value
-        return json.dumps(kept(schema, True), sort_keys=True)
+    def collect(self, whole):
+        """The objects of one whole schema: itself, if it has a title, and its definitions."""
+        roots = {whole["title"]: whole} if "title" in whole else {}
+        for name, schema in (roots | whole.get("$defs", {})).items():
+            self._add(name, schema)
+        self._collect_unnamed(whole)
 
-    def collect(self, schema, path):
-        for part in schema.get("oneOf", []):
-            self.collect(part, path)
-        if "items" in schema:
-            self.collect(schema["items"], (*path[:-1], re.sub(r"s$", "", path[-1])))
-        if isinstance(schema.get("additionalProperties"), dict):
-            self.collect(schema["additionalProperties"], path)
-        for name, value in schema.get("properties", {}).items():
-            self.collect(value, (*path, name))
-        if schema.get("properties"):
-            key = self.identity(schema)
-            self._paths[key].append(path)
-            self._schemas[key] = schema
+    def _add(self, name, schema):
+        kept = {key: value for key, value in schema.items() if key not in ("$defs", "$schema", "examples", "title")}
+        if without_bounds(self._schemas.setdefault(name, kept)) != without_bounds(kept):
+            raise ValueError(f"two structures are called {name}")
 
-    def name_all(self):
-        """A short name where nothing else wants it: the keys' own, else the key it stands under, else with what it belongs to."""
-        taken = {"LeftOut", "Methods", "AsyncMethods"}
-        for key, paths in self._paths.items():
-            name = next(n for n in self.wishes(key, paths) if n not in taken)
-            taken.add(name)
-            self._names[key] = name
-
-    def wishes(self, key, paths):
-        by_keys = NAMES.get(tuple(sorted(self._schemas[key]["properties"])))
-        if by_keys:
-            yield by_keys
-        ends = {path[-1] for path in paths}
-        if len(paths[0]) == 1:
-            yield camel(paths[0][0].split(".")[0] if len(paths) > 1 else paths[0][0]) + "Result"
-        elif len(ends) == 1:
-            yield camel(paths[0][-1])
-        yield camel(paths[0][0].replace("system.", "").split(".")[0]) + camel(paths[0][-1])
-        yield "".join(map(camel, paths[0]))
-
-    def name(self, schema):
-        return self._names[self.identity(schema)]
+    def _collect_unnamed(self, schema):
+        """Those within, which have a title, too."""
+        for value in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+            if isinstance(value, dict) and "title" in value and "properties" in value:
+                self._add(value["title"], value)
+            self._collect_unnamed(value)
 
     def lines(self):
-        for key, schema in self._schemas.items():
-            yield from ["", "", f"class {self._names[key]}(TypedDict):"]
-            if schema.get("description"):
-                yield from wrapped(f'"""{sentence(schema["description"])}"""', "    ")
-                yield ""
-            for name, value in schema["properties"].items():
+        for name, schema in sorted(self._schemas.items()):
+            if not schema["properties"]:
+                continue
+            yield from ["", "", f"class {name}(TypedDict):"]
+            for key, value in schema["properties"].items():
                 yield from wrapped(described(value), "    # ", "    # ")
                 kind = self.type_of(value, "list")
-                yield f"    {name}: " + (kind if name in schema.get("required", []) else f"NotRequired[{kind}]")
+                yield f"    {key}: " + (kind if key in schema.get("required", []) else f"NotRequired[{kind}]")
 
     def type_of(self, schema, array):
+        if "$ref" in schema:
+            return schema["$ref"].split("/")[-1]
         if "const" in schema or "enum" in schema:
             return f"Literal[{', '.join('None' if v is None else json.dumps(v) for v in schema.get('enum', [schema.get('const')]))}]"
-        if "oneOf" in schema:
-            return " | ".join(self.type_of(part, array) for part in schema["oneOf"])
+        for either in ("oneOf", "anyOf"):
+            if either in schema:
+                return " | ".join(self.type_of(part, array) for part in schema[either])
+        if "title" in schema:
+            return schema["title"]
         kinds = schema.get("type", [])
         kinds = [kinds] if isinstance(kinds, str) else kinds
         return " | ".join(PLAIN.get(kind) or self.composed(kind, schema, array) for kind in kinds) or "Any"
 
     def composed(self, kind, schema, array):
         if kind == "array":
-            return f"{array}[{self.type_of(schema['items'], array)}]" if "items" in schema else f"{array}[Any]"
-        if schema.get("properties"):
-            return self.name(schema)
+            return f"{array}[{self.type_of(schema['items'], array)}]"
         values = schema.get("additionalProperties")
         return f"dict[str, {self.type_of(values, array)}]" if isinstance(values, dict) else "dict[str, Any]"
 
@@ -196,14 +160,12 @@ def body_lines(structures, name, schema, wait):
     yield "        return result"
 
 
-def module():
-    schemas = {path.stem: json.loads(path.read_text()) for path in sorted(SCHEMAS.glob("*.json")) if not path.name.startswith("stream.")}
+def module(folder):
+    schemas = {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json")) if not path.name.startswith("stream.")}
     structures = Structures()
-    for name, schema in schemas.items():
-        for key, value in schema["params"]["properties"].items():
-            structures.collect(value, (name, key))
-        structures.collect(schema["result"], (name,))
-    structures.name_all()
+    for schema in schemas.values():
+        structures.collect({key: value for key, value in schema["params"].items() if key != "title"})
+        structures.collect(schema["result"])
     lines = HEAD.splitlines() + list(structures.lines())
     for title, prefix, wait in (("Methods", "", ""), ("AsyncMethods", "async ", "await ")):
         lines += ["", "", f"class {title}:",
@@ -218,10 +180,8 @@ def module():
 
 
 def main():
-    if sys.argv[1:] == ["--print"]:
-        sys.stdout.write(module())
-    else:
-        MADE.write_text(module())
+    schemas, made = map(Path, sys.argv[1:])
+    made.write_text(module(schemas))
 
 
 if __name__ == "__main__":

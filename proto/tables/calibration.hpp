@@ -65,7 +65,7 @@ struct CalibrationReport {
   InteractionMatrix matrix;
   MatrixComparison comparison;
   std::string sha256;  ///< empty: it is not kept
-  Json origin;
+  JsonOf<Origin> origin;
 };
 std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report);
 std::vector<double> singular_values_of(const CalibrationReport& report);

@@ -9,6 +9,7 @@
 #include "core/base/vec2.hpp"
 #include "core/tracking/spot.hpp"
 #include "proto/tables/modes.hpp"
+#include "proto/tables/origin.hpp"
 #include "proto/tables/params.hpp"
 #include "proto/tables/time.hpp"
 
@@ -171,9 +172,11 @@ struct Table<ReferenceMeasured> {
                        Bounds::at_least(0)),
                  inlined(&R::levels),
                  field("positions_px", &R::positions_px,
-                       "[x, y] of each spot, camera pixels of the region; null: not used"),
+                       "[x, y] of each spot, camera pixels of the region; null: not used")
+                     .with_nulls(),
                  field("cells_px", &R::cells_px,
-                       "[x, y] of each fixed window's centre; empty: not of cell_centroid")};
+                       "[x, y] of each fixed window's centre; empty: not of cell_centroid")
+                     .with_nulls()};
 };
 /// Places of such an object, "positions_px" or "cells_px"; none if it is not one of `arm`.
 std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
@@ -311,7 +314,8 @@ struct Table<CellReport> {
       computed<C>(
           "variances_rad2",
           [](const C& c) { return c.of_frames([](const F& f) { return f.variance_rad2; }); },
-          "of each frame; null: too few spots"),
+          "of each frame; null: too few spots")
+          .with_nulls(),
       computed<C>(
           "coefficients_waves",
           [](const C& c) {
@@ -322,7 +326,8 @@ struct Table<CellReport> {
             });
           },
           "of each frame, minus the reference, RMS-normalised waves to a millionth; empty: too few "
-          "spots"),
+          "spots")
+          .with_nulls(),
       computed<C>("saturated_fractions",
                   [](const C& c) {
                     return c.of_frames(
@@ -340,7 +345,7 @@ struct Table<CellReport> {
 struct ExperimentReport {
   std::string run;  ///< its name, 16 hexadecimal digits
   GainSweep request;
-  Json bench;
+  JsonOf<SweepBench> bench;
   std::int64_t t_begun_ns = 0;
   std::optional<int> job;             ///< that measures it now
   std::optional<double> time_left_s;  ///< not known before a cell was measured

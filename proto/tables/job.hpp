@@ -18,6 +18,21 @@ struct Names<JobState> {
   }
 };
 
+/// As the error of a reply.
+struct ErrorReport {
+  int code = 0;
+  std::string message;
+  JsonObject data;
+};
+template <>
+struct Table<ErrorReport> {
+  static constexpr const char* kName = "ErrorReport";
+  static constexpr auto kFields =
+      std::tuple{field("code", &ErrorReport::code, "as of an error reply"),
+                 field("message", &ErrorReport::message, "one sentence"),
+                 field("data", &ErrorReport::data, "field, reason, limits")};
+};
+
 struct JobReport {
   int job = 0;
   std::string kind;  ///< the method that started it
@@ -26,8 +41,7 @@ struct JobReport {
   Json result;                 ///< null unless done
   std::optional<Error> error;  ///< of a failed job
 };
-/// As the error of a reply; null: none.
-Json job_error(const JobReport& job);
+std::optional<ErrorReport> job_error(const JobReport& job);
 template <>
 struct Table<JobReport> {
   static constexpr const char* kName = "JobReport";

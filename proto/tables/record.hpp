@@ -26,7 +26,10 @@ struct Table<RecordReport> {
   static constexpr auto kFields = std::tuple{
       field("state", &RecordReport::state,
             "off: nothing was recorded since the start; recording; ended: the last one has, and "
-            "this is of it"),
+            "this is of it")
+          .among([] {
+            return std::vector<std::string>{"off", "recording", "ended"};
+          }),
       field("file", &RecordReport::file, "path on the daemon's machine; null: there was none"),
       field("duration_s", &RecordReport::duration_s,
             "since its begin, or as long as it was, seconds", Bounds::at_least(0)),

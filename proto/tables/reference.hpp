@@ -10,7 +10,7 @@
 #include "core/wavefront/registration.hpp"
 #include "proto/field_json.hpp"
 #include "proto/tables/names.hpp"
-#include "proto/tables/optics.hpp"
+#include "proto/tables/origin.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -43,7 +43,7 @@ struct ReferenceReport {
   std::string source = "measured";  ///< or "model"
   std::string sha256;               ///< empty: it is not kept
   std::vector<StaleField> stale;
-  Json origin;
+  JsonOf<Origin> origin;
   double introduced_rms_waves = 0.0;
 };
 template <>
@@ -52,7 +52,10 @@ struct Table<ReferenceReport> {
   static constexpr auto kFields = std::tuple{
       field("source", &ReferenceReport::source,
             "measured: averaged from frames; model: where the configuration says that spots are, "
-            "so that misalignment is in the coefficients"),
+            "so that misalignment is in the coefficients")
+          .among([] {
+            return std::vector<std::string>{"measured", "model"};
+          }),
       field("frames", &ReferenceReport::frames, "how many frames were averaged",
             Bounds::at_least(0)),
       field("charge", &ReferenceReport::charge, "charge that it was taken with", limits::kCharge),
@@ -60,10 +63,12 @@ struct Table<ReferenceReport> {
       field("t_taken_ns", &ReferenceReport::t_taken_ns, kTimeMeaning),
       time_text("t_taken", &ReferenceReport::t_taken_ns),
       field("positions_px", &ReferenceReport::positions_px,
-            "[x, y] of each subaperture's spot, camera pixels of the region of interest"),
+            "[x, y] of each subaperture's spot, camera pixels of the region of interest")
+          .with_nulls(),
       field("standard_error_px", &ReferenceReport::standard_error_px,
             "[x, y] standard error of each position, camera pixels; null: the spot was lost, its "
-            "position is where it is expected, and it is not used"),
+            "position is where it is expected, and it is not used")
+          .with_nulls(),
       field("sha256", &ReferenceReport::sha256, kSha256Meaning).or_null(),
       field("introduced_rms_waves", &ReferenceReport::introduced_rms_waves,
             "introduced aberration that it holds, so that coefficients do not, RMS-normalised "

@@ -6,6 +6,7 @@
 
 #include "proto/tables/camera.hpp"
 #include "proto/tables/modes.hpp"
+#include "proto/tables/params.hpp"
 #include "proto/tables/refine.hpp"
 #include "proto/tables/sensor.hpp"
 
@@ -15,7 +16,7 @@ inline constexpr const char* kRequestedMeaning = "as it was asked for";
 inline constexpr const char* kAppliedMeaning = "as it is now";
 
 struct CameraSetReport {
-  Json requested;
+  CameraSet requested;
   CameraSettings applied;              ///< every setting as read back
   std::optional<CameraLimits> limits;  ///< none: no camera is connected, it is set when one is
 };
@@ -30,7 +31,7 @@ struct Table<CameraSetReport> {
 };
 
 struct SensorSetReport {
-  Json requested;
+  SensorSet requested;
   SensorSettings applied;
   std::uint64_t hologram_id = 0;
 };
@@ -45,7 +46,7 @@ struct Table<SensorSetReport> {
 };
 
 struct RefineSetReport {
-  Json requested;
+  RefineSet requested;
   RefineReport applied;
 };
 template <>

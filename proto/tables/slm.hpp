@@ -33,7 +33,7 @@ struct LutMeasured {
   PhaseResponse response;
   PhaseTable table;
   std::string sha256;  ///< empty: it is not kept
-  Json origin;
+  JsonOf<Origin> origin;
 };
 template <>
 struct Table<LutMeasured> {
@@ -95,7 +95,10 @@ struct Table<LutReport> {
                      [](const LutReport& lut) {
                        return lut.measured ? "measured" : lut.path ? "file" : "linear";
                      },
-                     "where the table in use comes from: linear, file or measured"),
+                     "where the table in use comes from")
+                     .among([] {
+                       return std::vector<std::string>{"linear", "file", "measured"};
+                     }),
                  field("path", &LutReport::path, "slm.lut of the configuration"),
                  field("grey_levels", &LutReport::in_use,
                        "the table in use: the k-th is shown for the phase 2 pi k/256", {0, 255})
@@ -128,7 +131,7 @@ struct FlatnessMeasured {
   std::vector<FlatnessMode> modes;
   double residual_rms_waves = 0.0;
   std::string sha256;  ///< empty: it is not kept
-  Json origin;
+  JsonOf<Origin> origin;
 };
 template <>
 struct Table<FlatnessMeasured> {

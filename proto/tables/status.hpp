@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
 #include "proto/tables/camera.hpp"
 #include "proto/tables/record.hpp"
@@ -14,6 +15,16 @@
 #include "proto/tables/slm.hpp"
 
 namespace ovws {
+
+inline std::vector<std::string> open_or_closed() {
+  return {"open", "closed"};
+}
+inline std::vector<std::string> counter_names() {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < std::size_t(Counter::count_); ++k)
+    names.emplace_back(counter_name(Counter(k)));
+  return names;
+}
 
 inline constexpr const char* kFaultMeaning = "what is wrong and the way out; null: nothing";
 
@@ -106,14 +117,15 @@ template <>
 struct Table<StatusMessage::SlmPart> {
   using P = StatusMessage::SlmPart;
   static constexpr const char* kName = "StatusSlm";
-  static constexpr auto kFields =
-      std::tuple{field("connected", &P::connected, "the display is there"),
-                 field("info", &P::info, "which display it is"),
-                 field("pattern", &P::pattern,
-                       "what is shown: sensor, grating, flat, identify, or test, a job's own"),
-                 field("hologram_id", &P::hologram_id, "shown now; 0: none"),
-                 field("settled", &P::settled, "false while it changes"),
-                 field("fault", &P::fault, kFaultMeaning)};
+  static constexpr auto kFields = std::tuple{
+      field("connected", &P::connected, "the display is there"),
+      field("info", &P::info, "which display it is"),
+      field("pattern", &P::pattern, "what is shown; test: a job's own picture").among([] {
+        return pattern_names();
+      }),
+      field("hologram_id", &P::hologram_id, "shown now; 0: none"),
+      field("settled", &P::settled, "false while it changes"),
+      field("fault", &P::fault, kFaultMeaning)};
 };
 
 template <>
@@ -142,8 +154,12 @@ struct Table<StatusMessage::SensorPart> {
       field("modes", &P::modes, "how many are reconstructed", Bounds::at_least(0)),
       field("referenced", &P::referenced, "whether there is a reference"),
       field("reference", &P::reference,
-            "none; in_force; or stale: in use, and taken with another gain, exposure or pixel "
-            "format; reference.get says which"),
+            "stale: in use, and taken with another gain, exposure or pixel format; reference.get "
+            "says "
+            "which")
+          .among([] {
+            return std::vector<std::string>{"none", "in_force", "stale"};
+          }),
       field("reference_introduced_rms_waves", &P::reference_introduced_rms_waves,
             "introduced aberration that the reference holds, so that coefficients do not, "
             "RMS-normalised waves; 0: none",
@@ -166,7 +182,10 @@ struct Table<StatusMessage::RefinePart> {
   using P = StatusMessage::RefinePart;
   static constexpr const char* kName = "StatusRefine";
   static constexpr auto kFields = std::tuple{
-      field("state", &P::state, "off; waiting: for a frame, or until the next is due; refining"),
+      field("state", &P::state, "off; waiting: for a frame, or until the next is due; refining")
+          .among([] {
+            return std::vector<std::string>{"off", "waiting", "refining"};
+          }),
       field("done", &P::done, "frames refined, since the start"),
       field("refused", &P::refused, "frames that could not be, since the start"),
       field("last_duration_ms", &P::last_duration_ms, "of the last fit, milliseconds",
@@ -256,12 +275,13 @@ struct Table<StatusMessage> {
       field("store", &M::store, "what is kept over a restart"),
       computed<M>(
           "loop", [](const M& m) { return m.loop_closed ? "closed" : "open"; },
-          "whether the correction follows the measurement: open or closed"),
+          "whether the correction follows the measurement")
+          .among(open_or_closed),
       field("failed_job", &M::failed_job,
             "the job that failed last since the start, of those after which none of the same kind "
             "was done; null: none"),
       field("rates", &M::rates, "since the last status"),
-      field("counters", &M::counters, "every counter, since the start"),
+      field("counters", &M::counters, "every counter, since the start").among(counter_names),
       field("latency", &M::latency,
             "by stage, since the last status: tracked, reconstructed and published from the "
             "frame's arrival; arrived from when it would have arrived had nothing held it up, of a "

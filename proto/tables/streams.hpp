@@ -41,8 +41,10 @@ struct Wire<IfKnown<T>> {
     }
     return out;
   }
-  static Json schema(SchemaParts&, const FieldInfo&) {
-    return {{"type", "array"}, {"items", {{"type", {"number", "null"}}}}};
+  static Json schema(SchemaParts&, const FieldInfo& field) {
+    Json number{{"type", {"number", "null"}}};
+    if (std::isfinite(field.bounds.min)) number["minimum"] = field.bounds.min;
+    return {{"type", "array"}, {"items", std::move(number)}};
   }
 };
 
@@ -62,7 +64,7 @@ struct Table<FrameMessage> {
       field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
       field("settled", &M::settled, "false while the hologram was changing"),
       field("charge", &M::charge, "topological charge of the hologram", limits::kCharge),
-      field("tracker", &M::tracker, "tracker used"),
+      field("tracker", &M::tracker, "tracker used").among([] { return tracker_names(); }),
       field("subapertures", &M::subapertures, "how many there are", Bounds::at_least(0)),
       field("tracked", &M::tracked, "how many were found in this frame", Bounds::at_least(0)),
       field("valid", &M::valid,
@@ -93,7 +95,8 @@ struct Table<FrameMessage> {
       field("saturated", &M::saturated, "fraction of spots holding a saturated pixel", {0, 1}),
       computed<M>(
           "loop", [](const M& m) { return std::string_view(m.loop_closed ? "closed" : "open"); },
-          "whether the correction follows the measurement: open or closed"),
+          "whether the correction follows the measurement")
+          .among(open_or_closed),
       field("reference_introduced_rms_waves", &M::reference_introduced_rms_waves,
             "introduced aberration that the reference holds, so that coefficients do not, "
             "RMS-normalised waves; 0: none",
@@ -104,6 +107,7 @@ template <>
 struct Table<WavefrontMessage> {
   using M = WavefrontMessage;
   static constexpr const char* kName = "Wavefront";
+  static Json rules();
   static constexpr auto kFields = std::tuple{
       constant("schema", "ovws.wavefront/1", "form of this message"), based<FrameMessage>(),
       field("j", &M::j, "OSA/ANSI indices of the coefficients, without piston",
@@ -171,7 +175,10 @@ struct Table<ImageMessage> {
             const bool bytes = traits_of(m.image.format).layout == PixelLayout::bytes;
             return std::string_view(bytes ? "<u1" : "<u2");
           },
-          kDtypeMeaning),
+          kDtypeMeaning)
+          .among([] {
+            return std::vector<std::string>{"<u1", "<u2"};
+          }),
       computed<M>(
           "pixel_format", [](const M& m) { return m.image.format; }, "GenICam name"),
       computed<M>("significant_bits", [](const M& m) { return significant_bits(m.image.format); },
@@ -207,6 +214,7 @@ struct Table<RefinedMessage> {
   using M = RefinedMessage;
   static constexpr const char* kName = "Refined";
   static std::optional<double> rms_waves(const M& m);
+  static Json rules();
   static constexpr auto kFields = std::tuple{
       constant("schema", "ovws.refined/1", "form of this message"),
       field("seq", &M::seq, kSeqMeaning),
@@ -226,7 +234,10 @@ struct Table<RefinedMessage> {
       computed<M>(
           "against", [](const M& m) { return m.against_reference ? "reference" : "model"; },
           "what the coefficients count from: the refined picture of the reference, or, without a "
-          "reference, the ideal sensor's model"),
+          "reference, the ideal sensor's model")
+          .among([] {
+            return std::vector<std::string>{"reference", "model"};
+          }),
       kUnit,
       field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
             limits::kWavelengthNm),
@@ -260,7 +271,8 @@ struct Table<RefinedMessage> {
             return IfKnown<double>{m.sigma, m.valid, m.j.size()};
           },
           "standard errors of the coefficients, the reference's included, waves, as many as j; all "
-          "null if not valid"),
+          "null if not valid",
+          Bounds::at_least(0)),
       inlined(&M::fit),
       field("duration_ms", &M::duration_ms, "of the fit, milliseconds", Bounds::at_least(0))};
 };

@@ -8,6 +8,7 @@
 #include "proto/tables/job.hpp"
 #include "proto/tables/record.hpp"
 #include "proto/tables/slm.hpp"
+#include "proto/tables/streams.hpp"
 
 namespace ovws {
 namespace {
@@ -47,10 +48,10 @@ std::string settle_reason(const SettleReport& report) {
   return {};
 }
 
-Json job_error(const JobReport& job) {
-  if (!job.error) return nullptr;
-  const RpcFailure failure = rpc_failure(*job.error);
-  return {{"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
+std::optional<ErrorReport> job_error(const JobReport& job) {
+  if (!job.error) return std::nullopt;
+  RpcFailure failure = rpc_failure(*job.error);
+  return ErrorReport{int(failure.code), std::move(failure.message), {std::move(failure.data)}};
 }
 
 std::optional<std::string> not_plain(const std::string& name) {
@@ -64,6 +65,36 @@ std::optional<std::string> not_plain(const std::string& name) {
   if (plain) return std::nullopt;
   return "must be a plain name: letters, digits, '.', '_' and '-', at most 100 of them, the first "
          "a letter or a digit; the folder is record.directory";
+}
+
+namespace {
+
+/// "type" of each property, or of its elements.
+Json types(std::initializer_list<std::pair<const char*, const char*>> values,
+           std::initializer_list<std::pair<const char*, const char*>> elements) {
+  Json properties = Json::object();
+  for (const auto& [key, type] : values) properties[key] = {{"type", type}};
+  for (const auto& [key, type] : elements) properties[key] = {{"items", {{"type", type}}}};
+  return {{"properties", std::move(properties)}};
+}
+
+Json if_valid(Json then, Json otherwise) {
+  return {{"if", {{"properties", {{"valid", {{"const", true}}}}}}},
+          {"then", std::move(then)},
+          {"else", std::move(otherwise)}};
+}
+
+}  // namespace
+
+Json Table<WavefrontMessage>::rules() {
+  return if_valid(types({}, {{"coefficients", "number"}}),
+                  types({{"rms_waves", "null"}}, {{"coefficients", "null"}}));
+}
+
+Json Table<RefinedMessage>::rules() {
+  return if_valid(types({{"reason", "null"}, {"chi2_per_pixel", "number"}},
+                        {{"coefficients", "number"}, {"sigma", "number"}}),
+                  types({{"reason", "string"}}, {{"coefficients", "null"}, {"sigma", "null"}}));
 }
 
 std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report) {

@@ -8,9 +8,11 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "drivers" / "twin"), str(ROOT / "proto" / "python")]
+sys.path.insert(0, str(ROOT / "drivers" / "twin"))
 
 import bench as bench_module  # noqa: E402
+
+bench_module.python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
 __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "own_mounts", "wait_for"]

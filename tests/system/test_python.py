@@ -10,15 +10,16 @@ import sys
 import textwrap
 import time
 
-from case import ROOT, BenchCase, main
+from case import ROOT, BenchCase, bench_module, main
 
 import numpy as np
 
 import ovws_client
 from ovws_client import AsyncClient, AsyncSubscription, Client, NoAnswer, Refused, Subscription
 
-PYTHON = ROOT / "proto" / "python"
-README = (PYTHON / "README.md").read_text()
+PYTHON = bench_module.find_programs().parent / "python"
+SOURCE = ROOT / "proto" / "python"
+README = (SOURCE / "README.md").read_text()
 KINDS = (ovws_client.Event, ovws_client.Status, ovws_client.Wavefront, ovws_client.Spots, ovws_client.Image, ovws_client.Phase)
 PYPLOT = """
 def said(name):
@@ -45,7 +46,7 @@ class Scripts(BenchCase):
         return done.stdout
 
     def example(self, name, *arguments, **more):
-        return self.run_here([sys.executable, PYTHON / "examples" / name, *arguments], **more)
+        return self.run_here([sys.executable, SOURCE / "examples" / name, *arguments], **more)
 
     def test_five_lines(self):
         five, *_ = blocks("python")
@@ -67,19 +68,21 @@ class Scripts(BenchCase):
     def test_the_commands(self):
         self.take_reference(20)
         folder = self.bench.directory / "clone"
-        shutil.copytree(PYTHON, folder / "proto" / "python", ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"))
+        unwanted = shutil.ignore_patterns("build", "*.egg-info", "__pycache__")
+        shutil.copytree(PYTHON, folder / "build" / "release" / "python", ignore=unwanted)
+        shutil.copytree(SOURCE / "examples", folder / "proto" / "python" / "examples")
         (folder / "bin").mkdir()
         (folder / "bin" / "python3").symlink_to(sys.executable)
         (folder / "bin" / "pip").write_text(f'#!/bin/sh\nexec {sys.executable} -m pip "$@"\n')
         (folder / "bin" / "pip").chmod(0o755)
         commands = "set -e\n" + f'PATH="{folder}/bin:$PATH"\n' + "".join(blocks("sh"))
         self.assertIn("pip install", commands)
-        self.assertEqual(commands.count("python3 proto/python/examples/"), len(list((PYTHON / "examples").glob("*.py"))))
+        self.assertEqual(commands.count("python3 proto/python/examples/"), len(list((SOURCE / "examples").glob("*.py"))))
         self.assertIn("\nrunning\n", self.run_here(["sh", "-c", commands], path="", cwd=folder))
 
     def test_the_links(self):
         for link in re.findall(r"\]\(([^)#:]+)\)", README):
-            self.assertTrue((PYTHON / link).exists(), link)
+            self.assertTrue((SOURCE / link).exists(), link)
 
     def test_live_plot(self):
         self.take_reference(20)

@@ -12,7 +12,7 @@ import time
 import h5py
 import numpy
 from astropy.io import fits
-from case import ROOT, BenchCase, main, wait_for
+from case import ROOT, BenchCase, bench_module, main, wait_for
 from ovws_client import export
 from ovws_client.recording import Recording
 
@@ -240,7 +240,7 @@ class Replay(BenchCase):
         self.assertIn("pictures: there are none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
 
     def export(self, name, *arguments, status=0):
-        done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=ROOT / "proto/python",
+        done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
                               capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, status, done.stderr)
         return done

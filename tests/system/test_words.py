@@ -35,7 +35,7 @@ def commands():
 
 
 def schemas_with_params():
-    texts = {path.stem: json.loads(path.read_text()) for path in (ROOT / "proto" / "schema").glob("*.json")}
+    texts = {path.stem: json.loads(path.read_text()) for path in (BUILD / "schema").glob("*.json")}
     return {name: schema["params"].get("properties", {}) for name, schema in texts.items() if "params" in schema}
 
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "daemon/ovws/cli/commands.hpp"
-#include "proto/schemas.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -161,9 +161,8 @@ std::string bash_completion(const CLI::App& app) {
     append(commands, command->get_name());
     add_command(tables, *command, command->get_name());
   }
-  for (const SchemaFile& file : schemas()) {
-    const json schema = json::parse(file.text, nullptr, false);
-    if (schema.contains("params")) add_method(tables, std::string(file.name), schema["params"]);
+  for (const Schema& one : schemas()) {
+    if (one.json.contains("params")) add_method(tables, one.name, one.json["params"]);
   }
   std::string text = "# bash completion of ovws " OVWS_VERSION ", made by: ovws completion bash\n";
   text += fmt::format("_ovws_commands=\"{}\"\n", commands);

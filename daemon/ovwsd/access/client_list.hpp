@@ -5,14 +5,9 @@
 #include <string>
 
 #include "core/base/result.hpp"
+#include "proto/tables/description.hpp"
 
 namespace ovws {
-
-/// What a client may ask for; every client may subscribe to the streams.
-enum class Role {
-  read,     ///< methods that change nothing
-  control,  ///< all
-};
 
 struct KnownClient {
   std::string name;

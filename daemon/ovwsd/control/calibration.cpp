@@ -2,101 +2,89 @@
 #include "daemon/ovwsd/procedures/calibration.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/procedures/registration.hpp"
-#include "proto/tables/calibration.hpp"
-#include "proto/tables/job.hpp"
 
 namespace ovws {
 namespace {
 
-void start(Services& services, const char* kind, Procedure procedure, const RpcReply& reply) {
-  services.procedures.start(kind, std::move(procedure), [reply](Result<int> job) {
-    if (!job) return reply(failed(job.error()));
-    reply(to_json(JobNumber{*job}));
-  });
-}
-
-void run_registration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto run = decode<RegistrationRun>(params);
-  if (!run) return reply(failed(run.error()));
-  const SlmGeometry slm = services.config.slm.geometry;
-  start(
-      services, "registration.run",
-      [slm, frames = run->frames](Bench& bench) -> Result<nlohmann::json> {
-        const auto found = measure_registration(bench, slm, frames);
+void run_registration(Services& services, const RegistrationRun& run, Reply<JobNumber> reply) {
+  services.procedures.start(
+      kRegistrationRun.name,
+      [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
+        const auto found = measure_registration(bench, slm, run.frames);
         if (!found) return fail(found.error());
         if (auto used = bench.use_registration(*found); !used) return fail(used.error());
         return to_json(KnownRegistration{*found});
       },
-      reply);
+      with_number(reply));
 }
 
-void get_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(to_json(KnownRegistration{services.instrument.snapshot().registration}));
+void get_registration(Services& services, Reply<KnownRegistration> reply) {
+  reply(KnownRegistration{services.instrument.snapshot().registration});
 }
 
-void clear_registration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+void clear_registration(Services& services, Reply<KnownRegistration> reply) {
   services.instrument.clear_registration([reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(failed(cleared.error()));
-    reply(to_json(KnownRegistration{cleared->registration}));
+    if (!cleared) return reply(cleared.error());
+    reply(KnownRegistration{cleared->registration});
   });
 }
 
-nlohmann::json calibration_of(const SensorSnapshot& sensor) {
-  if (!sensor.calibration) return to_json(KnownCalibration{});
+KnownCalibration calibration_of(const SensorSnapshot& sensor) {
+  if (!sensor.calibration) return {};
   const Calibration& c = *sensor.calibration;
-  const bool in_force = sensor.mode_operator.in_force == OperatorKind::measured;
-  return to_json(
-      KnownCalibration{in_force, CalibrationReport{c.amplitude_waves, c.frames, c.t_taken_ns,
-                                                   c.matrix, c.comparison, c.sha256, *c.origin}});
+  return {sensor.mode_operator.in_force == OperatorKind::measured,
+          CalibrationReport{c.amplitude_waves,
+                            c.frames,
+                            c.t_taken_ns,
+                            c.matrix,
+                            c.comparison,
+                            c.sha256,
+                            {*c.origin}}};
 }
 
-void run_calibration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto run = decode<CalibrationRun>(params);
-  if (!run) return reply(failed(run.error()));
+void run_calibration(Services& services, const CalibrationRun& run, Reply<JobNumber> reply) {
   if (services.instrument.snapshot().pattern != HologramKind::sensor) {
-    return reply(failed({Errc::refused, "",
-                         "the SLM does not show the sensor: call slm.show with \"sensor\" first"}));
+    return reply(Error{Errc::refused, "",
+                       "the SLM does not show the sensor: call slm.show with \"sensor\" first"});
   }
-  const SlmGeometry slm = services.config.slm.geometry;
-  start(
-      services, "calibration.run",
-      [slm, run = *run](Bench& bench) -> Result<nlohmann::json> {
+  services.procedures.start(
+      kCalibrationRun.name,
+      [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
         const std::uint64_t epoch = bench.sensor().sensor_epoch;
         auto measured = measure_calibration(bench, slm, run);
         if (!measured) return fail(measured.error());
         if (auto used = bench.use_calibration(epoch, std::move(*measured)); !used) {
           return fail(used.error());
         }
-        return calibration_of(bench.sensor());
+        return to_json(calibration_of(bench.sensor()));
       },
-      reply);
+      with_number(reply));
 }
 
-void get_calibration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+void get_calibration(Services& services, Reply<KnownCalibration> reply) {
   reply(calibration_of(services.instrument.snapshot()));
 }
 
-void clear_calibration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+void clear_calibration(Services& services, Reply<KnownCalibration> reply) {
   services.instrument.clear_calibration([reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(failed(cleared.error()));
+    if (!cleared) return reply(cleared.error());
     reply(calibration_of(*cleared));
   });
 }
 
-constexpr std::array<Method, 6> kMethods{{
-    {"registration.run", Role::control, Action::start_job, run_registration,
-     decodes<RegistrationRun>},
-    {"registration.get", Role::read, Action::read, get_registration},
-    {"registration.clear", Role::control, Action::clear_reference, clear_registration},
-    {"calibration.run", Role::control, Action::start_job, run_calibration, decodes<CalibrationRun>},
-    {"calibration.get", Role::read, Action::read, get_calibration},
-    {"calibration.clear", Role::control, Action::clear_reference, clear_calibration},
-}};
+constexpr std::array kRows{
+    row<kRegistrationRun, run_registration>(Role::control, Action::start_job),
+    row<kRegistrationGet, get_registration>(Role::read, Action::read),
+    row<kRegistrationClear, clear_registration>(Role::control, Action::clear_reference),
+    row<kCalibrationRun, run_calibration>(Role::control, Action::start_job),
+    row<kCalibrationGet, get_calibration>(Role::read, Action::read),
+    row<kCalibrationClear, clear_calibration>(Role::control, Action::clear_reference),
+};
 
 }  // namespace
 
-std::span<const Method> calibration_methods() {
-  return kMethods;
+std::span<const MethodRow> calibration_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

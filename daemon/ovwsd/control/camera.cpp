@@ -1,39 +1,35 @@
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {
 
-void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+void get(Services& services, Reply<CameraReport> reply) {
   const CameraSnapshot camera = services.camera.snapshot();
-  reply(to_json(CameraReport{camera.info, camera.settings, camera.limits}));
+  reply(CameraReport{camera.info, camera.settings, camera.limits});
 }
 
-void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto change = CameraSet::decode(params);
-  if (!change) return reply(failed(change.error()));
-  if (change->gives(&CameraSettings::pixel_format)) {
-    const auto suits = services.instrument.can_measure(change->applied_to({}).pixel_format);
-    if (!suits) return reply(failed(suits.error()));
+void set(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
+  if (change.gives(&CameraSettings::pixel_format)) {
+    const auto suits = services.instrument.can_measure(change.applied_to({}).pixel_format);
+    if (!suits) return reply(suits.error());
   }
-  services.camera.change(
-      *change, [&services, given = change->given(), reply](Result<CameraSnapshot> applied) {
-        if (!applied) return reply(failed(applied.error()));
-        services.instrument.after_changes([given, reply, camera = *applied] {
-          reply(to_json(CameraSetReport{given, camera.settings, camera.limits}));
-        });
-      });
+  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(applied.error());
+    services.instrument.after_changes([change, reply, camera = *applied] {
+      reply(CameraSetReport{change, camera.settings, camera.limits});
+    });
+  });
 }
 
-constexpr std::array<Method, 2> kMethods{{
-    {"camera.get", Role::read, Action::read, get},
-    {"camera.set", Role::control, Action::set_camera, set, decodes<CameraSet>},
-}};
+constexpr std::array kRows{
+    row<kCameraGet, get>(Role::read, Action::read),
+    row<kCameraSet, set>(Role::control, Action::set_camera),
+};
 
 }  // namespace
 
-std::span<const Method> camera_methods() {
-  return kMethods;
+std::span<const MethodRow> camera_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

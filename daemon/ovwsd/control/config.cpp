@@ -1,3 +1,4 @@
+#include "config/tables.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
@@ -10,16 +11,16 @@ Config in_use(const Services& services) {
                        services.refiner);
 }
 
-void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(nlohmann::json::parse(dump_config(in_use(services)), nullptr, false));
+void get(Services& services, Reply<Config> reply) {
+  reply(in_use(services));
 }
 
-void save(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
+void save(Services& services, Reply<SavedReport> reply) {
   const LoadedConfig loaded = services.loaded.get();
   if (!loaded.overlay) {
-    return reply(failed({Errc::refused, "state.directory",
-                         "there is no folder to save to: set state.directory in the configuration "
-                         "file, or $STATE_DIRECTORY, and restart the daemon"}));
+    return reply(Error{Errc::refused, "state.directory",
+                       "there is no folder to save to: set state.directory in the configuration "
+                       "file, or $STATE_DIRECTORY, and restart the daemon"});
   }
   Config now = in_use(services);
   now.camera.settings = as_in_file(now.camera.settings, services.camera.snapshot().asked,
@@ -27,21 +28,21 @@ void save(Services& services, const nlohmann::json& /*params*/, RpcReply reply) 
   const auto asked =
       services.disk.request([path = *loaded.overlay, values = values_to_save(loaded, now), reply] {
         const auto saved = write_saved(path, values);
-        if (!saved) return reply(failed(saved.error()));
-        reply(nlohmann::json{{"path", path}, {"saved", values.keys}});
+        if (!saved) return reply(saved.error());
+        reply(SavedReport{path, values.keys});
       });
-  if (!asked) reply(failed(asked.error()));
+  if (!asked) reply(asked.error());
 }
 
-constexpr std::array<Method, 2> kMethods{{
-    {"config.get", Role::read, Action::read, get},
-    {"config.save", Role::control, Action::save_config, save},
-}};
+constexpr std::array kRows{
+    row<kConfigGet, get>(Role::read, Action::read),
+    row<kConfigSave, save>(Role::control, Action::save_config),
+};
 
 }  // namespace
 
-std::span<const Method> config_methods() {
-  return kMethods;
+std::span<const MethodRow> config_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

@@ -8,12 +8,9 @@
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/procedures/gain_sweep.hpp"
 #include "daemon/ovwsd/procedures/sweep_bench.hpp"
-#include "proto/tables/job.hpp"
 
 namespace ovws {
 namespace {
-
-using nlohmann::json;
 
 /// Gains that the camera has not are an error, or left out.
 Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
@@ -43,67 +40,64 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
 }
 
 ExperimentRun asked_now(const Services& services, const GainSweepRun& asked) {
-  const json config = json::parse(dump_config(services.config));
-  return experiment_run(asked, sweep_bench(services.instrument.snapshot(),
-                                           services.camera.snapshot(), config["optics"]));
+  return experiment_run(asked,
+                        sweep_bench(services.instrument.snapshot(), services.camera.snapshot(),
+                                    to_json(services.config.optics)));
 }
 
-void start(Services& services, const ExperimentRun& run, const RpcReply& reply) {
+void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>& reply) {
   const SlmGeometry slm = services.config.slm.geometry;
   ExperimentArchive& archive = services.experiments;
-  const auto measure = [slm, run, &archive](Bench& bench) -> Result<json> {
+  const auto measure = [slm, run, &archive](Bench& bench) -> Result<Json> {
     const std::shared_ptr<void> ended(nullptr, [&archive](void*) { archive.end_job(); });
     const auto measured = measure_gain_sweep(bench, slm, run, archive);
     if (!measured) return fail(measured.error());
-    return json{{"run", run.name}};
+    return Json{{"run", run.name}};
   };
-  services.procedures.start("experiment.gain_sweep", measure,
+  services.procedures.start(kExperimentGainSweep.name, measure,
                             [reply, &archive, run](Result<int> job) {
-                              if (!job) return reply(failed(job.error()));
-                              archive.begin_job(run, *job);
-                              reply(to_json(JobNumber{*job}));
+                              if (job) archive.begin_job(run, *job);
+                              with_number(reply)(job);
                             });
 }
 
 /// Who asks for the run that is being measured is given its job.
-void gain_sweep(Services& services, const json& params, RpcReply reply) {
-  auto asked = decode<GainSweepRun>(params);
-  if (!asked) return reply(failed(asked.error()));
-  const CameraSnapshot camera = services.camera.snapshot();
-  if (camera.limits) asked = within(std::move(*asked), *camera.limits);
-  if (!asked) return reply(failed(asked.error()));
-  const ExperimentRun run = asked_now(services, *asked);
+void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) {
+  if (const auto limits = services.camera.snapshot().limits) {
+    auto possible = within(std::move(asked), *limits);
+    if (!possible) return reply(possible.error());
+    asked = std::move(*possible);
+  }
+  const ExperimentRun run = asked_now(services, asked);
   const auto job = services.experiments.job_of(run.name);
-  if (job && services.jobs.runs(*job) && !asked->anew) return reply(to_json(JobNumber{*job}));
+  if (job && services.jobs.runs(*job) && !asked.anew) return reply(JobNumber{*job});
   if (auto allowed = services.state.check(Action::start_job); !allowed) {
-    return reply(failed(allowed.error()));
+    return reply(allowed.error());
   }
   start(services, run, reply);
 }
 
-void get(Services& services, const json& /*params*/, RpcReply reply) {
-  reply(services.experiments.result());
+void get(Services& services, Reply<KnownExperiment> reply) {
+  reply(JsonOf<KnownExperiment>{services.experiments.result()});
 }
 
-void get_cell(Services& services, const json& params, RpcReply reply) {
-  const auto number = decode<ExperimentCell>(params);
-  if (!number) return reply(failed(number.error()));
-  services.experiments.cell(number->cell, [reply = std::move(reply)](Result<json> cell) {
-    if (!cell) return reply(failed(cell.error()));
-    reply(std::move(*cell));
+void get_cell(Services& services, const ExperimentCell& which, Reply<CellReport> reply) {
+  services.experiments.cell(which.cell, [reply](Result<Json> cell) {
+    if (!cell) return reply(cell.error());
+    reply(JsonOf<CellReport>{std::move(*cell)});
   });
 }
 
-constexpr std::array<Method, 3> kMethods{{
-    {"experiment.gain_sweep", Role::control, Action::read, gain_sweep, decodes<GainSweepRun>},
-    {"experiment.get", Role::read, Action::read, get},
-    {"experiment.cell", Role::read, Action::read, get_cell, decodes<ExperimentCell>},
-}};
+constexpr std::array kRows{
+    row<kExperimentGainSweep, gain_sweep>(Role::control, Action::read),
+    row<kExperimentGet, get>(Role::read, Action::read),
+    row<kExperimentCell, get_cell>(Role::read, Action::read),
+};
 
 }  // namespace
 
-std::span<const Method> experiment_methods() {
-  return kMethods;
+std::span<const MethodRow> experiment_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

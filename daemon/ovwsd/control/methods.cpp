@@ -5,15 +5,15 @@
 namespace ovws {
 namespace {
 
-std::array<std::span<const Method>, 11> all_methods() {
+std::array<std::span<const MethodRow>, 11> all_methods() {
   return {system_methods(),      camera_methods(),     sensor_methods(), reference_methods(),
           calibration_methods(), slm_methods(),        loop_methods(),   refine_methods(),
           config_methods(),      experiment_methods(), record_methods()};
 }
 
-const Method* find_method(const std::string& name) {
+const MethodRow* find_method(const std::string& name) {
   for (const auto& room : all_methods()) {
-    for (const Method& method : room) {
+    for (const MethodRow& method : room) {
       if (name == method.name) return &method;
     }
   }
@@ -41,16 +41,16 @@ RpcAnswer forbidden(const std::string& field, const std::string& reason) {
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const auto& room : all_methods()) {
-    for (const Method& method : room) names.emplace_back(method.name);
+    for (const MethodRow& method : room) names.emplace_back(method.name);
   }
   return names;
 }
 
-std::vector<std::pair<std::string, std::string>> method_roles() {
-  std::vector<std::pair<std::string, std::string>> roles;
+std::vector<std::pair<std::string, Role>> method_roles() {
+  std::vector<std::pair<std::string, Role>> roles;
   for (const auto& room : all_methods()) {
-    for (const Method& method : room) {
-      roles.emplace_back(method.name, method.role == Role::read ? "read" : "control");
+    for (const MethodRow& method : room) {
+      roles.emplace_back(method.name, method.role);
     }
   }
   return roles;
@@ -65,17 +65,13 @@ void dispatch(Services& services, const std::string& key, const std::string& met
   };
   const auto role = services.clients.role_of(key);
   if (!role) return counted(forbidden("", role.error().reason));
-  const Method* found = find_method(method);
+  const MethodRow* const found = find_method(method);
   if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
   if (found->role == Role::control && *role == Role::read) {
     return counted(forbidden("method", method + " changes something, and this client may only "
                                                 "read: its role in security.clients is \"read\""));
   }
-  if (const auto valid = found->check(params); !valid) return counted(failed(valid.error()));
-  if (const auto allowed = services.state.check(found->action); !allowed) {
-    return counted(failed(allowed.error()));
-  }
-  found->call(services, params, std::move(counted));
+  found->call(*found, services, params, std::move(counted));
 }
 
 }  // namespace ovws

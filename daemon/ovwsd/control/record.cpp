@@ -1,46 +1,36 @@
 /// record.*: what the pipeline measures, into a file.
-#include "proto/tables/record.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
 
 namespace ovws {
 namespace {
 
-Recorder::Done answer_with(RpcReply reply) {
-  return [reply = std::move(reply)](const Result<RecordReport>& now) {
-    if (!now) return reply(failed(now.error()));
-    reply(to_json(*now));
-  };
-}
-
-void start(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto asked = decode<RecordStart>(params);
-  if (!asked) return reply(failed(asked.error()));
+void start(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
   const Config in_use = config_in_use(services.config, services.loaded.get(), services.camera,
                                       services.instrument, services.refiner);
-  services.recorder.start({*asked, dump_config(in_use), in_use.camera.settings,
+  services.recorder.start({asked, dump_config(in_use), in_use.camera.settings,
                            services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
-                          answer_with(std::move(reply)));
+                          reply);
 }
 
-void stop(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  services.recorder.stop(answer_with(std::move(reply)));
+void stop(Services& services, Reply<RecordReport> reply) {
+  services.recorder.stop(reply);
 }
 
-void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(to_json(services.recorder.report()));
+void get(Services& services, Reply<RecordReport> reply) {
+  reply(services.recorder.report());
 }
 
-constexpr std::array<Method, 3> kMethods{{
-    {"record.start", Role::control, Action::record, start, decodes<RecordStart>},
-    {"record.stop", Role::control, Action::record, stop},
-    {"record.get", Role::read, Action::read, get},
-}};
+constexpr std::array kRows{
+    row<kRecordStart, start>(Role::control, Action::record),
+    row<kRecordStop, stop>(Role::control, Action::record),
+    row<kRecordGet, get>(Role::read, Action::read),
+};
 
 }  // namespace
 
-std::span<const Method> record_methods() {
-  return kMethods;
+std::span<const MethodRow> record_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

@@ -1,22 +1,17 @@
 /// sensor.*, aberration.* and slm.show: all that changes the hologram.
 #include "daemon/ovwsd/control/methods.hpp"
-#include "proto/tables/set.hpp"
-#include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
 
-SensorReport report_of(const SensorSnapshot& sensor) {
-  return {{sensor.sensor, sensor.tracking},
-          sensor.templates,
-          sensor.mode_operator,
-          sensor.subapertures,
-          sensor.modes_j,
-          sensor.hologram_id};
-}
-
-void get(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(to_json(report_of(services.instrument.snapshot())));
+void get(Services& services, Reply<SensorReport> reply) {
+  const SensorSnapshot sensor = services.instrument.snapshot();
+  reply(SensorReport{{sensor.sensor, sensor.tracking},
+                     sensor.templates,
+                     sensor.mode_operator,
+                     sensor.subapertures,
+                     sensor.modes_j,
+                     sensor.hologram_id});
 }
 
 /// The core names settings as the configuration does, a client as the method's params do.
@@ -27,61 +22,52 @@ Error in_params(Error error) {
   return error;
 }
 
-void set(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto change = SensorSet::decode(params);
-  if (!change) return reply(failed(change.error()));
-  services.instrument.change_sensor(
-      *change, [given = change->given(), reply](Result<SensorSnapshot> applied) {
-        if (!applied) return reply(failed(in_params(applied.error())));
-        reply(to_json(
-            SensorSetReport{given, {applied->sensor, applied->tracking}, applied->hologram_id}));
-      });
-}
-
-void answer_aberration(const RpcReply& reply, const Result<SensorSnapshot>& applied) {
-  if (!applied) return reply(failed(applied.error()));
-  reply(to_json(ModesReport(applied->aberration, applied->hologram_id)));
-}
-
-void get_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  answer_aberration(reply, services.instrument.snapshot());
-}
-
-void set_aberration(Services& services, const nlohmann::json& params, RpcReply reply) {
-  auto modes = ModesSet::decode(params);
-  if (!modes) return reply(failed(modes.error()));
-  services.instrument.set_aberration(
-      std::move(modes->modes),
-      [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
-}
-
-void clear_aberration(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  services.instrument.set_aberration(
-      {}, [reply](Result<SensorSnapshot> applied) { answer_aberration(reply, applied); });
-}
-
-void show(Services& services, const nlohmann::json& params, RpcReply reply) {
-  const auto pattern = decode<SlmShow>(params);
-  if (!pattern) return reply(failed(pattern.error()));
-  services.instrument.show(pattern->pattern.kind, [reply](Result<SensorSnapshot> applied) {
-    if (!applied) return reply(failed(applied.error()));
-    reply(to_json(ShowReport{applied->pattern, applied->hologram_id}));
+void set(Services& services, const SensorSet& change, Reply<SensorSetReport> reply) {
+  services.instrument.change_sensor(change, [change, reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(in_params(applied.error()));
+    reply(SensorSetReport{change, {applied->sensor, applied->tracking}, applied->hologram_id});
   });
 }
 
-constexpr std::array<Method, 6> kMethods{{
-    {"sensor.get", Role::read, Action::read, get},
-    {"sensor.set", Role::control, Action::set_sensor, set, decodes<SensorSet>},
-    {"aberration.get", Role::read, Action::read, get_aberration},
-    {"aberration.set", Role::control, Action::set_aberration, set_aberration, decodes<ModesSet>},
-    {"aberration.clear", Role::control, Action::set_aberration, clear_aberration},
-    {"slm.show", Role::control, Action::show_pattern, show, decodes<SlmShow>},
-}};
+auto with_aberration(Reply<ModesReport> reply) {
+  return [reply = std::move(reply)](const Result<SensorSnapshot>& applied) {
+    if (!applied) return reply(applied.error());
+    reply(ModesReport(applied->aberration, applied->hologram_id));
+  };
+}
+
+void get_aberration(Services& services, Reply<ModesReport> reply) {
+  with_aberration(reply)(services.instrument.snapshot());
+}
+
+void set_aberration(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
+  services.instrument.set_aberration(set.modes, with_aberration(reply));
+}
+
+void clear_aberration(Services& services, Reply<ModesReport> reply) {
+  services.instrument.set_aberration({}, with_aberration(reply));
+}
+
+void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
+  services.instrument.show(what.pattern.kind, [reply](Result<SensorSnapshot> applied) {
+    if (!applied) return reply(applied.error());
+    reply(ShowReport{applied->pattern, applied->hologram_id});
+  });
+}
+
+constexpr std::array kRows{
+    row<kSensorGet, get>(Role::read, Action::read),
+    row<kSensorSet, set>(Role::control, Action::set_sensor),
+    row<kAberrationGet, get_aberration>(Role::read, Action::read),
+    row<kAberrationSet, set_aberration>(Role::control, Action::set_aberration),
+    row<kAberrationClear, clear_aberration>(Role::control, Action::set_aberration),
+    row<kSlmShow, show>(Role::control, Action::show_pattern),
+};
 
 }  // namespace
 
-std::span<const Method> sensor_methods() {
-  return kMethods;
+std::span<const MethodRow> sensor_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

@@ -1,53 +1,44 @@
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/devices/versions.hpp"
-#include "proto/encode.hpp"
-#include "proto/schemas.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws {
 namespace {
 
-/// Every method and every stream with its JSON Schema, and the versions of what is running.
-nlohmann::json make_description() {
-  nlohmann::json methods = nlohmann::json::object();
-  for (const std::string& name : method_names()) {
-    methods[name] = nlohmann::json::parse(schema_text(name), nullptr, false);
+Json make_description() {
+  Description all;
+  all.versions = versions();
+  all.roles = method_roles();
+  constexpr std::string_view kStream = "stream.";
+  for (const Schema& one : schemas()) {
+    if (one.name.starts_with(kStream)) {
+      all.streams.emplace_back(one.name.substr(kStream.size()), one.json);
+      continue;
+    }
+    all.methods.emplace_back(one.name, MethodDescription{one.json["title"], one.json["description"],
+                                                         one.json["params"], one.json["result"]});
   }
-  nlohmann::json roles = nlohmann::json::object();
-  for (const auto& [name, role] : method_roles()) roles[name] = role;
-  nlohmann::json streams = nlohmann::json::object();
-  constexpr std::string_view kStreamPrefix = "stream.";
-  for (const SchemaFile& schema : schemas()) {
-    if (!schema.name.starts_with(kStreamPrefix)) continue;
-    streams[std::string(schema.name.substr(kStreamPrefix.size()))] =
-        nlohmann::json::parse(schema.text, nullptr, false);
-  }
-  nlohmann::json running = nlohmann::json::object();
-  for (const auto& [name, version] : versions()) running[name] = version;
-  return {{"methods", std::move(methods)},
-          {"roles", std::move(roles)},
-          {"streams", std::move(streams)},
-          {"versions", std::move(running)}};
+  return to_json(all);
 }
 
-/// Made once: parsing the schemas takes milliseconds.
-void describe(Services& /*services*/, const nlohmann::json& /*params*/, RpcReply reply) {
-  static const nlohmann::json kDescription = make_description();
-  reply(nlohmann::json(kDescription));
+void describe(Services& /*services*/, Reply<Description> reply) {
+  static const Json kDescription = make_description();  // it takes milliseconds
+  reply(JsonOf<Description>{kDescription});
 }
 
-void status(Services& services, const nlohmann::json& /*params*/, RpcReply reply) {
-  reply(to_json(services.status.current()));
+void status(Services& services, Reply<StatusMessage> reply) {
+  reply(services.status.current());
 }
 
-constexpr std::array<Method, 2> kMethods{{
-    {"system.describe", Role::read, Action::read, describe},
-    {"system.status", Role::read, Action::read, status},
-}};
+constexpr std::array kRows{
+    row<kSystemDescribe, describe>(Role::read, Action::read),
+    row<kSystemStatus, status>(Role::read, Action::read),
+};
 
 }  // namespace
 
-std::span<const Method> system_methods() {
-  return kMethods;
+std::span<const MethodRow> system_methods() {
+  return kRows;
 }
 
 }  // namespace ovws

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
-#include "proto/tables/camera.hpp"
-#include "proto/tables/sensor.hpp"
+#include "proto/tables/origin.hpp"
 
 namespace ovws {
 namespace {
@@ -25,24 +24,18 @@ bool same_part(const std::string& name, const json& before, const json& now) {
 }  // namespace
 
 json sweep_bench(const SensorSnapshot& sensor, const CameraSnapshot& camera, json optics) {
-  json correction = json::array();
-  for (const Mode& mode : sensor.correction) {
-    correction.push_back({{"j", mode.j}, {"waves", mode.waves}});
-  }
-  json lattice = to_json(sensor.sensor);
-  lattice.erase("charge");
-  return {{"program", OVWS_VERSION},
-          {"camera", camera.connected ? camera_json(camera.info) : json(nullptr)},
-          {"exposure_us", camera.settings.exposure_us},
-          {"pixel_format", pixel_format_name(camera.settings.pixel_format)},
-          {"roi", to_json(camera.settings.roi)},
-          {"sensor", std::move(lattice)},
-          {"kernel_radius", sensor.tracking.kernel_radius},
-          {"optics", std::move(optics)},
-          {"slm", sensor.slm->identity},
-          {"registration_t_taken_ns",
-           sensor.registration ? json(sensor.registration->t_taken_ns) : json(nullptr)},
-          {"correction", std::move(correction)}};
+  SweepBench bench;
+  bench.program = OVWS_VERSION;
+  if (camera.connected) bench.camera = camera_name(camera.info);
+  bench.settings = camera.settings;
+  bench.sensor.json = to_json(sensor.sensor);
+  bench.sensor.json.erase("charge");
+  bench.kernel_radius = sensor.tracking.kernel_radius;
+  bench.optics.json = std::move(optics);
+  bench.slm.json = sensor.slm->identity;
+  if (sensor.registration) bench.registration_t_taken_ns = sensor.registration->t_taken_ns;
+  bench.correction = sensor.correction;
+  return to_json(bench);
 }
 
 Result<void> check_same_bench(const json& before, const json& now) {

@@ -1,5 +1,6 @@
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 
+#include "config/tables.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
@@ -10,23 +11,10 @@ namespace {
 
 using nlohmann::json;
 
-/// Keys of the configuration as its file has them.
-json config_json(const Config& config) {
-  return json::parse(dump_config(config));
-}
-
-json aberration_json(const std::vector<Mode>& aberration) {
-  json modes = json::array();
-  for (const Mode& mode : aberration) modes.push_back({{"j", mode.j}, {"waves", mode.waves}});
-  return modes;
-}
-
-json registration_json(const std::optional<Registration>& registration) {
-  if (!registration) return nullptr;
-  const PxPerCycle& map = registration->px_per_cycle;
-  return {{"t_taken_ns", registration->t_taken_ns},
-          {"base_px", {registration->base_px.x, registration->base_px.y}},
-          {"px_per_cycle", {map.xx, map.xy, map.yx, map.yy}}};
+std::optional<OriginRegistration> of_origin(const std::optional<Registration>& registration) {
+  if (!registration) return std::nullopt;
+  return OriginRegistration{registration->t_taken_ns, registration->base_px,
+                            registration->px_per_cycle};
 }
 
 Result<std::optional<Registration>> registration_from(const json& content) {
@@ -49,13 +37,9 @@ Result<std::optional<Registration>> registration_from(const json& content) {
   return registration;
 }
 
-json settings_json(const std::optional<CameraSettings>& settings) {
-  if (!settings) return nullptr;
-  json out = to_json(*settings);
-  out.erase("frame_rate_hz");
-  out.erase("roi");
-  if (out["gain_raw"].is_null()) out.erase("gain_raw");
-  return out;
+/// What a camera says need not be UTF-8, and a file gives back only what is.
+std::string as_utf8(const std::string& text) {
+  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 std::string hash_of(const Image<std::uint8_t>& grey) {
@@ -81,16 +65,18 @@ std::string difference(const std::string& path, const json& then, const json& no
 
 }  // namespace
 
+std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera) {
+  if (!camera) return std::nullopt;
+  return CameraName{as_utf8(camera->vendor), as_utf8(camera->model), as_utf8(camera->serial)};
+}
+
 json camera_json(const std::optional<CameraInfo>& camera) {
-  if (!camera) return nullptr;
-  // As a file gives them back: what a camera says need not be UTF-8.
-  const json said{{"vendor", camera->vendor}, {"model", camera->model}, {"serial", camera->serial}};
-  return json::parse(said.dump(-1, ' ', false, json::error_handler_t::replace));
+  return to_json(camera_name(camera));
 }
 
 ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
     : config_(config), hologram_(std::move(hologram)) {
-  bench_ = {{"optics", config_json(config)["optics"]},
+  bench_ = {{"optics", to_json(config.optics)},
             {"slm", slm_identity(hologram_, config.slm.lut.has_value())}};
 }
 
@@ -100,23 +86,20 @@ void ReferenceBench::use_slm(const SlmInForce& slm) {
 }
 
 json ReferenceBench::origin(const OriginInputs& inputs) const {
-  Config config = config_;
-  config.sensor = inputs.key.sensor;
-  config.tracking = inputs.key.tracking;
-  json all = config_json(config);
-  json origin{{"program", OVWS_VERSION},
-              {"camera", camera_json(inputs.camera)},
-              {"settings", settings_json(inputs.settings)},
-              {"registration", registration_json(inputs.registration)},
-              {"roi", to_json(inputs.key.roi)},
-              {"sensor", std::move(all["sensor"])},
-              {"tracking", std::move(all["tracking"])},
-              {"optics", bench_["optics"]},
-              {"slm", bench_["slm"]},
-              {"aberration", aberration_json(inputs.aberration)},
-              {"hologram_sha256", inputs.grey != nullptr ? json(hash_of(*inputs.grey)) : json()}};
-  if (!inputs.introduced.empty()) origin["introduced"] = aberration_json(inputs.introduced);
-  return origin;
+  Origin origin;
+  origin.program = OVWS_VERSION;
+  origin.camera = camera_name(inputs.camera);
+  if (inputs.settings) origin.settings = OriginSettings{*inputs.settings};
+  origin.registration = of_origin(inputs.registration);
+  origin.roi = inputs.key.roi;
+  origin.sensor = inputs.key.sensor;
+  origin.tracking.json = to_json(ConfiguredTracking(inputs.key.tracking));
+  origin.optics.json = bench_["optics"];
+  origin.slm.json = bench_["slm"];
+  origin.aberration = inputs.aberration;
+  origin.introduced = inputs.introduced;
+  if (inputs.grey != nullptr) origin.hologram_sha256 = hash_of(*inputs.grey);
+  return to_json(origin);
 }
 
 Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
@@ -206,7 +189,7 @@ std::vector<StaleField> stale_fields(const Reference& reference,
   if (reference.source == ReferenceSource::model || !reference.origin || !now) return stale;
   const json& then = (*reference.origin)["settings"];
   if (!then.is_object()) return stale;
-  const json current = settings_json(now);
+  const json current = to_json(OriginSettings{*now});
   for (const auto& [field, value] : current.items()) {
     // A file of another program may lack a key: then the setting is not known, as now.
     if (then.contains(field) && then[field] != value) {

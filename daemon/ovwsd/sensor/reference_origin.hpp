@@ -12,7 +12,7 @@
 #include "core/wavefront/registration.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
-#include "proto/tables/camera.hpp"
+#include "proto/tables/origin.hpp"
 #include "proto/tables/reference.hpp"
 
 namespace ovws {
@@ -28,7 +28,9 @@ struct OriginInputs {
   std::vector<Mode> introduced{};             ///< of a reference: the part of `aberration`
 };
 
-/// {vendor, model, serial}, or null.
+/// None: not known.
+std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera);
+/// The same as JSON, or null.
 nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
 
 /// The bench as the configuration says it: with another one a reference's positions mean nothing.

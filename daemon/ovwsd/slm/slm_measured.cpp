@@ -4,6 +4,7 @@
 
 #include "core/optics/flatness.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/tables/origin.hpp"
 
 namespace ovws {
 
@@ -13,13 +14,10 @@ nlohmann::json flatness_sha256(const HologramConfig& hologram) {
 }
 
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut) {
-  nlohmann::json slm{{"width", hologram.slm.width_px},
-                     {"height", hologram.slm.height_px},
-                     {"pitch_um", hologram.slm.pitch_um},
-                     {"lut_sha256", nullptr},
-                     {"flatness_sha256", flatness_sha256(hologram)}};
-  if (has_lut) slm["lut_sha256"] = sha256_of(std::span<const std::uint8_t>(hologram.lut));
-  return slm;
+  SlmIdentity slm{hologram.slm, std::nullopt, std::nullopt};
+  if (has_lut) slm.lut_sha256 = sha256_of(std::span<const std::uint8_t>(hologram.lut));
+  if (const auto sum = flatness_sha256(hologram); !sum.is_null()) slm.flatness_sha256 = sum;
+  return to_json(slm);
 }
 
 std::shared_ptr<const SlmInForce> slm_in_force(const Config& config,

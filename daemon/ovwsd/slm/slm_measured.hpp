@@ -48,8 +48,7 @@ struct SlmInForce {
 /// Of a map as in slm_identity; null: there is none.
 nlohmann::json flatness_sha256(const HologramConfig& hologram);
 
-/// {width, height, pitch_um, lut_sha256, flatness_sha256}; a checksum is null where there is
-/// neither a file nor a measurement.
+/// An SlmIdentity; a checksum is null where there is neither a file nor a measurement.
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 
 /// `configured`: with the files of the configuration. A measured LUT takes the place of a file's; a

@@ -11,7 +11,7 @@ import zmq
 import zmq.asyncio
 
 from .errors import JobFailed, NoAnswer
-from .methods import AsyncMethods, JobStarted
+from .methods import AsyncMethods, JobNumber
 from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
@@ -52,7 +52,7 @@ class AsyncClient(AsyncMethods):
             if waiting is not None and not waiting.done():
                 waiting.set_result(reply)
 
-    async def wait_for_job(self, job: int | JobStarted, timeout_s: float = 600.0) -> Any:
+    async def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
         """As Client.wait_for_job."""
         number = job if isinstance(job, int) else job["job"]
         try:

@@ -10,7 +10,7 @@ from typing import Any
 import zmq
 
 from .errors import JobFailed, NoAnswer
-from .methods import JobStarted, Methods
+from .methods import JobNumber, Methods
 from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
@@ -48,7 +48,7 @@ class Client(Methods):
                 return reply
         raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
 
-    def wait_for_job(self, job: int | JobStarted, timeout_s: float = 600.0) -> Any:
+    def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
         """Waits for the end of a job, given by its number or by what started it; returns its result. Raises JobFailed if it failed or was
         cancelled, NoAnswer if it has not ended within `timeout_s` seconds (it goes on; `job_cancel` ends it)."""
         number = job if isinstance(job, int) else job["job"]

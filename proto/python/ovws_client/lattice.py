@@ -6,12 +6,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .methods import ConfigGetResult, RegistrationResult
+from .methods import Config, KnownRegistration
 
 Floats = NDArray[np.float64]
 
 
-def subaperture_centres(config: ConfigGetResult) -> Floats:
+def subaperture_centres(config: Config) -> Floats:
     """Centres in units of the pupil's radius, x right and y down, (subapertures, 2), in the order of `Spots`."""
     sensor = config["sensor"]
     pitch = 2.0 / sensor["subapertures_across"]
@@ -24,7 +24,7 @@ def subaperture_centres(config: ConfigGetResult) -> Floats:
     return np.array([centre for centre in centres if np.hypot(*centre) <= reach])
 
 
-def px_per_slope(config: ConfigGetResult, registration: RegistrationResult) -> Floats:
+def px_per_slope(config: Config, registration: KnownRegistration) -> Floats:
     """The matrix S, camera pixels: a slope g of the wavefront, waves per pupil radius, moves a spot by S @ g pixels. By the registration in
     force, or else by the configuration."""
     optics, slm = config["optics"], config["slm"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import NotUnderstood
-from .methods import FailedJob, Latency, Rates, RecordResult, StatusCamera, StatusRefine, StatusSensor, StatusSlm, Store
+from .methods import FailedJob, Latency, Rates, RecordReport, StatusCamera, StatusRefine, StatusSensor, StatusSlm, StatusStore
 from .wire import IMAGES, NUMBERS
 from .zernike import phase_map_waves
 
@@ -226,8 +226,8 @@ class Status(Message):
     slm: StatusSlm
     sensor: StatusSensor
     refine: StatusRefine
-    record: RecordResult
-    store: Store
+    record: RecordReport
+    store: StatusStore
     loop: Literal["open", "closed"]
     failed_job: FailedJob | None
     rates: Rates

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "config/config.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
-#include "proto/schemas.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/job.hpp"
@@ -136,8 +136,7 @@ void print_luts() {
   lut.measured = LutMeasured{};
   lut.measured->frames = 3;
   lut.measured->response.levels = 33;
-  lut.measured->origin =
-      json::parse(schema_text("lut.get")).at("result").at("examples")[0].at("origin");
+  lut.measured->origin.json = schema("lut.get").at("result").at("examples")[0].at("origin");
   for (const double depth : {0.02, 0.03}) {
     for (std::size_t g = 0; g < 256; ++g) {
       lut.measured->response.phase_rad[g] = depth * double(g);
@@ -159,8 +158,8 @@ void print_flatnesses() {
   flatness.measured->iterations = 4;
   flatness.measured->pupil_diameter_px = 768.0;
   flatness.measured->modes = {{3, 0.1, 0.001}, {4, -0.2, 0.0}};
-  flatness.measured->origin =
-      json::parse(schema_text("flatness.get")).at("result").at("examples")[0].at("origin");
+  flatness.measured->origin.json =
+      schema("flatness.get").at("result").at("examples")[0].at("origin");
   print_result("flatness.get", to_json(flatness));
   print_result("flatness.run", to_json(JobNumber{6}));
   print_result("slm.settle", to_json(JobNumber{7}));
@@ -169,7 +168,7 @@ void print_flatnesses() {
 
 /// What a calibration was measured with is as of a reference: `origin` is of the schema's example.
 void print_calibrations() {
-  const json example = json::parse(schema_text("calibration.get")).at("result").at("examples")[0];
+  const json example = schema("calibration.get").at("result").at("examples")[0];
   InteractionMatrix matrix;
   matrix.amplitude_waves = {0.1, 0.05};
   matrix.modes_j = {3, 4};
@@ -182,10 +181,12 @@ void print_calibrations() {
   for (int kind = 0; kind <= int(Disagreement::unlike); ++kind) {
     comparison.disagreement = Disagreement(kind);
     if (kind > 0) comparison.words = "the axes x and y are exchanged";
-    print_result("calibration.get",
-                 to_json(KnownCalibration{
-                     kind > 0, CalibrationReport{0.1, 20, 1767225600000000000, matrix, comparison,
-                                                 "", example.at("origin")}}));
+    print_result(
+        "calibration.get",
+        to_json(KnownCalibration{
+            kind > 0,
+            CalibrationReport{
+                0.1, 20, 1767225600000000000, matrix, comparison, "", {example.at("origin")}}}));
   }
   print_result("calibration.clear", to_json(KnownCalibration{}));
   print_result("calibration.run", to_json(JobNumber{4}));
@@ -193,12 +194,12 @@ void print_calibrations() {
 
 /// What a sweep is measured with is of the schema's example.
 void print_experiments() {
-  const json example = json::parse(schema_text("experiment.get")).at("result").at("examples")[0];
+  const json example = schema("experiment.get").at("result").at("examples")[0];
   const GainSweep sweep = *decode<GainSweep>({{"gains_db", {10, 12}}, {"frames", 2}});
   ExperimentReport report;
   report.run = "0123456789abcdef";
   report.request = sweep;
-  report.bench = example.at("bench");
+  report.bench.json = example.at("bench");
   for (int arm = 0; arm < int(sweep.arms.size()); ++arm) {
     const SweepArm& with = sweep.arms[std::size_t(arm)];
     const std::vector<Vec2> cells =
@@ -240,18 +241,20 @@ void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", to_json(CameraReport{}));
   print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
-  print_result("camera.set",
-               to_json(CameraSetReport{CameraSet::decode(params)->given(), {}, kLimits}));
-  print_result("camera.set", to_json(CameraSetReport{json::object(), {}, std::nullopt}));
+  print_result("camera.set", to_json(CameraSetReport{*CameraSet::decode(params), {}, kLimits}));
+  print_result("camera.set", to_json(CameraSetReport{}));
   const SensorReport sensor{
       {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", to_json(sensor));
-  print_result("sensor.set", to_json(SensorSetReport{{{"charge", 90}}, {}, 7}));
+  print_result("sensor.set", to_json(SensorSetReport{
+                                 *SensorSet::decode({{"charge", 90}, {"clamp", true}}), {}, 7}));
   RefineSetup refine;
   for (const bool known : {false, true}) {
     if (known) refine.electrons_per_dn = refine.saturation_dn = 40.0;
     print_result("refine.get", to_json(RefineReport{refine}));
-    print_result("refine.set", to_json(RefineSetReport{{{"rate_hz", 1e9}}, {refine}}));
+    print_result("refine.set",
+                 to_json(RefineSetReport{*RefineSet::decode({{"rate_hz", 1e9}, {"clamp", true}}),
+                                         {refine}}));
   }
   std::vector<Mode> modes;
   for (int j = 0; j <= kMaxZernikeIndex; ++j) modes.push_back({j, 0.001 * j});
@@ -265,8 +268,7 @@ void print_results() {
   reference.positions_px = {{1, 2}};
   reference.standard_error_px = {{0.1, std::nan("")}};
   reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
-  reference.origin =
-      json::parse(schema_text("reference.get")).at("result").at("examples")[0].at("origin");
+  reference.origin.json = schema("reference.get").at("result").at("examples")[0].at("origin");
   print_result("reference.set", to_json(KnownReference{reference}));
   reference.sha256 = "ba7816bf";
   print_result("reference.get", to_json(KnownReference{reference}));

@@ -242,8 +242,7 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
   const json params{{"gain_db", 500}, {"clamp", true}};
   CameraSettings applied;
   applied.gain_db = 24;
-  const json result =
-      to_json(CameraSetReport{CameraSet::decode(params)->given(), applied, std::nullopt});
+  const json result = to_json(CameraSetReport{*CameraSet::decode(params), applied, std::nullopt});
   EXPECT_EQ(result.at("requested"), json({{"gain_db", 500}}));
   EXPECT_EQ(result.at("applied").at("gain_db"), 24);
   EXPECT_TRUE(result.at("limits").is_null());

@@ -1,6 +1,6 @@
 """Holds the encoders, the decoders and WIRE.md's examples against the JSON Schemas.
 
-Usage: validate_messages.py EMITTER SOURCE_DIR
+Usage: validate_messages.py EMITTER SOURCE_DIR SCHEMAS
 """
 import collections
 import copy
@@ -13,7 +13,7 @@ import unittest
 
 from jsonschema import Draft202012Validator as Validator
 
-EMITTER, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+EMITTER, SOURCE, MADE = sys.argv[1], *map(pathlib.Path, sys.argv[2:])
 
 
 def refuse_constant(text):
@@ -24,13 +24,18 @@ def strict(text):
     return json.loads(text, parse_constant=refuse_constant)
 
 
-SCHEMAS = {p.stem: strict(p.read_text()) for p in sorted((SOURCE / "proto/schema").glob("*.json"))}
+def read_all(folder):
+    return {path.stem: strict(path.read_text()) for path in sorted(folder.glob("*.json"))}
+
+
+SCHEMAS = read_all(MADE)
+PROMISE = read_all(pathlib.Path(__file__).parent / "promise")  # what clients were written for
 LINES = [strict(line) for line in subprocess.run(
     [EMITTER], check=True, capture_output=True, text=True).stdout.splitlines()]
 
 
-def schema_of(line):
-    schema = SCHEMAS[line["schema"]]
+def schema_of(line, schemas=SCHEMAS):
+    schema = schemas[line["schema"]]
     return schema[line["part"]] if "part" in line else schema
 
 
@@ -109,6 +114,19 @@ class Messages(unittest.TestCase):
             if line.get("part") != "params":
                 with self.subTest(line["schema"]):
                     Validator(schema_of(line)).validate(line["value"])
+
+    def test_what_was_promised_is_kept(self):
+        """No method or stream is gone, what is sent is as it was, and what was accepted still is."""
+        self.assertLessEqual(set(PROMISE), set(SCHEMAS))
+        for line in LINES:
+            if line["schema"] not in PROMISE:
+                continue
+            validator = Validator(schema_of(line, PROMISE))
+            with self.subTest(line["schema"]):
+                if line.get("part") != "params":
+                    validator.validate(line["value"])
+                elif validator.is_valid(line["value"]):
+                    self.assertTrue(line["valid"], line)
 
     def test_a_key_more_or_less_is_seen(self):
         for line in LINES:

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "proto/schemas.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 json example(const std::string& topic) {
-  return json::parse(schema_text("stream." + topic)).at("examples").at(0);
+  return schema("stream." + topic).at("examples").at(0);
 }
 
 View bench() {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "proto/schemas.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -15,7 +15,7 @@ using nlohmann::json;
 using namespace std::chrono_literals;
 
 json example(const std::string& topic) {
-  return json::parse(schema_text("stream." + topic)).at("examples").at(0);
+  return schema("stream." + topic).at("examples").at(0);
 }
 
 class GathererTest : public testing::Test {

@@ -1,12 +1,10 @@
 """The methods that are made from the schemas: as the schemas say, and no others."""
 import asyncio
 import inspect
-import subprocess
-import sys
 import typing
 import unittest
 
-from paths import METHODS, PYTHON
+from paths import METHODS
 
 from ovws_client import LEFT_OUT, methods
 
@@ -30,10 +28,6 @@ def collapsed(text):
 
 
 class Made(unittest.TestCase):
-    def test_the_file_is_what_the_script_makes(self):
-        made = subprocess.run([sys.executable, PYTHON / "make_methods.py", "--print"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual(made, (PYTHON / "ovws_client" / "methods.py").read_text(), "run proto/python/make_methods.py")
-
     def test_every_method_is_there_with_its_params_and_words(self):
         wanted = {name.replace(".", "_"): schema for name, schema in METHODS.items()}
         for kind in (methods.Methods, methods.AsyncMethods):

@@ -1,0 +1,21 @@
+/// write_schemas FOLDER: every JSON Schema as a file FOLDER/NAME.json.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "daemon/shared/schemas/schemas.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: write_schemas FOLDER\n", stderr);
+    return 2;
+  }
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  for (const ovws::Schema& schema : ovws::schemas()) {
+    std::ofstream file(folder / (schema.name + ".json"));
+    file << schema.json.dump(2) << "\n";
+    if (!file.flush()) return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,74 @@
+/// Field tables of what the daemon says of itself and of its configuration.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/field_json.hpp"
+
+namespace ovws {
+
+/// `config.save`.
+struct SavedReport {
+  std::string path;
+  std::vector<std::string> saved;
+};
+template <>
+struct Table<SavedReport> {
+  static constexpr const char* kName = "SavedReport";
+  static constexpr auto kFields = std::tuple{
+      field("path", &SavedReport::path,
+            "the overlay, a file in the state directory; with an empty saved it does "
+            "not exist, because nothing differs"),
+      field("saved", &SavedReport::saved,
+            "dotted keys of the values that differ from the configuration file, sorted")};
+};
+
+/// What a client may ask for; every client may subscribe to the streams.
+enum class Role {
+  read,     ///< methods that change nothing
+  control,  ///< all
+};
+template <>
+struct Names<Role> {
+  static const std::vector<std::string>& all() {
+    static const std::vector<std::string> names{"read", "control"};
+    return names;
+  }
+};
+
+struct MethodDescription {
+  std::string title, description;
+  Json params, result;
+};
+template <>
+struct Table<MethodDescription> {
+  using M = MethodDescription;
+  static constexpr const char* kName = "MethodDescription";
+  static constexpr auto kFields = std::tuple{
+      field("title", &M::title, "short"), field("description", &M::description, "what it does"),
+      field("params", &M::params, "JSON Schema"), field("result", &M::result, "JSON Schema")};
+};
+
+/// `system.describe`.
+struct Description {
+  std::vector<std::pair<std::string, std::string>> versions;
+  std::vector<std::pair<std::string, MethodDescription>> methods;
+  std::vector<std::pair<std::string, Role>> roles;
+  std::vector<std::pair<std::string, Json>> streams;
+};
+template <>
+struct Table<Description> {
+  using D = Description;
+  static constexpr const char* kName = "Description";
+  static constexpr auto kFields = std::tuple{
+      field("versions", &D::versions, "of the daemon and its libraries"),
+      field("methods", &D::methods, "by name"),
+      field("roles", &D::roles,
+            "of each method by name: the least role of a client that may call it, where clients "
+            "need keys"),
+      field("streams", &D::streams, "JSON Schema of each topic's JSON part")};
+};
+
+}  // namespace ovws

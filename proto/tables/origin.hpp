@@ -1,0 +1,156 @@
+/// Field tables of what something was measured with.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/wavefront/registration.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/optics.hpp"
+#include "proto/tables/sensor.hpp"
+#include "proto/tables/time.hpp"
+
+namespace ovws {
+
+/// One camera, wherever it is plugged in.
+struct CameraName {
+  std::string vendor, model, serial;
+};
+template <>
+struct Table<CameraName> {
+  static constexpr const char* kName = "CameraName";
+  static constexpr auto kFields = std::tuple{field("vendor", &CameraName::vendor, "maker"),
+                                             field("model", &CameraName::model, "model"),
+                                             field("serial", &CameraName::serial, "serial number")};
+};
+
+/// The SLM and what its hologram is made with: pictures of another one are other pictures.
+struct SlmIdentity {
+  SlmGeometry geometry;
+  std::optional<std::string> lut_sha256, flatness_sha256;
+};
+template <>
+struct Table<SlmIdentity> {
+  static constexpr const char* kName = "SlmIdentity";
+  static constexpr auto kFields = std::tuple{
+      inlined(&SlmIdentity::geometry),
+      field("lut_sha256", &SlmIdentity::lut_sha256, "of its 256 grey levels; null: none"),
+      field("flatness_sha256", &SlmIdentity::flatness_sha256, "of its float32 waves; null: none")};
+};
+
+/// Settings of the camera that positions depend on at most a little.
+struct OriginSettings {
+  CameraSettings camera;
+};
+template <>
+struct Table<OriginSettings> {
+  using S = OriginSettings;
+  static constexpr const char* kName = "OriginSettings";
+  static constexpr auto kFields = std::tuple{
+      computed<S>(
+          "gain_db", [](const S& s) { return s.camera.gain_db; },
+          "analogue gain, dB; null: the camera has no gain in dB")
+          .or_null(),
+      computed<S>(
+          "gain_raw", [](const S& s) { return s.camera.gain_raw; },
+          "of a camera without gain in dB: in steps of its own")
+          .or_left_out(),
+      computed<S>(
+          "exposure_us", [](const S& s) { return s.camera.exposure_us; },
+          "exposure time, microseconds"),
+      computed<S>(
+          "pixel_format", [](const S& s) { return s.camera.pixel_format; }, "GenICam name")};
+};
+
+struct OriginRegistration {
+  std::int64_t t_taken_ns = 0;
+  Vec2 base_px;
+  PxPerCycle px_per_cycle;
+};
+template <>
+struct Table<OriginRegistration> {
+  using R = OriginRegistration;
+  static constexpr const char* kName = "OriginRegistration";
+  static constexpr auto kFields = std::tuple{
+      field("t_taken_ns", &R::t_taken_ns, kTimeMeaning),
+      field("base_px", &R::base_px, "[x, y] of the base spot, pixels of the camera's sensor",
+            {-1e6, 1e6}),
+      field("px_per_cycle", &R::px_per_cycle,
+            "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
+};
+
+/// What a reference or a calibration was taken with. Its file has it, too.
+struct Origin {
+  std::string program;
+  std::optional<CameraName> camera;
+  std::optional<OriginSettings> settings;
+  std::optional<OriginRegistration> registration;
+  Roi roi;
+  SensorConfig sensor;
+  JsonObject tracking;
+  JsonOf<OpticsConfig> optics;
+  JsonOf<SlmIdentity> slm;
+  std::vector<Mode> aberration, introduced;
+  std::optional<std::string> hologram_sha256;
+};
+template <>
+struct Table<Origin> {
+  static constexpr const char* kName = "Origin";
+  static constexpr auto kFields = std::tuple{
+      field("program", &Origin::program, "version of the daemon"),
+      field("camera", &Origin::camera, "the camera, null: it was not known"),
+      field("settings", &Origin::settings, "of the camera, null: they were not known"),
+      field("registration", &Origin::registration,
+            "active then; null: none was, and the map was the configuration's"),
+      field("roi", &Origin::roi, "as in camera.set"),
+      field("sensor", &Origin::sensor, "as in the configuration"),
+      field("tracking", &Origin::tracking, "as in the configuration"),
+      field("optics", &Origin::optics, "as in the configuration"),
+      field("slm", &Origin::slm, "the spatial light modulator"),
+      field("aberration", &Origin::aberration, "shown on purpose, RMS-normalised waves"),
+      field("introduced", &Origin::introduced,
+            "the part of aberration that was introduced, and is no correction; left out: none")
+          .or_left_out(),
+      field("hologram_sha256", &Origin::hologram_sha256,
+            "of the grey picture shown, row by row; null: of the model")};
+};
+
+/// All that a gain sweep does not change itself.
+struct SweepBench {
+  std::string program;
+  std::optional<CameraName> camera;
+  CameraSettings settings;
+  JsonObject sensor;
+  double kernel_radius = 0.0;
+  JsonOf<OpticsConfig> optics;
+  JsonOf<SlmIdentity> slm;
+  std::optional<std::int64_t> registration_t_taken_ns;
+  std::vector<Mode> correction;
+};
+template <>
+struct Table<SweepBench> {
+  using B = SweepBench;
+  static constexpr const char* kName = "SweepBench";
+  static constexpr auto kFields = std::tuple{
+      field("program", &B::program, "version of the daemon"),
+      field("camera", &B::camera, "vendor, model and serial number"),
+      computed<B>(
+          "exposure_us", [](const B& b) { return b.settings.exposure_us; },
+          "of every cell, microseconds"),
+      computed<B>(
+          "pixel_format", [](const B& b) { return b.settings.pixel_format; }, "GenICam name"),
+      computed<B>(
+          "roi", [](const B& b) { return b.settings.roi; }, "as in camera.set"),
+      field("sensor", &B::sensor, "as in sensor.get, without the charge"),
+      field("kernel_radius", &B::kernel_radius, "of the tracker lg, units of lambda/d"),
+      field("optics", &B::optics, "as in the configuration"),
+      field("slm", &B::slm, "its geometry, and checksums of the LUT and the flatness in use"),
+      field("registration_t_taken_ns", &B::registration_t_taken_ns,
+            "of the active registration; null: none"),
+      field("correction", &B::correction, "subtracted from every hologram")};
+};
+
+}  // namespace ovws
