@@ -20,7 +20,7 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/spot_finder.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
@@ -94,7 +94,7 @@ struct App::Parts {
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
-  std::unique_ptr<Instrument> instrument;
+  std::unique_ptr<SensorKeeper> keeper;
   std::unique_ptr<Procedures> procedures;
   std::unique_ptr<ClosedLoop> loop;
   std::unique_ptr<SpotFinder> finder;
@@ -127,7 +127,7 @@ struct App::Parts {
 
   void camera_changed(const CameraSnapshot& now) {
     if (now.connected) {
-      instrument->camera_changed(now.settings, now.info);
+      keeper->camera_changed(now.settings, now.info);
     }
     recorder.camera_changed(now.settings, now.info);
     state.set_fault("camera", now.at_fault ? now.fault : "");
@@ -146,7 +146,7 @@ struct App::Parts {
                 {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
   }
 
-  Result<void> make_instrument();
+  Result<void> make_sensor();
   Result<void> make_guard();
   Result<void> bind_streams();
   Result<void> bind_control();
@@ -157,26 +157,25 @@ struct App::Parts {
   Result<void> stop();
 };
 
-Result<void> App::Parts::make_instrument() {
-  auto made = Instrument::make(
-      config,
-      {pipeline, slm, collector, pictures, operators, jobs, events, store,
-       [this](const MeasurementPlan& plan, const SensorSnapshot& now) { recorder.know(plan, now); },
-       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+Result<void> App::Parts::make_sensor() {
+  auto made = SensorKeeper::make(config, {pipeline, slm, operators, events, store,
+                                          [this](const MeasurementPlan& plan, SensorView now) {
+                                            recorder.know(plan, std::move(now));
+                                          }});
   if (!made) return fail(made.error());
-  instrument = std::move(*made);
+  keeper = std::move(*made);
   procedures = std::make_unique<Procedures>(ProceduresDeps{
-      {*instrument, camera, collector, pictures, series, light, slm, jobs},
+      {*keeper, camera, collector, pictures, series, light, slm, jobs, events},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   loop = std::make_unique<ClosedLoop>(
-      ClosedLoopDeps{*instrument, events,
+      ClosedLoopDeps{*keeper, events,
                      [this](bool closed) {
                        state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
                      },
                      [this] { return finder->found_ns(); }});
-  finder = std::make_unique<SpotFinder>(config.slm.geometry, *instrument, events);
+  finder = std::make_unique<SpotFinder>(config.slm.geometry, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
-                                          *instrument, queue);
+                                          *keeper, queue);
   return {};
 }
 
@@ -205,9 +204,9 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
                                             counters, takers);
   reloader = std::make_unique<Reloader>(
-      ReloadDeps{config, loaded, state, camera, *instrument, *refiner, *images, events, disk});
+      ReloadDeps{config, loaded, state, camera, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
-      StatusDeps{state,    camera,    slm,      *instrument,
+      StatusDeps{state,    camera,    slm,      *keeper,
                  *finder,  *images,   *loop,    *refiner,
                  recorder, jobs,      pipeline, published_latency,
                  counters, events,    store,    queue,
@@ -216,7 +215,7 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(Services{config, loaded, state, camera, *instrument, jobs,
+  services = std::make_unique<Services>(Services{config, loaded, state, camera, *keeper, jobs,
                                                  *procedures, experiments, *loop, *refiner,
                                                  recorder, *status, slm, counters, *clients, disk});
   const ControlHandler handle = [this](std::string_view request, const std::string& key,
@@ -253,7 +252,7 @@ Result<void> App::Parts::start_threads() {
                             {ThreadRole::record, recorder.taker()},
                             {ThreadRole::images, *images},
                             {ThreadRole::control, *control},
-                            {ThreadRole::prepare, *instrument},
+                            {ThreadRole::prepare, *keeper},
                             {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
@@ -280,7 +279,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   auto lock = state ? lock_folder(*state) : FolderLock();
   if (!lock) return fail(lock.error());
   auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
-  if (auto made = parts->make_instrument(); !made) return fail(made.error());
+  if (auto made = parts->make_sensor(); !made) return fail(made.error());
   parts->experiments.load();
   if (auto made = parts->make_guard(); !made) return fail(made.error());
   if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());

@@ -70,7 +70,7 @@ void give_large_blocks_back() {
 void report_saved(const ovws::LoadedConfig& loaded) {
   const std::string saved = ovws::describe_saved(loaded);
   if (saved.empty()) return;
-  spdlog::log(loaded.why_unused.empty() ? spdlog::level::info : spdlog::level::warn, saved);
+  spdlog::log(loaded.unused_reason.empty() ? spdlog::level::info : spdlog::level::warn, saved);
 }
 
 /// False: no daemon could use the files of `security`. A warning where this user may not look.

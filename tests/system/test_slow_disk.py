@@ -78,6 +78,7 @@ class Standing(SlowDisk):
         began = time.monotonic()
         job = self.call("reference.take", {"frames": 10})["job"]
         wait_for(lambda: self.call("reference.get")["t_taken_ns"] != before["t_taken_ns"], what="the new reference")
+        self.wait_until("running")
         saved = self.in_background("config.save")
         slowest_s, hologram, told = 0.0, 0, ""
         while time.monotonic() - began < STANDS_S:

@@ -35,10 +35,10 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   const std::vector<Mode> nothing_shown;
-  return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
-                     config.slm.geometry, roi, like.format,
-                     lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-                     nothing_shown, reference, 0, nullptr, own.banks, mode_operator});
+  return build_plan(
+      {1, 1, 1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
+       like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
+       nothing_shown, reference ? &*reference : nullptr, 0, nullptr, own.banks, mode_operator});
 }
 
 /// Null: the slopes.

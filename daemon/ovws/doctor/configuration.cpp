@@ -40,7 +40,7 @@ ConfigurationFacts read_configuration(const std::string& path) {
   facts.config = config;
   facts.saved = describe_saved(*loaded);
   facts.rejected = loaded->rejected;
-  facts.saved_is_unused = !loaded->why_unused.empty();
+  facts.saved_is_unused = !loaded->unused_reason.empty();
   if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
   if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
   facts.keys = check_keys(facts.path, config);

@@ -1,5 +1,8 @@
 /// registration.* and calibration.*: what the bench measures of itself.
 #include "daemon/ovwsd/procedures/calibration.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/procedures/registration.hpp"
 
@@ -12,21 +15,22 @@ void run_registration(Services& services, const RegistrationRun& run, Reply<JobN
       [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
         const auto found = measure_registration(bench, slm, run.frames);
         if (!found) return fail(found.error());
-        if (auto used = bench.use_registration(*found); !used) return fail(used.error());
+        if (auto used = bench.use(use_registration(*found)); !used) return fail(used.error());
         return to_json(KnownRegistration{*found});
       },
       with_number(reply));
 }
 
 void get_registration(Services& services, Reply<KnownRegistration> reply) {
-  reply(KnownRegistration{services.instrument.snapshot().registration});
+  reply(KnownRegistration{services.keeper.snapshot()->registration});
 }
 
 void clear_registration(Services& services, Reply<KnownRegistration> reply) {
-  services.instrument.clear_registration([reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(cleared.error());
-    reply(KnownRegistration{cleared->registration});
-  });
+  services.keeper.edit(Hold::of_nobody(), forget_registration(),
+                       [reply](const Result<SensorView>& cleared) {
+                         if (!cleared) return reply(cleared.error());
+                         reply(KnownRegistration{(*cleared)->registration});
+                       });
 }
 
 KnownCalibration calibration_of(const SensorSnapshot& sensor) {
@@ -42,34 +46,54 @@ KnownCalibration calibration_of(const SensorSnapshot& sensor) {
                             {*c.origin}}};
 }
 
+/// A calibration that lacks spots or modes is usable, and a person must know.
+void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
+  std::vector<int> dropped_j;
+  for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
+  if (dropped_j.empty() && matrix.lost_spots.empty()) return;
+  std::string text = "the calibration";
+  if (!matrix.lost_spots.empty()) {
+    text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
+  }
+  if (!dropped_j.empty()) {
+    text += fmt::format("{} reads no modes j = {} ({}): what they hold is read as other modes",
+                        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j),
+                        matrix.dropped[0].reason);
+  }
+  bench.warn("calibration", text,
+             {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
+}
+
 void run_calibration(Services& services, const CalibrationRun& run, Reply<JobNumber> reply) {
-  if (services.instrument.snapshot().pattern != HologramKind::sensor) {
+  if (services.keeper.snapshot()->pattern != HologramKind::sensor) {
     return reply(Error{Errc::refused, "",
                        "the SLM does not show the sensor: call slm.show with \"sensor\" first"});
   }
   services.procedures.start(
       kCalibrationRun.name,
       [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
-        const std::uint64_t epoch = bench.sensor().sensor_epoch;
-        auto measured = measure_calibration(bench, slm, run);
+        const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+        const auto measured = measure_calibration(bench, slm, run);
         if (!measured) return fail(measured.error());
-        if (auto used = bench.use_calibration(epoch, std::move(*measured)); !used) {
+        if (auto used = bench.use(use_calibration(epoch, *measured)); !used) {
           return fail(used.error());
         }
-        return to_json(calibration_of(bench.sensor()));
+        warn_of_dropped(bench, measured->matrix);
+        return to_json(calibration_of(*bench.sensor()));
       },
       with_number(reply));
 }
 
 void get_calibration(Services& services, Reply<KnownCalibration> reply) {
-  reply(calibration_of(services.instrument.snapshot()));
+  reply(calibration_of(*services.keeper.snapshot()));
 }
 
 void clear_calibration(Services& services, Reply<KnownCalibration> reply) {
-  services.instrument.clear_calibration([reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(cleared.error());
-    reply(calibration_of(*cleared));
-  });
+  services.keeper.edit(Hold::of_nobody(), forget_calibration(),
+                       [reply](const Result<SensorView>& cleared) {
+                         if (!cleared) return reply(cleared.error());
+                         reply(calibration_of(**cleared));
+                       });
 }
 
 constexpr std::array kRows{

@@ -10,12 +10,13 @@ void get(Services& services, Reply<CameraReport> reply) {
 
 void set(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
   if (change.gives(&CameraSettings::pixel_format)) {
-    const auto suits = services.instrument.can_measure(change.applied_to({}).pixel_format);
+    const auto suits = can_measure(*services.keeper.snapshot(), services.config.slm.geometry,
+                                   change.applied_to({}).pixel_format);
     if (!suits) return reply(suits.error());
   }
   services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
     if (!applied) return reply(applied.error());
-    services.instrument.after_changes([change, reply, camera = *applied] {
+    services.keeper.after_changes([change, reply, camera = *applied] {
       reply(CameraSetReport{change, camera.settings, camera.limits});
     });
   });

@@ -1,4 +1,3 @@
-#include "config/tables.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
@@ -7,12 +6,13 @@ namespace ovws {
 namespace {
 
 Config in_use(const Services& services) {
-  return config_in_use(services.config, services.loaded.get(), services.camera, services.instrument,
+  return config_in_use(services.config, services.loaded.get(), services.camera, services.keeper,
                        services.refiner);
 }
 
 void get(Services& services, Reply<Config> reply) {
-  reply(in_use(services));
+  // As the file has it: 0 for a gain in dB that the camera does not have.
+  reply(JsonOf<Config>{Json::parse(dump_config(in_use(services)))});
 }
 
 void save(Services& services, Reply<SavedReport> reply) {

@@ -40,9 +40,8 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
 }
 
 ExperimentRun asked_now(const Services& services, const GainSweepRun& asked) {
-  return experiment_run(asked,
-                        sweep_bench(services.instrument.snapshot(), services.camera.snapshot(),
-                                    to_json(services.config.optics)));
+  return experiment_run(asked, sweep_bench(*services.keeper.snapshot(), services.camera.snapshot(),
+                                           to_json(services.config.optics)));
 }
 
 void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>& reply) {

@@ -17,22 +17,22 @@ void get(Services& services, Reply<LoopReport> reply) {
 }
 
 auto with_correction(Reply<ModesReport> reply) {
-  return [reply = std::move(reply)](const Result<SensorSnapshot>& now) {
+  return [reply = std::move(reply)](const Result<SensorView>& now) {
     if (!now) return reply(now.error());
-    reply(ModesReport(now->correction, now->hologram_id));
+    reply(ModesReport((*now)->correction, (*now)->hologram_id));
   };
 }
 
 void get_correction(Services& services, Reply<ModesReport> reply) {
-  with_correction(reply)(services.instrument.snapshot());
+  with_correction(reply)(services.keeper.snapshot());
 }
 
-void set_correction(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
-  services.instrument.set_correction(set.modes, with_correction(reply));
+void correct(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
+  services.keeper.edit(Hold::of_nobody(), set_correction(set.modes), with_correction(reply));
 }
 
 void clear_correction(Services& services, Reply<ModesReport> reply) {
-  services.instrument.set_correction({}, with_correction(reply));
+  services.keeper.edit(Hold::of_nobody(), set_correction({}), with_correction(reply));
 }
 
 constexpr std::array kRows{
@@ -40,7 +40,7 @@ constexpr std::array kRows{
     row<kLoopOpen, open>(Role::control, Action::open_loop),
     row<kLoopGet, get>(Role::read, Action::read),
     row<kCorrectionGet, get_correction>(Role::read, Action::read),
-    row<kCorrectionSet, set_correction>(Role::control, Action::set_correction),
+    row<kCorrectionSet, correct>(Role::control, Action::set_correction),
     row<kCorrectionClear, clear_correction>(Role::control, Action::set_correction),
 };
 

@@ -7,7 +7,7 @@ namespace {
 
 void start(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
   const Config in_use = config_in_use(services.config, services.loaded.get(), services.camera,
-                                      services.instrument, services.refiner);
+                                      services.keeper, services.refiner);
   services.recorder.start({asked, dump_config(in_use), in_use.camera.settings,
                            services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
                           reply);

@@ -1,11 +1,12 @@
 /// reference.* and job.*: what takes time.
+#include "daemon/ovwsd/procedures/reference.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 
 namespace ovws {
 namespace {
 
-KnownReference report_of(const Services& services, const std::optional<Reference>& reference) {
-  if (!reference) return {};
+KnownReference report_of(const Services& services, const Reference* reference) {
+  if (reference == nullptr) return {};
   return {ReferenceReport{reference->frames,
                           reference->key.sensor.charge,
                           reference->key.tracking.tracker,
@@ -20,26 +21,31 @@ KnownReference report_of(const Services& services, const std::optional<Reference
 }
 
 auto with_reference(const Services& services, Reply<KnownReference> reply) {
-  return [&services, reply = std::move(reply)](const Result<SensorSnapshot>& changed) {
+  return [&services, reply = std::move(reply)](const Result<SensorView>& changed) {
     if (!changed) return reply(changed.error());
-    reply(report_of(services, changed->reference));
+    reply(report_of(services, (*changed)->reference.get()));
   };
 }
 
 void take(Services& services, const ReferenceTake& take, Reply<JobNumber> reply) {
-  services.instrument.take_reference(take, with_number(reply));
+  if (auto can = can_take_reference(*services.keeper.snapshot(), take); !can) {
+    return reply(can.error());
+  }
+  services.procedures.start(
+      kReferenceTake.name, [take](Bench& bench) { return take_reference(bench, take); },
+      with_number(reply));
 }
 
 void get(Services& services, Reply<KnownReference> reply) {
-  reply(report_of(services, services.instrument.snapshot().reference));
+  reply(report_of(services, services.keeper.snapshot()->reference.get()));
 }
 
 void clear(Services& services, Reply<KnownReference> reply) {
-  services.instrument.clear_reference(with_reference(services, reply));
+  services.keeper.edit(Hold::of_nobody(), forget_reference(), with_reference(services, reply));
 }
 
 void set(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
-  services.instrument.use_model_reference(with_reference(services, reply));
+  services.keeper.edit(Hold::of_nobody(), use_model_reference(), with_reference(services, reply));
 }
 
 void get_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
@@ -52,7 +58,7 @@ void cancel_job(Services& services, const JobNumber& which, Reply<JobReport> rep
   if (!ran) return reply(cancelled);
   // Answered when the sensor is free again: the next request may be the next job.
   services.procedures.when_free([&services, reply, cancelled] {
-    services.instrument.after_changes([reply, cancelled] { reply(cancelled); });
+    services.keeper.after_changes([reply, cancelled] { reply(cancelled); });
   });
 }
 

@@ -14,7 +14,7 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/shared/guarded.hpp"
 
@@ -25,7 +25,7 @@ struct Services {
   const Guarded<LoadedConfig>& loaded;  ///< as last loaded: at the start, or by a reload
   StateKeeper& state;
   CameraActor& camera;
-  Instrument& instrument;
+  SensorKeeper& keeper;
   Jobs& jobs;
   Procedures& procedures;
   ExperimentArchive& experiments;

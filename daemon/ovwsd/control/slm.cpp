@@ -24,21 +24,22 @@ void run_lut(Services& services, const LutRun& run, Reply<JobNumber> reply) {
       [&services, run](Bench& bench) -> Result<Json> {
         auto lut = measure_lut(bench, services.config.slm.geometry, run);
         if (!lut) return fail(lut.error());
-        if (auto used = bench.use_lut(std::move(*lut)); !used) return fail(used.error());
-        return to_json(lut_of(services, bench.sensor()));
+        if (auto used = bench.use(use_lut(std::move(*lut))); !used) return fail(used.error());
+        return to_json(lut_of(services, *bench.sensor()));
       },
       with_number(reply));
 }
 
 void get_lut(Services& services, Reply<LutReport> reply) {
-  reply(lut_of(services, services.instrument.snapshot()));
+  reply(lut_of(services, *services.keeper.snapshot()));
 }
 
 void clear_lut(Services& services, Reply<LutReport> reply) {
-  services.instrument.clear_lut([&services, reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(cleared.error());
-    reply(lut_of(services, *cleared));
-  });
+  services.keeper.edit(Hold::of_nobody(), forget_lut(),
+                       [&services, reply](const Result<SensorView>& cleared) {
+                         if (!cleared) return reply(cleared.error());
+                         reply(lut_of(services, **cleared));
+                       });
 }
 
 FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) {
@@ -59,26 +60,27 @@ void run_flatness(Services& services, const FlatnessRun& run, Reply<JobNumber> r
   services.procedures.start(
       kFlatnessRun.name,
       [&services, run](Bench& bench) -> Result<Json> {
-        const std::uint64_t epoch = bench.sensor().sensor_epoch;
+        const std::uint64_t epoch = bench.sensor()->sensor_epoch;
         auto flatness = measure_flatness(bench, services.config.slm.geometry, run.frames);
         if (!flatness) return fail(flatness.error());
-        if (auto used = bench.use_flatness(epoch, std::move(*flatness)); !used) {
+        if (auto used = bench.use(use_flatness(epoch, std::move(*flatness))); !used) {
           return fail(used.error());
         }
-        return to_json(flatness_of(services, bench.sensor()));
+        return to_json(flatness_of(services, *bench.sensor()));
       },
       with_number(reply));
 }
 
 void get_flatness(Services& services, Reply<FlatnessReport> reply) {
-  reply(flatness_of(services, services.instrument.snapshot()));
+  reply(flatness_of(services, *services.keeper.snapshot()));
 }
 
 void clear_flatness(Services& services, Reply<FlatnessReport> reply) {
-  services.instrument.clear_flatness([&services, reply](Result<SensorSnapshot> cleared) {
-    if (!cleared) return reply(cleared.error());
-    reply(flatness_of(services, *cleared));
-  });
+  services.keeper.edit(Hold::of_nobody(), forget_flatness(),
+                       [&services, reply](const Result<SensorView>& cleared) {
+                         if (!cleared) return reply(cleared.error());
+                         reply(flatness_of(services, **cleared));
+                       });
 }
 
 void settle(Services& services, const SettleRun& run, Reply<JobNumber> reply) {

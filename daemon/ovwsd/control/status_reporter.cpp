@@ -55,7 +55,7 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
   part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
-  part.referenced = sensor.reference.has_value();
+  part.referenced = sensor.reference != nullptr;
   part.reference = reference_state(sensor, camera);
   if (sensor.reference) {
     part.reference_introduced_rms_waves = rms_waves(sensor.reference->introduced);
@@ -119,7 +119,7 @@ StatusMessage StatusReporter::current() const {
                       one.turn_s, deps_.store.queued());
     }
   }
-  status.sensor = sensor_part(deps_.instrument.snapshot(), camera);
+  status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);
   status.sensor.invalid = deps_.finder.why_invalid();
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();

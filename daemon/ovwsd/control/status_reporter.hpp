@@ -17,7 +17,7 @@
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/spot_finder.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
@@ -32,7 +32,7 @@ struct StatusDeps {
   const StateKeeper& state;
   const CameraActor& camera;
   const SlmLoop& slm;
-  const Instrument& instrument;
+  const SensorKeeper& keeper;
   const SpotFinder& finder;
   const ImagePublisher& images;
   const ClosedLoop& loop;

@@ -38,8 +38,17 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   return "";
 }
 
-/// That the loop begins from within its limits, and corrects what is measured.
+/// That there is something to steer by, and that the loop begins from within its limits and
+/// corrects what is measured.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
+  if (sensor.pattern != HologramKind::sensor) {
+    return fail(Errc::refused, "",
+                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+  }
+  if (!sensor.reference) {
+    return fail(Errc::refused, "reference",
+                "there is no reference to steer to: take one with reference.take first");
+  }
   for (const int j : settings.modes) {
     const auto& known = sensor.modes_j;
     if (std::find(known.begin(), known.end(), j) != known.end()) continue;
@@ -116,20 +125,17 @@ bool ClosedLoop::take_sample() {
   std::swap(taken_, newest_);
   filled_once_ = false;
   lock.unlock();
-  return taken_.hologram_id == deps_.instrument.snapshot().hologram_id;
+  return taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
 }
 
 Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   if (is_closed()) return fail(Errc::refused, "", "the loop is closed already");
   if (auto good = check_loop(settings); !good) return fail(good.error());
-  const auto lent =
-      ask([&](Instrument::Changed done) { deps_.instrument.begin_loop(std::move(done)); });
-  if (!lent) return fail(lent.error());
-  if (auto good = check_against(settings, *lent); !good) {
-    deps_.instrument.end_loop();
-    return fail(good.error());
-  }
-  const SensorSnapshot& sensor = *lent;
+  const auto held = ask([&](SensorKeeper::Done done) {
+    deps_.keeper.after_changes([this, settings, done = std::move(done)] { done(hold(settings)); });
+  });
+  if (!held) return fail(held.error());
+  const SensorSnapshot& sensor = **held;
   integrator_.emplace(settings, sensor.correction, monotonic_ns());
   LoopReport report;
   report.settings = settings;
@@ -142,6 +148,15 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   return this->report();
 }
 
+/// The loop steers by what is in force now.
+Result<SensorView> ClosedLoop::hold(const LoopSettings& settings) {
+  if (auto free = deps_.keeper.may_hold(); !free) return fail(free.error());
+  SensorView sensor = deps_.keeper.snapshot();
+  if (auto good = check_against(settings, *sensor); !good) return fail(good.error());
+  deps_.keeper.hold(Hold::of_loop());
+  return sensor;
+}
+
 Result<LoopReport> ClosedLoop::end(bool keep) {
   if (!keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
@@ -152,7 +167,7 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
 
 LoopReport ClosedLoop::report() const {
   LoopReport report = report_.get();
-  report.correction_rms_waves = rms_of(deps_.instrument.snapshot().correction);
+  report.correction_rms_waves = rms_of(deps_.keeper.snapshot()->correction);
   return report;
 }
 
@@ -166,17 +181,18 @@ void ClosedLoop::act() {
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
-  const auto shown =
-      ask([&](Instrument::Changed done) { deps_.instrument.correct(correction, std::move(done)); });
+  const auto shown = ask([&](SensorKeeper::Done done) {
+    deps_.keeper.edit(Hold::of_loop(), set_correction(correction), std::move(done));
+  });
   if (!shown) return fail(shown.error());
   return {};
 }
 
 /// What the prepare thread answers.
-Result<SensorSnapshot> ClosedLoop::ask(const std::function<void(Instrument::Changed)>& what) {
-  auto promise = std::make_shared<std::promise<Result<SensorSnapshot>>>();
+Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>& what) {
+  auto promise = std::make_shared<std::promise<Result<SensorView>>>();
   auto answer = promise->get_future();
-  what([promise = std::move(promise)](Result<SensorSnapshot> now) {
+  what([promise = std::move(promise)](Result<SensorView> now) {
     promise->set_value(std::move(now));
   });
   try {
@@ -197,7 +213,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   report.t_opened_ns = utc_ns();
   report_.set(report);
   closed_ = closed;
-  if (!closed) deps_.instrument.end_loop();
+  if (!closed) deps_.keeper.release(Hold::of_loop(), [] {});
   deps_.on_change(closed);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
                     {{"closed", closed}, {"steps", report.steps}});

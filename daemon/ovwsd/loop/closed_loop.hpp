@@ -16,14 +16,14 @@
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/tables/loop.hpp"
 
 namespace ovws {
 
 struct ClosedLoopDeps {
-  Instrument& instrument;
+  SensorKeeper& keeper;
   Events& events;
   /// Loop thread: the loop was closed (true) or opened (false).
   std::function<void(bool)> on_change;
@@ -68,7 +68,8 @@ class ClosedLoop : public Agent {
   bool take_sample();
   void act();
   Result<void> show(const std::vector<Mode>& correction);
-  Result<SensorSnapshot> ask(const std::function<void(Instrument::Changed)>& what);
+  Result<SensorView> hold(const LoopSettings& settings);
+  Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
   void give_up(const std::string& reason);
   void set_closed(bool closed, const std::string& why, Severity severity);
   void tell_step();

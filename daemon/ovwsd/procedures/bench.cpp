@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook(20);  // how often a wait sees a stop
 constexpr double kLeastPatienceS = 10.0;
+constexpr std::chrono::milliseconds kFilePatience(2000);
 
 Error stopped_error() {
   return {Errc::refused, "", "it was told to end"};
@@ -86,48 +87,54 @@ Result<T> Bench::wait_for(std::future<Result<T>> future) {
   }
 }
 
-Result<void> Bench::ask(const std::function<void(Instrument::Changed)>& what) {
+Result<void> Bench::edit(SensorChange change) {
   if (stopped()) return fail(stopped_error());
-  auto promise = std::make_shared<std::promise<Result<void>>>();
-  auto future = promise->get_future();
-  what([promise = std::move(promise)](const Result<SensorSnapshot>& shown) {
-    promise->set_value(shown ? Result<void>{} : fail(shown.error()));
-  });
-  auto answer = wait_for(std::move(future));
-  if (answer || stopped()) return answer;
+  // Answered once, in the prepare thread: when the change is active, or cannot be.
+  auto promise = std::make_shared<std::optional<std::promise<Result<void>>>>(std::in_place);
+  auto future = (*promise)->get_future();
+  const auto answer = [promise](Result<void> result) {
+    if (!*promise) return;
+    (*promise)->set_value(std::move(result));
+    promise->reset();
+  };
+  promise.reset();
+  deps_.keeper.edit(
+      Hold::of_job(job_), std::move(change),
+      [answer, pending = files_->add()](const Result<SensorView>& done) {
+        if (!done) answer(fail(done.error()));
+      },
+      [answer] { answer({}); });
+  auto result = wait_for(std::move(future));
+  if (result || stopped()) return result;
   const auto there = check_display();
-  if (!there) answer.error().reason = there.error().reason;
-  return answer;
+  if (!there) result.error().reason = there.error().reason;
+  return result;
 }
 
 Result<void> Bench::show(const std::vector<Mode>& aberration) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.exhibit(job_, {aberration, nullptr}, std::move(done));
-  });
+  return edit(show_request({aberration, nullptr}));
 }
 
 Result<void> Bench::show(const SensorSet& sensor, const std::vector<Mode>& aberration) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.exhibit(job_, {aberration, nullptr, sensor}, std::move(done));
-  });
+  return edit(show_request({aberration, nullptr, sensor}));
 }
 
 Result<void> Bench::show(const Painter& paint) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.exhibit(job_, {{}, paint}, std::move(done));
-  });
+  return edit(show_request({{}, paint}));
 }
 
-Result<void> Bench::use_registration(const Registration& registration) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.use_registration(job_, registration, std::move(done));
+Result<void> Bench::use(SensorChange change) {
+  const auto used = edit([&jobs = deps_.jobs, job = job_,
+                          change = std::move(change)](SensorEdit& edit) -> Result<void> {
+    if (!jobs.runs(job)) return fail(Errc::refused, "", "it was cancelled");
+    return change(edit);
   });
+  if (used) (void)files_->wait_for(kFilePatience);
+  return used;
 }
 
-Result<void> Bench::use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.use_calibration(job_, sensor_epoch, std::move(measured), std::move(done));
-  });
+void Bench::warn(std::string kind, std::string text, nlohmann::json data) {
+  deps_.events.emit(std::move(kind), Severity::warning, std::move(text), std::move(data));
 }
 
 Result<double> Bench::try_gain(double gain_db) {
@@ -164,18 +171,6 @@ void Bench::put_back_gain() {
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
-Result<void> Bench::use_lut(MeasuredLut lut) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.use_lut(job_, std::move(lut), std::move(done));
-  });
-}
-
-Result<void> Bench::use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness) {
-  return ask([&](Instrument::Changed done) {
-    deps_.instrument.use_flatness(job_, sensor_epoch, std::move(flatness), std::move(done));
-  });
-}
-
 Result<void> Bench::watch_on(double least_ms, std::size_t frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
@@ -196,19 +191,27 @@ void Bench::tell(double progress) {
 }
 
 Result<ReferenceCollector::Average> Bench::spots(int frames) {
+  return spots(frames, [] { return Result<void>(); });
+}
+
+/// `look` is asked again and again; an error ends it.
+Result<ReferenceCollector::Average> Bench::spots(int frames,
+                                                 const std::function<Result<void>()>& look) {
   if (stopped()) return fail(stopped_error());
-  const SensorSnapshot now = sensor();
+  const SensorView now = sensor();
   auto promise = std::make_shared<std::promise<ReferenceCollector::Average>>();
   auto future = promise->get_future();
-  deps_.collector.begin(frames, now.sensor_epoch, now.hologram_id, now.subapertures,
+  deps_.collector.begin(frames, now->sensor_epoch, now->hologram_id, now->subapertures,
                         [promise = std::move(promise)](ReferenceCollector::Average average) {
                           promise->set_value(std::move(average));
                         });
   const double patient_s = patience_s(camera().settings);
   while (future.wait_for(kLook) != std::future_status::ready) {
+    const auto good = look();
     const bool silent = deps_.collector.idle_s() > patient_s;
-    if (!stopped() && !silent) continue;
+    if (!stopped() && !silent && good) continue;
     deps_.collector.cancel();
+    if (!good) return fail(good.error());
     return fail(stopped() ? stopped_error() : no_frame(patient_s));
   }
   try {
@@ -218,12 +221,30 @@ Result<ReferenceCollector::Average> Bench::spots(int frames) {
   }
 }
 
+Result<TakenReference> Bench::reference(int frames) {
+  const SensorView now = sensor();
+  const CameraSettings settings = camera().settings;
+  const auto same_camera = [&]() -> Result<void> {
+    if (camera().settings == settings) return {};
+    return fail(Errc::refused, "camera", "the camera's settings changed meanwhile");
+  };
+  deps_.pictures.begin(now->sensor_epoch, now->hologram_id);
+  const std::shared_ptr<void> ended(nullptr, [this](void*) { deps_.pictures.cancel(); });
+  auto average = spots(frames, [&] {
+    tell(deps_.collector.progress());
+    return same_camera();
+  });
+  if (!average) return fail(average.error());
+  if (auto same = same_camera(); !same) return fail(same.error());
+  return TakenReference{std::move(*average), deps_.pictures.end(), settings};
+}
+
 Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cells) {
   if (stopped()) return fail(stopped_error());
-  const SensorSnapshot now = sensor();
+  const SensorView now = sensor();
   const CameraSettings settings = camera().settings;
-  deps_.series.begin({frames, now.sensor_epoch, now.hologram_id, now.tracking.tracker,
-                      settings.gain_db, now.subapertures, std::move(cells)});
+  deps_.series.begin({frames, now->sensor_epoch, now->hologram_id, now->tracking.tracker,
+                      settings.gain_db, now->subapertures, std::move(cells)});
   const std::shared_ptr<void> ended(nullptr, [this](void*) { (void)deps_.series.end(); });
   Silence silence(patience_s(settings));
   for (int taken = 0; taken < frames; taken = deps_.series.taken()) {
@@ -238,8 +259,8 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cel
 
 Result<Image<float>> Bench::picture(int frames) {
   if (stopped()) return fail(stopped_error());
-  const SensorSnapshot now = sensor();
-  deps_.pictures.begin(now.sensor_epoch, now.hologram_id, frames);
+  const SensorView now = sensor();
+  deps_.pictures.begin(now->sensor_epoch, now->hologram_id, frames);
   const double patient_s = patience_s(camera().settings);
   Silence silence(patient_s);
   while (deps_.pictures.wants()) {

@@ -11,17 +11,19 @@
 #include "core/base/result.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
+#include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_series.hpp"
 #include "daemon/ovwsd/frames/light_watcher.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {
 
 struct BenchDeps {
-  Instrument& instrument;
+  SensorKeeper& keeper;
   CameraActor& camera;
   ReferenceCollector& collector;
   ReferencePictureTaker& pictures;
@@ -29,6 +31,7 @@ struct BenchDeps {
   LightWatcher& light;
   SlmLoop& slm;
   Jobs& jobs;
+  Events& events;
 };
 
 /// For the thread of one procedure. Every call waits for what it promises, and fails once the job
@@ -41,7 +44,7 @@ class Bench {
         std::atomic<double>& progress);
 
   /// As it is now.
-  SensorSnapshot sensor() const { return deps_.instrument.snapshot(); }
+  SensorView sensor() const { return deps_.keeper.snapshot(); }
   CameraSnapshot camera() const { return deps_.camera.snapshot(); }
 
   /// The sensor with these modes, RMS-normalised waves, in place of the aberration of before.
@@ -51,13 +54,13 @@ class Bench {
   /// What `paint` draws; it is called once, in the prepare thread, and after this has returned if
   /// the job is cancelled meanwhile: it holds copies.
   Result<void> show(const Painter& paint);
-  /// In force from now on.
-  Result<void> use_registration(const Registration& registration);
-  /// Modes are read with it from now on; the sensor is shown without a push.
-  Result<void> use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
-  /// In force from now on; shown at the end.
-  Result<void> use_lut(MeasuredLut lut);
-  Result<void> use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
+  /// What the procedure has measured comes into force, and is kept. Returns when it is in force,
+  /// and its file is written or the disk has not answered for two seconds.
+  Result<void> use(SensorChange change);
+  /// Those that the disk has not answered for: the job ends when it has.
+  std::shared_ptr<PendingFiles> pending_files() const { return files_; }
+  /// A warning for a person.
+  void warn(std::string kind, std::string text, nlohmann::json data);
 
   /// The gain as read back. What it was is put back when the procedure ends. A camera that is away
   /// is waited for as long as a frame is.
@@ -68,6 +71,9 @@ class Bench {
   Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> cells = {});
   /// Of the next `frames` settled frames of the sensor shown last.
   Result<ReferenceCollector::Average> spots(int frames);
+  /// The same, and some of the frames as a picture; tells the progress. Errc::refused, field
+  /// "camera": its settings changed meanwhile.
+  Result<TakenReference> reference(int frames);
   /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
   Result<Image<float>> picture(int frames);
 
@@ -99,13 +105,15 @@ class Bench {
   Result<double> try_gain(double gain_db);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
-  Result<void> ask(const std::function<void(Instrument::Changed)>& what);
+  Result<void> edit(SensorChange change);
+  Result<ReferenceCollector::Average> spots(int frames, const std::function<Result<void>()>& look);
 
   int job_;
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
   std::atomic<double>& progress_;
   std::optional<double> gain_before_db_;  ///< none: it was not changed
+  std::shared_ptr<PendingFiles> files_ = std::make_shared<PendingFiles>();
 };
 
 }  // namespace ovws

@@ -109,7 +109,7 @@ Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
 Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& modes_j,
                                          const CalibrationRun& run, const ModeOperator& model,
                                          double most_drift_px) {
-  const std::vector<Mode> shown = bench.sensor().aberration;
+  const std::vector<Mode> shown = bench.sensor()->aberration;
   PushPullRun pictures;
   std::vector<DroppedMode> dropped;
   bool any_lost = false;
@@ -145,7 +145,8 @@ Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& m
 
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
                                                 const CalibrationRun& run) {
-  const SensorSnapshot now = bench.sensor();
+  const SensorView view = bench.sensor();
+  const SensorSnapshot& now = *view;
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
   const ModeOperator model =

@@ -143,7 +143,8 @@ Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found
 }  // namespace
 
 Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames) {
-  const SensorSnapshot now = bench.sensor();
+  const SensorView view = bench.sensor();
+  const SensorSnapshot& now = *view;
   if (auto able = check_bench(now); !able) return fail(able.error());
   Scanner scanner(bench, slm, now, frames);
   const std::vector<double> none(scanner.modes_j().size(), 0.0);

@@ -122,7 +122,7 @@ class Sweep {
 
 Result<void> Sweep::check_bench() const {
   return check_same_bench(run_.bench,
-                          sweep_bench(bench_.sensor(), bench_.camera(), run_.bench["optics"]));
+                          sweep_bench(*bench_.sensor(), bench_.camera(), run_.bench["optics"]));
 }
 
 /// A sensor that has lost its spots at the gain before looks for them every some frames only: until
@@ -156,10 +156,10 @@ Result<void> Sweep::check_table() {
     if (!before_px) continue;
     const auto frames = reference_series(with);
     if (!frames) return fail(frames.error());
-    const SensorSnapshot now = bench_.sensor();
+    const SensorView now = bench_.sensor();
     return check_unmoved(
         spot_motion(*before_px, reference.value("frames", 1), *frames),
-        kMostMotion * lambda_d_px(now.optics, slm_, now.sensor),
+        kMostMotion * lambda_d_px(now->optics, slm_, now->sensor),
         fmt::format("charge {}, {}", with.charge, to_json(with.tracker).get<std::string>()));
   }
   return {};
@@ -216,13 +216,13 @@ Result<void> Sweep::measure_cell(int number) {
     cell.picture = std::move(*picture);
   }
   const auto positions = reference_places(reference, int(at.arm));
-  const auto reconstructor = reconstructor_of(bench_.sensor(), slm_, positions.value_or(Places{}));
+  const auto reconstructor = reconstructor_of(*bench_.sensor(), slm_, positions.value_or(Places{}));
   if (!reconstructor) return fail(reconstructor.error());
   const CameraSettings camera = bench_.camera().settings;
   cell.gain_db = *gain_db;
   cell.exposure_us = camera.exposure_us;
   cell.frame_rate_hz = camera.frame_rate_hz;
-  cell.subapertures = bench_.sensor().subapertures;
+  cell.subapertures = bench_.sensor()->subapertures;
   cell.modes_j = reconstructor->modes_j();
   cell.frames = judge_frames(*frames, *reconstructor, introduced);
   cell.levels = levels_of(*frames);

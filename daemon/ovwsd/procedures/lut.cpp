@@ -28,7 +28,7 @@ class LutBench {
         slm_(slm),
         frames_(frames),
         now_(bench.sensor()),
-        map_(px_per_cycle(now_.optics, slm)) {}
+        map_(px_per_cycle(now_->optics, slm)) {}
 
   /// Finds patches that saturate nothing, and the fixed grey level that is brightest.
   Result<void> choose();
@@ -45,7 +45,7 @@ class LutBench {
   Bench& bench_;
   SlmGeometry slm_;
   int frames_;
-  SensorSnapshot now_;
+  SensorView now_;
   PxPerCycle map_;
   FringePatches patches_;
   int fixed_ = 0;
@@ -55,20 +55,20 @@ Result<FringeReading> LutBench::read(const Painter& paint) {
   if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
   const auto light = bench_.picture(frames_);
   if (!light) return fail(light.error());
-  return read_fringe(*light, patches_, base_spot_px(now_.optics, light->width, light->height),
+  return read_fringe(*light, patches_, base_spot_px(now_->optics, light->width, light->height),
                      map_);
 }
 
 // Painters by value: once the job was cancelled they may be called after this has returned.
 Result<FringeReading> LutBench::read(int grey, int fixed) {
-  return read([patches = patches_, sensor = now_.sensor, slm = slm_, grey, fixed](
+  return read([patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
                   const HologramRenderer&, Image<std::uint8_t>& picture) {
     draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
   });
 }
 
 Result<double> LutBench::blazed_dn(const PhaseLut& lut) {
-  const auto seen = read([patches = patches_, sensor = now_.sensor, slm = slm_, lut](
+  const auto seen = read([patches = patches_, sensor = now_->sensor, slm = slm_, lut](
                              const HologramRenderer&, Image<std::uint8_t>& picture) {
     draw_blazed_patch(patches, sensor, slm, lut, picture);
   });
@@ -92,8 +92,8 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
 /// False: something is saturated.
 Result<bool> LutBench::try_share(double share) {
   patches_ =
-      fringe_patches(now_.sensor, map_, share,
-                     lit_pixels(bench_.camera().settings.pixel_format, now_.optics.wavelength_nm));
+      fringe_patches(now_->sensor, map_, share,
+                     lit_pixels(bench_.camera().settings.pixel_format, now_->optics.wavelength_nm));
   const auto dark = read(0, 0);
   if (!dark) return fail(dark.error());
   double most = 0.0;

@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kTurn(50);
 void Procedures::start(const std::string& kind, Procedure procedure,
                        std::function<void(Result<int>)> done) {
   // In the prepare thread, which alone knows whether the sensor is free.
-  deps_.bench.instrument.after_changes(
+  deps_.bench.keeper.after_changes(
       [this, kind, procedure = std::move(procedure), done = std::move(done)]() mutable {
         begin(kind, std::move(procedure), done);
       });
@@ -36,7 +36,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
     run_ = run;
     begun_ = true;  // not to be carried out before it has all it needs
   }
-  if (auto free = deps_.bench.instrument.check_free(); !free) {
+  if (auto free = deps_.bench.keeper.may_hold(); !free) {
     release();
     return done(fail(free.error()));
   }
@@ -51,7 +51,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
       });
   run->procedure = std::move(procedure);
   run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop, run->progress);
-  deps_.bench.instrument.lend(run->job);
+  deps_.bench.keeper.hold(Hold::of_job(run->job));
   deps_.on_job(true);
   done(run->job);
   {
@@ -94,7 +94,7 @@ bool Procedures::do_work() {
     begun_ = true;
     run = run_;
   }
-  finish(*run, carry_out(*run));
+  finish(run, carry_out(*run));
   return true;
 }
 
@@ -110,25 +110,28 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
   }
 }
 
-/// All is as it was, and the sensor free again, before anybody hears of the end: who hears may ask
-/// for the next job.
-void Procedures::finish(Run& run, const Result<nlohmann::json>& result) {
-  run.bench->end_watch();
-  run.bench->put_back_gain();
+/// All is as it was, and the sensor free again, before the job ends: a client that hears of the end
+/// may start the next job. A disk that does not answer delays the end, and nothing else.
+void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
+  run->bench->end_watch();
+  run->bench->put_back_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();
-  deps_.bench.instrument.give_back(run.job, [given_back] { given_back->set_value(); });
+  deps_.bench.keeper.release(Hold::of_job(run->job), [given_back] { given_back->set_value(); });
   given_back.reset();
   done.wait();  // also if the prepare thread has ended: the promise is then broken
-  const int job = run.job;
+  const int job = run->job;
   {
     const std::lock_guard lock(mutex_);
     begun_ = false;
   }
   deps_.on_job(false);
   release();
-  if (result) return deps_.bench.jobs.finish(job, *result);
-  deps_.bench.jobs.fail_job(job, result.error());
+  // The run tells the job's progress until the job has ended.
+  run->bench->pending_files()->when_none([run, &jobs = deps_.bench.jobs, job, result] {
+    if (result) return jobs.finish(job, *result);
+    jobs.fail_job(job, result.error());
+  });
 }
 
 }  // namespace ovws

@@ -54,7 +54,7 @@ class Procedures : public Agent {
   void begin(const std::string& kind, Procedure procedure,
              const std::function<void(Result<int>)>& done);
   Result<nlohmann::json> carry_out(Run& run);
-  void finish(Run& run, const Result<nlohmann::json>& result);
+  void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
   void release();
 
   ProceduresDeps deps_;

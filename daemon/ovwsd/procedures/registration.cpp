@@ -118,7 +118,8 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
 }  // namespace
 
 Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
-  const SensorSnapshot now = bench.sensor();
+  const SensorView view = bench.sensor();
+  const SensorSnapshot& now = *view;
   const CameraSettings camera = bench.camera().settings;
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());

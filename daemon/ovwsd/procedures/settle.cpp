@@ -59,7 +59,7 @@ std::vector<StepFrame> after(const std::vector<LightWatcher::Seen>& seen,
 }  // namespace
 
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run) {
-  const ToAndFro moves = to_and_fro(bench.sensor(), slm, bench.camera().settings.roi);
+  const ToAndFro moves = to_and_fro(*bench.sensor(), slm, bench.camera().settings.roi);
   const auto show = [&](std::size_t place) {
     const Probe probe{moves.frequencies_cpp[place], moves.charge};
     return bench.show([probe](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {

@@ -5,7 +5,7 @@
 
 #include "core/base/result.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {
 

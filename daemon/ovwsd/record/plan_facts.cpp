@@ -64,7 +64,7 @@ json slm_content(const SlmInForce& slm) {
 }
 
 json plan_content(const PlanFacts& facts) {
-  const SensorSnapshot& now = facts.sensor;
+  const SensorSnapshot& now = *facts.sensor;
   const LitPixels& lit = facts.spots.lit;
   return {{"plan_id", facts.id},
           {"sensor_epoch", facts.sensor_epoch},
@@ -97,7 +97,7 @@ json plan_content(const PlanFacts& facts) {
 
 }  // namespace
 
-PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot)
+PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
     : id(plan.id),
       sensor_epoch(plan.sensor_epoch),
       hologram_id(plan.hologram_id),
@@ -113,7 +113,7 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot)
       mode_operator(plan.mode_operator),
       modes_j(plan.reconstructor->modes_j()),
       slopes(plan.reconstructor->slopes()),
-      sensor(std::move(snapshot)),
+      sensor(std::move(view)),
       nuisance(plan.reconstructor->nuisance()) {}
 
 Document make_document(std::string kind, const json& content) {
@@ -125,13 +125,13 @@ Document make_document(std::string kind, const json& content) {
 }
 
 /// A closed loop makes ten plans a second of one reference, whose picture is a megabyte.
-const std::string& PlanDocuments::reference_of(const Reference& reference,
+const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Reference>& reference,
                                                std::vector<Document>& all) {
-  const bool same = reference_ && reference_->t_taken_ns == reference.t_taken_ns &&
-                    reference_->picture == reference.picture &&
-                    reference_->positions_px == reference.positions_px;
+  const bool same = reference_ && reference_->t_taken_ns == reference->t_taken_ns &&
+                    reference_->picture == reference->picture &&
+                    reference_->positions_px == reference->positions_px;
   if (same) return reference_sha256_;
-  all.push_back(make_document("reference", reference_content(reference)));
+  all.push_back(make_document("reference", reference_content(*reference)));
   reference_ = reference;
   return reference_sha256_ = all.back().sha256;
 }
@@ -143,9 +143,9 @@ std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
     all.push_back(make_document(kind, content));
     plan[kind] = all.back().sha256;
   };
-  const SensorSnapshot& now = facts.sensor;
+  const SensorSnapshot& now = *facts.sensor;
   plan["reference"] = plan["calibration"] = plan["slm"] = nullptr;
-  if (now.reference) plan["reference"] = reference_of(*now.reference, all);
+  if (now.reference) plan["reference"] = reference_of(now.reference, all);
   refer("operator", operator_content(facts));
   if (now.calibration) refer("calibration", calibration_content(*now.calibration));
   if (now.slm) refer("slm", slm_content(*now.slm));

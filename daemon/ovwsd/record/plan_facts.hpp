@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "core/pipeline/plan.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 
 namespace ovws {
 
 /// Of one plan: copies, for the plan itself may be gone when they are written.
 struct PlanFacts {
-  PlanFacts(const MeasurementPlan& plan, SensorSnapshot snapshot);
+  PlanFacts(const MeasurementPlan& plan, SensorView view);
 
   std::uint64_t id = 0, sensor_epoch = 0, hologram_id = 0;
   int charge = 1;
@@ -29,7 +29,7 @@ struct PlanFacts {
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;
   Eigen::MatrixXd slopes;
-  SensorSnapshot sensor;     ///< as it was when the plan was adopted
+  SensorView sensor;         ///< as it was when the plan was adopted
   Eigen::MatrixXd nuisance;  ///< see Reconstructor
 };
 
@@ -48,10 +48,11 @@ class PlanDocuments {
   std::vector<Document> of(const PlanFacts& facts);
 
  private:
-  const std::string& reference_of(const Reference& reference, std::vector<Document>& all);
+  const std::string& reference_of(const std::shared_ptr<const Reference>& reference,
+                                  std::vector<Document>& all);
 
   std::set<std::string> given_;
-  std::optional<Reference> reference_;  ///< that was written last
+  std::shared_ptr<const Reference> reference_;  ///< that was written last
   std::string reference_sha256_;
 };
 

@@ -106,7 +106,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
     reference_sha256_ = sha256;
   }
   tracking.templates = TemplateKind::reference;
-  return shelf_.of(tracking, spots, reference_).banks;
+  return shelf_.of(tracking, spots, reference_ ? &*reference_ : nullptr).banks;
 }
 
 /// Strictly what plan_facts.cpp writes: anything else ends in an exception of the JSON library.

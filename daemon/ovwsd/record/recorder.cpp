@@ -141,8 +141,8 @@ Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
 
 Recorder::~Recorder() = default;
 
-void Recorder::know(const MeasurementPlan& plan, const SensorSnapshot& sensor) {
-  auto facts = std::make_shared<const PlanFacts>(plan, sensor);
+void Recorder::know(const MeasurementPlan& plan, SensorView sensor) {
+  auto facts = std::make_shared<const PlanFacts>(plan, std::move(sensor));
   const std::lock_guard lock(facts_mutex_);
   facts_.push_back(std::move(facts));
   while (facts_.size() > most_facts_) facts_.pop_front();

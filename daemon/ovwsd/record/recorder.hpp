@@ -71,7 +71,7 @@ class Recorder : public Agent {
   /// How many frames of a recording that the daemon's stop ended are not in its file.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
   /// Any thread, before a frame can be measured with the plan.
-  void know(const MeasurementPlan& plan, const SensorSnapshot& sensor);
+  void know(const MeasurementPlan& plan, SensorView sensor);
   /// Any thread.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
 

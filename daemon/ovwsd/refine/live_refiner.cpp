@@ -29,9 +29,9 @@ Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
 }  // namespace
 
 LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics,
-                         const SlmGeometry& slm, const Instrument& instrument, StreamQueue& queue)
+                         const SlmGeometry& slm, const SensorKeeper& keeper, StreamQueue& queue)
     : wavelength_nm_(optics.wavelength_nm),
-      instrument_(instrument),
+      keeper_(keeper),
       queue_(queue),
       model_(slm, ending_),
       inbox_(can_be_refined),
@@ -62,7 +62,8 @@ bool LiveRefiner::do_work() {
     return false;
   }
   waiting_since_ns_ = 0;
-  const SensorSnapshot sensor = instrument_.snapshot();
+  const SensorView view = keeper_.snapshot();
+  const SensorSnapshot& sensor = *view;
   if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
   last_begun_ns_ = monotonic_ns();
   refine(*frame, sensor, settings);

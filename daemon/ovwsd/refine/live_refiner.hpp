@@ -8,7 +8,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/refine/refine_model.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/messages.hpp"
 #include "proto/refine_setup.hpp"
@@ -23,7 +23,7 @@ namespace ovws {
 class LiveRefiner : public Agent {
  public:
   LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
-              const Instrument& instrument, StreamQueue& queue);
+              const SensorKeeper& keeper, StreamQueue& queue);
 
   bool do_work() override;
 
@@ -44,7 +44,7 @@ class LiveRefiner : public Agent {
   void publish(const FrameCopy& frame, const SensorSnapshot& sensor, RefinedFrame refined);
 
   const double wavelength_nm_;
-  const Instrument& instrument_;
+  const SensorKeeper& keeper_;
   StreamQueue& queue_;
   std::atomic<bool> ending_{false};
   RefineModel model_;  ///< after ending_, which stops it

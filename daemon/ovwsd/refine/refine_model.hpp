@@ -10,8 +10,8 @@
 
 #include "core/optics/geometry.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
 #include "daemon/ovwsd/sensor/refined_modes.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/refine_setup.hpp"
 
 namespace ovws {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/optics/lattice.hpp"
 #include "core/wavefront/reconstructor.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/limits.hpp"
@@ -103,6 +105,28 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
 }
 
 }  // namespace
+
+std::string title_of(const Calibration& calibration) {
+  return "the calibration of " + utc_text(calibration.t_taken_ns);
+}
+
+std::string CalibrationKind::name(const Calibration& calibration) const {
+  const json& origin = *calibration.origin;
+  return sha256_hex(identity_of(origin) + origin["registration"].dump()).substr(0, 16);
+}
+
+std::string CalibrationKind::obstacle(Calibration& calibration) const {
+  const ReferenceKey& key = calibration.key.sensor;
+  std::string why =
+      bench->obstacle(*calibration.origin, key, std::size_t(calibration.matrix.spots()));
+  if (!why.empty()) return why;
+  const auto lattice = make_lattice(key.sensor, bench->config().slm.geometry);
+  if (!lattice) return lattice.error().reason;
+  calibration.comparison =
+      compare(calibration.matrix,
+              slope_operator(*lattice, key.sensor, key.tracking, calibration.key.px_per_cycle));
+  return {};
+}
 
 json calibration_content(const Calibration& calibration) {
   const InteractionMatrix& matrix = calibration.matrix;

@@ -81,23 +81,23 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
   }
 }
 
-const Result<ModeOperator>* OperatorShelf::find(const OperatorKey& key) const {
+OperatorShelf::Made OperatorShelf::find(const OperatorKey& key) const {
   const auto at = std::find_if(made_.begin(), made_.end(),
                                [&](const auto& entry) { return entry.first == key; });
-  return at == made_.end() ? nullptr : &at->second;
+  return at == made_.end() ? nullptr : at->second;
 }
 
 void OperatorShelf::forget_shortages(const OperatorKey* but) {
   std::erase_if(made_, [&](const auto& entry) {
     const auto& [key, made] = entry;
-    return !made && made.error().code == Errc::unavailable && !(but != nullptr && key == *but);
+    return !*made && made->error().code == Errc::unavailable && !(but != nullptr && key == *but);
   });
 }
 
 void OperatorShelf::put(const OperatorKey& key, Result<ModeOperator> made) {
   std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
   if (made_.size() == kMost) made_.pop_front();
-  made_.emplace_back(key, std::move(made));
+  made_.emplace_back(key, std::make_shared<const Result<ModeOperator>>(std::move(made)));
 }
 
 }  // namespace ovws

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -48,16 +49,17 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
 /// Made operators, or why they cannot be made. One thread at a time.
 class OperatorShelf {
  public:
+  using Made = std::shared_ptr<const Result<ModeOperator>>;
   /// Null: never made, or long ago.
-  const Result<ModeOperator>* find(const OperatorKey& key) const;
+  Made find(const OperatorKey& key) const;
   void put(const OperatorKey& key, Result<ModeOperator> made);
   /// Memory that was short once need not be again: forgets what ended with Errc::unavailable,
   /// except for the key `but`, if there is one.
   void forget_shortages(const OperatorKey* but);
 
  private:
-  static constexpr std::size_t kMost = 8;                          // up to some MiB each
-  std::deque<std::pair<OperatorKey, Result<ModeOperator>>> made_;  ///< oldest first
+  static constexpr std::size_t kMost = 8;          // up to some MiB each
+  std::deque<std::pair<OperatorKey, Made>> made_;  ///< oldest first
 };
 
 }  // namespace ovws

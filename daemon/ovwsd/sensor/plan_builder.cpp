@@ -32,7 +32,7 @@ void add(std::vector<Vec2>& points, const std::vector<Vec2>& moves, double sign)
 }
 
 std::vector<Vec2> predicted(const PlanInputs& inputs) {
-  if (!inputs.reference) {
+  if (inputs.reference == nullptr) {
     auto spots = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
                                 inputs.roi.width, inputs.roi.height);
     add(spots, displacements(inputs, inputs.aberration), 1.0);
@@ -53,8 +53,8 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 }
 
 Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
-                              const PxPerCycle& map, const std::optional<Reference>& reference) {
-  const bool of_model = reference && reference->source == ReferenceSource::model;
+                              const PxPerCycle& map, const Reference* reference) {
+  const bool of_model = reference != nullptr && reference->source == ReferenceSource::model;
   if (!of_model || sensor.charge == 0) return {};
   const auto& spots = lattice.subapertures;
   const double diameter_px = sensor.pupil_diameter_px;
@@ -93,7 +93,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->roi = inputs.roi;
   plan->format = inputs.format;
   plan->predicted_px = predicted(inputs);
-  if (inputs.reference) {
+  if (inputs.reference != nullptr) {
     plan->reference_px = known_positions(*inputs.reference);
     plan->reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
   }

@@ -27,9 +27,9 @@ struct PlanInputs {
   const SlmGeometry& slm;
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
-  LitPixels lit{};                      ///< the camera's, of this optics' wavelength
-  const std::vector<Mode>& aberration;  ///< shown on purpose
-  const std::optional<Reference>& reference;
+  LitPixels lit{};                       ///< the camera's, of this optics' wavelength
+  const std::vector<Mode>& aberration;   ///< shown on purpose
+  const Reference* reference = nullptr;  ///< null: none
   int workers = 0;
   const TornSpots* torn = nullptr;  ///< null: none is
   /// See MatchedTracker; empty: the model's for all.
@@ -47,7 +47,7 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 /// a camera that stands askew: no wavefront does, but with spots lost the modes would take it for
 /// one.
 Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
-                              const PxPerCycle& map, const std::optional<Reference>& reference);
+                              const PxPerCycle& map, const Reference* reference);
 
 /// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);

@@ -1,10 +1,12 @@
-/// A reference as JSON, for its file.
+/// References as files.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/result.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "daemon/ovwsd/store/kept.hpp"
 
 namespace ovws {
 
@@ -12,5 +14,26 @@ namespace ovws {
 /// bit. Errors (Errc::invalid) say what does not fit together.
 nlohmann::json reference_content(const Reference& reference);
 Result<Reference> reference_from(const nlohmann::json& content);
+
+/// "the reference of 2026-01-31T12:00:00.000Z"
+std::string title_of(const Reference& reference);
+
+/// See Kept. `bench` is borrowed.
+struct ReferenceKind {
+  using Item = Reference;
+  static constexpr const char *kKind = "reference", *kEvent = "reference";
+  const ReferenceBench* bench;
+
+  std::string title(const Item& reference) const { return title_of(reference); }
+  std::string name(const Item& reference) const { return identity_of(*reference.origin); }
+  nlohmann::json content(const Item& reference) const { return reference_content(reference); }
+  Result<Item> read(const nlohmann::json& content) const { return reference_from(content); }
+  std::string obstacle(const Item& reference) const { return bench->obstacle(reference); }
+  bool needs_other_slm(const Item& reference) const {
+    return bench->has_other_slm_only(*reference.origin);
+  }
+  bool fits_slm(const Item& reference) const { return (*reference.origin)["slm"] == bench->slm(); }
+};
+using KeptReferences = Kept<ReferenceKind>;
 
 }  // namespace ovws

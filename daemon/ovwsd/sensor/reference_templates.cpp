@@ -68,16 +68,17 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
 }
 
 const OwnTemplates& TemplateShelf::of(const TrackingSettings& tracking, const SpotModel& spots,
-                                      const std::optional<Reference>& reference) {
-  const auto picture = reference ? reference->picture : nullptr;
-  const bool known = made_ && tracking == tracking_ && referenced_ == reference.has_value() &&
+                                      const Reference* reference) {
+  const bool referenced = reference != nullptr;
+  const auto picture = referenced ? reference->picture : nullptr;
+  const bool known = made_ && tracking == tracking_ && referenced_ == referenced &&
                      picture == picture_ && spots == spots_;
   if (!known) {
     made_.reset();
-    made_ = own_templates(tracking, spots, reference ? &*reference : nullptr);
+    made_ = own_templates(tracking, spots, reference);
     tracking_ = tracking;
     spots_ = spots;
-    referenced_ = reference.has_value();
+    referenced_ = referenced;
     picture_ = picture;
   }
   return *made_;

@@ -27,7 +27,7 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
 class TemplateShelf {
  public:
   const OwnTemplates& of(const TrackingSettings& tracking, const SpotModel& spots,
-                         const std::optional<Reference>& reference);
+                         const Reference* reference);
 
  private:
   TrackingSettings tracking_;

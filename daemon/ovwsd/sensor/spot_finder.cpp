@@ -84,8 +84,8 @@ struct SpotFinder::Bench {
   Reconstructor plain;
 };
 
-SpotFinder::SpotFinder(const SlmGeometry& slm, Instrument& instrument, Events& events)
-    : slm_(slm), instrument_(instrument), events_(events), inbox_(is_doubtful) {}
+SpotFinder::SpotFinder(const SlmGeometry& slm, SensorKeeper& keeper, Events& events)
+    : slm_(slm), keeper_(keeper), events_(events), inbox_(is_doubtful) {}
 
 SpotFinder::~SpotFinder() = default;
 
@@ -148,7 +148,8 @@ bool SpotFinder::do_work() {
   }
   const FrameCopy* const frame = inbox_.next(kFramePatience);
   if (frame == nullptr) return false;
-  const SensorSnapshot sensor = instrument_.snapshot();
+  const SensorView view = keeper_.snapshot();
+  const SensorSnapshot& sensor = *view;
   if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
   if (frame->plan_id == left_plan_id_ && now_ns - left_ns_ < kAdoptPatienceNs) return false;
   return look(*frame, sensor, doubt);
@@ -174,7 +175,7 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
     if (found && is_followed_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
     const bool changes = found || !sensor.torn.empty();
     if (changes) left_plan_id_ = sensor.plan_id, left_ns_ = monotonic_ns();
-    instrument_.follow(sensor.plan_id, std::move(found));
+    keeper_.follow(sensor.plan_id, std::move(found));
   }
   policy_.end(monotonic_ns());
   progress_.change([&](SearchProgress& now) {
@@ -255,7 +256,7 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
                             spots.on_lattice()),
             Reconstructor(slopes, sensor.modes_j,
                           sensor.reference ? known_positions(*sensor.reference) : reference_px,
-                          turn_of_spots(*lattice, sensor.sensor, map, sensor.reference))});
+                          turn_of_spots(*lattice, sensor.sensor, map, sensor.reference.get()))});
   return true;
 }
 

@@ -11,8 +11,8 @@
 #include "core/tracking/cell_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
 #include "daemon/ovwsd/sensor/search_policy.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/validity_watch.hpp"
 #include "daemon/shared/guarded.hpp"
 
@@ -26,7 +26,7 @@ namespace ovws {
 /// are not searched.
 class SpotFinder : public Agent {
  public:
-  SpotFinder(const SlmGeometry& slm, Instrument& instrument, Events& events);
+  SpotFinder(const SlmGeometry& slm, SensorKeeper& keeper, Events& events);
   ~SpotFinder() override;
 
   bool do_work() override;
@@ -49,7 +49,7 @@ class SpotFinder : public Agent {
   bool is_explained_plain(std::span<const SpotFix> fixes) const;
 
   SlmGeometry slm_;
-  Instrument& instrument_;
+  SensorKeeper& keeper_;
   Events& events_;
   FrameInbox inbox_;
   std::unique_ptr<Bench> bench_;

@@ -3,7 +3,7 @@
 
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 
 namespace ovws {
@@ -11,6 +11,6 @@ namespace ovws {
 /// Thread-safe: `started` with what was reloaded of streams and log, and with what camera, sensor
 /// and refinement use now.
 Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
-                     const Instrument& instrument, const LiveRefiner& refiner);
+                     const SensorKeeper& keeper, const LiveRefiner& refiner);
 
 }  // namespace ovws

@@ -52,7 +52,7 @@ void Reloader::look() {
   if (busy_.load() || !requested_.exchange(false)) return;
   busy_.store(true);
   service::notify_reloading();
-  deps_.instrument.after_changes([this] { begin(); });
+  deps_.keeper.after_changes([this] { begin(); });
 }
 
 void Reloader::begin() {
@@ -62,10 +62,11 @@ void Reloader::begin() {
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
     return refuse(allowed.error());
   }
-  if (const auto held = deps_.instrument.begin_reload(); !held) return refuse(held.error());
+  if (const auto free = deps_.keeper.may_hold(); !free) return refuse(free.error());
+  deps_.keeper.hold(Hold::of_reload());
   deps_.disk.post([this] {
     auto read = read_again(deps_.loaded.get().path);
-    deps_.instrument.after_changes([this, read = std::move(read)] {
+    deps_.keeper.after_changes([this, read = std::move(read)] {
       if (!read) return refuse(read.error());
       change(*read);
     });
@@ -74,8 +75,8 @@ void Reloader::begin() {
 
 void Reloader::change(const LoadedConfig& read) {
   Reload reload;
-  reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.instrument,
-                                deps_.refiner);
+  reload.before =
+      config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.keeper, deps_.refiner);
   reload.after = read.effective;
   reload.read = read;
   const CameraSnapshot camera = deps_.camera.snapshot();
@@ -114,10 +115,13 @@ void Reloader::change_sensor(const Reload& reload) {
   }
   const bool same = to_json(after) == to_json(before);
   if (same) return finish(reload);
-  deps_.instrument.reload_sensor(change, [this, reload](const Result<SensorSnapshot>& used) {
-    if (!used) return put_back(reload, in_room("sensor", used.error(), reload.read));
-    finish(reload);
-  });
+  deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change)),
+                    [this, reload](const Result<SensorView>& used) {
+                      if (!used) {
+                        return put_back(reload, in_room("sensor", used.error(), reload.read));
+                      }
+                      finish(reload);
+                    });
 }
 
 /// The sensor comes last: of what was changed only refinement and camera go back.
@@ -158,7 +162,7 @@ void Reloader::report(const Reload& reload) {
   text += live.empty() ? "nothing that can change now has changed" : "applied " + listed(live);
   if (!restart.empty()) text += "; left until a restart: " + listed(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
-  const bool all_used = restart.empty() && reload.read.why_unused.empty();
+  const bool all_used = restart.empty() && reload.read.unused_reason.empty();
   end(all_used ? Severity::info : Severity::warning, std::move(text),
       {{"reloaded", true},
        {"applied", live},
@@ -176,12 +180,12 @@ void Reloader::refuse(const Error& why, const char* what_stays) {
 
 /// The sensor is free before anybody hears of the end: who hears may ask for a job.
 void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
-  deps_.instrument.end_reload(
-      [this, severity, text = std::move(text), data = std::move(data)]() mutable {
-        deps_.events.emit("config", severity, std::move(text), std::move(data));
-        service::notify_ready();
-        busy_.store(false);
-      });
+  deps_.keeper.release(Hold::of_reload(),
+                       [this, severity, text = std::move(text), data = std::move(data)]() mutable {
+                         deps_.events.emit("config", severity, std::move(text), std::move(data));
+                         service::notify_ready();
+                         busy_.store(false);
+                       });
 }
 
 }  // namespace ovws

@@ -11,7 +11,7 @@
 #include "daemon/ovwsd/actor/state_keeper.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/instrument.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
@@ -24,7 +24,7 @@ struct ReloadDeps {
   Guarded<LoadedConfig>& loaded;  ///< as last loaded; a reload that is applied replaces it
   const StateKeeper& state;
   CameraActor& camera;
-  Instrument& instrument;
+  SensorKeeper& keeper;
   LiveRefiner& refiner;
   ImagePublisher& images;
   Events& events;

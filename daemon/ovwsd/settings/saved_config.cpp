@@ -176,7 +176,7 @@ std::string named(const Error& error) {
 void read_overlay(LoadedConfig& loaded) {
   const auto reject = [&loaded](const Error& error) {
     loaded.invalid = true;
-    loaded.why_unused = named(error);
+    loaded.unused_reason = named(error);
   };
   const auto text = read_text(*loaded.overlay);
   if (!text) return reject(text.error());
@@ -184,8 +184,8 @@ void read_overlay(LoadedConfig& loaded) {
   const auto overlay = parse_overlay(**text);
   if (!overlay) return reject(overlay.error());
   if (!is_for(overlay->file, loaded.path)) {
-    loaded.why_unused = "its values were saved for another configuration file, " +
-                        (overlay->file.is_null() ? "none" : overlay->file.dump());
+    loaded.unused_reason = "its values were saved for another configuration file, " +
+                           (overlay->file.is_null() ? "none" : overlay->file.dump());
     return;
   }
   if (const auto laid = lay_over(loaded, *overlay); !laid) reject(laid.error());
@@ -240,9 +240,9 @@ void set_aside_if_invalid(LoadedConfig& loaded) {
   if (!loaded.invalid) return;
   const std::string aside = *loaded.overlay + kAside;
   if (std::rename(loaded.overlay->c_str(), aside.c_str()) == 0) {
-    loaded.why_unused += "; it is renamed to " + aside;
+    loaded.unused_reason += "; it is renamed to " + aside;
   } else {
-    loaded.why_unused += std::string("; it cannot be renamed: ") + std::strerror(errno);
+    loaded.unused_reason += std::string("; it cannot be renamed: ") + std::strerror(errno);
   }
 }
 
@@ -255,9 +255,9 @@ std::string describe_saved(const LoadedConfig& loaded) {
     parts.push_back("edited in the file since they were saved, the file's values are used: " +
                     listed(loaded.edited));
   }
-  if (!loaded.why_unused.empty()) {
+  if (!loaded.unused_reason.empty()) {
     parts.push_back("the saved values in " + *loaded.overlay +
-                    " are not used: " + loaded.why_unused);
+                    " are not used: " + loaded.unused_reason);
   }
   return fmt::format("{}", fmt::join(parts, "; "));
 }

@@ -19,9 +19,9 @@ struct LoadedConfig {
   std::optional<std::string> overlay;  ///< path of the saved values; none: no state directory
   std::vector<std::string> saved;      ///< dotted keys whose saved values are active
   std::vector<std::string> edited;     ///< keys edited in the file since they were saved: file wins
-  std::string why_unused;  ///< why the overlay is not used; empty: it is, or none exists
-  std::string rejected;    ///< path of an overlay that was set aside before; empty: there is none
-  bool invalid = false;    ///< the overlay is damaged, or no sensor can be made with it
+  std::string unused_reason;  ///< why the overlay is not used; empty: it is, or none exists
+  std::string rejected;  ///< path of an overlay that was set aside before; empty: there is none
+  bool invalid = false;  ///< the overlay is damaged, or no sensor can be made with it
 };
 
 /// Whether this path, however it is spelled, leads to the service's configuration file.
@@ -37,7 +37,7 @@ std::optional<std::string> service_state_folder(const std::string& path);
 Result<LoadedConfig> load_with_saved(const std::string& path,
                                      const std::optional<std::string>& folder = std::nullopt);
 
-/// Renames an invalid overlay, so that it is not read again, and adds to `why_unused` what was
+/// Renames an invalid overlay, so that it is not read again, and adds to `unused_reason` what was
 /// done. Waits for the disk.
 void set_aside_if_invalid(LoadedConfig& loaded);
 

@@ -8,7 +8,7 @@
 #include "core/optics/lattice.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
-#include "daemon/ovwsd/sensor/calibration_shelf.hpp"
+#include "daemon/ovwsd/sensor/knowledge.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "tests/support/own_folder.hpp"
 
@@ -46,20 +46,43 @@ class Calibrations : public testing::Test {
 
   /// As of a daemon that was just started with this configuration.
   struct Started {
-    Started(const Config& config, const std::string& folder) : store({folder}, events) {
-      HologramConfig hologram;
-      hologram.slm = config.slm.geometry;
-      hologram.sensor = config.sensor;
-      bench = std::make_unique<ReferenceBench>(config, hologram);
-      shelf = std::make_unique<CalibrationShelf>(*bench, store, events);
-      shelf->load();
+    Started(const Config& configured, const std::string& folder)
+        : config(configured),
+          store({folder}, events),
+          bench(config, hologram_of(config)),
+          kept(CalibrationKind{&bench}, store, events) {
+      add_calibrations(known, kept.load());
     }
+    void put(Calibration calibration) {
+      const std::string name = kept.kind().name(calibration);
+      std::vector<std::string> names;
+      for (const auto& one : replace_calibration(known, std::move(calibration))) {
+        if (kept.kind().name(*one) != name) names.push_back(kept.kind().name(*one));
+      }
+      kept.keep(*known.calibrations.back(), names);
+    }
+    /// The one taken last that belongs to `key`.
+    std::shared_ptr<const Calibration> find(const CalibrationKey& key) const {
+      std::shared_ptr<const Calibration> found;
+      for (const auto& one : known.calibrations) {
+        if (differences(one->key, key).empty()) found = one;
+      }
+      return found;
+    }
+    Config config;
     StreamQueue queue;
     Events events{queue};
     DaemonStore store;
-    std::unique_ptr<ReferenceBench> bench;
-    std::unique_ptr<CalibrationShelf> shelf;
+    ReferenceBench bench;
+    KeptCalibrations kept;
+    Knowledge known;
   };
+  static HologramConfig hologram_of(const Config& config) {
+    HologramConfig hologram;
+    hologram.slm = config.slm.geometry;
+    hologram.sensor = config.sensor;
+    return hologram;
+  }
   std::unique_ptr<Started> started(const Config& config) const {
     return std::make_unique<Started>(config, folder_);
   }
@@ -100,7 +123,7 @@ class Calibrations : public testing::Test {
     const std::optional<CameraSettings> settings = config.camera.settings;
     const std::optional<CameraInfo> camera = kCamera;
     const std::vector<Mode> aberration{{3, 0.05}};
-    calibration.origin = std::make_shared<const json>(daemon.bench->origin(
+    calibration.origin = std::make_shared<const json>(daemon.bench.origin(
         {calibration.key.sensor, aberration, settings, camera, registration, nullptr}));
     return calibration;
   }
@@ -151,8 +174,8 @@ TEST_F(Calibrations, DoNotCareForTheNoiseOfARegistration) {
 TEST_F(Calibrations, AreFoundAgainBitForBit) {
   auto daemon = started(config_);
   const Calibration before = measured(*daemon, config_, 7, turned());
-  daemon->shelf->put(before);
-  const auto after = started(config_)->shelf->find(key_of(config_, turned()));
+  daemon->put(before);
+  const auto after = started(config_)->find(key_of(config_, turned()));
   ASSERT_TRUE(after);
   EXPECT_EQ(after->sha256.size(), 64U);
   EXPECT_EQ(after->frames, before.frames);
@@ -172,65 +195,72 @@ TEST_F(Calibrations, AreFoundAgainBitForBit) {
   EXPECT_NEAR(after->comparison.modes[3].factor, 1.01, 1e-4);
 }
 
+/// Of a sensor with this configuration.
+SensorState state_of(const Config& config) {
+  SensorState state;
+  state.sensor = config.sensor;
+  state.tracking = config.tracking;
+  state.roi = config.camera.settings.roi;
+  state.slm = std::make_shared<const SlmInForce>();
+  return state;
+}
+
 TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   auto daemon = started(config_);
-  EXPECT_EQ(daemon->shelf->why_none(key_of(config_)),
+  const BenchOptics optics{config_.optics, config_.slm.geometry};
+  EXPECT_EQ(missing_calibration_reason(state_of(config_), daemon->known, optics),
             "there is no calibration: run calibration.run");
-  daemon->shelf->put(measured(*daemon, config_, 5, turned()));
+  daemon->put(measured(*daemon, config_, 5, turned()));
   Registration again = turned(20.05);
   again.t_taken_ns = 8;
-  daemon->shelf->put(measured(*daemon, config_, 9, again));
-  daemon->shelf->put(measured(*daemon, config_, 6));
-  EXPECT_EQ(daemon->shelf->find(key_of(config_, turned()))->t_taken_ns, 9);
-  EXPECT_EQ(daemon->shelf->find(key_of(config_))->t_taken_ns, 6);
+  daemon->put(measured(*daemon, config_, 9, again));
+  daemon->put(measured(*daemon, config_, 6));
+  EXPECT_EQ(daemon->find(key_of(config_, turned()))->t_taken_ns, 9);
+  EXPECT_EQ(daemon->find(key_of(config_))->t_taken_ns, 6);
   auto next = started(config_);
-  EXPECT_EQ(next->shelf->find(key_of(config_, turned()))->t_taken_ns, 9);
-  const auto taken = next->shelf->take(key_of(config_, turned()));
-  EXPECT_EQ(taken.size(), 1U);
-  next->shelf->drop_files(taken, [](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
-  EXPECT_FALSE(next->shelf->find(key_of(config_, turned())));
-  EXPECT_TRUE(next->shelf->find(key_of(config_)));
+  EXPECT_EQ(next->find(key_of(config_, turned()))->t_taken_ns, 9);
+  const auto taken = remove_calibrations(next->known, key_of(config_, turned()));
+  ASSERT_EQ(taken.size(), 1U);
+  next->kept.drop({next->kept.kind().name(*taken[0])},
+                  [](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
+  EXPECT_FALSE(next->find(key_of(config_, turned())));
+  EXPECT_TRUE(next->find(key_of(config_)));
   next = started(config_);
-  EXPECT_FALSE(next->shelf->find(key_of(config_, turned())));
-  EXPECT_TRUE(next->shelf->find(key_of(config_)));
+  EXPECT_FALSE(next->find(key_of(config_, turned())));
+  EXPECT_TRUE(next->find(key_of(config_)));
   Config other = config_;
   other.tracking.tracker = TrackerKind::matched;
-  const std::string why = next->shelf->why_none(key_of(other));
+  const std::string why = missing_calibration_reason(state_of(other), next->known, optics);
   EXPECT_NE(why.find("was measured with another tracker: run"), std::string::npos) << why;
 }
 
 TEST_F(Calibrations, OfAnotherBenchAreNotUsed) {
   auto daemon = started(config_);
-  daemon->shelf->put(measured(*daemon, config_));
+  daemon->put(measured(*daemon, config_));
   Config other = config_;
   other.slm.geometry.width_px = 192;
-  EXPECT_FALSE(started(other)->shelf->find(key_of(other)));
-  EXPECT_TRUE(started(config_)->shelf->find(key_of(config_)));
+  EXPECT_FALSE(started(other)->find(key_of(other)));
+  EXPECT_TRUE(started(config_)->find(key_of(config_)));
 }
 
 TEST_F(Calibrations, OfAnotherLutAreFoundWhenItIsAsItWas) {
-  started(config_)->shelf->put(measured(*started(config_), config_));
+  started(config_)->put(measured(*started(config_), config_));
   SlmInForce configured, other;
   configured.hologram.slm = other.hologram.slm = config_.slm.geometry;
   configured.identity = slm_identity(configured.hologram, false);
   other.hologram.lut[200] = 7;
   other.identity = slm_identity(other.hologram, true);
-  const CalibrationKey key = key_of(config_);
   StreamQueue queue;
   Events events{queue};
   DaemonStore store({folder_}, events);
   ReferenceBench bench(config_, configured.hologram);
-  CalibrationShelf shelf(bench, store, events);
+  KeptCalibrations kept(CalibrationKind{&bench}, store, events);
   bench.use_slm(other);
-  shelf.load();
-  shelf.load_again();
-  EXPECT_FALSE(shelf.find(key));
+  EXPECT_TRUE(kept.load().empty());
+  EXPECT_TRUE(kept.load_again().empty());
   bench.use_slm(configured);
-  shelf.load_again();
-  const auto found = shelf.find(key);
-  ASSERT_TRUE(found);
-  shelf.load_again();
-  EXPECT_EQ(shelf.find(key), found) << "once";
+  EXPECT_EQ(kept.load_again().size(), 1U);
+  EXPECT_TRUE(kept.load_again().empty()) << "once";
 }
 
 TEST_F(Calibrations, WhoseFileDoesNotFitTogetherAreRefused) {

@@ -100,12 +100,12 @@ TEST(OwnTemplates, ThatAreTooLargeAreNotMade) {
 
 TEST(TemplateShelf, KeepsThoseOfThePictureInUse) {
   const SpotModel spots;
-  const std::optional<Reference> reference = reference_of(spots);
+  const Reference reference = reference_of(spots);
   TemplateShelf shelf;
-  const auto first = shelf.of(kAsked, spots, reference).banks;
-  EXPECT_EQ(shelf.of(kAsked, spots, reference).banks, first);
-  EXPECT_TRUE(shelf.of(kAsked, spots, std::nullopt).banks.empty());
-  EXPECT_NE(shelf.of(kAsked, spots, reference).banks, first);
+  const auto first = shelf.of(kAsked, spots, &reference).banks;
+  EXPECT_EQ(shelf.of(kAsked, spots, &reference).banks, first);
+  EXPECT_TRUE(shelf.of(kAsked, spots, nullptr).banks.empty());
+  EXPECT_NE(shelf.of(kAsked, spots, &reference).banks, first);
 }
 
 TEST(ReferenceKey, HoldsTheTemplateOfATrackerThatHasOne) {
@@ -123,7 +123,6 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
   const auto lattice = make_lattice(sensor, slm);
   ASSERT_TRUE(lattice);
   const std::vector<Mode> none;
-  const std::optional<Reference> no_reference;
   const SpotModel spots;
   const Reference reference = reference_of(spots);
   const auto own = own_templates(kAsked, spots, &reference).banks;
@@ -140,7 +139,7 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
                                   PixelFormat::mono8,
                                   {},
                                   none,
-                                  no_reference,
+                                  nullptr,
                                   0,
                                   nullptr,
                                   templates});

@@ -49,7 +49,7 @@ class SavedConfig : public testing::Test {
     write(overlay_, text);
     LoadedConfig loaded = load();
     EXPECT_TRUE(loaded.invalid) << text;
-    EXPECT_NE(loaded.why_unused.find(why), std::string::npos) << loaded.why_unused;
+    EXPECT_NE(loaded.unused_reason.find(why), std::string::npos) << loaded.unused_reason;
     EXPECT_EQ(dump_config(loaded.effective), dump_config(loaded.file));
     EXPECT_TRUE(fs::exists(overlay_)) << "reading changes nothing";
     set_aside_if_invalid(loaded);
@@ -131,9 +131,9 @@ TEST_F(SavedConfig, OfAnotherFileIsNotUsedAndLeft) {
   write(other, "{}");
   for (const std::string& path : {other, std::string()}) {
     LoadedConfig loaded = load_with_saved(path, folder_ + "/state").value();
-    EXPECT_NE(loaded.why_unused.find("for another configuration file, \"" + path_ + "\""),
+    EXPECT_NE(loaded.unused_reason.find("for another configuration file, \"" + path_ + "\""),
               std::string::npos)
-        << loaded.why_unused;
+        << loaded.unused_reason;
     EXPECT_EQ(dump_config(loaded.effective), dump_config(loaded.file));
     set_aside_if_invalid(loaded);
     EXPECT_TRUE(fs::exists(overlay_));
@@ -176,7 +176,7 @@ TEST_F(SavedConfig, ABadOneIsSetAsideAndTheFileUsed) {
   expect_rejected(entry("tracking.operator", "\"relinearised\"", "\"slopes\""),
                   "tracking.operator");
   fs::create_directory(overlay_);
-  EXPECT_NE(load().why_unused.find("cannot be read"), std::string::npos);
+  EXPECT_NE(load().unused_reason.find("cannot be read"), std::string::npos);
 }
 
 TEST_F(SavedConfig, AFileThatMakesNoSensorDoesNotCondemnIt) {

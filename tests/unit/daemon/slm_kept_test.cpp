@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/slm/slm_archive.hpp"
+#include "daemon/ovwsd/slm/slm_kept.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,11 +24,23 @@ class Slm : public testing::Test {
   /// As of a daemon that was just started with this configuration.
   struct Started {
     Started(const Config& config, const HologramConfig& configured, const std::string& folder)
-        : store({folder}, events), archive(config, configured, store, events) {}
+        : store({folder}, events),
+          luts(LutKind{config}, store, events),
+          flatnesses(FlatnessKind{config, flatness_sha256(configured)}, store, events) {}
     StreamQueue queue;
     Events events{queue};
     DaemonStore store;
-    SlmArchive archive;
+    Kept<LutKind> luts;
+    Kept<FlatnessKind> flatnesses;
+
+    std::shared_ptr<const MeasuredLut> load_lut() {
+      const auto all = luts.load();
+      return all.empty() ? nullptr : all.back();
+    }
+    std::shared_ptr<const MeasuredFlatness> load_flatness() {
+      const auto all = flatnesses.load();
+      return all.empty() ? nullptr : all.back();
+    }
   };
   std::unique_ptr<Started> started() const {
     return std::make_unique<Started>(config_, configured(), folder_);
@@ -74,11 +86,11 @@ TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
   MeasuredFlatness surface = flatness();
   {
     const auto daemon = started();
-    daemon->archive.keep(table, [&](const std::string& sha256) { table.sha256 = sha256; });
-    daemon->archive.keep(surface);
+    daemon->luts.keep(table, {}, [&](const std::string& sha256) { table.sha256 = sha256; });
+    daemon->flatnesses.keep(surface);
   }
   const auto daemon = started();
-  const auto found = daemon->archive.load_lut();
+  const auto found = daemon->load_lut();
   ASSERT_TRUE(found);
   EXPECT_EQ(found->response.phase_rad, table.response.phase_rad);
   EXPECT_EQ(found->response.standard_error_rad, table.response.standard_error_rad);
@@ -87,42 +99,42 @@ TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
   EXPECT_EQ(found->origin, table.origin);
   EXPECT_FALSE(table.sha256.empty());
   EXPECT_EQ(found->sha256, table.sha256);
-  const auto flat = daemon->archive.load_flatness();
+  const auto flat = daemon->load_flatness();
   ASSERT_TRUE(flat);
   EXPECT_EQ(flat->modes, surface.modes);
   EXPECT_EQ(flat->standard_error_waves, surface.standard_error_waves);
   EXPECT_EQ(flat->pupil_diameter_px, 96.0);
-  daemon->archive.drop_lut([](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
-  EXPECT_FALSE(daemon->archive.load_lut());
-  EXPECT_TRUE(daemon->archive.load_flatness());
+  daemon->luts.drop({"slm"}, [](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
+  EXPECT_FALSE(daemon->load_lut());
+  EXPECT_TRUE(daemon->load_flatness());
 }
 
 TEST_F(Slm, WhatIsOfAnotherSlmOrWavelengthIsNotUsed) {
   MeasuredLut table = lut();
   MeasuredFlatness surface = flatness();
-  started()->archive.keep(table);
-  started()->archive.keep(surface);
+  started()->luts.keep(table);
+  started()->flatnesses.keep(surface);
   config_.optics.wavelength_nm = 1064.0;
-  EXPECT_FALSE(started()->archive.load_lut());
+  EXPECT_FALSE(started()->load_lut());
   config_.optics.wavelength_nm = 632.0;
   config_.slm.geometry.pitch_um = 8.0;
-  EXPECT_FALSE(started()->archive.load_flatness());
+  EXPECT_FALSE(started()->load_flatness());
   config_.slm.geometry.pitch_um = 19.0;
-  EXPECT_TRUE(started()->archive.load_flatness());
+  EXPECT_TRUE(started()->load_flatness());
 }
 
 TEST_F(Slm, AFlatnessIsAddedToTheMapThatItWasMeasuredWithOnly) {
   HologramConfig file = configured();
   file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.125F);
   const auto found_with = [&](const HologramConfig& hologram) {
-    return bool(Started(config_, hologram, folder_).archive.load_flatness());
+    return bool(Started(config_, hologram, folder_).load_flatness());
   };
   MeasuredFlatness surface = flatness();
-  started()->archive.keep(surface);
+  started()->flatnesses.keep(surface);
   EXPECT_TRUE(found_with(configured()));
   EXPECT_FALSE(found_with(file));
   surface.configured_sha256 = flatness_sha256(file);
-  started()->archive.keep(surface);
+  started()->flatnesses.keep(surface);
   EXPECT_TRUE(found_with(file));
   EXPECT_FALSE(found_with(configured()));
   file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.25F);
@@ -132,21 +144,21 @@ TEST_F(Slm, AFlatnessIsAddedToTheMapThatItWasMeasuredWithOnly) {
 TEST_F(Slm, AFlatnessIsOfItsOpticsATableIsNot) {
   MeasuredLut table = lut();
   MeasuredFlatness surface = flatness();
-  started()->archive.keep(table);
-  started()->archive.keep(surface);
+  started()->luts.keep(table);
+  started()->flatnesses.keep(surface);
   config_.optics.centre_px = Vec2{10.0, 10.0};
-  EXPECT_TRUE(started()->archive.load_flatness()) << "where the spots are is the registration's";
+  EXPECT_TRUE(started()->load_flatness()) << "where the spots are is the registration's";
   config_.optics.focal_length_mm = 150.0;
-  EXPECT_FALSE(started()->archive.load_flatness());
-  EXPECT_TRUE(started()->archive.load_lut());
+  EXPECT_FALSE(started()->load_flatness());
+  EXPECT_TRUE(started()->load_lut());
 }
 
 TEST_F(Slm, ATableOfAPhaseThatFallsIsFoundAgain) {
   MeasuredLut table = lut();
   table.response.phase_rad = negative(table.response.phase_rad);
   table.table = linearising_lut(table.response.phase_rad);
-  started()->archive.keep(table);
-  const auto found = started()->archive.load_lut();
+  started()->luts.keep(table);
+  const auto found = started()->load_lut();
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->response.falls());
   EXPECT_EQ(found->response.phase_rad, table.response.phase_rad);
@@ -156,12 +168,12 @@ TEST_F(Slm, ATableOfAPhaseThatFallsIsFoundAgain) {
 TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
   MeasuredLut table = lut();
   table.response.phase_rad[100] = 0.0;  // falls
-  started()->archive.keep(table);
-  EXPECT_FALSE(started()->archive.load_lut());
+  started()->luts.keep(table);
+  EXPECT_FALSE(started()->load_lut());
   MeasuredFlatness surface = flatness();
   surface.standard_error_waves.pop_back();
-  started()->archive.keep(surface);
-  EXPECT_FALSE(started()->archive.load_flatness());
+  started()->flatnesses.keep(surface);
+  EXPECT_FALSE(started()->load_flatness());
 }
 
 TEST_F(Slm, TheHologramShowsTheOppositeOfTheError) {

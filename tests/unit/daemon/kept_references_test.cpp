@@ -1,5 +1,3 @@
-#include "daemon/ovwsd/sensor/reference_archive.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +37,7 @@ HologramConfig hologram_of(const Config& config) {
   return hologram;
 }
 
-class Archive : public testing::Test {
+class KeptReferencesTest : public testing::Test {
  protected:
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -47,11 +45,13 @@ class Archive : public testing::Test {
   struct Started {
     Started(const Config& config, const std::string& folder, HologramConfig hologram)
         : store({folder}, events),
-          archive(ReferenceBench(config, std::move(hologram)), store, events) {}
+          bench(config, std::move(hologram)),
+          references(ReferenceKind{&bench}, store, events) {}
     StreamQueue queue;
     Events events{queue};
     DaemonStore store;
-    ReferenceArchive archive;
+    ReferenceBench bench;
+    KeptReferences references;
   };
   std::unique_ptr<Started> started(const Config& config) const {
     return std::make_unique<Started>(config, folder_, hologram_of(config));
@@ -81,27 +81,27 @@ class Archive : public testing::Test {
     renderer->render(HologramKind::sensor, reference.aberration, grey);
     const std::optional<CameraSettings> settings = config.camera.settings;
     const std::optional<CameraInfo> camera = kCamera;
-    reference.origin = std::make_shared<const json>(daemon.archive.bench().origin(
+    reference.origin = std::make_shared<const json>(daemon.bench.origin(
         {reference.key, reference.aberration, settings, camera, registration, &grey}));
     return reference;
   }
 
-  std::vector<Reference> found(const Config& config) const {
-    return started(config)->archive.load();
+  KeptReferences::Items found(const Config& config) const {
+    return started(config)->references.load();
   }
 
   const std::string folder_ = own_folder("reference_archive");
   const Config config_ = small_bench();
 };
 
-TEST_F(Archive, AReferenceIsFoundAgainBitForBit) {
+TEST_F(KeptReferencesTest, AReferenceIsFoundAgainBitForBit) {
   auto daemon = started(config_);
   Reference before = taken(*daemon, config_);
-  daemon->archive.keep(before, {}, [&](const std::string& sha256) { before.sha256 = sha256; });
+  daemon->references.keep(before, {}, [&](const std::string& sha256) { before.sha256 = sha256; });
   EXPECT_EQ(before.sha256.size(), 64U);
   const auto all = found(config_);
   ASSERT_EQ(all.size(), 1U);
-  const Reference& after = all[0];
+  const Reference& after = *all[0];
   EXPECT_EQ(after.key, before.key);
   EXPECT_EQ(after.source, before.source);
   EXPECT_EQ(after.frames, before.frames);
@@ -125,24 +125,24 @@ TEST_F(Archive, AReferenceIsFoundAgainBitForBit) {
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
 }
 
-TEST_F(Archive, TheOneTakenLastTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
+TEST_F(KeptReferencesTest, TheOneTakenLastTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   auto daemon = started(config_);
   Reference first = taken(*daemon, config_, 5), second = taken(*daemon, config_, 6);
-  daemon->archive.keep(first);
-  daemon->archive.keep(second);
+  daemon->references.keep(first);
+  daemon->references.keep(second);
   ASSERT_EQ(found(config_).size(), 1U);
-  EXPECT_EQ(found(config_)[0].t_taken_ns, 6);
+  EXPECT_EQ(found(config_)[0]->t_taken_ns, 6);
   bool dropped = false;
-  daemon->archive.drop({identity_of(*second.origin)},
-                       [&](const Result<void>& done) { dropped = done.has_value(); });
+  daemon->references.drop({identity_of(*second.origin)},
+                          [&](const Result<void>& done) { dropped = done.has_value(); });
   ASSERT_TRUE(dropped);
   EXPECT_TRUE(found(config_).empty());
 }
 
-TEST_F(Archive, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
+TEST_F(KeptReferencesTest, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
   auto daemon = started(config_);
   Reference reference = taken(*daemon, config_);
-  daemon->archive.keep(reference);
+  daemon->references.keep(reference);
   std::vector<Config> others(5, config_);
   others[0].optics.wavelength_nm = 633.0;
   others[1].optics.centre_px = Vec2{10.0, 10.0};
@@ -153,7 +153,7 @@ TEST_F(Archive, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
   const auto daemon_with = [&](const HologramConfig& hologram, bool lut) {
     Config config = config_;
     if (lut) config.slm.lut = "lut.txt";
-    return Started(config, folder_, hologram).archive.load().size();
+    return Started(config, folder_, hologram).references.load().size();
   };
   HologramConfig other = hologram_of(config_);
   other.lut[200] = 7;
@@ -168,34 +168,34 @@ TEST_F(Archive, AnotherBenchDoesNotUseItAndFindsItAgainWhenItIsAsItWas) {
   EXPECT_EQ(found(config_).size(), 1U);
 }
 
-TEST_F(Archive, OneOfAnotherLutOrFlatnessIsFoundWhenTheyAreAsTheyWere) {
+TEST_F(KeptReferencesTest, OneOfAnotherLutOrFlatnessIsFoundWhenTheyAreAsTheyWere) {
   Reference reference = taken(*started(config_), config_);
-  started(config_)->archive.keep(reference, {},
-                                 [&](const std::string& sha256) { reference.sha256 = sha256; });
+  started(config_)->references.keep(reference, {},
+                                    [&](const std::string& sha256) { reference.sha256 = sha256; });
   SlmInForce configured, other;
   configured.hologram = other.hologram = hologram_of(config_);
   configured.identity = slm_identity(configured.hologram, false);
   other.hologram.lut[200] = 7;
   other.identity = slm_identity(other.hologram, true);
   auto daemon = started(config_);
-  daemon->archive.use_slm(other);
-  EXPECT_TRUE(daemon->archive.load().empty());
-  EXPECT_TRUE(daemon->archive.load_again().empty());
-  daemon->archive.use_slm(configured);
-  const auto again = daemon->archive.load_again();
+  daemon->bench.use_slm(other);
+  EXPECT_TRUE(daemon->references.load().empty());
+  EXPECT_TRUE(daemon->references.load_again().empty());
+  daemon->bench.use_slm(configured);
+  const auto again = daemon->references.load_again();
   ASSERT_EQ(again.size(), 1U);
-  EXPECT_EQ(again[0].sha256, reference.sha256);
-  EXPECT_TRUE(daemon->archive.load_again().empty()) << "it is in use already";
+  EXPECT_EQ(again[0]->sha256, reference.sha256);
+  EXPECT_TRUE(daemon->references.load_again().empty()) << "it is in use already";
   Config bench = config_;
   bench.optics.wavelength_nm = 633.0;
   daemon = started(bench);
-  daemon->archive.use_slm(other);
-  EXPECT_TRUE(daemon->archive.load().empty());
-  daemon->archive.use_slm(configured);
-  EXPECT_TRUE(daemon->archive.load_again().empty()) << "the optics are others, too";
+  daemon->bench.use_slm(other);
+  EXPECT_TRUE(daemon->references.load().empty());
+  daemon->bench.use_slm(configured);
+  EXPECT_TRUE(daemon->references.load_again().empty()) << "the optics are others, too";
 }
 
-TEST_F(Archive, GainExposureAndFormatOnlyMakeItStale) {
+TEST_F(KeptReferencesTest, GainExposureAndFormatOnlyMakeItStale) {
   auto daemon = started(config_);
   const Reference reference = taken(*daemon, config_);
   CameraSettings now = config_.camera.settings;
@@ -223,7 +223,7 @@ TEST_F(Archive, GainExposureAndFormatOnlyMakeItStale) {
   EXPECT_TRUE(stale_fields(model, now).empty());
 }
 
-TEST_F(Archive, ASettingThatTheFileLacksIsNotKnownAndNotStale) {
+TEST_F(KeptReferencesTest, ASettingThatTheFileLacksIsNotKnownAndNotStale) {
   auto daemon = started(config_);
   Reference reference = taken(*daemon, config_);
   json origin = *reference.origin;
@@ -237,7 +237,7 @@ TEST_F(Archive, ASettingThatTheFileLacksIsNotKnownAndNotStale) {
   EXPECT_EQ(stale_fields(reference, now)[0].field, "exposure_us");
 }
 
-TEST_F(Archive, AnotherCameraIsTold) {
+TEST_F(KeptReferencesTest, AnotherCameraIsTold) {
   auto daemon = started(config_);
   const Reference reference = taken(*daemon, config_);
   CameraInfo camera = kCamera;
@@ -251,50 +251,50 @@ TEST_F(Archive, AnotherCameraIsTold) {
   EXPECT_TRUE(of_other_camera(reference, camera));
 }
 
-TEST_F(Archive, TheMapThatItWasTakenUnderComesBack) {
+TEST_F(KeptReferencesTest, TheMapThatItWasTakenUnderComesBack) {
   auto daemon = started(config_);
   Registration registration;
   registration.px_per_cycle = {0.0, 1900.0, -1900.0, 0.1};
   registration.base_px = {100.0, 200.0 / 3.0};
   registration.t_taken_ns = 7;
   Reference turned = taken(*daemon, config_, 8, registration);
-  daemon->archive.keep(turned);
+  daemon->references.keep(turned);
   const auto all = found(config_);
   ASSERT_EQ(all.size(), 1U);
-  ASSERT_TRUE(all[0].registration);
-  EXPECT_EQ(all[0].registration->px_per_cycle, registration.px_per_cycle);
-  EXPECT_EQ(all[0].registration->base_px.y, registration.base_px.y);
-  EXPECT_EQ(all[0].registration->t_taken_ns, 7);
+  ASSERT_TRUE(all[0]->registration);
+  EXPECT_EQ(all[0]->registration->px_per_cycle, registration.px_per_cycle);
+  EXPECT_EQ(all[0]->registration->base_px.y, registration.base_px.y);
+  EXPECT_EQ(all[0]->registration->t_taken_ns, 7);
 }
 
-TEST_F(Archive, OnlySoManyAreKept) {
+TEST_F(KeptReferencesTest, OnlySoManyAreKept) {
   auto daemon = started(config_);
-  for (int n = 0; n < int(ReferenceArchive::kMostKept) + 3; ++n) {
+  for (int n = 0; n < int(KeptReferences::kMax) + 3; ++n) {
     Config config = config_;
     config.camera.settings.roi.x = n;
     Reference reference = taken(*daemon, config, 100 + n);
-    daemon->archive.keep(reference);
+    daemon->references.keep(reference);
   }
   const auto all = found(config_);
-  ASSERT_EQ(all.size(), ReferenceArchive::kMostKept);
-  EXPECT_EQ(all.front().t_taken_ns, 103);
+  ASSERT_EQ(all.size(), KeptReferences::kMax);
+  EXPECT_EQ(all.front()->t_taken_ns, 103);
 }
 
-TEST_F(Archive, TheNewestIsKeptWhateverTheTimeOfDay) {
+TEST_F(KeptReferencesTest, TheNewestIsKeptWhateverTheTimeOfDay) {
   auto daemon = started(config_);
-  for (int n = 0; n <= int(ReferenceArchive::kMostKept); ++n) {
+  for (int n = 0; n <= int(KeptReferences::kMax); ++n) {
     Config config = config_;
     config.camera.settings.roi.x = n;
-    const bool last = n == int(ReferenceArchive::kMostKept);
-    daemon->archive.keep(taken(*daemon, config, last ? 7 : 100 + n));
+    const bool last = n == int(KeptReferences::kMax);
+    daemon->references.keep(taken(*daemon, config, last ? 7 : 100 + n));
   }
   const auto all = found(config_);
-  ASSERT_EQ(all.size(), ReferenceArchive::kMostKept);
-  EXPECT_EQ(all[0].t_taken_ns, 7);
-  EXPECT_EQ(all[1].t_taken_ns, 101);
+  ASSERT_EQ(all.size(), KeptReferences::kMax);
+  EXPECT_EQ(all[0]->t_taken_ns, 7);
+  EXPECT_EQ(all[1]->t_taken_ns, 101);
 }
 
-TEST_F(Archive, ContentThatDoesNotFitTogetherIsRefused) {
+TEST_F(KeptReferencesTest, ContentThatDoesNotFitTogetherIsRefused) {
   auto daemon = started(config_);
   const json right = reference_content(taken(*daemon, config_));
   ASSERT_TRUE(reference_from(right));
@@ -335,10 +335,10 @@ TEST_F(Archive, ContentThatDoesNotFitTogetherIsRefused) {
   }
 }
 
-TEST_F(Archive, ADamagedFileIsToldAndLeftAndACopyUnderAnotherNameIsNotUsed) {
+TEST_F(KeptReferencesTest, ADamagedFileIsToldAndLeftAndACopyUnderAnotherNameIsNotUsed) {
   auto daemon = started(config_);
   Reference reference = taken(*daemon, config_);
-  daemon->archive.keep(reference);
+  daemon->references.keep(reference);
   const fs::path file = fs::directory_iterator(folder_)->path();
   fs::copy(file, folder_ + "/reference.copy.json");
   EXPECT_EQ(found(config_).size(), 1U);
@@ -347,7 +347,7 @@ TEST_F(Archive, ADamagedFileIsToldAndLeftAndACopyUnderAnotherNameIsNotUsed) {
   EXPECT_TRUE(fs::exists(file));
 }
 
-TEST_F(Archive, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
+TEST_F(KeptReferencesTest, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
   ::unsetenv("STATE_DIRECTORY");
   StreamQueue queue;
   Events events{queue};

@@ -1,0 +1,83 @@
+#include "daemon/ovwsd/procedures/reference.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <memory>
+
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
+
+namespace ovws {
+namespace {
+
+void warn_of_saturated(Bench& bench, const std::vector<int>& saturated) {
+  if (saturated.empty()) return;
+  bench.warn("reference",
+             fmt::format("spots {} are saturated in frames of the reference: a lower exposure or "
+                         "gain makes a better one",
+                         listed_spots(saturated)),
+             {{"saturated_spots", saturated}});
+}
+
+void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
+  if (spots.lost.empty()) return;
+  std::string text = fmt::format(
+      "the reference lacks spots {}, which were found in fewer than half of its frames: they are "
+      "not used",
+      listed_spots(spots.lost));
+  if (!spots.weak_modes_j.empty()) {
+    text += fmt::format("; the modes j = {} are noisier for it", listed_spots(spots.weak_modes_j));
+  }
+  bench.warn("reference", text, {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
+}
+
+/// A reference that was taken under an aberration is right, and seldom what was wanted.
+void warn_of_introduced(Bench& bench, double rms_waves) {
+  if (rms_waves == 0.0) return;
+  bench.warn("reference",
+             fmt::format("the reference holds the introduced aberration of {:.4f} wave RMS: "
+                         "coefficients count from it, and the loop keeps it; for one without: "
+                         "aberration.clear, and take it again",
+                         rms_waves),
+             {{"introduced_rms_waves", rms_waves}});
+}
+
+}  // namespace
+
+Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take) {
+  if (sensor.pattern != HologramKind::sensor) {
+    return fail(Errc::refused, "",
+                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+  }
+  const double introduced = rms_waves(sensor.aberration);
+  if (take.allow_aberration || introduced == 0.0) return {};
+  return fail(
+      Errc::refused, "allow_aberration",
+      fmt::format("the SLM shows an introduced aberration of {:.4f} wave RMS, which the reference "
+                  "would make the zero of all coefficients: clear it first (aberration.clear), or "
+                  "set \"allow_aberration\": true",
+                  introduced));
+}
+
+Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {
+  const SensorView sensor = bench.sensor();
+  if (auto can = can_take_reference(*sensor, take); !can) return fail(can.error());
+  auto taken = bench.reference(take.frames);
+  if (!taken) return fail(taken.error());
+  const ReferenceCollector::Average average = taken->average;
+  const auto spots = std::make_shared<ReferenceSpots>();
+  if (auto used = bench.use(use_reference(sensor->sensor_epoch, std::move(*taken), spots)); !used) {
+    return fail(used.error());
+  }
+  const std::vector<int> saturated = saturated_spots(average);
+  const double introduced = rms_waves(sensor->aberration);
+  warn_of_saturated(bench, saturated);
+  warn_of_lost(bench, *spots);
+  warn_of_introduced(bench, introduced);
+  return nlohmann::json{{"frames", average.frames},          {"saturated_spots", saturated},
+                        {"lost_spots", spots->lost},         {"weak_spots", spots->weak},
+                        {"weak_modes", spots->weak_modes_j}, {"introduced_rms_waves", introduced},
+                        {"drift_px", average.drift_px},      {"scatter_px", average.scatter_px},
+                        {"noise_px", average.noise_px}};
+}
+
+}  // namespace ovws

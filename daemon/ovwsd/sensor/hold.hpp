@@ -1,0 +1,45 @@
+/// Who has the sensor: the one gate of every change.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.hpp"
+
+namespace ovws {
+
+struct Hold {
+  enum class By { nobody, job, loop, reload };
+  By by = By::nobody;
+  int job = 0;
+
+  static Hold of_nobody() { return {}; }
+  static Hold of_job(int number) { return {By::job, number}; }
+  static Hold of_loop() { return {By::loop, 0}; }
+  static Hold of_reload() { return {By::reload, 0}; }
+  friend bool operator==(const Hold&, const Hold&) = default;
+};
+
+/// Whether a change asked for `as` may be made while the sensor is held by `now`: the holder may,
+/// and without a holder anyone but a job or a reload. Changes that are allowed with the loop closed
+/// and with it open are asked for as the loop. Errc::refused names what to wait for.
+inline Result<void> may_change(const Hold& now, const Hold& as) {
+  if (now == as || (as.by == Hold::By::loop && now.by == Hold::By::nobody)) return {};
+  if (as.by == Hold::By::job) {
+    return fail(Errc::refused, "", "the sensor does not belong to this job");
+  }
+  switch (now.by) {
+    case Hold::By::job:
+      return fail(Errc::refused, "",
+                  "job " + std::to_string(now.job) + " has the sensor: wait for it or cancel it");
+    case Hold::By::loop:
+      return fail(Errc::refused, "", "the loop is closed; open it with loop.open first");
+    case Hold::By::reload:
+      return fail(Errc::refused, "",
+                  "the configuration is being reloaded; repeat the request in a moment");
+    case Hold::By::nobody:
+      break;
+  }
+  return fail(Errc::refused, "", "the sensor is not held by the reload");
+}
+
+}  // namespace ovws

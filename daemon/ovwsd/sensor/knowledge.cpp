@@ -1,0 +1,211 @@
+#include "daemon/ovwsd/sensor/knowledge.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/calibration_file.hpp"
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kSamePlace = 0.25;      // lambda/d
+constexpr std::size_t kMaxPictures = 8;  // of the references taken last: some MiB each
+constexpr std::size_t kMaxCalibrations = 16;
+
+template <class T>
+void sort_by_age(std::vector<std::shared_ptr<const T>>& all) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a->t_taken_ns < b->t_taken_ns; });
+}
+
+template <class T, class Belongs>
+std::vector<std::shared_ptr<const T>> take_if(std::vector<std::shared_ptr<const T>>& all,
+                                              const Belongs& belongs) {
+  std::vector<std::shared_ptr<const T>> taken;
+  std::erase_if(all, [&](const auto& one) {
+    if (!belongs(*one)) return false;
+    taken.push_back(one);
+    return true;
+  });
+  return taken;
+}
+
+void limit_pictures(Knowledge& knowledge) {
+  auto& all = knowledge.references;
+  for (std::size_t i = 0; i + kMaxPictures < all.size(); ++i) {
+    if (!all[i]->picture) continue;
+    auto without = std::make_shared<Reference>(*all[i]);
+    without->picture.reset();
+    all[i] = std::move(without);
+  }
+}
+
+bool is_of_key(const Reference& reference, const SensorState& state) {
+  return reference.key == reference_key(state.sensor, state.tracking, state.roi);
+}
+
+/// Where the model has its spots, no LUT matters.
+bool is_of_slm(const Reference& reference, const SensorState& state) {
+  return reference.source == ReferenceSource::model ||
+         (*reference.origin)["slm"] == state.slm->identity;
+}
+
+/// A reference is valid only where its registration and the present one predict the same spot
+/// positions, to within kSamePlace: trackers start from there.
+bool is_at_its_place(const Reference& reference, const SensorState& state,
+                     const BenchOptics& bench) {
+  if (reference.source == ReferenceSource::model) return true;
+  if (!reference.registration && !state.registration) return true;
+  SensorState then = state;
+  then.registration.reset();
+  if (reference.registration) {
+    then.registration = MeasuredRegistration{*reference.registration, {}, ""};
+    // Its base is that of its own sensor, which is the state's.
+    then.registration->base_cpp = base_grating_cpp(state.sensor, bench.slm);
+  }
+  const std::vector<Vec2> before = model_positions(then, bench),
+                          now = model_positions(state, bench);
+  double farthest_px = 0.0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    farthest_px = std::max(farthest_px, norm(now[i] - before[i]));
+  }
+  return farthest_px <= kSamePlace * lambda_d_of(state, bench);
+}
+
+/// The one taken last, if several cameras' are known and which is in use is not.
+std::shared_ptr<const Reference> find_reference(const SensorState& state,
+                                                const Knowledge& knowledge,
+                                                const BenchOptics& bench) {
+  const auto& all = knowledge.references;
+  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
+    return is_for(*one, state, knowledge) && is_at_its_place(*one, state, bench);
+  });
+  if (found == all.rend()) return nullptr;
+  if ((*found)->source != ReferenceSource::model) return *found;
+  // A registration says anew where the model's spots are.
+  auto model = std::make_shared<Reference>(**found);
+  model->positions_px = model_positions(state, bench);
+  return model;
+}
+
+}  // namespace
+
+CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
+                               const BenchOptics& bench) {
+  CalibrationKey key =
+      calibration_key(reference_key(state.sensor, state.tracking, state.roi), bench.optics,
+                      bench.slm, registration_of(state, bench), camera_json(knowledge.camera));
+  key.slm = state.slm->identity;
+  return key;
+}
+
+std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
+                                                   const Knowledge& knowledge,
+                                                   const BenchOptics& bench) {
+  const CalibrationKey key = calibration_key(state, knowledge, bench);
+  const auto& all = knowledge.calibrations;
+  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
+    return differences(one->key, key).empty();
+  });
+  return found == all.rend() ? nullptr : *found;
+}
+
+OperatorKey operator_key(const SensorState& state, const BenchOptics& bench) {
+  return operator_key(state.sensor, state.tracking, optics_of(state, bench), state.roi);
+}
+
+Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench) {
+  Bound bound;
+  bound.reference = find_reference(state, knowledge, bench);
+  bound.calibration = calibration_for(state, knowledge, bench);
+  if (state.tracking.mode_operator == OperatorKind::measured && bound.calibration) {
+    bound.mode_operator = {bound.calibration, &bound.calibration->mode_operator};
+  }
+  if (state.tracking.mode_operator == OperatorKind::diffractive) {
+    const auto made = knowledge.operators->find(operator_key(state, bench));
+    if (made && *made) bound.mode_operator = {made, &**made};
+  }
+  return bound;
+}
+
+bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge) {
+  return is_of_key(reference, state) && !of_other_camera(reference, knowledge.camera) &&
+         is_of_slm(reference, state);
+}
+
+std::string unused_reason(const Reference& reference, const SensorState& state,
+                          const Knowledge& knowledge, const BenchOptics& bench) {
+  if (!is_of_key(reference, state)) return {};
+  if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
+  if (!is_of_slm(reference, state)) {
+    return "the SLM is driven otherwise than when it was taken; take another one";
+  }
+  if (!is_at_its_place(reference, state, bench)) {
+    return "spots are now expected elsewhere than when it was taken; take another one";
+  }
+  return {};
+}
+
+std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
+                                       const BenchOptics& bench) {
+  const CalibrationKey key = calibration_key(state, knowledge, bench);
+  const Calibration* likeliest = nullptr;
+  std::vector<std::string> lacks;
+  for (const auto& known : knowledge.calibrations) {
+    std::vector<std::string> other = differences(known->key, key);
+    if (likeliest != nullptr && other.size() > lacks.size()) continue;
+    likeliest = known.get();
+    lacks = std::move(other);
+  }
+  if (likeliest == nullptr) return "there is no calibration: run calibration.run";
+  return fmt::format("{} was measured with another {}: run calibration.run", title_of(*likeliest),
+                     fmt::join(lacks, ", "));
+}
+
+std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,
+                                                                const SensorState& state) {
+  return take_if(knowledge.references,
+                 [&](const Reference& one) { return is_for(one, state, knowledge); });
+}
+
+std::vector<std::shared_ptr<const Reference>> replace_reference(Knowledge& knowledge,
+                                                                const SensorState& state,
+                                                                Reference reference) {
+  auto replaced = remove_references(knowledge, state);
+  knowledge.references.push_back(std::make_shared<const Reference>(std::move(reference)));
+  limit_pictures(knowledge);
+  return replaced;
+}
+
+void add_references(Knowledge& knowledge, std::vector<std::shared_ptr<const Reference>> more) {
+  auto& all = knowledge.references;
+  all.insert(all.end(), more.begin(), more.end());
+  sort_by_age(all);
+  limit_pictures(knowledge);
+}
+
+std::vector<std::shared_ptr<const Calibration>> remove_calibrations(Knowledge& knowledge,
+                                                                    const CalibrationKey& key) {
+  return take_if(knowledge.calibrations,
+                 [&](const Calibration& one) { return differences(one.key, key).empty(); });
+}
+
+std::vector<std::shared_ptr<const Calibration>> replace_calibration(Knowledge& knowledge,
+                                                                    Calibration calibration) {
+  auto replaced = remove_calibrations(knowledge, calibration.key);
+  auto& all = knowledge.calibrations;
+  all.push_back(std::make_shared<const Calibration>(std::move(calibration)));
+  if (all.size() > kMaxCalibrations) all.erase(all.begin());
+  return replaced;
+}
+
+void add_calibrations(Knowledge& knowledge, std::vector<std::shared_ptr<const Calibration>> more) {
+  auto& all = knowledge.calibrations;
+  all.insert(all.end(), more.begin(), more.end());
+  sort_by_age(all);
+}
+
+}  // namespace ovws

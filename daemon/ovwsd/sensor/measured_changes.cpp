@@ -1,0 +1,278 @@
+/// Changes that activate or delete measured data.
+#include <algorithm>
+#include <memory>
+
+#include "core/port/clock.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/sensor/sensor_changes.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMaxMotion = 0.05;  // lambda/d, while a reference is taken
+
+using Told = std::function<void(const std::string& sha256)>;
+
+Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
+  if (edit.state.sensor_epoch == sensor_epoch) return {};
+  return fail(Errc::refused, "camera", "the camera or its region changed meanwhile");
+}
+
+ReferenceKey key_of(const SensorState& state) {
+  return reference_key(state.sensor, state.tracking, state.roi);
+}
+
+/// `grey`: the picture shown; null: of no picture.
+nlohmann::json origin_of(const SensorEdit& edit, const std::vector<Mode>& shown,
+                         const Image<std::uint8_t>* grey, std::vector<Mode> introduced = {}) {
+  return edit.bench.origins.origin(
+      {key_of(edit.state), shown, edit.bench.camera, edit.knowledge.camera,
+       registration_of(edit.state, edit.bench.optics), grey, std::move(introduced)});
+}
+
+template <class Kind, class T>
+std::vector<std::string> names_of(const Kept<Kind>& kept,
+                                  const std::vector<std::shared_ptr<const T>>& all) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(kept.kind().name(*one));
+  return names;
+}
+
+/// `item` is in `all`, and is to be kept in place of `replaced`.
+template <class Kind, class T>
+void keep_in(Kept<Kind>& kept, SensorEdit& edit,
+             std::vector<std::shared_ptr<const T>> Knowledge::*all,
+             const std::vector<std::shared_ptr<const T>>& replaced) {
+  const std::shared_ptr<const T> item = (edit.knowledge.*all).back();
+  std::vector<std::string> names = names_of(kept, replaced);
+  std::erase(names, kept.kind().name(*item));  // that one is overwritten
+  edit.keep = [&kept, item, names](Told told) { kept.keep(*item, names, std::move(told)); };
+  edit.set_checksum = [all, t_taken_ns = item->t_taken_ns](SensorEdit& now,
+                                                           const std::string& sha256) {
+    set_checksum(now.knowledge.*all, t_taken_ns, sha256);
+  };
+}
+
+/// `taken` is no more among what is known.
+template <class Kind, class T>
+void drop_from(Kept<Kind>& kept, SensorEdit& edit,
+               void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
+               const std::vector<std::shared_ptr<const T>>& taken) {
+  edit.drop = [&kept, names = names_of(kept, taken)](DaemonStore::Dropped told) {
+    kept.drop(names, std::move(told));
+  };
+  edit.undo = [add, taken](SensorEdit& now) -> Result<void> {
+    add(now.knowledge, taken);
+    return {};
+  };
+}
+
+/// Without positions.
+Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
+  const SensorState& state = edit.state;
+  const bool measured = source == ReferenceSource::measured;
+  Reference reference;
+  reference.key = key_of(state);
+  reference.source = source;
+  reference.t_taken_ns = utc_ns();
+  reference.registration = registration_of(state, edit.bench.optics);
+  if (measured) reference.aberration = shown_modes(state);
+  if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
+  reference.origin = std::make_shared<const nlohmann::json>(
+      origin_of(edit, reference.aberration, measured ? edit.bench.grey.get() : nullptr,
+                reference.introduced));
+  return reference;
+}
+
+void keep_reference(SensorEdit& edit, Reference reference) {
+  const auto replaced = replace_reference(edit.knowledge, edit.state, std::move(reference));
+  keep_in(edit.bench.references, edit, &Knowledge::references, replaced);
+}
+
+/// The SLM with another LUT or flatness: every picture is another one from now on.
+void drive_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
+               std::shared_ptr<const MeasuredFlatness> flatness) {
+  const SlmInForce& now = *edit.state.slm;
+  if (lut == now.lut && flatness == now.flatness) return;
+  edit.state.slm =
+      slm_in_force(edit.bench.config, edit.bench.hologram, std::move(lut), std::move(flatness));
+}
+
+template <class Kind, class T>
+void keep_of_slm(Kept<Kind>& kept, SensorEdit& edit, T measured,
+                 std::shared_ptr<const T> SlmInForce::*part) {
+  const auto item = std::make_shared<const T>(std::move(measured));
+  edit.keep = [&kept, item](Told told) { kept.keep(*item, {}, std::move(told)); };
+  edit.set_checksum = [part, t_taken_ns = item->t_taken_ns](SensorEdit& now,
+                                                            const std::string& sha256) {
+    const std::shared_ptr<const T> known = (*now.state.slm).*part;
+    if (!known || known->t_taken_ns != t_taken_ns) return;
+    auto with_file = std::make_shared<T>(*known);
+    with_file->sha256 = sha256;
+    auto slm = std::make_shared<SlmInForce>(*now.state.slm);
+    (*slm).*part = std::move(with_file);
+    now.state.slm = std::move(slm);
+  };
+}
+
+template <class Kind>
+void drop_of_slm(Kept<Kind>& kept, SensorEdit& edit, std::shared_ptr<const SlmInForce> before) {
+  edit.files_only = edit.state.slm == before;
+  edit.drop = [&kept](DaemonStore::Dropped told) {
+    kept.drop({kept.kind().name({})}, std::move(told));
+  };
+  edit.undo = [before = std::move(before),
+               without = edit.state.slm](SensorEdit& now) -> Result<void> {
+    if (now.state.slm != without) return fail(Errc::refused, "", "it was changed meanwhile");
+    now.state.slm = before;
+    return {};
+  };
+}
+
+}  // namespace
+
+SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
+                           std::shared_ptr<ReferenceSpots> spots) {
+  return [sensor_epoch, taken = std::move(taken),
+          spots = std::move(spots)](SensorEdit& edit) -> Result<void> {
+    if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
+    if (edit.bench.camera && !(*edit.bench.camera == taken.settings)) {
+      return fail(Errc::refused, "camera", "the camera's settings changed meanwhile");
+    }
+    const SensorState& state = edit.state;
+    const BenchOptics& optics = edit.bench.optics;
+    const auto& average = taken.average;
+    if (auto still = check_average(average, kMaxMotion * lambda_d_of(state, optics)); !still) {
+      return still;
+    }
+    const auto own = bind(state, edit.knowledge, optics).mode_operator;
+    auto judged = judge_spots(
+        average, own ? *own
+                     : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
+                                      px_per_cycle(optics_of(state, optics), optics.slm)));
+    if (!judged) return fail(judged.error());
+    *spots = std::move(*judged);
+    Reference reference = new_reference(edit, ReferenceSource::measured);
+    reference.frames = average.frames;
+    reference.positions_px = average.mean_px;
+    reference.standard_error_px = average.standard_error_px;
+    reference.picture = taken.picture;
+    place_lost(spots->lost, model_positions(state, optics), reference);
+    keep_reference(edit, std::move(reference));
+    return {};
+  };
+}
+
+SensorChange use_model_reference() {
+  return [](SensorEdit& edit) -> Result<void> {
+    Reference model = new_reference(edit, ReferenceSource::model);
+    model.positions_px = model_positions(edit.state, edit.bench.optics);
+    model.standard_error_px.assign(model.positions_px.size(), Vec2{});
+    keep_reference(edit, std::move(model));
+    return {};
+  };
+}
+
+SensorChange forget_reference() {
+  return [](SensorEdit& edit) -> Result<void> {
+    drop_from(edit.bench.references, edit, add_references,
+              remove_references(edit.knowledge, edit.state));
+    return {};
+  };
+}
+
+SensorChange use_registration(Registration registration) {
+  return [registration](SensorEdit& edit) -> Result<void> {
+    const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
+    edit.state.registration = measured;
+    ++edit.state.sensor_epoch;  // tracks of before lead nowhere
+    edit.keep = [&kept = edit.bench.registrations, measured](Told told) {
+      kept.keep(measured, {}, std::move(told));
+    };
+    return {};
+  };
+}
+
+SensorChange forget_registration() {
+  return [](SensorEdit& edit) -> Result<void> {
+    edit.drop = [&kept = edit.bench.registrations](DaemonStore::Dropped told) {
+      kept.drop({kept.kind().name({})}, std::move(told));
+    };
+    edit.undo = [before = edit.state.registration](SensorEdit& now) -> Result<void> {
+      if (now.state.registration || !before) return {};
+      now.state.registration = before;
+      ++now.state.sensor_epoch;
+      return {};
+    };
+    edit.state.registration.reset();
+    ++edit.state.sensor_epoch;
+    return {};
+  };
+}
+
+SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured) {
+  return [sensor_epoch, measured = std::move(measured)](SensorEdit& edit) -> Result<void> {
+    if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
+    Calibration calibration{
+        measured, calibration_key(edit.state, edit.knowledge, edit.bench.optics), {}, nullptr, ""};
+    calibration.mode_operator = mode_operator_of(calibration.matrix);
+    calibration.origin = std::make_shared<const nlohmann::json>(
+        origin_of(edit, shown_modes(edit.state), edit.bench.grey.get()));
+    const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
+    keep_in(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
+    edit.state.tracking.mode_operator = OperatorKind::measured;
+    if (edit.lease) edit.lease->tracking.mode_operator = OperatorKind::measured;
+    return {};
+  };
+}
+
+SensorChange forget_calibration() {
+  return [](SensorEdit& edit) -> Result<void> {
+    const auto key = calibration_key(edit.state, edit.knowledge, edit.bench.optics);
+    drop_from(edit.bench.calibrations, edit, add_calibrations,
+              remove_calibrations(edit.knowledge, key));
+    return {};
+  };
+}
+
+SensorChange use_lut(MeasuredLut lut) {
+  return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
+    MeasuredLut measured = lut;
+    measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
+    drive_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
+    keep_of_slm(edit.bench.luts, edit, std::move(measured), &SlmInForce::lut);
+    return {};
+  };
+}
+
+SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness) {
+  return [sensor_epoch, flatness = std::move(flatness)](SensorEdit& edit) -> Result<void> {
+    if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
+    MeasuredFlatness measured = flatness;
+    measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
+    measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
+    drive_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
+    keep_of_slm(edit.bench.flatnesses, edit, std::move(measured), &SlmInForce::flatness);
+    return {};
+  };
+}
+
+SensorChange forget_lut() {
+  return [](SensorEdit& edit) -> Result<void> {
+    const auto before = edit.state.slm;
+    drive_slm(edit, nullptr, before->flatness);
+    drop_of_slm(edit.bench.luts, edit, before);
+    return {};
+  };
+}
+
+SensorChange forget_flatness() {
+  return [](SensorEdit& edit) -> Result<void> {
+    const auto before = edit.state.slm;
+    drive_slm(edit, before->lut, nullptr);
+    drop_of_slm(edit.bench.flatnesses, edit, before);
+    return {};
+  };
+}
+
+}  // namespace ovws

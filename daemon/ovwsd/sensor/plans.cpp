@@ -1,0 +1,37 @@
+#include "daemon/ovwsd/sensor/plans.hpp"
+
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+
+namespace ovws {
+
+Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, const Bound& bound,
+                                                      std::uint64_t hologram_id) {
+  return build_plan({next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
+                     state.sensor, state.tracking, optics_of(state, bench_), bench_.slm, state.roi,
+                     state.format, lit_pixels(state.format, bench_.optics.wavelength_nm),
+                     shown_modes(state), bound.reference.get(), workers_,
+                     state.torn ? &*state.torn : nullptr, templates_of(state, bound).banks,
+                     bound.mode_operator.get()});
+}
+
+void Plans::use(std::unique_ptr<MeasurementPlan> plan) {
+  pipeline_.use_plan(plan.get());
+  plans_.push_back(std::move(plan));
+}
+
+void Plans::retire() {
+  const std::uint64_t oldest = pipeline_.oldest_plan_in_use();
+  while (plans_.size() > 1 && plans_.front()->id < oldest) plans_.pop_front();
+}
+
+TemplateReport Plans::templates(const SensorState& state, const Bound& bound) {
+  return templates_of(state, bound).report;
+}
+
+const OwnTemplates& Plans::templates_of(const SensorState& state, const Bound& bound) {
+  return templates_.of(state.tracking,
+                       spot_model(state.sensor, optics_of(state, bench_), bench_.slm, state.format),
+                       bound.reference.get());
+}
+
+}  // namespace ovws

@@ -1,0 +1,78 @@
+#include "daemon/ovwsd/sensor/registration_file.hpp"
+
+#include <vector>
+
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
+#include "proto/tables/reference.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMostPx = 1e5;     ///< of a base spot: far beyond any sensor
+constexpr double kMostCpp = 0.5;    ///< of a grating
+constexpr double kMostScale = 1e6;  ///< of px_per_cycle
+
+/// The keys of registration.get, and the grating that base_px is of.
+Result<Registration> registration_from(const json& content) {
+  Registration out;
+  std::vector<double> base, base_error, map, error, grating;
+  ObjectReader r(content, "registration");
+  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size, double most) {
+    r.require(key);
+    r.numbers(key, to, size, size, -most, most);
+  };
+  list("base_px", base, 2, kMostPx);
+  list("base_standard_error_px", base_error, 2, kMostPx);
+  list("base_grating_cpp", grating, 2, kMostCpp);
+  list("px_per_cycle", map, 4, kMostScale);
+  list("px_per_cycle_standard_error", error, 4, kMostScale);
+  r.require("residual_px");
+  r.number("residual_px", out.residual_px, 0.0, kMostPx);
+  r.require("sights");
+  r.integer("sights", out.sights, 0, 1 << 20);
+  for (const char* known : {"registered", "scale_px_per_cycle", "rotation_deg", "mirrored"}) {
+    r.raw(known);
+  }
+  const json* const taken = r.raw("t_taken_ns");
+  if (taken != nullptr && taken->is_number_integer()) out.t_taken_ns = taken->get<std::int64_t>();
+  if (auto done = r.finish(); !done) return fail(done.error());
+  out.base_px = {base[0], base[1]};
+  out.base_standard_error_px = {base_error[0], base_error[1]};
+  out.base_cpp = {grating[0], grating[1]};
+  out.px_per_cycle = {map[0], map[1], map[2], map[3]};
+  out.standard_error = {error[0], error[1], error[2], error[3]};
+  if (out.px_per_cycle.scale() < limits::kLeastPxPerCycle) {
+    return fail(Errc::invalid, "registration.px_per_cycle", "is not a map of slopes");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string RegistrationKind::title(const MeasuredRegistration& registration) const {
+  return "the registration of " + utc_text(registration.t_taken_ns);
+}
+
+json RegistrationKind::content(const MeasuredRegistration& registration) const {
+  json numbers = to_json(KnownRegistration{registration});
+  numbers["base_grating_cpp"] = to_json(registration.base_cpp);
+  return {{"registration", numbers}, {"slm", to_json(slm)}, {"camera", registration.camera}};
+}
+
+Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
+  if (!content.is_object() || !content.contains("registration") || !content.contains("slm")) {
+    return fail(Errc::invalid, "", "it is not that of a registration");
+  }
+  if (content["slm"] != to_json(slm)) {
+    return fail(Errc::invalid, "",
+                "it is of another SLM: " + content["slm"].dump() + ", not " + to_json(slm).dump());
+  }
+  auto registration = registration_from(content["registration"]);
+  if (!registration) return fail(registration.error());
+  return MeasuredRegistration{*registration, content.value("camera", json()), ""};
+}
+
+}  // namespace ovws

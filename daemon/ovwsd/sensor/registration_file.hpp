@@ -1,0 +1,35 @@
+/// The registration as a file.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/optics/geometry.hpp"
+#include "core/wavefront/registration.hpp"
+#include "daemon/ovwsd/store/kept.hpp"
+
+namespace ovws {
+
+/// A registration that was measured here, now or before.
+struct MeasuredRegistration : Registration {
+  nlohmann::json camera;  ///< that it was measured with: {vendor, model, serial}; null: not known
+  std::string sha256;     ///< of the file that keeps it; empty: none does
+};
+
+/// Of this SLM. See Kept.
+struct RegistrationKind {
+  using Item = MeasuredRegistration;
+  static constexpr const char *kKind = "registration", *kEvent = "registration";
+  SlmGeometry slm;
+
+  std::string title(const Item& registration) const;
+  std::string name(const Item&) const { return "camera"; }
+  nlohmann::json content(const Item& registration) const;
+  Result<Item> read(const nlohmann::json& content) const;
+  std::string obstacle(const Item&) const { return {}; }
+  bool needs_other_slm(const Item&) const { return false; }
+  bool fits_slm(const Item&) const { return false; }
+};
+using KeptRegistration = Kept<RegistrationKind>;
+
+}  // namespace ovws

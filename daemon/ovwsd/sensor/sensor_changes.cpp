@@ -1,0 +1,85 @@
+#include "daemon/ovwsd/sensor/sensor_changes.hpp"
+
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+
+namespace ovws {
+namespace {
+
+/// What is asked for must be there, but what was in use may go with what it belonged to.
+Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
+  const bool asked = change.gives(&TrackingSettings::mode_operator) &&
+                     edit.state.tracking.mode_operator == OperatorKind::measured;
+  if (!asked || calibration_for(edit.state, edit.knowledge, edit.bench.optics)) return {};
+  return fail(Errc::refused, "operator",
+              missing_calibration_reason(edit.state, edit.knowledge, edit.bench.optics));
+}
+
+void apply(const SensorSet& change, SensorState& state) {
+  const SensorSettings changed = change.applied_to({state.sensor, state.tracking});
+  state.sensor = changed.sensor;
+  state.tracking = changed.tracking;
+}
+
+}  // namespace
+
+SensorChange set_sensor(SensorSet change) {
+  return [change = std::move(change)](SensorEdit& edit) -> Result<void> {
+    apply(change, edit.state);
+    if (auto there = check_operator(change, edit); !there) return there;
+    if (auto fast = check_daemon_tracker(edit.state.tracking); !fast) return fast;
+    return check_apart(edit.state, edit.bench.optics);
+  };
+}
+
+SensorChange set_aberration(std::vector<Mode> modes) {
+  return [modes = std::move(modes)](SensorEdit& edit) -> Result<void> {
+    edit.state.aberration = modes;
+    return {};
+  };
+}
+
+SensorChange set_correction(std::vector<Mode> modes) {
+  return [modes = std::move(modes)](SensorEdit& edit) -> Result<void> {
+    edit.state.correction = modes;
+    return {};
+  };
+}
+
+SensorChange show_pattern(HologramKind pattern) {
+  return [pattern](SensorEdit& edit) -> Result<void> {
+    edit.state.pattern = pattern;
+    edit.state.painted.reset();
+    return {};
+  };
+}
+
+SensorChange show_request(ShowRequest what) {
+  return [what = std::move(what)](SensorEdit& edit) -> Result<void> {
+    SensorState& state = edit.state;
+    std::shared_ptr<Image<std::uint8_t>> painted;
+    if (what.paint) {
+      painted = std::make_shared<Image<std::uint8_t>>();
+      what.paint(*state.renderer, *painted);
+    }
+    apply(what.sensor, state);
+    if (auto fast = check_daemon_tracker(state.tracking); !fast) return fast;
+    state.aberration = what.aberration;
+    state.pattern = painted ? HologramKind::test : HologramKind::sensor;
+    state.painted = std::move(painted);
+    return {};
+  };
+}
+
+SensorChange give_back() {
+  return [](SensorEdit& edit) -> Result<void> {
+    if (!edit.lease) return {};
+    edit.state.sensor = edit.lease->sensor;
+    edit.state.tracking = edit.lease->tracking;
+    edit.state.pattern = edit.lease->pattern;
+    edit.state.aberration = edit.lease->aberration;
+    edit.state.painted.reset();
+    return {};
+  };
+}
+
+}  // namespace ovws

@@ -1,0 +1,72 @@
+#include "daemon/ovwsd/sensor/sensor_events.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/ovwsd/sensor/reference_file.hpp"
+#include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "proto/names.hpp"
+
+namespace ovws {
+
+void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSnapshot& now) {
+  if (now.torn != before.torn) {
+    events_.emit("spots", Severity::info,
+                 now.torn.empty()
+                     ? "all spots are followed as round ones again"
+                     : fmt::format("the wavefront has torn spots {}: they are followed by the "
+                                   "shapes that it gives them",
+                                   fmt::join(now.torn, ", ")),
+                 {{"torn", now.torn}});
+  }
+  const OperatorKind in_use = now.mode_operator.in_force;
+  if (in_use == before.mode_operator.in_force) return;
+  events_.emit("sensor", Severity::info,
+               fmt::format("modes are read by the operator {}", operator_name(in_use)),
+               {{"operator", operator_name(in_use)}});
+}
+
+void SensorEvents::publish_unused(const Reference& reference, const SensorState& state,
+                                  const Knowledge& knowledge) {
+  const std::string why = unused_reason(reference, state, knowledge, bench_);
+  if (why.empty()) return;
+  events_.emit("reference", Severity::warning, title_of(reference) + " is not used: " + why,
+               {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
+}
+
+void SensorEvents::publish_stale(const Reference* reference,
+                                 const std::optional<CameraSettings>& camera) {
+  std::vector<std::string> fields, words;
+  if (reference != nullptr) {
+    for (const StaleField& one : stale_fields(*reference, camera)) {
+      fields.push_back(one.field);
+      words.push_back(
+          fmt::format("{} was {}, and is {}", one.field, one.then.dump(), one.now.dump()));
+    }
+  }
+  if (fields == stale_told_) return;
+  stale_told_ = fields;
+  if (reference == nullptr) return;
+  const std::string how = words.empty() ? "the camera is set as it was then"
+                                        : fmt::format("{}", fmt::join(words, "; "));
+  events_.emit("reference", fields.empty() ? Severity::info : Severity::warning,
+               title_of(*reference) + " is in force: " + how,
+               {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
+}
+
+const std::string& SensorEvents::layout_fault(const SensorState& state) {
+  const OpticsConfig optics = optics_of(state, bench_);
+  LayoutKey key{state.sensor, state.tracking.tracker, optics.registered, optics.centre_px,
+                state.roi};
+  if (layout_key_ == key) return layout_fault_;
+  const bool first = !layout_key_;
+  layout_key_ = std::move(key);
+  const auto seen = check_layout(state, bench_);
+  layout_fault_ = seen ? "" : seen.error().field + ": " + seen.error().reason;
+  if (!seen) {
+    events_.emit("sensor", first ? Severity::error : Severity::warning, layout_fault_,
+                 {{"field", seen.error().field}});
+  }
+  return layout_fault_;
+}
+
+}  // namespace ovws

@@ -1,0 +1,372 @@
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+
+#include <utility>
+
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+#include "daemon/shared/slm_files.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr auto kTurn = std::chrono::milliseconds(50);
+
+/// Whether the same reference and calibration belong to both.
+bool is_same(const Bound& a, const Bound& b) {
+  const bool same_reference = a.reference && b.reference
+                                  ? a.reference->t_taken_ns == b.reference->t_taken_ns
+                                  : !a.reference && !b.reference;
+  return same_reference && a.calibration == b.calibration;
+}
+
+template <class T>
+std::shared_ptr<const T> newest(const std::vector<std::shared_ptr<const T>>& all) {
+  return all.empty() ? nullptr : all.back();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SensorKeeper>> SensorKeeper::make(const Config& config,
+                                                         const SensorKeeperDeps& deps) {
+  auto hologram = load_hologram_config(config);
+  if (!hologram) return fail(hologram.error());
+  std::unique_ptr<SensorKeeper> keeper(new SensorKeeper(config, deps, std::move(*hologram)));
+  if (auto begun = keeper->begin(); !begun) return fail(begun.error());
+  return keeper;
+}
+
+SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
+                           HologramConfig hologram)
+    : deps_(deps),
+      bench_(config, std::move(hologram), deps.store, deps.events),
+      plans_(deps.pipeline, bench_.optics, config.pipeline.workers),
+      events_(bench_.optics, deps.events),
+      snapshot_(std::make_shared<const SensorSnapshot>()) {
+  state_.sensor = config.sensor;
+  state_.tracking = config.tracking;
+  state_.roi = config.camera.settings.roi;
+  state_.format = config.camera.settings.pixel_format;
+}
+
+/// With what the disk holds.
+Result<void> SensorKeeper::begin() {
+  SensorEdit edit = new_edit();
+  SensorState& state = edit.state;
+  const auto lut = newest(bench_.luts.load());
+  const auto flatness = newest(bench_.flatnesses.load());
+  state.slm = slm_in_force(bench_.config, bench_.hologram, lut, flatness);
+  bench_.origins.use_slm(*state.slm);
+  if (auto made = renew_renderer(state); !made) return made;
+  add_references(edit.knowledge, bench_.references.load());
+  if (const auto kept = newest(bench_.registrations.load())) state.registration = *kept;
+  add_calibrations(edit.knowledge, bench_.calibrations.load());
+  bench_.hologram_id = next_hologram_id_++;
+  const auto planned = [&] {
+    return plans_.build(state, bind(state, edit.knowledge, bench_.optics), bench_.hologram_id);
+  };
+  if (state.registration && !planned()) state.registration.reset();
+  auto plan = planned();
+  if (!plan) return fail(plan.error());
+  bench_.grey = picture_of(state);
+  deps_.slm.show_when_possible(
+      {bench_.hologram_id, shown_epoch(state), state.pattern, bench_.grey});
+  const Bound bound = bind(state, edit.knowledge, bench_.optics);
+  adopt(std::move(edit), bound, std::move(*plan));
+  return {};
+}
+
+bool SensorKeeper::do_work() {
+  const bool worked = mailbox_.run_one(kTurn);
+  plans_.retire();
+  return worked;
+}
+
+void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<void()> active) {
+  mailbox_.post(
+      [this, as, change = std::move(change), done = std::move(done), active = std::move(active)] {
+        if (auto free = may_change(hold_, as); !free) return done(fail(free.error()));
+        SensorEdit edit = new_edit();
+        if (auto made = change(edit); !made) return done(fail(made.error()));
+        if (auto used = activate(edit, Show::now); !used) return done(fail(used.error()));
+        if (active) active();
+        update_files(std::move(edit), snapshot(), done);
+      });
+}
+
+void SensorKeeper::hold(Hold by) {
+  hold_ = by;
+  if (by.by != Hold::By::job) return;
+  lease_ = Lease{state_.sensor, state_.tracking, state_.pattern, state_.aberration};
+}
+
+void SensorKeeper::release(Hold by, std::function<void()> then) {
+  mailbox_.post([this, by, then = std::move(then)] {
+    if (hold_ == by) {
+      if (lease_) restore_lease();
+      hold_ = {};
+    }
+    then();
+  });
+}
+
+void SensorKeeper::restore_lease() {
+  SensorEdit edit = new_edit();
+  (void)give_back()(edit);
+  lease_.reset();
+  if (same_picture(edit.state, state_) && edit.state.tracking == state_.tracking) return;
+  (void)activate(std::move(edit), Show::when_possible);
+}
+
+void SensorKeeper::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
+  mailbox_.post([this, plan_id, torn = std::move(torn)]() mutable {
+    const bool of_a_job = hold_.by == Hold::By::job;
+    if (snapshot()->plan_id != plan_id || of_a_job || (!torn && !state_.torn)) return;
+    SensorEdit edit = new_edit();
+    edit.state.torn = std::move(torn);
+    const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
+    auto plan = plans_.build(edit.state, bound, bench_.hologram_id);
+    if (plan) adopt(std::move(edit), bound, std::move(*plan));
+  });
+}
+
+void SensorKeeper::camera_changed(const CameraSettings& camera,
+                                  const std::optional<CameraInfo>& info) {
+  mailbox_.post([this, camera, info] {
+    bench_.camera = camera;
+    discard_for_camera(info);
+    SensorEdit edit = new_edit();
+    edit.knowledge.camera = info;
+    SensorState& next = edit.state;
+    const Bound before = bind(state_, knowledge_, bench_.optics),
+                now = bind(next, edit.knowledge, bench_.optics);
+    const bool same_image = camera.roi == next.roi && camera.pixel_format == next.format;
+    const bool other_camera =
+        knowledge_.camera && info && camera_json(knowledge_.camera) != camera_json(info);
+    if (same_image && !other_camera && is_same(before, now)) {
+      knowledge_ = std::move(edit.knowledge);
+      return events_.publish_stale(snapshot()->reference.get(), bench_.camera);
+    }
+    next.roi = camera.roi;
+    next.format = camera.pixel_format;
+    ++next.sensor_epoch;
+    if (const auto used = activate(edit, Show::when_possible); !used) {
+      knowledge_ = std::move(edit.knowledge);
+      state_.roi = camera.roi;  // so that what is changed next is planned for this image
+      state_.format = camera.pixel_format;
+      deps_.events.emit("sensor", Severity::error,
+                        "no plan for the camera's image: " + used.error().reason);
+    }
+  });
+}
+
+/// Discards the registration and the flatness of another camera: it stands at another place, behind
+/// other optics.
+void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
+  const auto is_other = [camera = camera_json(info)](const nlohmann::json& then) {
+    return !camera.is_null() && !then.is_null() && then != camera;
+  };
+  SensorEdit edit = new_edit();
+  edit.knowledge.camera = info;
+  SensorState& state = edit.state;
+  if (state.registration && is_other(state.registration->camera)) {
+    deps_.events.emit("registration", Severity::warning,
+                      "the registration is not used: it was measured with another camera",
+                      {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
+    state.registration.reset();
+    ++state.sensor_epoch;
+  }
+  const auto& flatness = state.slm->flatness;
+  if (flatness && is_other(flatness->origin.value("camera", nlohmann::json()))) {
+    deps_.events.emit("slm", Severity::warning,
+                      "the flatness is not used, and left on the disk: it was measured with "
+                      "another camera",
+                      {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
+    state.slm = slm_in_force(bench_.config, bench_.hologram, state.slm->lut, nullptr);
+  }
+  if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
+  if (activate(edit, Show::when_possible)) return;
+  state_.registration = edit.state.registration;  // the next plan is without it
+}
+
+/// Prepares everything, shows it, and only then makes it the state; on any error nothing has
+/// changed.
+Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
+  SensorState& next = edit.state;
+  const bool new_slm = next.slm != state_.slm;
+  if (new_slm || !(next.sensor == state_.sensor)) {
+    if (auto made = renew_renderer(next); !made) return made;
+    ++next.sensor_epoch;
+  }
+  if (auto sampled = check_sampling(next); !sampled) return sampled;
+  next.torn.reset();  // those of the plan that is now left
+  const bool same = same_picture(next, state_);
+  const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
+  Bound bound = bind(next, edit.knowledge, bench_.optics);
+  auto plan = plans_.build(next, bound, hologram_id);
+  if (!plan) return fail(plan.error());
+  if (auto shown = present(next, hologram_id, show); !shown) return shown;
+  if (new_slm && load_for_slm(*next.slm, edit.knowledge)) {
+    const Bound more = bind(next, edit.knowledge, bench_.optics);
+    if (auto with_more = plans_.build(next, more, hologram_id)) {
+      plan = std::move(with_more);
+      bound = more;
+    }
+  }
+  adopt(std::move(edit), bound, std::move(*plan));
+  return {};
+}
+
+/// A picture that the display did not take in time has its number all the same: it may have been
+/// shown for a moment.
+Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
+  if (hologram_id != bench_.hologram_id) {
+    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, picture_of(next)};
+    const auto shown = deps_.slm.show(request);
+    if (!shown && show == Show::now) return shown;
+    if (!shown) deps_.slm.show_when_possible(request);
+    bench_.hologram_id = hologram_id;
+    bench_.grey = request.grey;
+  } else if (next.sensor_epoch != state_.sensor_epoch) {
+    // The same picture stays on the SLM, but what is measured of it means something else.
+    deps_.slm.show_when_possible({hologram_id, shown_epoch(next), next.pattern, bench_.grey});
+  }
+  return {};
+}
+
+/// Loads what was kept of this LUT and flatness and was not used until now; true: there was any.
+bool SensorKeeper::load_for_slm(const SlmInForce& slm, Knowledge& knowledge) {
+  bench_.origins.use_slm(slm);
+  auto references = bench_.references.load_again();
+  auto calibrations = bench_.calibrations.load_again();
+  const bool found = !references.empty() || !calibrations.empty();
+  add_references(knowledge, std::move(references));
+  add_calibrations(knowledge, std::move(calibrations));
+  return found;
+}
+
+void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
+                         std::unique_ptr<MeasurementPlan> plan) {
+  const SensorView before = snapshot();
+  state_ = std::move(edit.state);
+  knowledge_ = std::move(edit.knowledge);
+  if (lease_) lease_ = std::move(edit.lease);
+  auto now = std::make_shared<SensorSnapshot>();
+  now->sensor = state_.sensor;
+  now->tracking = state_.tracking;
+  now->templates = plans_.templates(state_, bound);
+  now->mode_operator = report_operator(*plan);
+  now->pattern = state_.pattern;
+  now->aberration = state_.aberration;
+  now->correction = state_.correction;
+  now->hologram_id = bench_.hologram_id;
+  now->sensor_epoch = state_.sensor_epoch;
+  now->optics = optics_of(state_, bench_.optics);
+  now->registration = registration_of(state_, bench_.optics);
+  now->plan_id = plan->id;
+  now->subapertures = plan->subapertures();
+  now->modes_j = plan->reconstructor->modes_j();
+  now->layout_fault = events_.layout_fault(state_);
+  if (state_.torn) now->torn = state_.torn->numbers();
+  now->reference = bound.reference;
+  now->calibration = bound.calibration;
+  now->slm = state_.slm;
+  if (before->reference && !bound.reference)
+    events_.publish_unused(*before->reference, state_, knowledge_);
+  events_.publish_changes(*before, *now);
+  deps_.on_plan(*plan, now);
+  snapshot_.set(now);
+  plans_.use(std::move(plan));
+  events_.publish_stale(bound.reference.get(), bench_.camera);
+}
+
+/// Reports which operator the active plan uses, and requests a diffractive one if it is missing.
+OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
+  const OperatorKind asked = state_.tracking.mode_operator;
+  const OperatorKey key = operator_key(state_, bench_.optics);
+  const bool diffractive = asked == OperatorKind::diffractive;
+  knowledge_.operators->forget_shortages(diffractive ? &key : nullptr);
+  if (plan.mode_operator == asked || !diffractive) {
+    deps_.operators.give_up();
+    if (plan.mode_operator == asked) return {asked, ""};
+    return {plan.mode_operator, missing_calibration_reason(state_, knowledge_, bench_.optics)};
+  }
+  if (const auto made = knowledge_.operators->find(key)) {
+    return {plan.mode_operator, made->error().reason};
+  }
+  deps_.operators.order(key, [this](const OperatorKey& of, Result<ModeOperator> made) {
+    mailbox_.post(
+        [this, of, made = std::move(made)]() mutable { store_operator(of, std::move(made)); });
+  });
+  return {plan.mode_operator, "its matrix is being made: that takes some seconds"};
+}
+
+/// Positions do not depend on the operator: what is being measured goes on.
+void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> made) {
+  if (!made) {
+    deps_.events.emit("sensor", Severity::warning,
+                      "there is no diffractive operator: " + made.error().reason,
+                      {{"operator", "diffractive"}});
+  }
+  knowledge_.operators->put(key, std::move(made));
+  const bool wanted = state_.tracking.mode_operator == OperatorKind::diffractive &&
+                      key == operator_key(state_, bench_.optics);
+  if (!wanted) return;
+  const Bound bound = bind(state_, knowledge_, bench_.optics);
+  auto plan = plans_.build(state_, bound, bench_.hologram_id);
+  if (plan) adopt(new_edit(), bound, std::move(*plan));
+}
+
+/// What is in force is written to, or removed from, the disk, and `done` is told then; what cannot
+/// be written is in force all the same.
+void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) {
+  const auto files = std::make_shared<SensorEdit>(std::move(edit));
+  if (files->keep) {
+    auto answer = std::make_shared<Done>(std::move(done));
+    files->keep([this, files, answer](const std::string& sha256) {
+      mailbox_.post([this, files, answer, sha256] {
+        if (!sha256.empty()) set_checksum(*files, sha256);
+        if (const Done once = std::exchange(*answer, nullptr)) once(snapshot());
+      });
+    });
+  } else if (files->drop) {
+    files->drop([this, files, changed, done](const Result<void>& dropped) {
+      mailbox_.post([this, files, changed, done, dropped] {
+        if (dropped) return done(changed);
+        undo(*files, dropped.error(), done);
+      });
+    });
+  } else {
+    done(std::move(changed));
+  }
+}
+
+void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
+  SensorEdit undo = new_edit();
+  const bool undone =
+      may_hold() && edit.undo(undo) && activate(std::move(undo), Show::when_possible);
+  if (!undone) why.reason += "; it is not used any more, and a restart loads it";
+  done(fail(std::move(why)));
+}
+
+void SensorKeeper::set_checksum(SensorEdit& edit, const std::string& sha256) {
+  if (!edit.set_checksum) return;
+  SensorEdit now = new_edit();
+  edit.set_checksum(now, sha256);
+  state_ = std::move(now.state);
+  knowledge_ = std::move(now.knowledge);
+  const Bound bound = bind(state_, knowledge_, bench_.optics);
+  auto known = std::make_shared<SensorSnapshot>(*snapshot());
+  known->reference = bound.reference;
+  known->calibration = bound.calibration;
+  known->slm = state_.slm;
+  snapshot_.set(std::move(known));
+}
+
+Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {
+  if (traits_of(format).filter == ColourFilter::none) return {};
+  const auto tracker =
+      make_tracker(sensor.tracking, spot_model(sensor.sensor, sensor.optics, slm, format));
+  if (!tracker) return fail(Errc::refused, "pixel_format", tracker.error().reason);
+  return {};
+}
+
+}  // namespace ovws

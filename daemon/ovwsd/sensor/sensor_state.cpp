@@ -1,0 +1,94 @@
+#include "daemon/ovwsd/sensor/sensor_state.hpp"
+
+#include <algorithm>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/spot_layout.hpp"
+
+namespace ovws {
+
+std::vector<Mode> shown_modes(const SensorState& state) {
+  std::vector<Mode> modes;
+  if (state.pattern != HologramKind::grating) modes = state.aberration;
+  for (const Mode& correction : state.correction) {
+    const auto same = std::find_if(modes.begin(), modes.end(),
+                                   [&](const Mode& mode) { return mode.j == correction.j; });
+    if (same == modes.end()) {
+      modes.push_back({correction.j, -correction.waves});
+    } else {
+      same->waves -= correction.waves;
+    }
+  }
+  return modes;
+}
+
+std::uint64_t shown_epoch(const SensorState& state) {
+  return state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
+}
+
+bool same_picture(const SensorState& a, const SensorState& b) {
+  return a.sensor == b.sensor && a.slm == b.slm && a.pattern == b.pattern &&
+         a.painted == b.painted && shown_modes(a) == shown_modes(b);
+}
+
+std::shared_ptr<const Image<std::uint8_t>> picture_of(const SensorState& state) {
+  if (state.painted) return state.painted;
+  auto grey = std::make_shared<Image<std::uint8_t>>();
+  state.renderer->render(state.pattern, shown_modes(state), *grey);
+  return grey;
+}
+
+std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench) {
+  if (!state.registration) return std::nullopt;
+  return rebased(*state.registration, base_grating_cpp(state.sensor, bench.slm));
+}
+
+/// A registration counts from the corner of the camera's sensor, all else from that of the region.
+OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench) {
+  OpticsConfig optics = bench.optics;
+  if (const auto map = registration_of(state, bench)) {
+    optics.registered = map->px_per_cycle;
+    optics.centre_px = map->base_px - Vec2{double(state.roi.x), double(state.roi.y)};
+  }
+  return optics;
+}
+
+std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench) {
+  return model_spots_px(state.renderer->lattice(), state.sensor, bench.slm, optics_of(state, bench),
+                        state.roi.width, state.roi.height);
+}
+
+double lambda_d_of(const SensorState& state, const BenchOptics& bench) {
+  return lambda_d_px(optics_of(state, bench), bench.slm, state.sensor);
+}
+
+Result<void> renew_renderer(SensorState& state) {
+  HologramConfig hologram = state.slm->hologram;
+  hologram.sensor = state.sensor;
+  auto renderer = HologramRenderer::make(hologram);
+  if (!renderer) return fail(renderer.error());
+  state.renderer = std::make_shared<const HologramRenderer>(std::move(*renderer));
+  return {};
+}
+
+Result<void> check_sampling(const SensorState& state) {
+  if (state.pattern != HologramKind::sensor && state.pattern != HologramKind::grating) return {};
+  return state.renderer->check_sampling(shown_modes(state));
+}
+
+Result<void> check_apart(const SensorState& state, const BenchOptics& bench) {
+  const auto lattice = make_lattice(state.sensor, bench.slm);
+  if (!lattice) return fail(lattice.error());
+  return check_spots_apart(
+      {*lattice, state.sensor, state.tracking, optics_of(state, bench), bench.slm, state.roi});
+}
+
+Result<void> check_layout(const SensorState& state, const BenchOptics& bench) {
+  const OpticsConfig optics = optics_of(state, bench);
+  const SpotBench spots{
+      state.renderer->lattice(), state.sensor, state.tracking, optics, bench.slm, state.roi};
+  if (auto apart = check_spots_apart(spots); !apart) return apart;
+  return check_spots_in_region(spots);
+}
+
+}  // namespace ovws

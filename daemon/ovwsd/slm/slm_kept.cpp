@@ -1,0 +1,164 @@
+#include "daemon/ovwsd/slm/slm_kept.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "proto/limits.hpp"
+#include "proto/reader.hpp"
+#include "proto/tables/time.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMostRad = 1000.0;
+
+/// What both have.
+template <class T>
+void read_common(ObjectReader& r, T& measured) {
+  for (const char* key : {"t_taken_ns", "frames", "origin"}) r.require(key);
+  const json* const taken = r.raw("t_taken_ns");
+  if (taken != nullptr && taken->is_number_integer()) {
+    measured.t_taken_ns = taken->template get<std::int64_t>();
+  } else {
+    r.fault("t_taken_ns", "must be a whole number");
+  }
+  r.integer("frames", measured.frames, 1, limits::kReferenceFrames.max);
+  const json* const origin = r.raw("origin");
+  if (origin != nullptr && origin->is_object()) measured.origin = *origin;
+}
+
+/// Why what was measured with this says nothing of the SLM that is configured; empty: it does.
+std::string other_slm(const json& origin, const Config& config) {
+  const json slm = origin.value("slm", json::object());
+  const json optics = origin.value("optics", json::object());
+  const SlmGeometry& now = config.slm.geometry;
+  const std::initializer_list<std::pair<const char*, json>> parts{
+      {"width", now.width_px}, {"height", now.height_px}, {"pitch_um", now.pitch_um}};
+  for (const auto& [key, value] : parts) {
+    const json then = slm.value(key, json());
+    if (then != value) {
+      return fmt::format("it is of another SLM, slm.{} was {}, and is {}", key, then.dump(),
+                         value.dump());
+    }
+  }
+  const json wavelength = optics.value("wavelength_nm", json());
+  if (wavelength == json(config.optics.wavelength_nm)) return {};
+  return fmt::format("optics.wavelength_nm was {}, and is {}", wavelength.dump(),
+                     config.optics.wavelength_nm);
+}
+
+}  // namespace
+
+json LutKind::content(const MeasuredLut& lut) const {
+  const PhaseResponse& r = lut.response;
+  return {{"t_taken_ns", lut.t_taken_ns},
+          {"frames", lut.frames},
+          {"levels", r.levels},
+          {"phase_rad", r.phase_rad},
+          {"standard_error_rad", r.standard_error_rad},
+          {"noise_rad", r.noise_rad},
+          {"residual_rad", r.residual_rad},
+          {"origin", lut.origin}};
+}
+
+Result<MeasuredLut> LutKind::read(const json& content) const {
+  MeasuredLut lut;
+  std::vector<double> phase, error;
+  ObjectReader r(content, "lut");
+  read_common(r, lut);
+  for (const char* key : {"levels", "phase_rad", "standard_error_rad"}) r.require(key);
+  r.integer("levels", lut.response.levels, 2, 256);
+  r.numbers("phase_rad", phase, 256, 256, -kMostRad, kMostRad);
+  r.numbers("standard_error_rad", error, 256, 256, 0.0, kMostRad);
+  r.number("noise_rad", lut.response.noise_rad, 0.0, kMostRad);
+  r.number("residual_rad", lut.response.residual_rad, 0.0, kMostRad);
+  if (auto read = r.finish(); !read) return fail(read.error());
+  if (!std::is_sorted(phase.begin(), phase.end()) &&
+      !std::is_sorted(phase.rbegin(), phase.rend())) {
+    return fail(Errc::invalid, "lut.phase_rad", "neither rises nor falls throughout");
+  }
+  std::copy(phase.begin(), phase.end(), lut.response.phase_rad.begin());
+  std::copy(error.begin(), error.end(), lut.response.standard_error_rad.begin());
+  lut.table = linearising_lut(lut.response.phase_rad);
+  return lut;
+}
+
+std::string LutKind::title(const MeasuredLut& lut) const {
+  return "the lut of " + utc_text(lut.t_taken_ns);
+}
+
+std::string LutKind::obstacle(const MeasuredLut& lut) const {
+  return other_slm(lut.origin, config);
+}
+
+json FlatnessKind::content(const MeasuredFlatness& flatness) const {
+  json modes = json::array();
+  for (const Mode& mode : flatness.modes) modes.push_back({{"j", mode.j}, {"waves", mode.waves}});
+  return {{"t_taken_ns", flatness.t_taken_ns},
+          {"frames", flatness.frames},
+          {"iterations", flatness.iterations},
+          {"pupil_diameter_px", flatness.pupil_diameter_px},
+          {"modes", std::move(modes)},
+          {"standard_error_waves", flatness.standard_error_waves},
+          {"residual_rms_waves", flatness.residual_rms_waves},
+          {"configured_sha256", flatness.configured_sha256},
+          {"origin", flatness.origin}};
+}
+
+Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
+  MeasuredFlatness flatness;
+  ObjectReader r(content, "flatness");
+  read_common(r, flatness);
+  for (const char* key :
+       {"pupil_diameter_px", "modes", "standard_error_waves", "configured_sha256"}) {
+    r.require(key);
+  }
+  r.integer("iterations", flatness.iterations, 1, 1000);
+  r.number("pupil_diameter_px", flatness.pupil_diameter_px, limits::kPupilDiameterPx.min,
+           limits::kPupilDiameterPx.max);
+  r.objects("modes", kMaxZernikeIndex, [&](ObjectReader& one, std::size_t) {
+    Mode mode;
+    one.require("j");
+    one.require("waves");
+    one.integer("j", mode.j, 3, kMaxZernikeIndex);
+    one.number("waves", mode.waves, limits::kModeWaves.min, limits::kModeWaves.max);
+    flatness.modes.push_back(mode);
+  });
+  r.numbers("standard_error_waves", flatness.standard_error_waves, 0, kMaxZernikeIndex, 0.0, 1e6);
+  r.number("residual_rms_waves", flatness.residual_rms_waves, 0.0, 1e6);
+  if (const json* const sum = r.raw("configured_sha256")) flatness.configured_sha256 = *sum;
+  if (auto read = r.finish(); !read) return fail(read.error());
+  if (flatness.modes.empty() || flatness.modes.size() != flatness.standard_error_waves.size()) {
+    return fail(Errc::invalid, "flatness.modes", "has not as many modes as standard errors");
+  }
+  return flatness;
+}
+
+std::string FlatnessKind::title(const MeasuredFlatness& flatness) const {
+  return "the flatness of " + utc_text(flatness.t_taken_ns);
+}
+
+/// It is the SLM's and the optics', and counts from the file's map.
+std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
+  if (auto other = other_slm(flatness.origin, config); !other.empty()) return other;
+  if (flatness.configured_sha256 != configured_sha256) {
+    return fmt::format("it is added to the map of slm.flatness, whose checksum was {}, and is {}",
+                       flatness.configured_sha256.dump(), configured_sha256.dump());
+  }
+  const json optics = flatness.origin.value("optics", json::object());
+  const OpticsConfig& now = config.optics;
+  const std::initializer_list<std::pair<const char*, double>> parts{
+      {"focal_length_mm", now.focal_length_mm},
+      {"magnification", now.magnification},
+      {"camera_pitch_um", now.camera_pitch_um}};
+  for (const auto& [key, value] : parts) {
+    const json then = optics.value(key, json());
+    if (then != value) return fmt::format("optics.{} was {}, and is {}", key, then.dump(), value);
+  }
+  return {};
+}
+
+}  // namespace ovws

@@ -1,0 +1,183 @@
+/// What was measured and outlives a restart: the files of one kind.
+#pragma once
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+
+namespace ovws {
+
+/// `Kind` says of its items (which have `t_taken_ns`, and `sha256`, the checksum of the file):
+///
+///     using Item = …;
+///     static constexpr const char *kKind = …, *kEvent = …;  // of the files, of the events
+///     std::string title(const Item&) const;                 // "the reference of 2026-01-31T…"
+///     std::string name(const Item&) const;                  // of its file, [a-z0-9_-]
+///     nlohmann::json content(const Item&) const;            // of its file
+///     Result<Item> read(const nlohmann::json&) const;       // errors: what does not fit together
+///     // Why this bench cannot use the item; empty: it can. May complete the item.
+///     std::string obstacle(Item&) const;
+///     // The obstacle is another LUT or flatness, and nothing else.
+///     bool needs_other_slm(const Item&) const;
+///     // It was measured with the LUT and flatness that are active.
+///     bool fits_slm(const Item&) const;
+///
+/// One thread at a time. Only `load` waits for the disk.
+template <class Kind>
+class Kept {
+ public:
+  using Item = typename Kind::Item;
+  using Items = std::vector<std::shared_ptr<const Item>>;  ///< oldest first
+  using Told = std::function<void(const std::string& sha256)>;
+  /// As many are kept, of whatever sensor and bench; the oldest goes first.
+  static constexpr std::size_t kMax = 16;
+
+  Kept(Kind kind, DaemonStore& store, Events& events)
+      : kind_(std::move(kind)), store_(store), events_(events) {}
+
+  /// Those that can be used. An event says of each file when its item was taken and its checksum,
+  /// and why, if it is not used; then it stays on the disk.
+  Items load() {
+    Items usable;
+    store_.load(Kind::kKind, [&](const StateItem& item) {
+      if (auto read = this->read(item)) usable.push_back(std::move(read));
+    });
+    return by_age(std::move(usable));
+  }
+
+  /// Of those that were not used for the LUT or the flatness alone the ones that can be used now,
+  /// each once.
+  Items load_again() {
+    Items usable;
+    for (auto& [name, found] : std::exchange(waiting_for_slm_, {})) {
+      if (!kind_.fits_slm(found.item)) {
+        waiting_for_slm_.emplace(name, std::move(found));
+      } else if (auto item = use(std::move(found))) {
+        usable.push_back(std::move(item));
+      }
+    }
+    return by_age(std::move(usable));
+  }
+
+  /// In place of those of the names `replaced`, which are dropped when it is kept. `told` in the
+  /// disk thread: its checksum, empty if it could not be kept, which an event says; then again, if
+  /// it is kept after all.
+  void keep(const Item& item, const std::vector<std::string>& replaced = {}, Told told = nullptr) {
+    const std::string name = kind_.name(item);
+    for (const std::string& other : replaced) forget(other);
+    forget(name);
+    files_.push_back({item.t_taken_ns, name});
+    const auto then = [&store = store_, &events = events_, replaced,
+                       told = std::move(told)](const std::string& sha256) {
+      if (!sha256.empty()) drop_quietly(store, events, replaced);
+      if (told) told(sha256);
+    };
+    store_.put(Kind::kKind, name, kind_.content(item), DaemonStore::Older::set_aside,
+               store_.reporting(Kind::kEvent, kind_.title(item), item.t_taken_ns, then));
+    drop_oldest();
+  }
+
+  /// Files of these names. `told` in the disk thread; an error: some are still on the disk.
+  void drop(const std::vector<std::string>& names, DaemonStore::Dropped told) {
+    for (const std::string& name : names) forget(name);
+    store_.drop_all(Kind::kKind, names, std::move(told));
+  }
+
+  const Kind& kind() const { return kind_; }
+
+ private:
+  struct File {
+    std::int64_t t_taken_ns = 0;
+    std::string name;
+  };
+  struct Found {
+    std::string name, path;
+    Item item;
+  };
+
+  static Items by_age(Items items) {
+    std::sort(items.begin(), items.end(),
+              [](const auto& a, const auto& b) { return a->t_taken_ns < b->t_taken_ns; });
+    return items;
+  }
+
+  static void drop_quietly(DaemonStore& store, Events& events,
+                           const std::vector<std::string>& names) {
+    store.drop_all(Kind::kKind, names, [&events](const Result<void>& dropped) {
+      if (!dropped) events.emit(Kind::kEvent, Severity::warning, dropped.error().reason);
+    });
+  }
+
+  std::shared_ptr<const Item> read(const StateItem& file) {
+    auto item = kind_.read(file.content);
+    if (!item) {
+      const Error& why = item.error();
+      events_.emit(Kind::kEvent, Severity::warning,
+                   fmt::format("{} is not used, and left as it is: {}{}{}", file.path, why.field,
+                               why.field.empty() ? "" : " ", why.reason),
+                   {{"path", file.path}, {"sha256", file.sha256}, {"used", false}});
+      return nullptr;
+    }
+    forget(file.name);
+    files_.push_back({item->t_taken_ns, file.name});
+    item->sha256 = file.sha256;
+    return use({file.name, file.path, std::move(*item)});
+  }
+
+  /// Null: it cannot be used, now or at all.
+  std::shared_ptr<const Item> use(Found found) {
+    Item& item = found.item;
+    const std::string obstacle = found.name == kind_.name(item)
+                                     ? kind_.obstacle(item)
+                                     : "its file's name is not that of its content";
+    events_.emit(Kind::kEvent, obstacle.empty() ? Severity::info : Severity::warning,
+                 fmt::format("{} ({}, sha256 {}) {}", kind_.title(item), found.path, item.sha256,
+                             obstacle.empty() ? "is found again" : "is not used: " + obstacle),
+                 {{"path", found.path},
+                  {"sha256", item.sha256},
+                  {"used", obstacle.empty()},
+                  {"t_taken_ns", item.t_taken_ns}});
+    if (obstacle.empty()) return std::make_shared<const Item>(std::move(item));
+    if (kind_.needs_other_slm(item)) {
+      const std::string name = found.name;
+      waiting_for_slm_.insert_or_assign(name, std::move(found));
+    }
+    return nullptr;
+  }
+
+  void forget(const std::string& name) {
+    std::erase_if(files_, [&](const File& one) { return one.name == name; });
+    waiting_for_slm_.erase(name);
+  }
+
+  void drop_oldest() {
+    while (files_.size() > kMax) {
+      // But the newest: the time of day may have been set back.
+      const auto oldest = std::min_element(
+          files_.begin(), std::prev(files_.end()),
+          [](const File& a, const File& b) { return a.t_taken_ns < b.t_taken_ns; });
+      const std::string name = oldest->name;
+      drop_quietly(store_, events_, {name});
+      forget(name);
+    }
+  }
+
+  Kind kind_;
+  DaemonStore& store_;
+  Events& events_;
+  std::vector<File> files_;                       ///< whole ones, used or not
+  std::map<std::string, Found> waiting_for_slm_;  ///< by name
+};
+
+}  // namespace ovws

@@ -1,0 +1,312 @@
+/// What the sensor's keeper shows, and who may change it, with a display that the test plays. This
+/// program has its own open_display in place of the driver table's.
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "daemon/ovwsd/devices/driver_table.hpp"
+#include "tests/support/own_folder.hpp"
+
+namespace ovws {
+namespace {
+
+/// What the test and the display that the SlmLoop owns share.
+struct Screen {
+  std::atomic<bool> there{true};
+  std::mutex mutex;
+  Image<std::uint8_t> shown;
+
+  Image<std::uint8_t> picture() {
+    const std::lock_guard lock(mutex);
+    return shown;
+  }
+};
+Screen* screen = nullptr;
+
+class PlayedDisplay final : public Display {
+ public:
+  explicit PlayedDisplay(const SlmConfig& config)
+      : info_{config.display, config.geometry.width_px, config.geometry.height_px, 60.0, "test"} {}
+  const DisplayInfo& info() const override { return info_; }
+  Result<std::int64_t> present(const Image<std::uint8_t>& grey) override {
+    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+    const std::lock_guard lock(screen->mutex);
+    screen->shown = grey;
+    return std::int64_t{1};
+  }
+  Result<Image<std::uint32_t>> read_back() override { return fail(Errc::unavailable, "", "no"); }
+  Result<void> check() override {
+    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+    return {};
+  }
+
+ private:
+  DisplayInfo info_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> open_display(const SlmConfig& config) {
+  if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+  return std::make_unique<PlayedDisplay>(config);
+}
+Result<std::unique_ptr<Camera>> open_camera(const CameraConfig&) {
+  return fail(Errc::unavailable, "camera", "there is none");
+}
+
+namespace {
+
+/// A small bench, quick to render.
+Config small_bench() {
+  Config config;
+  config.slm.geometry = {160, 96, 19.0};
+  config.slm.settle_ms = 0.0;
+  config.sensor.pupil_diameter_px = 96.0;
+  config.sensor.subapertures_across = 3;
+  config.sensor.grooves = {20.0, 4.0};
+  config.sensor.spacing = 0.47;
+  config.camera.settings.roi = {0, 0, 656, 816};
+  return config;
+}
+
+class Keeper : public testing::Test {
+ protected:
+  Keeper() {
+    screen = &screen_;
+    config_.state.directory = folder_;
+    start();
+  }
+  ~Keeper() override {
+    end();
+    screen = nullptr;
+    std::filesystem::remove_all(folder_);
+  }
+
+  void start() {
+    running_ = true;
+    parts_ = std::make_unique<Parts>(config_);
+    display_ = std::thread([this] {
+      while (running_) parts_->slm.do_work();
+      parts_->slm.close();
+    });
+    auto made = SensorKeeper::make(
+        config_, {parts_->pipeline, parts_->slm, parts_->operators, parts_->events, parts_->store,
+                  [](const MeasurementPlan&, SensorView) {}});
+    ASSERT_TRUE(made) << made.error().reason;
+    keeper_ = std::move(*made);
+  }
+  void end() {
+    keeper_.reset();
+    running_ = false;
+    if (display_.joinable()) display_.join();
+    parts_.reset();
+  }
+
+  /// What the keeper answers; all that was asked for is carried out.
+  Result<SensorView> edit(Hold as, SensorChange change) {
+    std::optional<Result<SensorView>> answer;
+    keeper_->edit(as, std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });
+    work();
+    EXPECT_TRUE(answer);
+    return answer ? *answer : fail(Errc::internal, "", "no answer");
+  }
+  Result<SensorView> edit(SensorChange change) {
+    return edit(Hold::of_nobody(), std::move(change));
+  }
+  void work() {
+    bool idle = false;
+    keeper_->after_changes([] {});
+    while (!idle) {
+      idle = !keeper_->do_work();
+    }
+  }
+  void release(Hold by) {
+    keeper_->release(by, [] {});
+    work();
+  }
+
+  struct Parts {
+    explicit Parts(const Config& config)
+        : slm(config.slm, {shown, counters, events, [](const SlmSnapshot&) {}}),
+          operators(config.slm.geometry),
+          pipeline(config.pipeline, {counters, shown, settings}),
+          store(config.state, events) {}
+    Counters counters;
+    StreamQueue queue;
+    Events events{queue};
+    LatestValue<ShownHologram> shown;
+    LatestValue<AppliedSettings> settings;
+    SlmLoop slm;
+    OperatorMaker operators;
+    Pipeline pipeline;
+    DaemonStore store;
+  };
+  Screen screen_;
+  const std::string folder_ = own_folder("sensor_keeper");
+  Config config_ = small_bench();
+  std::atomic<bool> running_{true};
+  std::unique_ptr<Parts> parts_;
+  std::thread display_;
+  std::unique_ptr<SensorKeeper> keeper_;
+};
+
+TEST_F(Keeper, ShowsWhatItAnswers) {
+  const std::uint64_t before = keeper_->snapshot()->plan_id;
+  const auto now = edit(set_aberration({{4, 0.2}}));
+  ASSERT_TRUE(now) << now.error().reason;
+  EXPECT_EQ((*now)->aberration, (std::vector<Mode>{{4, 0.2}}));
+  EXPECT_GT((*now)->plan_id, before);
+  const Image<std::uint8_t> with = screen_.picture();
+  const auto cleared = edit(set_aberration({}));
+  ASSERT_TRUE(cleared);
+  EXPECT_GT((*cleared)->hologram_id, (*now)->hologram_id);
+  EXPECT_NE(screen_.picture().pixels, with.pixels);
+}
+
+TEST_F(Keeper, LeavesAllAsItWasWhereAChangeCannotBe) {
+  const SensorView before = keeper_->snapshot();
+  EXPECT_FALSE(edit([](SensorEdit& edit) -> Result<void> {
+    edit.state.aberration = {{4, 1.0}};
+    edit.knowledge.references.clear();
+    return fail(Errc::refused, "", "no");
+  }));
+  EXPECT_FALSE(edit(set_aberration({{4, 900.0}}))) << "the SLM cannot sample it";
+  SensorSet close;
+  close.put(&SensorConfig::spacing, 0.001);
+  const auto refused = edit(set_sensor(close));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "sensor.spacing");
+  EXPECT_EQ(keeper_->snapshot(), before);
+}
+
+TEST_F(Keeper, ChangesNothingWithoutADisplay) {
+  ASSERT_TRUE(edit(set_aberration({{4, 0.1}})));
+  const SensorView before = keeper_->snapshot();
+  screen_.there = false;
+  EXPECT_FALSE(edit(set_aberration({{4, 0.2}})));
+  EXPECT_EQ(keeper_->snapshot(), before);
+}
+
+TEST_F(Keeper, IsChangedByWhoHoldsItOnly) {
+  const Hold job = Hold::of_job(7);
+  ASSERT_TRUE(keeper_->may_hold());
+  ASSERT_TRUE(edit(set_aberration({{3, 0.1}})));
+  keeper_->hold(job);
+  EXPECT_FALSE(keeper_->may_hold());
+  const Image<std::uint8_t> user = screen_.picture();
+  for (const Hold& other : {Hold::of_nobody(), Hold::of_loop(), Hold::of_job(8)}) {
+    const auto refused = edit(other, set_aberration({}));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::refused);
+  }
+  const auto shown = edit(job, show_request({{{5, 0.3}}, nullptr}));
+  ASSERT_TRUE(shown);
+  EXPECT_EQ((*shown)->aberration, (std::vector<Mode>{{5, 0.3}}));
+  release(Hold::of_job(8));
+  EXPECT_FALSE(keeper_->may_hold()) << "it is another job's";
+  release(job);
+  EXPECT_TRUE(keeper_->may_hold());
+  EXPECT_EQ(keeper_->snapshot()->aberration, (std::vector<Mode>{{3, 0.1}}));
+  EXPECT_EQ(screen_.picture().pixels, user.pixels);
+  EXPECT_FALSE(edit(job, show_request({{{5, 0.3}}, nullptr}))) << "it has ended";
+}
+
+TEST_F(Keeper, AJobThatEndsWithoutADisplayIsTakenBackAllTheSame) {
+  const Hold job = Hold::of_job(1);
+  keeper_->hold(job);
+  ASSERT_TRUE(edit(job, show_request({{{5, 0.3}}, nullptr})));
+  screen_.there = false;
+  release(job);
+  EXPECT_TRUE(keeper_->may_hold());
+  EXPECT_TRUE(keeper_->snapshot()->aberration.empty());
+}
+
+TEST_F(Keeper, LetsTheAberrationChangeWhileTheLoopIsClosed) {
+  keeper_->hold(Hold::of_loop());
+  EXPECT_TRUE(edit(Hold::of_loop(), set_aberration({{3, 0.1}})));
+  EXPECT_TRUE(edit(Hold::of_loop(), set_correction({{3, 0.1}})));
+  EXPECT_FALSE(edit(set_correction({})));
+  EXPECT_FALSE(edit(show_pattern(HologramKind::flat)));
+  release(Hold::of_loop());
+  EXPECT_TRUE(edit(set_correction({})));
+}
+
+TEST_F(Keeper, AReferenceOutlivesARestartUntilItIsForgotten) {
+  ASSERT_FALSE(keeper_->snapshot()->reference);
+  const auto referenced = edit(use_model_reference());
+  ASSERT_TRUE(referenced);
+  ASSERT_TRUE((*referenced)->reference);
+  EXPECT_EQ((*referenced)->reference->source, ReferenceSource::model);
+  EXPECT_EQ((*referenced)->reference->sha256.size(), 64U);
+  end();
+  start();
+  ASSERT_TRUE(keeper_->snapshot()->reference);
+  const auto forgotten = edit(forget_reference());
+  ASSERT_TRUE(forgotten);
+  EXPECT_FALSE((*forgotten)->reference);
+  end();
+  start();
+  EXPECT_FALSE(keeper_->snapshot()->reference);
+}
+
+TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
+  ASSERT_TRUE(edit(use_model_reference()));
+  SensorSet other;
+  other.put(&SensorConfig::charge, 0);
+  const auto changed = edit(set_sensor(other));
+  ASSERT_TRUE(changed) << changed.error().reason;
+  EXPECT_FALSE((*changed)->reference);
+  other.put(&SensorConfig::charge, 1);
+  ASSERT_TRUE(edit(set_sensor(other)));
+  EXPECT_TRUE(keeper_->snapshot()->reference);
+  CameraSettings camera = config_.camera.settings;
+  const std::uint64_t epoch = keeper_->snapshot()->sensor_epoch;
+  camera.roi = {16, 0, 640, 816};
+  keeper_->camera_changed(camera, std::nullopt);
+  work();
+  EXPECT_FALSE(keeper_->snapshot()->reference);
+  EXPECT_GT(keeper_->snapshot()->sensor_epoch, epoch);
+  keeper_->camera_changed(config_.camera.settings, std::nullopt);
+  work();
+  EXPECT_TRUE(keeper_->snapshot()->reference);
+}
+
+TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
+  const std::uint64_t epoch = keeper_->snapshot()->sensor_epoch;
+  const Hold job = Hold::of_job(1);
+  keeper_->hold(job);
+  CameraSettings camera = config_.camera.settings;
+  camera.roi = {16, 0, 640, 816};
+  keeper_->camera_changed(camera, std::nullopt);
+  work();
+  const auto spots = std::make_shared<ReferenceSpots>();
+  const auto refused = edit(job, use_reference(epoch, {}, spots));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "camera");
+  EXPECT_FALSE(keeper_->snapshot()->reference);
+}
+
+TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
+  keeper_->camera_changed(config_.camera.settings, CameraInfo{"Ovws", "Twin", "1", ""});
+  work();
+  Registration map;
+  map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
+  map.base_px = {130.0, 120.0};
+  map.t_taken_ns = 5;
+  const Hold job = Hold::of_job(1);
+  keeper_->hold(job);
+  ASSERT_TRUE(edit(job, use_registration(map)));
+  release(job);
+  ASSERT_TRUE(keeper_->snapshot()->registration);
+  keeper_->camera_changed(config_.camera.settings, CameraInfo{"Ovws", "Twin", "2", ""});
+  work();
+  EXPECT_FALSE(keeper_->snapshot()->registration);
+}
+
+}  // namespace
+}  // namespace ovws
