@@ -15,7 +15,9 @@ FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
          "usr/share/ovws/python/ovws_client/py.typed")
-DOCUMENTS = ("README.md", "proto/RECORDING.md", "daemon/guide/faults.md", "daemon/guide/accuracy.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "daemon/guide/architecture.md", "drivers/twin/README.md")
+ROOT = pathlib.Path(__file__).parents[2]
+GUIDES = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))
+DOCUMENTS = ("README.md", "proto/RECORDING.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "drivers/twin/README.md", *GUIDES)
 
 
 def run(*command, **more):
@@ -58,6 +60,7 @@ class Install(unittest.TestCase):
         self.assertEqual([name for name in libraries if re.match(r"lib(opencv|gdal|tiff|jpeg)", name)], [])  # libcurl comes with HDF5
 
     def test_the_documents_links_resolve(self):
+        self.assertGreater(len(GUIDES), 10)
         for name in DOCUMENTS:
             document = self.root / "usr/share/doc/ovws" / name
             for link in re.findall(r"\]\(([^)#:]+)[^):]*\)", document.read_text()):

@@ -1,18 +1,58 @@
-"""The commands and the code that the README shows are run as they stand there."""
+"""The commands and the code that README.md and the guides show are run as they stand there; the links of all of them resolve."""
 import re
 import shlex
 import subprocess
 import sys
 import textwrap
+import unittest
 
 from case import ROOT, BenchCase, main
 
-TEXT = (ROOT / "README.md").read_text()
+# In this order the commands build on each other, as on a bench.
+GUIDES = [f"daemon/guide/{name}.md" for name in ("refined", "live-page", "images", "bench")]
+PAGES = ["README.md", *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))]
 
 
-def blocks(language):
-    found = re.findall(rf"^( *)```{language}\n(.*?)^\1```$", TEXT, re.MULTILINE | re.DOTALL)
+def blocks(language, *pages):
+    found = [block for page in pages for block in re.findall(rf"^( *)```{language}\n(.*?)^\1```$", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)]
     return [textwrap.dedent(block) for _, block in found]
+
+
+def commands_of(*pages):
+    """What the shell blocks of these pages run of `ovws`, in their order."""
+    return [shlex.split(line) for block in blocks("sh", *pages) for line in block.splitlines() if re.search(r"(^|/bin/)ovws ", line)]
+
+
+def anchors(page):
+    """The names by which a browser finds the headings of a page."""
+    text = re.sub(r"^( *)```.*?^\1```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    headings = (re.sub(r"[^\w\- ]", "", heading).lower() for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE))
+    return {heading.replace(" ", "-") for heading in headings}
+
+
+class Documents(unittest.TestCase):
+    def test_every_guide_with_commands_is_run(self):
+        self.assertEqual({page for page in PAGES if commands_of(page)} - {"README.md"}, {page for page in GUIDES if commands_of(page)})
+
+    def test_the_two_commands_and_what_installs_exist(self):
+        named = {name for page in PAGES for name in re.findall(r"\b(?:daemon|tests)/(?:demo|run|setup|package|soak|bench/\w+)\b", (ROOT / page).read_text())}
+        self.assertGreaterEqual(named, {"daemon/demo", "daemon/setup", "tests/run"})
+        for name in named:
+            self.assertTrue((ROOT / name).stat().st_mode & 0o100, name)
+
+    def test_the_links_resolve(self):
+        for page in map(ROOT.joinpath, PAGES):
+            text = page.read_text()
+            found = re.findall(r"\]\(([^)#:]*)(?:#([^):]*))?\)", text) + [(name, "") for name in re.findall(r'<img src="([^"]+)"', text)]
+            for link, anchor in found:
+                with self.subTest(page=page.name, link=link, anchor=anchor):
+                    target = page.parent / link if link else page
+                    self.assertTrue(target.exists())
+                    if anchor:
+                        self.assertIn(anchor, anchors(target))
+
+    def test_the_readme_stays_short(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 180)
 
 
 class Readme(BenchCase):
@@ -25,7 +65,7 @@ class Readme(BenchCase):
         return done.stdout
 
     def test_the_commands_for_a_running_daemon(self):
-        commands = [shlex.split(line) for block in blocks("sh") for line in block.splitlines() if re.search(r"(^|/bin/)ovws ", line)]
+        commands = commands_of("README.md", *GUIDES)
         (self.bench.directory / "build").mkdir()  # there in a clone that was built
         self.assertGreaterEqual(len(commands), 9)
         for program, *arguments in commands:
@@ -37,15 +77,9 @@ class Readme(BenchCase):
 
     def test_the_code_for_numbers(self):
         self.take_reference(20)
-        (code,) = blocks("python")
+        (code,) = blocks("python", "README.md")
         printed = self.run_here([sys.executable, "-c", code])
         self.assertEqual(len(eval(printed, {"__builtins__": {}})), 18)  # a list of numbers, as printed
-
-    def test_the_two_commands_and_what_installs_exist(self):
-        for name in re.findall(r"(?:daemon|tests)/(?:demo|run|setup)", TEXT):
-            self.assertTrue((ROOT / name).stat().st_mode & 0o100, name)
-        for link in re.findall(r"\]\(([^)#:]+)\)", TEXT):
-            self.assertTrue((ROOT / link).exists(), link)
 
     def test_the_documents_about_faults_and_accuracy_name_what_exists(self):
         faults, accuracy = ((ROOT / "daemon/guide" / name).read_text() for name in ("faults.md", "accuracy.md"))

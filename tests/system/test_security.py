@@ -52,7 +52,7 @@ class Secured(BenchCase):
         self.server_key = self.keygen("daemon")
         self.public = {name: self.keygen(name) for name in ("boss", "guest", "leaver", "stranger")}
         self.write_clients("boss", "guest", "leaver")
-        # As the README has it: reached from other machines, too.
+        # As daemon/guide/remote-access.md has it: reached from other machines, too.
         self.daemon_config = {"security": {"secret_key": str(self.folder / "daemon.json"), "clients": str(self.folder / "clients.json")},
                               "stream": {"endpoint": "tcp://*:7701", "image_endpoint": "tcp://*:7703"}, "control": {"endpoint": "tcp://*:7702"}}
         self.bench.start_daemon(self.daemon_config)
