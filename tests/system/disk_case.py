@@ -1,0 +1,131 @@
+"""A bench whose state directory is a small disk of its own."""
+import contextlib
+import subprocess
+
+from case import BenchCase, own_mounts, wait_for
+
+# One of each kind that is kept, in the order in which they depend on each other, with what says whether it is kept.
+RUNS = (("registration.run", {"frames": 2}, None),
+        ("lut.run", {"levels": 17, "frames": 2}, "lut.get"),
+        ("reference.take", {"frames": 10}, "reference.get"),
+        ("calibration.run", {"frames": 2, "modes": [1, 2, 3]}, "calibration.get"))
+SWEEP = {"gains_db": [0, 3], "frames": 3, "reference_gain_db": 0, "reference_frames": 10, "aberrations": [{"modes": [{"j": 3, "waves": 0.1}]}],
+         "arms": [{"charge": 1, "tracker": "lg"}], "picture_gains_db": [3]}
+ITEMS = ("registration.get", "lut.get", "reference.get", "calibration.get")
+
+
+class DiskCase(BenchCase):
+    twin_config = {"noise": "pool"}
+    daemon_config = {"state": {"directory": "state"}, "stream": {"image_rate_hz": 0}, "tracking": {"tracker": "lg"}}
+
+    def start(self):
+        self.state = self.bench.directory / "state"
+        self.state.mkdir()
+        own_mounts()
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16m", "none", self.state], check=True)
+        self.addCleanup(subprocess.run, ["umount", "-l", self.state], check=True)
+        super().start()
+
+    def restart(self):
+        self.bench.stop("ovwsd")
+        self.client.close()
+        self.start_daemon()
+        self.wait_until("running", 30.0)
+        return self.bench.log("ovwsd")
+
+    def sweep(self, frames):
+        """What is known of the sweep of that many frames a cell when it has ended."""
+        self.run_job("experiment.gain_sweep", SWEEP | {"frames": frames}, 60.0)
+        return self.call("experiment.get")
+
+    def cells(self):
+        return [self.call("experiment.cell", {"cell": number}) for number in range(len(SWEEP["gains_db"]))]
+
+    def known(self):
+        """Whether a calibration is in force is the configuration's to say."""
+        return {method: {key: value for key, value in self.call(method).items() if key != "in_force"} for method in ITEMS}
+
+    def files(self):
+        """What is kept, and what was set aside because it is outdated: whole, all of it."""
+        return {path.name.removesuffix(".outdated"): path.read_bytes() for path in self.state.iterdir() if path.name != "filler"}
+
+    @contextlib.contextmanager
+    def flowing(self):
+        """Every frame of the meantime is published, with nothing dropped on the way."""
+        stream = self.stream("wavefront")
+        first = last = wait_for(lambda: stream.next(1.0), what="a frame")
+        dropped = self.call("system.status")["counters"]["frames_dropped"]
+        yield
+        end = self.call("system.status")["t_ns"]
+        while last["t_publish_ns"] < end:
+            message = stream.next(2.0)
+            self.assertIsNotNone(message, "the stream stands still")
+            self.assertEqual(message["seq"], last["seq"] + 1)
+            self.assertLess(message["t_arrival_ns"] - last["t_arrival_ns"], 2e9)
+            last = message
+        stream.close()
+        self.assertEqual(self.call("system.status")["counters"]["frames_dropped"], dropped)
+        print(f"  {last['seq'] - first['seq']} frames meanwhile")
+
+    def assert_nothing_is_kept(self, why, frames):
+        """All goes on in memory, and says that it will not survive, and why."""
+        events = self.stream("event")
+        for method, params, get in RUNS:
+            with self.subTest(method):
+                events.drain()
+                self.run_job(method, params, 60.0)
+                told = wait_for(lambda: (e := events.next(1.0)) and "will not survive a restart" in e["text"] and e, what=f"the event of {method}")
+                self.assertEqual(told["severity"], "error")
+                self.assertRegex(told["text"], why)
+                store = self.call("system.status")["store"]
+                self.assertEqual(store["directory"], "state")
+                self.assertRegex(store["reason"], why)
+                if get:
+                    self.assertIsNone(self.call(get)["sha256"])
+        found = self.sweep(frames)
+        self.assertEqual((found["complete"], len(self.cells())), (True, 2))
+        self.assertRegex(found["not_kept_reason"], why)
+        self.call("camera.set", {"exposure_us": 1900.0})
+        refused = self.refused("config.save")
+        self.assertEqual((refused.code, refused.data["field"]), (-32001, "path"))
+        self.assertRegex(refused.data["reason"], why)
+        self.call("camera.set", {"exposure_us": 2000.0})
+
+    def check(self, break_it, mend_it, why, sets_aside):
+        """`sets_aside`: what is outdated can be renamed, so that the restart does not load it."""
+        for method, params, _ in RUNS:
+            self.run_job(method, params, 60.0)
+        self.sweep(3)
+        self.call("config.save")
+        before, cells, files = self.known(), self.cells(), self.files()
+        break_it()
+        with self.flowing():
+            self.assert_nothing_is_kept(why, 3 + 1)
+        self.assertEqual(self.files(), files)
+        log = self.restart()
+        self.assertRegex(log, "nothing new is kept over a restart, what is kept already is used: " + why)
+        if sets_aside:
+            self.assertEqual({item.get("sha256") for item in self.known().values()}, {None})
+            self.assertFalse(self.call("registration.get")["registered"])
+        else:
+            self.assertEqual(self.known(), before)
+        self.assertEqual(self.cells(), cells)
+        with self.flowing():
+            self.assert_nothing_is_kept(why, 3 + 1)
+        self.assertEqual(self.files(), files)
+        self.assertRegex(self.sweep(3 + 2)["not_kept_reason"], why)
+        mend_it()
+        with self.flowing():
+            measured = self.cells()
+            self.assertIsNone(self.sweep(3 + 2)["not_kept_reason"])
+            self.assertEqual(self.cells(), measured)  # kept now, not measured again
+            for method, params, _ in RUNS:
+                self.run_job(method, params, 60.0)
+            self.call("config.save")
+        self.assertIsNone(self.call("system.status")["store"]["reason"])
+        after = self.known()
+        self.assertNotIn(None, [item.get("sha256", "") for item in after.values()])
+        self.restart()
+        self.assertEqual(self.known(), after)
+        self.assertEqual(self.cells(), measured)
+        return before
