@@ -86,7 +86,9 @@ void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<v
         if (auto free = may_change(hold_, as); !free) return done(fail(free.error()));
         SensorEdit edit = new_edit();
         if (auto made = change(edit); !made) return done(fail(made.error()));
-        if (auto used = activate(edit, Show::now); !used) return done(fail(used.error()));
+        if (!edit.files_only) {
+          if (auto used = activate(edit, Show::now); !used) return done(fail(used.error()));
+        }
         if (active) active();
         update_files(std::move(edit), snapshot(), done);
       });

@@ -56,7 +56,7 @@ std::optional<Registration> registration_of(const SensorState& state, const Benc
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench);
 /// Where spots are expected without aberrations, pixels of the camera's region.
 std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench);
-/// Half the distance of neighbouring maxima behind one subaperture, camera pixels.
+/// lambda/d, the scale of one spot, camera pixels.
 double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 
 /// Draws with the state's own sensor and SLM from now on. Errors: as of HologramRenderer::make.

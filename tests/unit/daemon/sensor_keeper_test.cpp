@@ -254,6 +254,13 @@ TEST_F(Keeper, AReferenceOutlivesARestartUntilItIsForgotten) {
   EXPECT_FALSE(keeper_->snapshot()->reference);
 }
 
+TEST_F(Keeper, ForgettingWhatWasNotMeasuredChangesNoPlan) {
+  const SensorView before = keeper_->snapshot();
+  ASSERT_TRUE(edit(forget_lut()));
+  ASSERT_TRUE(edit(forget_flatness()));
+  EXPECT_EQ(keeper_->snapshot(), before);
+}
+
 TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   ASSERT_TRUE(edit(use_model_reference()));
   SensorSet other;
