@@ -68,8 +68,9 @@ class Record(RecordCase):
         pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
         self.settled_frames(numbers, 1)
         self.call("record.start", {"name": "run"})
-        while numbers.next(0.0):  # from before it
-            pass
+        for stream in (numbers, pictures):
+            while stream.next(0.0):  # from before it
+                pass
         published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
         shown = {}
         while len(shown) < 5:
