@@ -86,10 +86,7 @@ struct App::Parts {
   LatencyHistogram published_latency;
   Pipeline pipeline;
   Recorder recorder;
-  ReferenceCollector collector;
-  ReferencePictureTaker pictures;
-  FrameSeriesTaker series;
-  LightWatcher light;
+  FrameBroker frames;
   OperatorMaker operators;
   Jobs jobs{events};
   SlmLoop slm;
@@ -165,7 +162,7 @@ Result<void> App::Parts::make_sensor() {
   if (!made) return fail(made.error());
   keeper = std::move(*made);
   procedures = std::make_unique<Procedures>(ProceduresDeps{
-      {*keeper, camera, collector, pictures, series, light, slm, jobs, events},
+      {*keeper, camera, frames, slm, jobs, events},
       [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
   loop = std::make_unique<ClosedLoop>(
       ClosedLoopDeps{*keeper, events,
@@ -173,8 +170,8 @@ Result<void> App::Parts::make_sensor() {
                        state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
                      },
                      [this] { return finder->found_ns(); }});
-  finder = std::make_unique<SpotFinder>(config.slm.geometry, *keeper, events);
-  refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry,
+  finder = std::make_unique<SpotFinder>(config.slm.geometry, frames, *keeper, events);
+  refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
   return {};
 }
@@ -194,15 +191,12 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, collector, series, *finder, *loop, counters, queue,
-                          published_latency});
+      StreamPublisherDeps{pipeline, frames, *finder, *loop, counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  const std::vector<FrameTaker*> takers{&pictures, &series, &light, &finder->taker(),
-                                        &refiner->taker()};
   images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
-                                            counters, takers);
+                                            counters, frames);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, state, camera, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(

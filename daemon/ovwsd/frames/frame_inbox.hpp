@@ -1,25 +1,23 @@
-/// The one frame that waits for a slow thread: copied out of the camera's buffer by the images
-/// thread.
+/// One frame at a time, copied out of the camera's buffer for a thread that needs seconds for it.
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "core/base/image.hpp"
 #include "core/tracking/spot.hpp"
-#include "daemon/ovwsd/frames/frame_taker.hpp"
+#include "daemon/ovwsd/frames/frame_broker.hpp"
 
 namespace ovws {
 
-/// A frame with what was measured of it, owned.
+/// A frame and what was measured in it, owned.
 struct FrameCopy {
   std::uint64_t frame_id = 0, hologram_id = 0;
-  std::uint64_t plan_id = 0;  ///< of the plan that it was measured with
+  std::uint64_t plan_id = 0;  ///< of the plan that measured it
   std::int64_t t_arrival_ns = 0;
   int charge = 1;
   double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
@@ -34,30 +32,24 @@ struct FrameCopy {
 /// Settled, its settings known, and valid if the sensor has a reference.
 bool can_be_refined(const FrameRecord& record);
 
-/// Hands on the first usable frame that is measured after it was asked for.
-class FrameInbox : public FrameTaker {
+/// For the slow thread alone.
+class FrameInbox {
  public:
   using Usable = std::function<bool(const FrameRecord&)>;
-  /// `usable` is asked in the images thread.
-  explicit FrameInbox(Usable usable) : usable_(std::move(usable)) {}
+  /// `usable` is called in the images thread. The broker outlives this object.
+  FrameInbox(FrameBroker& broker, Usable usable) : broker_(broker), usable_(std::move(usable)) {}
 
-  // The slow thread.
-  /// Asks for a frame if none was asked for yet, and waits for it at most `timeout`; nullptr if
-  /// none came. The frame is the caller's until the next call.
+  /// Requests a usable frame unless one is requested already, and waits for it, `timeout` at most;
+  /// nullptr if none came. The frame is the caller's until the next call.
   const FrameCopy* next(std::chrono::milliseconds timeout);
-  /// Nothing is asked for any more.
-  void forget();
-
-  bool wants() override;
-  void take(const FrameRecord& record) override;
+  /// Withdraws the request, and drops a frame that came meanwhile.
+  void forget() { request_.reset(); }
 
  private:
-  enum class State { idle, asked, filled };
+  FrameBroker& broker_;
   const Usable usable_;
-  std::mutex mutex_;
-  std::condition_variable filled_;
-  State state_ = State::idle;
   FrameCopy frame_;
+  std::unique_ptr<FrameBroker::Request> request_;  ///< after frame_, which it fills
 };
 
 }  // namespace ovws

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/frames/measured_under.hpp"
 
 namespace ovws {
 namespace {
@@ -26,22 +27,13 @@ double patience_s(const CameraSettings& camera) {
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
 }
 
-/// How long what only grows has stood still.
-class Silence {
- public:
-  explicit Silence(double patience_s) : patience_s_(patience_s) {}
+MeasuredUnder measured_under(const SensorSnapshot& sensor) {
+  return {sensor.sensor_epoch, sensor.hologram_id};
+}
 
-  bool is_too_long(std::size_t count) {
-    const std::int64_t now_ns = monotonic_ns();
-    if (std::exchange(count_, count) != count) since_ns_ = now_ns;
-    return 1e-9 * double(now_ns - since_ns_) > patience_s_;
-  }
-
- private:
-  double patience_s_;
-  std::size_t count_ = 0;
-  std::int64_t since_ns_ = monotonic_ns();
-};
+Result<void> no_check(const FrameBroker::Request& /*request*/) {
+  return {};
+}
 
 }  // namespace
 
@@ -171,18 +163,16 @@ void Bench::put_back_gain() {
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
-Result<void> Bench::watch_on(double least_ms, std::size_t frames) {
+Result<void> Bench::watch_on(const IntensityWatch& watch, double min_ms, int frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
-  Silence silence(patient_s);
-  const std::size_t enough = deps_.light.count() + frames;
-  for (;;) {
-    const std::size_t seen = deps_.light.count();
+  const int enough = watch.count() + frames;
+  while (1e-6 * double(monotonic_ns() - begin_ns) < min_ms || watch.count() < enough) {
     if (stopped()) return fail(stopped_error());
-    if (1e-6 * double(monotonic_ns() - begin_ns) >= least_ms && seen >= enough) return {};
-    if (silence.is_too_long(seen)) return fail(no_frame(patient_s));
+    if (watch.idle_s() > patient_s) return fail(no_frame(patient_s));
     std::this_thread::sleep_for(kLook / 10);
   }
+  return {};
 }
 
 void Bench::tell(double progress) {
@@ -190,90 +180,80 @@ void Bench::tell(double progress) {
   deps_.jobs.tell_progress(job_);
 }
 
-Result<ReferenceCollector::Average> Bench::spots(int frames) {
-  return spots(frames, [] { return Result<void>(); });
+Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& check) const {
+  const double patient_s = patience_s(camera().settings);
+  while (!stopped() && !request.wait_for(kLook)) {
+    if (auto good = check(request); !good) return good;
+    if (request.idle_s() > patient_s) return fail(no_frame(patient_s));
+  }
+  if (stopped()) return fail(stopped_error());
+  return {};
 }
 
-/// `look` is asked again and again; an error ends it.
-Result<ReferenceCollector::Average> Bench::spots(int frames,
-                                                 const std::function<Result<void>()>& look) {
-  if (stopped()) return fail(stopped_error());
+Result<SpotAverage> Bench::spots(int frames) {
+  return spots(frames, no_check);
+}
+
+Result<SpotAverage> Bench::spots(int frames, const Check& check) {
   const SensorView now = sensor();
-  auto promise = std::make_shared<std::promise<ReferenceCollector::Average>>();
-  auto future = promise->get_future();
-  deps_.collector.begin(frames, now->sensor_epoch, now->hologram_id, now->subapertures,
-                        [promise = std::move(promise)](ReferenceCollector::Average average) {
-                          promise->set_value(std::move(average));
-                        });
-  const double patient_s = patience_s(camera().settings);
-  while (future.wait_for(kLook) != std::future_status::ready) {
-    const auto good = look();
-    const bool silent = deps_.collector.idle_s() > patient_s;
-    if (!stopped() && !silent && good) continue;
-    deps_.collector.cancel();
-    if (!good) return fail(good.error());
-    return fail(stopped() ? stopped_error() : no_frame(patient_s));
-  }
-  try {
-    return future.get();
-  } catch (const std::future_error&) {  // another one has begun to collect
-    return fail(Errc::internal, "", "the frames were taken from it");
-  }
+  SpotAverager averager(frames, now->subapertures);
+  const auto request =
+      deps_.frames.request(FrameBroker::Needs::numbers, frames,
+                           [&, shown = measured_under(*now)](const FrameRecord& record) {
+                             return record.settled && shown(record) && averager.add(record);
+                           });
+  if (auto taken = wait_for(*request, check); !taken) return fail(taken.error());
+  return averager.average();
 }
 
 Result<TakenReference> Bench::reference(int frames) {
-  const SensorView now = sensor();
   const CameraSettings settings = camera().settings;
   const auto same_camera = [&]() -> Result<void> {
     if (camera().settings == settings) return {};
     return fail(Errc::refused, "camera", "the camera's settings changed meanwhile");
   };
-  deps_.pictures.begin(now->sensor_epoch, now->hologram_id);
-  const std::shared_ptr<void> ended(nullptr, [this](void*) { deps_.pictures.cancel(); });
-  auto average = spots(frames, [&] {
-    tell(deps_.collector.progress());
+  PictureMean picture;
+  auto pictures = request_pictures(PictureMean::kMaxFrames, picture);
+  auto average = spots(frames, [&](const FrameBroker::Request& request) {
+    tell(double(request.used()) / frames);
     return same_camera();
   });
+  pictures.reset();
   if (!average) return fail(average.error());
   if (auto same = same_camera(); !same) return fail(same.error());
-  return TakenReference{std::move(*average), deps_.pictures.end(), settings};
+  return TakenReference{std::move(*average), picture.mean(), settings};
 }
 
-Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> cells) {
-  if (stopped()) return fail(stopped_error());
+Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> windows_px) {
   const SensorView now = sensor();
-  const CameraSettings settings = camera().settings;
-  deps_.series.begin({frames, now->sensor_epoch, now->hologram_id, now->tracking.tracker,
-                      settings.gain_db, now->subapertures, std::move(cells)});
-  const std::shared_ptr<void> ended(nullptr, [this](void*) { (void)deps_.series.end(); });
-  Silence silence(patience_s(settings));
-  for (int taken = 0; taken < frames; taken = deps_.series.taken()) {
-    const bool silent = silence.is_too_long(std::size_t(taken));
-    if (stopped() || silent) {
-      return fail(stopped() ? stopped_error() : no_frame(patience_s(settings)));
-    }
-    std::this_thread::sleep_for(kLook / 4);
-  }
-  return deps_.series.end();
+  FrameSeries taken(frames, now->subapertures, std::move(windows_px));
+  const auto needs =
+      taken.needs_pixels() ? FrameBroker::Needs::pixels : FrameBroker::Needs::numbers;
+  const auto request = deps_.frames.request(
+      needs, frames,
+      [&, shown = measured_under(*now), tracker = now->tracking.tracker,
+       gain_db = camera().settings.gain_db](const FrameRecord& record) {
+        return record.settled && record.settings_known && same_number(record.gain_db, gain_db) &&
+               record.plan->tracker_kind == tracker && shown(record) && taken.add(record);
+      });
+  if (auto all = wait_for(*request, no_check); !all) return fail(all.error());
+  return taken.take();
+}
+
+/// `to` outlives the request.
+std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, PictureMean& to) const {
+  return deps_.frames.request(FrameBroker::Needs::pixels, frames,
+                              [&to, shown = measured_under(*sensor())](const FrameRecord& record) {
+                                return record.still && record.settings_known && shown(record) &&
+                                       to.add(record);
+                              });
 }
 
 Result<Image<float>> Bench::picture(int frames) {
-  if (stopped()) return fail(stopped_error());
-  const SensorView now = sensor();
-  deps_.pictures.begin(now->sensor_epoch, now->hologram_id, frames);
-  const double patient_s = patience_s(camera().settings);
-  Silence silence(patient_s);
-  while (deps_.pictures.wants()) {
-    const bool silent = silence.is_too_long(std::size_t(deps_.pictures.frames()));
-    if (stopped() || silent) {
-      deps_.pictures.cancel();
-      return fail(stopped() ? stopped_error() : no_frame(patient_s));
-    }
-    std::this_thread::sleep_for(kLook / 4);
-  }
-  const auto taken = deps_.pictures.end();
-  if (!taken) return fail(no_frame(patient_s));
-  return taken->mean_dn;
+  PictureMean picture;
+  const auto request = request_pictures(frames, picture);
+  if (auto all = wait_for(*request, no_check); !all) return fail(all.error());
+  return picture.mean()->mean_dn;
 }
 
 }  // namespace ovws

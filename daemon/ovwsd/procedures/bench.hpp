@@ -13,22 +13,21 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/frames/frame_series.hpp"
-#include "daemon/ovwsd/frames/light_watcher.hpp"
+#include "daemon/ovwsd/frames/intensity.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/reference_picture.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 
 namespace ovws {
 
 struct BenchDeps {
   SensorKeeper& keeper;
   CameraActor& camera;
-  ReferenceCollector& collector;
-  ReferencePictureTaker& pictures;
-  FrameSeriesTaker& series;
-  LightWatcher& light;
+  FrameBroker& frames;
   SlmLoop& slm;
   Jobs& jobs;
   Events& events;
@@ -66,27 +65,24 @@ class Bench {
   /// is waited for as long as a frame is.
   Result<double> set_gain(double gain_db);
 
-  /// The next `frames` settled frames of the sensor shown last, at the gain set last; `cells` as of
-  /// FrameSeriesTaker.
-  Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> cells = {});
+  /// The next `frames` settled frames of the sensor shown last, at the gain set last; `windows_px`
+  /// as of FrameSeries.
+  Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> windows_px = {});
   /// Of the next `frames` settled frames of the sensor shown last.
-  Result<ReferenceCollector::Average> spots(int frames);
-  /// The same, and some of the frames as a picture; tells the progress. Errc::refused, field
+  Result<SpotAverage> spots(int frames);
+  /// The same, and the mean image of some of the frames; reports the progress. Errc::refused, field
   /// "camera": its settings changed meanwhile.
   Result<TakenReference> reference(int frames);
-  /// The mean of the next `frames` frames of what was shown last. NaN where a frame was saturated.
+  /// The mean image of the next `frames` frames of what was shown last. NaN where a frame was
+  /// saturated.
   Result<Image<float>> picture(int frames);
 
-  /// From now on the light at two places, of every frame that comes; `watched` ends it, and so does
-  /// the end of the procedure.
-  void watch(std::array<Vec2, 2> places_px, double radius_px) {
-    deps_.light.begin(places_px, radius_px);
+  /// From now on the intensity at two places, of every frame that comes; see IntensityWatch.
+  IntensityWatch watch(std::array<Vec2, 2> places_px, double radius_px) {
+    return {deps_.frames, places_px, radius_px};
   }
-  std::vector<LightWatcher::Seen> watched() { return deps_.light.end(); }
-  /// Any thread: no frame is copied any more.
-  void end_watch() { (void)deps_.light.end(); }
-  /// For so long, and until `frames` more were watched.
-  Result<void> watch_on(double least_ms, std::size_t frames);
+  /// Waits for `min_ms`, and until `frames` more frames were watched.
+  Result<void> watch_on(const IntensityWatch& watch, double min_ms, int frames);
   /// Errors: the display was lost since it took, at that time, what was shown last.
   Result<void> check_shown(std::int64_t presented_mono_ns) const;
   /// When the display took what was shown last, CLOCK_MONOTONIC ns.
@@ -100,13 +96,18 @@ class Bench {
   bool stopped() const { return stop_.load(); }
 
  private:
+  /// Called again and again while frames are waited for; an error ends the wait.
+  using Check = std::function<Result<void>(const FrameBroker::Request&)>;
+
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
   Result<double> try_gain(double gain_db);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
-  Result<ReferenceCollector::Average> spots(int frames, const std::function<Result<void>()>& look);
+  Result<SpotAverage> spots(int frames, const Check& check);
+  std::unique_ptr<FrameBroker::Request> request_pictures(int frames, PictureMean& to) const;
+  Result<void> wait_for(const FrameBroker::Request& request, const Check& check) const;
 
   int job_;
   BenchDeps deps_;

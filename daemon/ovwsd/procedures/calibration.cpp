@@ -27,7 +27,7 @@ std::vector<Mode> with_push(std::vector<Mode> shown, int j, double waves) {
 }
 
 /// A spot that is found in fewer than half of the frames is lost.
-SpotMeans means_of(const ReferenceCollector::Average& average) {
+SpotMeans means_of(const SpotAverage& average) {
   SpotMeans means{average.mean_px, average.standard_error_px};
   for (std::size_t i = 0; i < average.found.size(); ++i) {
     if (average.found[i] < 2 || 2 * average.found[i] < average.frames) {

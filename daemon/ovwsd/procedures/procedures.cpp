@@ -113,7 +113,6 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
 /// All is as it was, and the sensor free again, before the job ends: a client that hears of the end
 /// may start the next job. A disk that does not answer delays the end, and nothing else.
 void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
-  run->bench->end_watch();
   run->bench->put_back_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();

@@ -63,7 +63,7 @@ Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {
   if (auto can = can_take_reference(*sensor, take); !can) return fail(can.error());
   auto taken = bench.reference(take.frames);
   if (!taken) return fail(taken.error());
-  const ReferenceCollector::Average average = taken->average;
+  const SpotAverage average = taken->average;
   const auto spots = std::make_shared<ReferenceSpots>();
   if (auto used = bench.use(use_reference(sensor->sensor_epoch, std::move(*taken), spots)); !used) {
     return fail(used.error());

@@ -9,10 +9,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kStep = 3.0;                    // lambda/d to each side of the base spot
-constexpr double kRadius = 1.5;                  // lambda/d: of the light that counts
-constexpr int kMostCharge = 2;                   // of a probe
-constexpr std::size_t kBefore = 3, kAfter = 24;  // frames of each picture, at least
+constexpr double kStep = 3.0;            // lambda/d to each side of the base spot
+constexpr double kRadius = 1.5;          // lambda/d: of the light that counts
+constexpr int kMostCharge = 2;           // of a probe
+constexpr int kBefore = 3, kAfter = 24;  // frames of each picture, at least
 
 struct ToAndFro {
   std::array<Vec2, 2> frequencies_cpp, places_px;
@@ -39,8 +39,7 @@ ToAndFro to_and_fro(const SensorSnapshot& now, const SlmGeometry& slm, const Roi
 
 /// Exposures by the camera's own clock, which knows no queue: the frame that came soonest after its
 /// stamp came at the end of its exposure.
-std::vector<StepFrame> after(const std::vector<LightWatcher::Seen>& seen,
-                             std::int64_t presented_ns) {
+std::vector<StepFrame> after(const std::vector<IntensityFrame>& seen, std::int64_t presented_ns) {
   std::int64_t soonest_ns = std::numeric_limits<std::int64_t>::max();
   bool stamped = true;
   for (const auto& one : seen) {
@@ -51,7 +50,7 @@ std::vector<StepFrame> after(const std::vector<LightWatcher::Seen>& seen,
   for (const auto& one : seen) {
     const std::int64_t end_ns = stamped ? one.t_device_ns + soonest_ns : one.t_arrival_mono_ns;
     frames.push_back({1e-6 * double(end_ns - presented_ns) - 1e-3 * one.exposure_us,
-                      one.light_dn[1] - one.light_dn[0]});
+                      one.mean_dn[1] - one.mean_dn[0]});
   }
   return frames;
 }
@@ -71,13 +70,13 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
   std::vector<StepTime> steps;
   for (int k = 1; k <= run.repetitions; ++k) {
     bench.tell(double(k) / (run.repetitions + 1));
-    bench.watch(moves.places_px, moves.radius_px);
-    if (auto seen = bench.watch_on(0.0, kBefore); !seen) return fail(seen.error());
+    IntensityWatch watch = bench.watch(moves.places_px, moves.radius_px);
+    if (auto seen = bench.watch_on(watch, 0.0, kBefore); !seen) return fail(seen.error());
     if (auto shown = show(std::size_t(k % 2)); !shown) return fail(shown.error());
     const std::int64_t presented_ns = bench.presented_mono_ns();
-    if (auto seen = bench.watch_on(run.watch_ms, kAfter); !seen) return fail(seen.error());
+    if (auto seen = bench.watch_on(watch, run.watch_ms, kAfter); !seen) return fail(seen.error());
     if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
-    const auto frames = after(bench.watched(), presented_ns);
+    const auto frames = after(watch.end(), presented_ns);
     // The first one: a camera that stamps late may place the last one before the change behind it.
     const auto step = step_time(frames, frames.front().light);
     if (!step) return fail(step.error());

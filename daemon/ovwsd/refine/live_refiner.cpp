@@ -29,12 +29,13 @@ Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
 }  // namespace
 
 LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics,
-                         const SlmGeometry& slm, const SensorKeeper& keeper, StreamQueue& queue)
+                         const SlmGeometry& slm, FrameBroker& frames, const SensorKeeper& keeper,
+                         StreamQueue& queue)
     : wavelength_nm_(optics.wavelength_nm),
       keeper_(keeper),
       queue_(queue),
       model_(slm, ending_),
-      inbox_(can_be_refined),
+      inbox_(frames, can_be_refined),
       settings_(settings) {}
 
 bool LiveRefiner::do_work() {

@@ -23,7 +23,7 @@ namespace ovws {
 class LiveRefiner : public Agent {
  public:
   LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
-              const SensorKeeper& keeper, StreamQueue& queue);
+              FrameBroker& frames, const SensorKeeper& keeper, StreamQueue& queue);
 
   bool do_work() override;
 
@@ -35,7 +35,6 @@ class LiveRefiner : public Agent {
   StatusMessage::RefinePart report() const { return report_.get(); }
   /// Begins no more fits; the one that runs ends within an iteration or two.
   void end_soon() { ending_.store(true); }
-  FrameTaker& taker() { return inbox_; }
 
  private:
   void tell(std::string state, std::optional<std::string> reason);

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -60,65 +58,5 @@ struct Reference {
 
 /// Root sum square, RMS-normalised waves.
 double rms_waves(const std::vector<Mode>& modes);
-
-/// Averages spots over settled frames. `begin` and `cancel` from any thread, `add` from the publish
-/// thread.
-class ReferenceCollector {
- public:
-  struct Average {
-    int frames = 0;              ///< that were used
-    std::vector<int> found;      ///< in how many of them, per spot
-    std::vector<int> saturated;  ///< in how many of them it held a pixel at full scale, per spot
-    std::vector<Vec2> mean_px, standard_error_px;
-    // RMS over spots, x and y, camera pixels; 0 for a single frame:
-    double scatter_px = 0.0;      ///< of single frames about their mean
-    double noise_px = 0.0;        ///< the part of it that changes from each frame to the next
-    double drift_px = 0.0;        ///< from the mean of the first half to that of the second
-    double drift_noise_px = 0.0;  ///< what noise_px alone makes of drift_px
-  };
-  using Done = std::function<void(Average)>;
-
-  /// Averages `frames` settled frames measured with a plan of this epoch while this hologram was
-  /// shown, then calls `done` in the publish thread.
-  void begin(int frames, std::uint64_t sensor_epoch, std::uint64_t hologram_id, int subapertures,
-             Done done);
-  void cancel();
-  void add(const FrameRecord& record);
-  /// 0 .. 1; 0 when nothing is being taken.
-  double progress() const;
-  /// Seconds since the last frame that was used, or since `begin`; 0 when nothing is being taken.
-  double idle_s() const;
-
- private:
-  struct Sums {
-    int found = 0, saturated = 0;
-    Vec2 mean, m2;        ///< Welford's running mean and sum of squared deviations
-    Vec2 last;            ///< where it was found last
-    Vec2 steps;           ///< sum of squared differences of successive positions
-    int found_first = 0;  ///< in the first half of the frames
-    Vec2 mean_first;      ///< over those
-  };
-  static void add_position(Sums& sums, Vec2 at, bool in_first_half);
-  Average average() const;
-  void measure_motion(Average& average) const;
-
-  mutable std::mutex mutex_;
-  int wanted_ = 0;
-  int used_ = 0;
-  std::uint64_t sensor_epoch_ = 0;
-  std::uint64_t hologram_id_ = 0;
-  std::int64_t t_last_used_ns_ = 0;
-  std::vector<Sums> sums_;
-  Done done_;
-};
-
-/// Whether frames make a reference. Errc::refused: more than a tenth of all spots in all frames are
-/// saturated (field "camera.exposure_us"), or the spots moved by more than `most_motion_px`:
-/// drift_px, or scatter_px, without their noise.
-Result<void> check_average(const ReferenceCollector::Average& average, double most_motion_px);
-/// Numbers of the spots that were saturated in at least one frame.
-std::vector<int> saturated_spots(const ReferenceCollector::Average& average);
-/// "1, 4, 7 and 12 more".
-std::string listed_spots(const std::vector<int>& numbers);
 
 }  // namespace ovws

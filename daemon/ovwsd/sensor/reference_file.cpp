@@ -65,7 +65,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   for (const char* key : {"frames", "gain_db", "pixel_format", "width", "height", "mean_dn"}) {
     r.require(key);
   }
-  r.integer("frames", picture->frames, 1, ReferencePictureTaker::kMostFrames);
+  r.integer("frames", picture->frames, 1, PictureMean::kMaxFrames);
   r.optional_number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
   r.integer("width", width, 1, kMostPixels);

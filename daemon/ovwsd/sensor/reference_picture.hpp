@@ -2,12 +2,10 @@
 /// from.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <mutex>
 
 #include "core/base/image.hpp"
-#include "daemon/ovwsd/frames/frame_taker.hpp"
+#include "core/pipeline/frame_record.hpp"
 
 namespace ovws {
 
@@ -25,30 +23,20 @@ constexpr const char* kNoPicture = "it holds no picture; take it anew, from ten 
 /// Of one image, whose gain is not known.
 ReferencePicture picture_of(const ImageView& image);
 
-/// Averages while a reference is taken. `begin`, `end` and `cancel` from any thread.
-class ReferencePictureTaker : public FrameTaker {
+/// The mean image of frames.
+class PictureMean {
  public:
-  /// Frames beyond these are left to their purpose: their noise is already below that of the single
-  /// frame which will be compared with the mean.
-  static constexpr int kMostFrames = 8;
+  /// A reference averages no more: its noise is then below that of the single frame which will be
+  /// compared with it.
+  static constexpr int kMaxFrames = 8;
 
-  /// From now on frames during which this hologram stood still, measured with a plan of this epoch,
-  /// are averaged: at most `most` of them.
-  void begin(std::uint64_t sensor_epoch, std::uint64_t hologram_id, int most = kMostFrames);
-  /// The mean so far, and no more frames; nullptr if there was none.
-  std::shared_ptr<const ReferencePicture> end();
-  void cancel() { end(); }
-  int frames();  ///< averaged so far; 0 if nothing is being taken
-
-  bool wants() override;
-  void take(const FrameRecord& record) override;
+  /// False: the frame's size, format or gain is not that of the first, and it is not used.
+  bool add(const FrameRecord& record);
+  /// Nothing if no frame was added. Call once.
+  std::shared_ptr<const ReferencePicture> mean();
 
  private:
-  std::mutex mutex_;
-  std::uint64_t sensor_epoch_ = 0;
-  std::uint64_t hologram_id_ = 0;
-  int most_ = 0;
-  std::unique_ptr<ReferencePicture> sum_;  ///< mean_dn holds the sum; none: nothing is being taken
+  ReferencePicture sum_;  ///< mean_dn holds the sum
 };
 
 }  // namespace ovws

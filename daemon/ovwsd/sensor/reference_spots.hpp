@@ -8,6 +8,7 @@
 #include "core/base/vec2.hpp"
 #include "core/wavefront/mode_operator.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 
 namespace ovws {
 
@@ -22,7 +23,7 @@ constexpr double kWeakGrowth = 1.5;
 
 /// Errors (Errc::refused): without the lost spots a mode is not determined, by the criterion of
 /// Reconstructor. `modes`: as many spots as `average`.
-Result<ReferenceSpots> judge_spots(const ReferenceCollector::Average& average,
+Result<ReferenceSpots> judge_spots(const SpotAverage& average,
                                    const ModeOperator& modes);
 
 /// Gives lost spots the place where the model and the affine displacement of the others have them,

@@ -37,7 +37,7 @@ SensorChange give_back();
 
 /// Spots averaged over frames, and their picture (null: none).
 struct TakenReference {
-  ReferenceCollector::Average average;
+  SpotAverage average;
   std::shared_ptr<const ReferencePicture> picture;
   CameraSettings settings;  ///< that they were taken with
 };

@@ -84,8 +84,9 @@ struct SpotFinder::Bench {
   Reconstructor plain;
 };
 
-SpotFinder::SpotFinder(const SlmGeometry& slm, SensorKeeper& keeper, Events& events)
-    : slm_(slm), keeper_(keeper), events_(events), inbox_(is_doubtful) {}
+SpotFinder::SpotFinder(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
+                       Events& events)
+    : slm_(slm), keeper_(keeper), events_(events), inbox_(frames, is_doubtful) {}
 
 SpotFinder::~SpotFinder() = default;
 

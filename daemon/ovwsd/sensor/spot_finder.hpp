@@ -26,14 +26,13 @@ namespace ovws {
 /// are not searched.
 class SpotFinder : public Agent {
  public:
-  SpotFinder(const SlmGeometry& slm, SensorKeeper& keeper, Events& events);
+  SpotFinder(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper, Events& events);
   ~SpotFinder() override;
 
   bool do_work() override;
 
   /// Publish thread: every frame.
   void saw(const FrameRecord& record);
-  FrameTaker& taker() { return inbox_; }
   /// Any thread: why no frame is valid; nothing if frames are.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
   /// Any thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.

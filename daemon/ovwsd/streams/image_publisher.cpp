@@ -18,13 +18,12 @@ constexpr std::int64_t kPauseNs = 10'000'000;  // until somebody is asked again 
 }  // namespace
 
 ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
-                               Pipeline& pipeline, Counters& counters,
-                               std::vector<FrameTaker*> takers)
+                               Pipeline& pipeline, Counters& counters, FrameBroker& frames)
     : socket_(std::move(socket)),
       config_(config),
       pipeline_(pipeline),
       counters_(counters),
-      takers_(std::move(takers)),
+      frames_(frames),
       rate_hz_(config_.rate_hz) {}
 
 bool ImagePublisher::picture_is_due() const {
@@ -32,9 +31,7 @@ bool ImagePublisher::picture_is_due() const {
 }
 
 bool ImagePublisher::do_work() {
-  const bool wanted =
-      std::any_of(takers_.begin(), takers_.end(), [](FrameTaker* taker) { return taker->wants(); });
-  if (!requested_ && !wanted && !picture_is_due()) {
+  if (!requested_ && !frames_.wants_pixels() && !picture_is_due()) {
     const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
     std::this_thread::sleep_for(
         std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));
@@ -47,7 +44,7 @@ bool ImagePublisher::do_work() {
   requested_ = false;
   const auto release = [this](FrameRecord* one) { pipeline_.release_image(one); };
   const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
-  for (FrameTaker* taker : takers_) hand_to(*taker, *record);
+  serve(*record);
   if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
     next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
     send(*record);
@@ -55,12 +52,12 @@ bool ImagePublisher::do_work() {
   return true;
 }
 
-void ImagePublisher::hand_to(FrameTaker& taker, const FrameRecord& record) {
-  if (!taker.wants()) return;
+void ImagePublisher::serve(const FrameRecord& record) {
   try {
-    taker.take(record);
+    frames_.serve_pixels(record);
   } catch (const std::bad_alloc&) {
-    counters_.add(Counter::messages_dropped);  // it asks again; the next frame may find memory
+    counters_.add(
+        Counter::messages_dropped);  // the request is open; the next frame may find memory
   }
 }
 

@@ -13,7 +13,7 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/wavefront/phase_map.hpp"
-#include "daemon/ovwsd/frames/frame_taker.hpp"
+#include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "drivers/zmq/publisher.hpp"
 
 namespace ovws {
@@ -27,9 +27,9 @@ struct ImagePublisherConfig {
 /// The images thread's agent.
 class ImagePublisher : public Agent {
  public:
-  /// `takers` get what they want between the pictures; they outlive this object.
+  /// `frames` outlives this object; its requests for pixels are served between the images.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
-                 Counters& counters, std::vector<FrameTaker*> takers);
+                 Counters& counters, FrameBroker& frames);
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
@@ -41,7 +41,7 @@ class ImagePublisher : public Agent {
 
  private:
   bool picture_is_due() const;
-  void hand_to(FrameTaker& taker, const FrameRecord& record);
+  void serve(const FrameRecord& record);
   void send(const FrameRecord& record);
   void send_image(const FrameRecord& record);
   void send_phase(const FrameRecord& record);
@@ -50,7 +50,7 @@ class ImagePublisher : public Agent {
   ImagePublisherConfig config_;
   Pipeline& pipeline_;
   Counters& counters_;
-  std::vector<FrameTaker*> takers_;
+  FrameBroker& frames_;
   std::atomic<double> rate_hz_;
   std::atomic<std::int64_t> next_ns_{0};
   bool requested_ = false;

@@ -50,8 +50,7 @@ bool StreamPublisher::do_work() {
     const auto release = [this](FrameRecord* one) { deps_.pipeline.release(one); };
     const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
     send_record(*record);
-    deps_.collector.add(*record);
-    deps_.series.add(*record);
+    deps_.frames.serve_numbers(*record);
     deps_.finder.saw(*record);
     deps_.loop.saw(*record);
   }

@@ -11,9 +11,8 @@
 #include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
-#include "daemon/ovwsd/frames/frame_series.hpp"
+#include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/spot_finder.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
@@ -22,8 +21,7 @@ namespace ovws {
 
 struct StreamPublisherDeps {
   Pipeline& pipeline;
-  ReferenceCollector& collector;
-  FrameSeriesTaker& series;
+  FrameBroker& frames;
   SpotFinder& finder;
   ClosedLoop& loop;
   Counters& counters;

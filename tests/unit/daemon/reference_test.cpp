@@ -1,10 +1,9 @@
-#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <random>
 
 #include "core/optics/lattice.hpp"
@@ -15,107 +14,68 @@ namespace ovws {
 namespace {
 
 constexpr int kSpots = 3;
-constexpr std::uint64_t kEpoch = 5;
-constexpr std::uint64_t kHologram = 9;
 constexpr double kMostMotionPx = 0.63;
 
 class ReferenceTest : public testing::Test {
  protected:
   ReferenceTest() {
-    plan_.sensor_epoch = kEpoch;
-    record_.plan = &plan_;
-    record_.settled = true;
-    record_.hologram_id = kHologram;
     record_.spot_count = kSpots;
     record_.spots.resize(8);
   }
 
-  void begin(int frames) {
-    collector_.begin(frames, kEpoch, kHologram, kSpots,
-                     [this](ReferenceCollector::Average average) { average_ = average; });
-  }
-  void add(int spot, float x, float y) {
-    for (int i = 0; i < kSpots; ++i) record_.spots[std::size_t(i)] = SpotFix{};
-    record_.spots[std::size_t(spot)] = {x, y, 100.0F, 1.0F};
-    collector_.add(record_);
-  }
-
   /// The average of so many frames in which each spot is found at its peak, DN of Mono8.
-  ReferenceCollector::Average averaged(const std::vector<std::vector<float>>& peaks_dn) {
-    begin(int(peaks_dn.size()));
+  SpotAverage averaged(const std::vector<std::vector<float>>& peaks_dn) {
+    SpotAverager averager(int(peaks_dn.size()), kSpots);
     for (const auto& frame : peaks_dn) {
       for (std::size_t i = 0; i < kSpots; ++i) record_.spots[i] = {1.0F, 1.0F, frame[i], 1.0F};
-      collector_.add(record_);
+      averager.add(record_);
     }
-    return average_.value();
+    return averager.average();
   }
 
   /// The average of so many frames of three spots about different places; `moved` of a frame's
   /// number is added to each, in the second spot by half, and noise.
   template <class Moved>
-  ReferenceCollector::Average moving(int frames, double noise_px, const Moved& moved) {
+  SpotAverage moving(int frames, double noise_px, const Moved& moved) {
     std::normal_distribution<double> noise(0.0, noise_px);
-    begin(frames);
+    SpotAverager averager(frames, kSpots);
     for (int k = 0; k < frames; ++k) {
       for (std::size_t i = 0; i < kSpots; ++i) {
         const double own = i == 1 ? 0.5 : 1.0;
         record_.spots[i] = {float(100.0 * double(i) + own * moved(k) + noise(random_)),
                             float(50.0 + noise(random_)), 100.0F, 1.0F};
       }
-      collector_.add(record_);
+      averager.add(record_);
     }
-    return average_.value();
+    return averager.average();
   }
 
   std::mt19937 random_{7};
-  ReferenceCollector collector_;
-  MeasurementPlan plan_;
   FrameRecord record_;
-  std::optional<ReferenceCollector::Average> average_;
 };
 
 TEST_F(ReferenceTest, MeanAndStandardErrorAreThoseOfTheFrames) {
   constexpr int kFrames = 10000;
   std::mt19937 random(1);
   std::normal_distribution<float> noise(0.0F, 0.5F);
-  begin(kFrames);
-  for (int i = 0; i < kFrames; ++i) add(1, 100.0F + noise(random), 50.0F + 2.0F * noise(random));
-  ASSERT_TRUE(average_);
-  EXPECT_EQ(average_->frames, kFrames);
-  EXPECT_EQ(average_->found, (std::vector<int>{0, kFrames, 0}));
-  EXPECT_NEAR(average_->mean_px[1].x, 100.0, 0.02);
-  EXPECT_NEAR(average_->mean_px[1].y, 50.0, 0.04);
-  EXPECT_NEAR(average_->standard_error_px[1].x, 0.005, 0.0005);
-  EXPECT_NEAR(average_->standard_error_px[1].y, 0.010, 0.001);
+  SpotAverager averager(kFrames, kSpots);
+  for (int i = 0; i < kFrames; ++i) {
+    record_.spots[1] = {100.0F + noise(random), 50.0F + 2.0F * noise(random), 100.0F, 1.0F};
+    EXPECT_TRUE(averager.add(record_));
+  }
+  const SpotAverage average = averager.average();
+  EXPECT_EQ(average.frames, kFrames);
+  EXPECT_EQ(average.found, (std::vector<int>{0, kFrames, 0}));
+  EXPECT_NEAR(average.mean_px[1].x, 100.0, 0.02);
+  EXPECT_NEAR(average.mean_px[1].y, 50.0, 0.04);
+  EXPECT_NEAR(average.standard_error_px[1].x, 0.005, 0.0005);
+  EXPECT_NEAR(average.standard_error_px[1].y, 0.010, 0.001);
 }
 
-TEST_F(ReferenceTest, UnsettledFramesAndThoseOfAnotherSensorOrHologramAreNotUsed) {
-  begin(2);
-  add(0, 1, 1);
-  record_.settled = false;
-  add(0, 9, 9);
-  record_.settled = true;
-  plan_.sensor_epoch = kEpoch + 1;
-  add(0, 9, 9);
-  EXPECT_FALSE(average_);
-  plan_.sensor_epoch = kEpoch;
-  record_.hologram_id = kHologram - 1;
-  add(0, 9, 9);
-  record_.hologram_id = kHologram;
-  add(0, 3, 3);
-  ASSERT_TRUE(average_);
-  EXPECT_EQ(average_->mean_px[0].x, 2.0);
-}
-
-TEST_F(ReferenceTest, ProgressGoesFromZeroToTheEnd) {
-  EXPECT_EQ(collector_.progress(), 0.0);
-  begin(4);
-  add(0, 1, 1);
-  EXPECT_EQ(collector_.progress(), 0.25);
-  collector_.cancel();
-  EXPECT_EQ(collector_.progress(), 0.0);
-  for (int i = 0; i < 4; ++i) add(0, 1, 1);
-  EXPECT_FALSE(average_);
+TEST_F(ReferenceTest, AFrameOfAnotherNumberOfSpotsIsNotUsed) {
+  SpotAverager averager(1, kSpots + 1);
+  EXPECT_FALSE(averager.add(record_));
+  EXPECT_EQ(averager.average().frames, 0);
 }
 
 TEST_F(ReferenceTest, OneSaturatedSpotInATenthOfTheFramesIsNamedAndBorne) {
@@ -190,7 +150,7 @@ class ReferenceSpotsTest : public testing::Test {
 
   ModeOperator modes_;
   std::vector<Vec2> model_px_;
-  ReferenceCollector::Average average_;
+  SpotAverage average_;
 };
 
 TEST_F(ReferenceSpotsTest, SpotsThatComeAndGoAreWeakAndThoseThatAreLostAreLeftOut) {

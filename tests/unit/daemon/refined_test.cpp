@@ -36,18 +36,19 @@ class FrameTest : public testing::Test {
   std::array<std::uint8_t, 8> pixels_{1, 2, 3, 99, 4, 5, 6, 99};
   MeasurementPlan plan_;
   FrameRecord record_;
+  FrameBroker broker_;
 };
 
 using FrameInboxTest = FrameTest;
 
 TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
-  FrameInbox inbox(can_be_refined);
-  EXPECT_FALSE(inbox.wants());
-  inbox.take(record_);
+  FrameInbox inbox(broker_, can_be_refined);
+  EXPECT_FALSE(broker_.wants_pixels());
+  broker_.serve_pixels(record_);
   EXPECT_EQ(inbox.next(0ms), nullptr);  // what came before was not asked for
-  EXPECT_TRUE(inbox.wants());
-  inbox.take(record_);
-  EXPECT_FALSE(inbox.wants());
+  EXPECT_TRUE(broker_.wants_pixels());
+  broker_.serve_pixels(record_);
+  EXPECT_FALSE(broker_.wants_pixels());
   pixels_.fill(0);
   const FrameCopy* const frame = inbox.next(0ms);
   ASSERT_NE(frame, nullptr);
@@ -61,29 +62,29 @@ TEST_F(FrameInboxTest, CopiesAFrameOnceItIsAskedFor) {
 }
 
 TEST_F(FrameInboxTest, LeavesFramesThatSayNothingForSure) {
-  FrameInbox inbox(can_be_refined);
+  FrameInbox inbox(broker_, can_be_refined);
   EXPECT_EQ(inbox.next(0ms), nullptr);
   record_.still = record_.settled = false;
-  inbox.take(record_);
+  broker_.serve_pixels(record_);
   record_.still = record_.settled = true;
   record_.settings_known = false;
-  inbox.take(record_);
+  broker_.serve_pixels(record_);
   record_.settings_known = true;
   plan_.reference_px = {{1, 1}};
-  inbox.take(record_);  // a reference, and too few spots
-  EXPECT_TRUE(inbox.wants());
+  broker_.serve_pixels(record_);  // a reference, and too few spots
+  EXPECT_TRUE(broker_.wants_pixels());
   record_.valid = true;
-  inbox.take(record_);
+  broker_.serve_pixels(record_);
   EXPECT_NE(inbox.next(0ms), nullptr);
 }
 
 TEST_F(FrameInboxTest, ForgetsWhatWasAskedFor) {
-  FrameInbox inbox(can_be_refined);
+  FrameInbox inbox(broker_, can_be_refined);
   EXPECT_EQ(inbox.next(0ms), nullptr);
   inbox.forget();
-  EXPECT_FALSE(inbox.wants());
+  EXPECT_FALSE(broker_.wants_pixels());
   EXPECT_EQ(inbox.next(0ms), nullptr);
-  inbox.take(record_);
+  broker_.serve_pixels(record_);
   inbox.forget();
   EXPECT_EQ(inbox.next(0ms), nullptr);
 }
@@ -91,18 +92,12 @@ TEST_F(FrameInboxTest, ForgetsWhatWasAskedFor) {
 using ReferencePictureTest = FrameTest;
 
 TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
-  ReferencePictureTaker taker;
-  EXPECT_FALSE(taker.wants());
-  taker.take(record_);
-  EXPECT_EQ(taker.end(), nullptr);
-  taker.begin(kEpoch, kHologram);
-  EXPECT_TRUE(taker.wants());
-  taker.take(record_);
+  PictureMean mean;
+  EXPECT_TRUE(mean.add(record_));
   pixels_ = {3, 2, 3, 99, 4, 255, 6, 99};
-  taker.take(record_);
-  const auto picture = taker.end();
+  EXPECT_TRUE(mean.add(record_));
+  const auto picture = mean.mean();
   ASSERT_NE(picture, nullptr);
-  EXPECT_FALSE(taker.wants());
   EXPECT_EQ(picture->frames, 2);
   EXPECT_EQ(picture->gain_db, 3.0);
   EXPECT_EQ(picture->mean_dn.at(0, 0), 2.0F);
@@ -110,26 +105,19 @@ TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
   EXPECT_TRUE(std::isnan(picture->mean_dn.at(1, 1)));  // saturated once
 }
 
-TEST_F(ReferencePictureTest, TakesOnlyWhatTheReferenceIsOf) {
-  ReferencePictureTaker taker;
-  taker.begin(kEpoch, kHologram);
-  record_.still = record_.settled = false;
-  taker.take(record_);
-  record_.still = record_.settled = true;
-  record_.hologram_id = kHologram + 1;
-  taker.take(record_);
-  record_.hologram_id = kHologram;
-  plan_.sensor_epoch = kEpoch + 1;
-  taker.take(record_);
-  EXPECT_EQ(taker.end(), nullptr);
+TEST_F(ReferencePictureTest, TakesFramesOfOneSizeFormatAndGainOnly) {
+  PictureMean mean;
+  EXPECT_TRUE(mean.add(record_));
+  std::vector<FrameRecord> others(3, record_);
+  others[0].gain_db = 4.0;
+  others[1].frame.image.width = 2;
+  others[2].frame.image.format = PixelFormat::mono16;
+  for (const FrameRecord& other : others) EXPECT_FALSE(mean.add(other));
+  EXPECT_EQ(mean.mean()->frames, 1);
 }
 
-TEST_F(ReferencePictureTest, HasEnoughOfAFew) {
-  ReferencePictureTaker taker;
-  taker.begin(kEpoch, kHologram);
-  for (int k = 0; k < 2 * ReferencePictureTaker::kMostFrames; ++k) taker.take(record_);
-  EXPECT_FALSE(taker.wants());
-  EXPECT_EQ(taker.end()->frames, ReferencePictureTaker::kMostFrames);
+TEST_F(ReferencePictureTest, IsNothingWithoutAFrame) {
+  EXPECT_EQ(PictureMean().mean(), nullptr);
 }
 
 RefineSettings known_camera() {

@@ -1,0 +1,155 @@
+#include "daemon/ovwsd/sensor/spot_average.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace ovws {
+namespace {
+
+constexpr double kMostSaturated = 0.1;  // of all spots in all frames
+
+void accumulate(double& mean, double& m2, double value, int count) {
+  const double before = value - mean;
+  mean += before / count;
+  m2 += before * (value - mean);
+}
+
+double standard_error(double m2, int count) {
+  return count > 1 ? std::sqrt(m2 / (double(count) * (count - 1))) : 0.0;
+}
+
+double sum_of(const Vec2& squares) {
+  return squares.x + squares.y;
+}
+
+/// How much of a mean square the noise may make by chance, over what it makes on average. Chosen
+/// for the worst noise, that of all spots together (vibration): 1 in 400.
+constexpr double kDriftChance = 6.0;
+constexpr double kScatterChance = 3.0;  // standard deviations of one series of frames
+
+/// von Neumann's test: noise that is independent from frame to frame has half the mean squared
+/// difference of successive positions for its variance; motion has more.
+bool has_moved(const SpotAverage& average, double most_motion_px) {
+  const double most = most_motion_px * most_motion_px;
+  const double noise = average.noise_px * average.noise_px;
+  const double drift_noise = average.drift_noise_px * average.drift_noise_px;
+  const double chance = kScatterChance / std::sqrt(std::max(1.0, double(average.frames)));
+  return average.drift_px * average.drift_px > most + kDriftChance * drift_noise ||
+         average.scatter_px * average.scatter_px > most + (1.0 + chance) * noise;
+}
+
+}  // namespace
+
+SpotAverager::SpotAverager(int frames, int subapertures)
+    : frames_(frames), sums_(std::size_t(subapertures)) {}
+
+bool SpotAverager::add(const FrameRecord& record) {
+  if (std::size_t(record.spot_count) != sums_.size()) return false;
+  const double full = full_scale_dn(record.frame.image.format);
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const SpotFix& spot = record.spots[i];
+    Sums& sums = sums_[i];
+    sums.saturated += spot.peak >= full ? 1 : 0;
+    if (spot.found()) add_position(sums, {spot.x, spot.y}, 2 * used_ < frames_);
+  }
+  ++used_;
+  return true;
+}
+
+void SpotAverager::add_position(Sums& sums, Vec2 at, bool in_first_half) {
+  if (sums.found > 0) {
+    const Vec2 step = at - sums.last;
+    sums.steps = sums.steps + Vec2{step.x * step.x, step.y * step.y};
+  }
+  sums.last = at;
+  ++sums.found;
+  accumulate(sums.mean.x, sums.m2.x, at.x, sums.found);
+  accumulate(sums.mean.y, sums.m2.y, at.y, sums.found);
+  if (!in_first_half) return;
+  sums.found_first = sums.found;
+  sums.mean_first = sums.mean;
+}
+
+SpotAverage SpotAverager::average() const {
+  SpotAverage average;
+  average.frames = used_;
+  for (const Sums& sums : sums_) {
+    average.found.push_back(sums.found);
+    average.saturated.push_back(sums.saturated);
+    average.mean_px.push_back(sums.mean);
+    average.standard_error_px.push_back(
+        {standard_error(sums.m2.x, sums.found), standard_error(sums.m2.y, sums.found)});
+  }
+  measure_motion(average);
+  return average;
+}
+
+void SpotAverager::measure_motion(SpotAverage& average) const {
+  double scatter = 0.0, noise = 0.0, drift = 0.0, drift_noise = 0.0;
+  int spots = 0, halved = 0;
+  for (const Sums& sums : sums_) {
+    if (sums.found < 2) continue;
+    ++spots;
+    const double own_noise = 0.5 * sum_of(sums.steps) / (sums.found - 1);
+    scatter += sum_of(sums.m2) / (sums.found - 1);
+    noise += own_noise;
+    const double first = sums.found_first, second = sums.found - sums.found_first;
+    if (first < 1.0 || second < 1.0) continue;
+    ++halved;
+    // The second half's mean less the first's, from the mean of all.
+    const Vec2 moved = (double(sums.found) / second) * (sums.mean - sums.mean_first);
+    drift += moved.x * moved.x + moved.y * moved.y;
+    drift_noise += own_noise * (1.0 / first + 1.0 / second);
+  }
+  const auto rms = [](double sum, int count) {
+    return count > 0 ? std::sqrt(sum / (2.0 * count)) : 0.0;
+  };
+  average.scatter_px = rms(scatter, spots);
+  average.noise_px = rms(noise, spots);
+  average.drift_px = rms(drift, halved);
+  average.drift_noise_px = rms(drift_noise, halved);
+}
+
+std::string listed_spots(const std::vector<int>& numbers) {
+  constexpr std::size_t kNamed = 8;
+  const std::size_t named = std::min(numbers.size(), kNamed);
+  std::string text = fmt::format("{}", fmt::join(numbers.begin(), numbers.begin() + named, ", "));
+  if (numbers.size() > named) text += fmt::format(" and {} more", numbers.size() - named);
+  return text;
+}
+
+std::vector<int> saturated_spots(const SpotAverage& average) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < average.saturated.size(); ++i) {
+    if (average.saturated[i] > 0) numbers.push_back(int(i));
+  }
+  return numbers;
+}
+
+Result<void> check_average(const SpotAverage& average, double most_motion_px) {
+  // Saturation first, for it loses spots as well.
+  const double looks = double(average.frames) * double(average.saturated.size());
+  const double saturated =
+      std::accumulate(average.saturated.begin(), average.saturated.end(), 0.0) / looks;
+  if (saturated > kMostSaturated) {
+    return fail(
+        Errc::refused, "camera.exposure_us",
+        fmt::format("{:.0f} % of the spots are saturated, and more than {:.0f} % displace a "
+                    "reference (spots {}): lower the exposure or the gain",
+                    100.0 * saturated, 100.0 * kMostSaturated,
+                    listed_spots(saturated_spots(average))));
+  }
+  if (!has_moved(average, most_motion_px)) return {};
+  return fail(
+      Errc::refused, "",
+      fmt::format("the spots moved while the reference was taken: by {:.2f} px from its first half "
+                  "to its second, and {:.2f} px about their mean, of which noise is {:.2f} px (RMS "
+                  "over the spots; at most {:.2f} px are allowed): let the bench come to rest, and "
+                  "take it again",
+                  average.drift_px, average.scatter_px, average.noise_px, most_motion_px));
+}
+
+}  // namespace ovws

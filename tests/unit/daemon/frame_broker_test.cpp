@@ -1,0 +1,141 @@
+#include "daemon/ovwsd/frames/frame_broker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <new>
+#include <thread>
+
+#include "daemon/ovwsd/frames/measured_under.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+using Needs = FrameBroker::Needs;
+
+class FrameBrokerTest : public testing::Test {
+ protected:
+  /// A request for `frames` frames that notes the numbers of those which it used.
+  std::unique_ptr<FrameBroker::Request> request(Needs needs, int frames) {
+    return broker_.request(needs, frames, [this](const FrameRecord& record) {
+      seen_.push_back(record.frame.frame_id);
+      return usable_;
+    });
+  }
+  const FrameRecord& next() {
+    ++record_.frame.frame_id;
+    return record_;
+  }
+
+  FrameBroker broker_;
+  FrameRecord record_;
+  bool usable_ = true;
+  std::vector<std::uint64_t> seen_;
+};
+
+TEST_F(FrameBrokerTest, ServesTheNextFramesAndNoMore) {
+  broker_.serve_numbers(next());  // before anything is requested
+  const auto open = request(Needs::numbers, 2);
+  for (int k = 0; k < 3; ++k) broker_.serve_numbers(next());
+  EXPECT_EQ(seen_, (std::vector<std::uint64_t>{2, 3}));
+  EXPECT_TRUE(open->done());
+  EXPECT_TRUE(open->wait_for(0ms));
+}
+
+TEST_F(FrameBrokerTest, CountsOnlyTheFramesThatAreUsed) {
+  const auto open = request(Needs::numbers, 1);
+  usable_ = false;
+  for (int k = 0; k < 5; ++k) broker_.serve_numbers(next());
+  EXPECT_EQ(open->used(), 0);
+  EXPECT_FALSE(open->wait_for(1ms));
+  EXPECT_GT(open->idle_s(), 0.0);
+  usable_ = true;
+  broker_.serve_numbers(next());
+  EXPECT_EQ(seen_.size(), 6U);
+  EXPECT_TRUE(open->done());
+}
+
+TEST_F(FrameBrokerTest, ARequestForPixelsIsServedWithPixelsOnly) {
+  EXPECT_FALSE(broker_.wants_pixels());
+  const auto open = request(Needs::pixels, 1);
+  EXPECT_TRUE(broker_.wants_pixels());
+  broker_.serve_numbers(next());
+  EXPECT_TRUE(seen_.empty());
+  broker_.serve_pixels(next());
+  EXPECT_EQ(seen_.size(), 1U);
+  EXPECT_FALSE(broker_.wants_pixels());
+}
+
+TEST_F(FrameBrokerTest, ADestroyedRequestIsNotServed) {
+  { const auto open = request(Needs::pixels, 3); }
+  EXPECT_FALSE(broker_.wants_pixels());
+  broker_.serve_pixels(next());
+  EXPECT_TRUE(seen_.empty());
+}
+
+TEST_F(FrameBrokerTest, ServesSeveralRequestsWithOneFrame) {
+  const auto first = request(Needs::numbers, 1), second = request(Needs::numbers, 2);
+  broker_.serve_numbers(next());
+  broker_.serve_numbers(next());
+  EXPECT_EQ(seen_, (std::vector<std::uint64_t>{1, 1, 2}));
+}
+
+TEST_F(FrameBrokerTest, ARequestStaysOpenWhenMemoryRunsOut) {
+  bool memory = false;
+  const auto open = broker_.request(Needs::pixels, 1, [&](const FrameRecord& /*record*/) {
+    if (!memory) throw std::bad_alloc();
+    return true;
+  });
+  EXPECT_THROW(broker_.serve_pixels(next()), std::bad_alloc);
+  memory = true;
+  broker_.serve_pixels(next());
+  EXPECT_TRUE(open->done());
+}
+
+/// The publish thread serves while others request, look and withdraw.
+TEST_F(FrameBrokerTest, IsUsedFromManyThreads) {
+  std::atomic<bool> end{false};
+  std::thread publisher([&] {
+    FrameRecord record;
+    while (!end) {
+      ++record.frame.frame_id;
+      broker_.serve_numbers(record);
+    }
+  });
+  const auto requester = [this] {
+    for (int round = 0; round < 200; ++round) {
+      std::vector<std::uint64_t> ids;
+      const auto open = broker_.request(Needs::numbers, 20, [&ids](const FrameRecord& record) {
+        ids.push_back(record.frame.frame_id);
+        return true;
+      });
+      if (round % 2 == 0) continue;  // withdrawn at once
+      ASSERT_TRUE(open->wait_for(10s));
+      ASSERT_EQ(ids.size(), 20U);
+      for (std::size_t k = 1; k < ids.size(); ++k) ASSERT_EQ(ids[k], ids[k - 1] + 1);
+    }
+  };
+  std::thread other(requester);
+  requester();
+  other.join();
+  end = true;
+  publisher.join();
+}
+
+TEST(MeasuredUnderTest, IsThisEpochAndThisHologram) {
+  MeasurementPlan plan;
+  FrameRecord record;
+  record.plan = &plan;
+  plan.sensor_epoch = 5;
+  record.hologram_id = 9;
+  const MeasuredUnder shown{5, 9};
+  EXPECT_TRUE(shown(record));
+  record.hologram_id = 8;
+  EXPECT_FALSE(shown(record));
+  record.hologram_id = 9;
+  plan.sensor_epoch = 6;
+  EXPECT_FALSE(shown(record));
+}
+
+}  // namespace
+}  // namespace ovws
