@@ -46,21 +46,21 @@ struct Names<LogLevel> {
 template <>
 struct Table<CameraConfig> {
   static constexpr const char* kName = "CameraConfig";
-  static constexpr auto kFields = std::tuple{
-      field("driver", &CameraConfig::driver, "which camera driver").checked(is_empty),
-      field("id", &CameraConfig::id, "GenICam id or address").checked(is_empty),
-      inlined(&CameraConfig::settings),
-      field("packet_size_bytes", &CameraConfig::packet_size_bytes, "GigE Vision packet size, bytes",
-            limits::kPacketSizeBytes),
-      field("transfer_ms", &CameraConfig::transfer_ms,
-            "longest time from the end of an exposure to the frame's arrival, milliseconds",
-            limits::kTransferMs)};
+  static constexpr auto kFields =
+      Fields{field("driver", &CameraConfig::driver, "which camera driver").checked(is_empty),
+             field("id", &CameraConfig::id, "GenICam id or address").checked(is_empty),
+             inlined(&CameraConfig::settings),
+             field("packet_size_bytes", &CameraConfig::packet_size_bytes,
+                   "GigE Vision packet size, bytes", limits::kPacketSizeBytes),
+             field("transfer_ms", &CameraConfig::transfer_ms,
+                   "longest time from the end of an exposure to the frame's arrival, milliseconds",
+                   limits::kTransferMs)};
 };
 
 template <>
 struct Table<SlmConfig> {
   static constexpr const char* kName = "SlmConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("driver", &SlmConfig::driver, "which display driver").checked(is_empty),
       field("display", &SlmConfig::display, "name of the output, e.g. HDMI-1").checked(is_empty),
       inlined(&SlmConfig::geometry),
@@ -77,34 +77,34 @@ template <>
 struct Table<ConfiguredTracking> {
   static constexpr const char* kName = "TrackingConfig";
   static constexpr auto kFields =
-      std::tuple{based<TrackingSettings>(),
-                 field("kernel_radius", &ConfiguredTracking::kernel_radius,
-                       "the LG kernel's 1/e radius in units of lambda/d on the camera",
-                       limits::kKernelRadius)};
+      Fields{based<TrackingSettings>(),
+             field("kernel_radius", &ConfiguredTracking::kernel_radius,
+                   "the LG kernel's 1/e radius in units of lambda/d on the camera",
+                   limits::kKernelRadius)};
 };
 
 template <>
 struct Table<StreamConfig> {
   static constexpr const char* kName = "StreamConfig";
-  static constexpr auto kFields = std::tuple{
-      field("endpoint", &StreamConfig::endpoint, "ZeroMQ endpoint").checked(is_no_endpoint),
-      field("image_endpoint", &StreamConfig::image_endpoint, "ZeroMQ endpoint")
-          .checked(is_no_endpoint),
-      field("image_rate_hz", &StreamConfig::image_rate_hz,
-            "images and phase maps per second; 0: none", limits::kImageRateHz)};
+  static constexpr auto kFields =
+      Fields{field("endpoint", &StreamConfig::endpoint, "ZeroMQ endpoint").checked(is_no_endpoint),
+             field("image_endpoint", &StreamConfig::image_endpoint, "ZeroMQ endpoint")
+                 .checked(is_no_endpoint),
+             field("image_rate_hz", &StreamConfig::image_rate_hz,
+                   "images and phase maps per second; 0: none", limits::kImageRateHz)};
 };
 
 template <>
 struct Table<ControlConfig> {
   static constexpr const char* kName = "ControlConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("endpoint", &ControlConfig::endpoint, "ZeroMQ endpoint").checked(is_no_endpoint)};
 };
 
 template <>
 struct Table<SecurityConfig> {
   static constexpr const char* kName = "SecurityConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("secret_key", &SecurityConfig::secret_key,
             "file of the daemon's keys; null: no client needs a key")
           .checked(is_empty_path),
@@ -121,14 +121,14 @@ template <>
 struct Table<StateConfig> {
   static constexpr const char* kName = "StateConfig";
   static constexpr auto kFields =
-      std::tuple{field("directory", &StateConfig::directory, "folder; null: $STATE_DIRECTORY")
-                     .checked(is_empty_path)};
+      Fields{field("directory", &StateConfig::directory, "folder; null: $STATE_DIRECTORY")
+                 .checked(is_empty_path)};
 };
 
 template <>
 struct Table<RecordConfig> {
   static constexpr const char* kName = "RecordConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("directory", &RecordConfig::directory, "folder; null: recordings in the state's folder")
           .checked(is_empty_path),
       field("buffer_mib", &RecordConfig::buffer_mib,
@@ -138,7 +138,7 @@ struct Table<RecordConfig> {
 template <>
 struct Table<ConfiguredPipeline> {
   static constexpr const char* kName = "PipelineConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("workers", &ConfiguredPipeline::workers,
             "tracker threads; 0: the frame path runs in one thread", limits::kWorkers),
       field("records", &ConfiguredPipeline::records, "frames on their way at once, a power of two",
@@ -154,29 +154,29 @@ template <>
 struct Table<LogConfig> {
   static constexpr const char* kName = "LogConfig";
   static constexpr auto kFields =
-      std::tuple{field("level", &LogConfig::level, "least severe line that is written")};
+      Fields{field("level", &LogConfig::level, "least severe line that is written")};
 };
 
 template <>
 struct Table<Config> {
   static constexpr const char* kName = "Config";
   static constexpr auto kFields =
-      std::tuple{field("camera", &Config::camera, "the camera"),
-                 field("slm", &Config::slm, "the spatial light modulator"),
-                 field("optics", &Config::optics, "lens and camera"),
-                 field("sensor", &Config::sensor, "the sensor shown"),
-                 field("tracking", &Config::tracking, "how spots are found"),
-                 field("refine", &Config::refine,
-                       "every pixel against the diffraction model, beside the fast estimate"),
-                 field("stream", &Config::stream, "what is published"),
-                 field("control", &Config::control, "commands"),
-                 field("security", &Config::security, "who may connect; both files, or none"),
-                 field("state", &Config::state, "what is kept over a restart"),
-                 field("record", &Config::record, "recordings"),
-                 field("realtime", &Config::realtime,
-                       "what a missing real-time privilege is: an error or a warning"),
-                 field("pipeline", &Config::pipeline, "the frame path"),
-                 field("log", &Config::log, "the log")};
+      Fields{field("camera", &Config::camera, "the camera"),
+             field("slm", &Config::slm, "the spatial light modulator"),
+             field("optics", &Config::optics, "lens and camera"),
+             field("sensor", &Config::sensor, "the sensor shown"),
+             field("tracking", &Config::tracking, "how spots are found"),
+             field("refine", &Config::refine,
+                   "every pixel against the diffraction model, beside the fast estimate"),
+             field("stream", &Config::stream, "what is published"),
+             field("control", &Config::control, "commands"),
+             field("security", &Config::security, "who may connect; both files, or none"),
+             field("state", &Config::state, "what is kept over a restart"),
+             field("record", &Config::record, "recordings"),
+             field("realtime", &Config::realtime,
+                   "what a missing real-time privilege is: an error or a warning"),
+             field("pipeline", &Config::pipeline, "the frame path"),
+             field("log", &Config::log, "the log")};
   static void check(const Config& config, ObjectReader& reader);
 };
 

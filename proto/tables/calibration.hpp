@@ -32,7 +32,7 @@ template <>
 struct Table<CalibratedMode> {
   using M = CalibratedMode;
   static constexpr const char* kName = "CalibratedMode";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("j", &M::j, kModeIndexMeaning),
       field("amplitude_waves", &M::amplitude_waves,
             "of its pokes, RMS-normalised waves: half or a quarter of what was asked for if the "
@@ -54,8 +54,8 @@ template <>
 struct Table<DroppedMode> {
   static constexpr const char* kName = "DroppedMode";
   static constexpr auto kFields =
-      std::tuple{field("j", &DroppedMode::j, kModeIndexMeaning),
-                 field("reason", &DroppedMode::reason, "why, for a person")};
+      Fields{field("j", &DroppedMode::j, kModeIndexMeaning),
+             field("reason", &DroppedMode::reason, "why, for a person")};
 };
 
 struct CalibrationReport {
@@ -73,7 +73,7 @@ template <>
 struct Table<CalibrationReport> {
   using C = CalibrationReport;
   static constexpr const char* kName = "CalibrationReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("t_taken_ns", &C::t_taken_ns, kTimeMeaning),
       time_text("t_taken", &C::t_taken_ns),
       field("sha256", &C::sha256, kSha256Meaning).or_null(),
@@ -133,7 +133,7 @@ struct KnownCalibration {
 template <>
 struct Table<KnownCalibration> {
   static constexpr const char* kName = "KnownCalibration";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       computed<KnownCalibration>(
           "calibrated", [](const KnownCalibration& known) { return known.calibration.has_value(); },
           "whether a calibration of this sensor, camera, region, tracker and registration is "

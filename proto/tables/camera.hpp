@@ -11,30 +11,30 @@ template <>
 struct Table<Roi> {
   static constexpr const char* kName = "Roi";
   static constexpr auto kFields =
-      std::tuple{field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
-                 field("y", &Roi::y, "top edge, sensor pixels", limits::kRoiOffset),
-                 field("width", &Roi::width, "sensor pixels", limits::kRoiSize),
-                 field("height", &Roi::height, "sensor pixels", limits::kRoiSize)};
+      Fields{field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
+             field("y", &Roi::y, "top edge, sensor pixels", limits::kRoiOffset),
+             field("width", &Roi::width, "sensor pixels", limits::kRoiSize),
+             field("height", &Roi::height, "sensor pixels", limits::kRoiSize)};
 };
 
 template <>
 struct Table<CameraSettings> {
   static constexpr const char* kName = "CameraSettings";
-  static constexpr auto kFields = std::tuple{
-      field("pixel_format", &CameraSettings::pixel_format,
-            "GenICam name; of a Bayer format the pixels that see the laser are measured"),
-      field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
-            limits::kExposureUs),
-      field("gain_db", &CameraSettings::gain_db,
-            "analogue gain, dB; null: the camera has no gain in dB", limits::kGainDb)
-          .or_null(),
-      field("gain_raw", &CameraSettings::gain_raw,
-            "gain in steps of the camera's own, if it has no gain in dB; otherwise null",
-            limits::kGainRaw)
-          .or_null(),
-      field("frame_rate_hz", &CameraSettings::frame_rate_hz, "frames per second",
-            limits::kFrameRateHz),
-      field("roi", &CameraSettings::roi, "region of interest of the sensor")};
+  static constexpr auto kFields =
+      Fields{field("pixel_format", &CameraSettings::pixel_format,
+                   "GenICam name; of a Bayer format the pixels that see the laser are measured"),
+             field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
+                   limits::kExposureUs),
+             field("gain_db", &CameraSettings::gain_db,
+                   "analogue gain, dB; null: the camera has no gain in dB", limits::kGainDb)
+                 .or_null(),
+             field("gain_raw", &CameraSettings::gain_raw,
+                   "gain in steps of the camera's own, if it has no gain in dB; otherwise null",
+                   limits::kGainRaw)
+                 .or_null(),
+             field("frame_rate_hz", &CameraSettings::frame_rate_hz, "frames per second",
+                   limits::kFrameRateHz),
+             field("roi", &CameraSettings::roi, "region of interest of the sensor")};
 
   /// A camera has one of the two gains; null, as the other one is reported, leaves it.
   static void check_change(ObjectReader& reader) {
@@ -57,14 +57,14 @@ template <class T>
 struct Table<Range<T>> {
   static constexpr const char* kName = std::is_integral_v<T> ? "WholeRange" : "Range";
   static constexpr auto kFields =
-      std::tuple{field("min", &Range<T>::min, "smallest"), field("max", &Range<T>::max, "largest"),
-                 field("increment", &Range<T>::increment, "step; 0: continuous")};
+      Fields{field("min", &Range<T>::min, "smallest"), field("max", &Range<T>::max, "largest"),
+             field("increment", &Range<T>::increment, "step; 0: continuous")};
 };
 
 template <>
 struct Table<CameraLimits> {
   static constexpr const char* kName = "CameraLimits";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       computed<CameraLimits>(
           "gain_db",
           [](const CameraLimits& limits) {
@@ -86,7 +86,7 @@ struct Table<CameraLimits> {
 template <>
 struct Table<CameraInfo> {
   static constexpr const char* kName = "CameraInfo";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("vendor", &CameraInfo::vendor, "maker"), field("model", &CameraInfo::model, "model"),
       field("serial", &CameraInfo::serial, "serial number"),
       field("address", &CameraInfo::address, "network address or bus, empty if unknown")};
@@ -101,13 +101,13 @@ struct CameraReport {
 template <>
 struct Table<CameraReport> {
   static constexpr const char* kName = "CameraReport";
-  static constexpr auto kFields = std::tuple{
-      computed<CameraReport>(
-          "connected", [](const CameraReport& report) { return report.info.has_value(); },
-          "answers now"),
-      field("info", &CameraReport::info, "which camera it is"),
-      field("settings", &CameraReport::settings, "the camera's settings"),
-      field("limits", &CameraReport::limits, "what the connected camera allows now")};
+  static constexpr auto kFields =
+      Fields{computed<CameraReport>(
+                 "connected", [](const CameraReport& report) { return report.info.has_value(); },
+                 "answers now"),
+             field("info", &CameraReport::info, "which camera it is"),
+             field("settings", &CameraReport::settings, "the camera's settings"),
+             field("limits", &CameraReport::limits, "what the connected camera allows now")};
 };
 
 }  // namespace ovws

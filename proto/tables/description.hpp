@@ -17,12 +17,12 @@ struct SavedReport {
 template <>
 struct Table<SavedReport> {
   static constexpr const char* kName = "SavedReport";
-  static constexpr auto kFields = std::tuple{
-      field("path", &SavedReport::path,
-            "the overlay, a file in the state directory; with an empty saved it does "
-            "not exist, because nothing differs"),
-      field("saved", &SavedReport::saved,
-            "dotted keys of the values that differ from the configuration file, sorted")};
+  static constexpr auto kFields =
+      Fields{field("path", &SavedReport::path,
+                   "the overlay, a file in the state directory; with an empty saved it does "
+                   "not exist, because nothing differs"),
+             field("saved", &SavedReport::saved,
+                   "dotted keys of the values that differ from the configuration file, sorted")};
 };
 
 /// What a client may ask for; every client may subscribe to the streams.
@@ -46,7 +46,7 @@ template <>
 struct Table<MethodDescription> {
   using M = MethodDescription;
   static constexpr const char* kName = "MethodDescription";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("title", &M::title, "short"), field("description", &M::description, "what it does"),
       field("params", &M::params, "JSON Schema"), field("result", &M::result, "JSON Schema")};
 };
@@ -62,7 +62,7 @@ template <>
 struct Table<Description> {
   using D = Description;
   static constexpr const char* kName = "Description";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("versions", &D::versions, "of the daemon and its libraries"),
       field("methods", &D::methods, "by name"),
       field("roles", &D::roles,

@@ -41,15 +41,15 @@ struct SweepArm {
 template <>
 struct Table<SweepArm> {
   static constexpr const char* kName = "SweepArm";
-  static constexpr auto kFields = std::tuple{
-      field("charge", &SweepArm::charge, "topological charge, 0: the Shack-Hartmann sensor",
-            limits::kCharge)
-          .must(),
-      field("tracker", &SweepArm::tracker,
-            "how spots are found: as in sensor.set, or cell_centroid, the centroid of all "
-            "intensity in a fixed window around the reference: the text-book Shack-Hartmann "
-            "sensor, and the paper's")
-          .must()};
+  static constexpr auto kFields =
+      Fields{field("charge", &SweepArm::charge, "topological charge, 0: the Shack-Hartmann sensor",
+                   limits::kCharge)
+                 .must(),
+             field("tracker", &SweepArm::tracker,
+                   "how spots are found: as in sensor.set, or cell_centroid, the centroid of all "
+                   "intensity in a fixed window around the reference: the text-book Shack-Hartmann "
+                   "sensor, and the paper's")
+                 .must()};
 };
 
 /// The paper's oblique astigmatism of 0.5, 1.5 and 2 waves, unit amplitude.
@@ -78,7 +78,7 @@ struct GainSweep {
 template <>
 struct Table<GainSweep> {
   static constexpr const char* kName = "GainSweep";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("gains_db", &GainSweep::gains_db, "dB, the cells' gains in their order",
             limits::kGainDb)
           .sized(1, limits::kSweepGains)
@@ -113,11 +113,11 @@ template <>
 struct Table<GainSweepRun> {
   static constexpr const char* kName = "GainSweepRun";
   static constexpr auto kFields =
-      std::tuple{inlined(&GainSweepRun::sweep),
-                 field("clamp", &GainSweepRun::clamp,
-                       "gains that the camera does not have are left out instead of refused"),
-                 field("anew", &GainSweepRun::anew,
-                       "what was measured of this run before is discarded, and measured again")};
+      Fields{inlined(&GainSweepRun::sweep),
+             field("clamp", &GainSweepRun::clamp,
+                   "gains that the camera does not have are left out instead of refused"),
+             field("anew", &GainSweepRun::anew,
+                   "what was measured of this run before is discarded, and measured again")};
 };
 
 /// To a millionth: what a file holds is then short, and far below any noise.
@@ -133,7 +133,7 @@ template <>
 struct Table<SpotLevels> {
   using L = SpotLevels;
   static constexpr const char* kName = "SpotLevels";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       computed<L>(
           "level_dn", [](const L& levels) { return to_millionth(levels.level_dn); },
           "median over spots and frames of a spot's bright part above its background, camera units")
@@ -163,20 +163,20 @@ struct Table<ReferenceMeasured> {
   using R = ReferenceMeasured;
   static constexpr const char* kName = "SweepReference";
   static constexpr auto kFields =
-      std::tuple{field("arm", &R::arm, "place in the request's arms", Bounds::at_least(0)),
-                 inlined(&R::with),
-                 field("gain_db", &R::gain_db, "dB, as read back"),
-                 field("t_begun_ns", &R::t_begun_ns, kTimeMeaning),
-                 field("frames", &R::frames, "averaged", Bounds::at_least(2)),
-                 field("saturated_frames", &R::saturated_frames, "frames with a spot at full scale",
-                       Bounds::at_least(0)),
-                 inlined(&R::levels),
-                 field("positions_px", &R::positions_px,
-                       "[x, y] of each spot, camera pixels of the region; null: not used")
-                     .with_nulls(),
-                 field("cells_px", &R::cells_px,
-                       "[x, y] of each fixed window's centre; empty: not of cell_centroid")
-                     .with_nulls()};
+      Fields{field("arm", &R::arm, "place in the request's arms", Bounds::at_least(0)),
+             inlined(&R::with),
+             field("gain_db", &R::gain_db, "dB, as read back"),
+             field("t_begun_ns", &R::t_begun_ns, kTimeMeaning),
+             field("frames", &R::frames, "averaged", Bounds::at_least(2)),
+             field("saturated_frames", &R::saturated_frames, "frames with a spot at full scale",
+                   Bounds::at_least(0)),
+             inlined(&R::levels),
+             field("positions_px", &R::positions_px,
+                   "[x, y] of each spot, camera pixels of the region; null: not used")
+                 .with_nulls(),
+             field("cells_px", &R::cells_px,
+                   "[x, y] of each fixed window's centre; empty: not of cell_centroid")
+                 .with_nulls()};
 };
 /// Places of such an object, "positions_px" or "cells_px"; none if it is not one of `arm`.
 std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
@@ -209,10 +209,10 @@ template <>
 struct Table<CellMeasured::Picture> {
   using P = CellMeasured::Picture;
   static constexpr const char* kName = "CellPicture";
-  static constexpr auto kFields = std::tuple{
-      field("width", &P::width, "pixels", Bounds::at_least(1)),
-      field("height", &P::height, "pixels", Bounds::at_least(1)),
-      field("base64", &P::base64, "8 bit grey, row by row; 255: the format's full scale")};
+  static constexpr auto kFields =
+      Fields{field("width", &P::width, "pixels", Bounds::at_least(1)),
+             field("height", &P::height, "pixels", Bounds::at_least(1)),
+             field("base64", &P::base64, "8 bit grey, row by row; 255: the format's full scale")};
 };
 
 /// The residual variance of a cell's frames, rad^2; NaN: no frame told its modes.
@@ -226,7 +226,7 @@ template <>
 struct Table<CellVariance> {
   using V = CellVariance;
   static constexpr const char* kName = "CellVariance";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("variance_rad2", &V::mean,
             "mean over the frames of the residual variance, rad^2: 4 pi^2 times the sum of the "
             "squares of the measured less the introduced coefficients, RMS-normalised waves, tilts "
@@ -258,7 +258,7 @@ template <>
 struct Table<CellSummary> {
   using S = CellSummary;
   static constexpr const char* kName = "CellSummary";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       computed<S>(
           "cell", [](const S& s) { return s.cell.cell; },
           "its number, from 0: arms change fastest, aberrations slowest", limits::kSweepCell),
@@ -306,7 +306,7 @@ struct Table<CellReport> {
   using C = CellReport;
   using F = CellMeasured::Frame;
   static constexpr const char* kName = "CellReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       inlined(&C::summary),
       computed<C>(
           "modes_j", [](const C& c) { return c.summary.cell.modes_j; },
@@ -357,7 +357,7 @@ template <>
 struct Table<ExperimentReport> {
   using R = ExperimentReport;
   static constexpr const char* kName = "ExperimentReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("run", &R::run,
             "its name, 16 hexadecimal digits: the same for the same request on the same bench"),
       field("job", &R::job, "that measures it now"),
@@ -388,7 +388,7 @@ template <>
 struct Table<KnownExperiment> {
   using K = KnownExperiment;
   static constexpr const char* kName = "KnownExperiment";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       computed<K>(
           "known", [](const K& k) { return k.experiment.has_value(); }, "whether there is one"),
       computed<K>(

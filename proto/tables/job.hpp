@@ -28,9 +28,9 @@ template <>
 struct Table<ErrorReport> {
   static constexpr const char* kName = "ErrorReport";
   static constexpr auto kFields =
-      std::tuple{field("code", &ErrorReport::code, "as of an error reply"),
-                 field("message", &ErrorReport::message, "one sentence"),
-                 field("data", &ErrorReport::data, "field, reason, limits")};
+      Fields{field("code", &ErrorReport::code, "as of an error reply"),
+             field("message", &ErrorReport::message, "one sentence"),
+             field("data", &ErrorReport::data, "field, reason, limits")};
 };
 
 struct JobReport {
@@ -46,12 +46,12 @@ template <>
 struct Table<JobReport> {
   static constexpr const char* kName = "JobReport";
   static constexpr auto kFields =
-      std::tuple{field("job", &JobReport::job, "number of the job", limits::kJob),
-                 field("kind", &JobReport::kind, "the method that started it"),
-                 field("state", &JobReport::state, "where it is"),
-                 field("progress", &JobReport::progress, "part done", {0, 1}),
-                 field("result", &JobReport::result, "what it found; null unless done"),
-                 computed<JobReport>("error", job_error, "why it failed; null unless failed")};
+      Fields{field("job", &JobReport::job, "number of the job", limits::kJob),
+             field("kind", &JobReport::kind, "the method that started it"),
+             field("state", &JobReport::state, "where it is"),
+             field("progress", &JobReport::progress, "part done", {0, 1}),
+             field("result", &JobReport::result, "what it found; null unless done"),
+             computed<JobReport>("error", job_error, "why it failed; null unless failed")};
 };
 
 /// A method that starts a job, and the params of those that ask for one.
@@ -62,7 +62,7 @@ template <>
 struct Table<JobNumber> {
   static constexpr const char* kName = "JobNumber";
   static constexpr auto kFields =
-      std::tuple{field("job", &JobNumber::job, "number of the job", limits::kJob).must()};
+      Fields{field("job", &JobNumber::job, "number of the job", limits::kJob).must()};
 };
 
 }  // namespace ovws

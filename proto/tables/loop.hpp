@@ -15,7 +15,7 @@ namespace ovws {
 template <>
 struct Table<ModeGain> {
   static constexpr const char* kName = "ModeGain";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).must(),
       field("gain", &ModeGain::gain,
             "of this mode, in place of gain: the part of the residual that a step takes away",
@@ -26,7 +26,7 @@ struct Table<ModeGain> {
 template <>
 struct Table<LoopSettings> {
   static constexpr const char* kName = "LoopSettings";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("gain", &LoopSettings::gain, "part of the residual that a step corrects",
             limits::kLoopGain),
       field("leak", &LoopSettings::leak, "part of the correction that a step forgets",
@@ -63,7 +63,7 @@ struct LoopReport {
 template <>
 struct Table<LoopReport> {
   static constexpr const char* kName = "LoopReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("closed", &LoopReport::closed, "whether the loop is closed"),
       inlined(&LoopReport::settings),
       field("steps", &LoopReport::steps, "since the loop was closed last", Bounds::at_least(0)),

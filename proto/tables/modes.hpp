@@ -17,8 +17,8 @@ inline constexpr const char* kHologramIdMeaning =
 template <>
 struct Table<Mode> {
   static constexpr const char* kName = "Mode";
-  static constexpr auto kFields = std::tuple{field("j", &Mode::j, kModeIndexMeaning),
-                                             field("waves", &Mode::waves, "RMS-normalised waves")};
+  static constexpr auto kFields = Fields{field("j", &Mode::j, kModeIndexMeaning),
+                                         field("waves", &Mode::waves, "RMS-normalised waves")};
 };
 
 /// A mode as a person reads it.
@@ -29,20 +29,20 @@ template <>
 struct Table<NamedMode> {
   static constexpr const char* kName = "NamedMode";
   static constexpr auto kFields =
-      std::tuple{computed<NamedMode>("j", [](const NamedMode& named) { return named.mode.j; },
-                                     kModeIndexMeaning, {0, kMaxZernikeIndex}),
-                 computed<NamedMode>(
-                     "n", [](const NamedMode& named) { return zernike_index(named.mode.j).n; },
-                     "radial order"),
-                 computed<NamedMode>(
-                     "m", [](const NamedMode& named) { return zernike_index(named.mode.j).m; },
-                     "azimuthal frequency; negative: sine"),
-                 computed<NamedMode>(
-                     "name", [](const NamedMode& named) { return zernike_name(named.mode.j); },
-                     "common name, or Z(n,m)"),
-                 computed<NamedMode>(
-                     "waves", [](const NamedMode& named) { return named.mode.waves; },
-                     "coefficient, waves RMS at the laser's wavelength")};
+      Fields{computed<NamedMode>("j", [](const NamedMode& named) { return named.mode.j; },
+                                 kModeIndexMeaning, {0, kMaxZernikeIndex}),
+             computed<NamedMode>(
+                 "n", [](const NamedMode& named) { return zernike_index(named.mode.j).n; },
+                 "radial order"),
+             computed<NamedMode>(
+                 "m", [](const NamedMode& named) { return zernike_index(named.mode.j).m; },
+                 "azimuthal frequency; negative: sine"),
+             computed<NamedMode>(
+                 "name", [](const NamedMode& named) { return zernike_name(named.mode.j); },
+                 "common name, or Z(n,m)"),
+             computed<NamedMode>(
+                 "waves", [](const NamedMode& named) { return named.mode.waves; },
+                 "coefficient, waves RMS at the laser's wavelength")};
 };
 
 /// `aberration.*` and `correction.*`.
@@ -58,7 +58,7 @@ struct ModesReport {
 template <>
 struct Table<ModesReport> {
   static constexpr const char* kName = "ModesReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("modes", &ModesReport::modes, "the wavefront added or subtracted, RMS-normalised"),
       constant("norm", "rms", "normalisation of the coefficients"),
       field("hologram_id", &ModesReport::hologram_id, kHologramIdMeaning)};

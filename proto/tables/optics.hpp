@@ -37,16 +37,16 @@ template <>
 struct Table<SlmGeometry> {
   static constexpr const char* kName = "SlmGeometry";
   static constexpr auto kFields =
-      std::tuple{field("width", &SlmGeometry::width_px, "pixels", limits::kSlmSizePx),
-                 field("height", &SlmGeometry::height_px, "pixels", limits::kSlmSizePx),
-                 field("pitch_um", &SlmGeometry::pitch_um, "distance of its pixels, micrometres",
-                       limits::kSlmPitchUm)};
+      Fields{field("width", &SlmGeometry::width_px, "pixels", limits::kSlmSizePx),
+             field("height", &SlmGeometry::height_px, "pixels", limits::kSlmSizePx),
+             field("pitch_um", &SlmGeometry::pitch_um, "distance of its pixels, micrometres",
+                   limits::kSlmPitchUm)};
 };
 
 template <>
 struct Table<OpticsConfig> {
   static constexpr const char* kName = "OpticsConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("wavelength_nm", &OpticsConfig::wavelength_nm, "laser, nanometres",
             limits::kWavelengthNm),
       field("focal_length_mm", &OpticsConfig::focal_length_mm, "Fourier lens, millimetres",

@@ -22,9 +22,9 @@ struct CameraName {
 template <>
 struct Table<CameraName> {
   static constexpr const char* kName = "CameraName";
-  static constexpr auto kFields = std::tuple{field("vendor", &CameraName::vendor, "maker"),
-                                             field("model", &CameraName::model, "model"),
-                                             field("serial", &CameraName::serial, "serial number")};
+  static constexpr auto kFields = Fields{field("vendor", &CameraName::vendor, "maker"),
+                                         field("model", &CameraName::model, "model"),
+                                         field("serial", &CameraName::serial, "serial number")};
 };
 
 /// The SLM and what its hologram is made with: pictures of another one are other pictures.
@@ -35,7 +35,7 @@ struct SlmIdentity {
 template <>
 struct Table<SlmIdentity> {
   static constexpr const char* kName = "SlmIdentity";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       inlined(&SlmIdentity::geometry),
       field("lut_sha256", &SlmIdentity::lut_sha256, "of its 256 grey levels; null: none"),
       field("flatness_sha256", &SlmIdentity::flatness_sha256, "of its float32 waves; null: none")};
@@ -49,20 +49,20 @@ template <>
 struct Table<OriginSettings> {
   using S = OriginSettings;
   static constexpr const char* kName = "OriginSettings";
-  static constexpr auto kFields = std::tuple{
-      computed<S>(
-          "gain_db", [](const S& s) { return s.camera.gain_db; },
-          "analogue gain, dB; null: the camera has no gain in dB")
-          .or_null(),
-      computed<S>(
-          "gain_raw", [](const S& s) { return s.camera.gain_raw; },
-          "of a camera without gain in dB: in steps of its own")
-          .or_left_out(),
-      computed<S>(
-          "exposure_us", [](const S& s) { return s.camera.exposure_us; },
-          "exposure time, microseconds"),
-      computed<S>(
-          "pixel_format", [](const S& s) { return s.camera.pixel_format; }, "GenICam name")};
+  static constexpr auto kFields =
+      Fields{computed<S>(
+                 "gain_db", [](const S& s) { return s.camera.gain_db; },
+                 "analogue gain, dB; null: the camera has no gain in dB")
+                 .or_null(),
+             computed<S>(
+                 "gain_raw", [](const S& s) { return s.camera.gain_raw; },
+                 "of a camera without gain in dB: in steps of its own")
+                 .or_left_out(),
+             computed<S>(
+                 "exposure_us", [](const S& s) { return s.camera.exposure_us; },
+                 "exposure time, microseconds"),
+             computed<S>(
+                 "pixel_format", [](const S& s) { return s.camera.pixel_format; }, "GenICam name")};
 };
 
 struct OriginRegistration {
@@ -74,12 +74,12 @@ template <>
 struct Table<OriginRegistration> {
   using R = OriginRegistration;
   static constexpr const char* kName = "OriginRegistration";
-  static constexpr auto kFields = std::tuple{
-      field("t_taken_ns", &R::t_taken_ns, kTimeMeaning),
-      field("base_px", &R::base_px, "[x, y] of the base spot, pixels of the camera's sensor",
-            {-1e6, 1e6}),
-      field("px_per_cycle", &R::px_per_cycle,
-            "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
+  static constexpr auto kFields =
+      Fields{field("t_taken_ns", &R::t_taken_ns, kTimeMeaning),
+             field("base_px", &R::base_px, "[x, y] of the base spot, pixels of the camera's sensor",
+                   {-1e6, 1e6}),
+             field("px_per_cycle", &R::px_per_cycle,
+                   "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
 };
 
 /// What a reference or a calibration was taken with. Its file has it, too.
@@ -99,7 +99,7 @@ struct Origin {
 template <>
 struct Table<Origin> {
   static constexpr const char* kName = "Origin";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("program", &Origin::program, "version of the daemon"),
       field("camera", &Origin::camera, "the camera, null: it was not known"),
       field("settings", &Origin::settings, "of the camera, null: they were not known"),
@@ -134,7 +134,7 @@ template <>
 struct Table<SweepBench> {
   using B = SweepBench;
   static constexpr const char* kName = "SweepBench";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("program", &B::program, "version of the daemon"),
       field("camera", &B::camera, "vendor, model and serial number"),
       computed<B>(

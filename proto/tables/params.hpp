@@ -21,7 +21,7 @@ struct Nothing {};
 template <>
 struct Table<Nothing> {
   static constexpr const char* kName = "Nothing";
-  static constexpr auto kFields = std::tuple<>{};
+  static constexpr auto kFields = Fields{};
 };
 
 /// `aberration.set` and `correction.set`: in RMS normalisation whatever `norm` was, in the order
@@ -43,7 +43,7 @@ struct ReferenceTake {
 template <>
 struct Table<ReferenceTake> {
   static constexpr const char* kName = "ReferenceTake";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("frames", &ReferenceTake::frames, "how many frames to average",
             limits::kReferenceFrames),
       field("allow_aberration", &ReferenceTake::allow_aberration,
@@ -66,7 +66,7 @@ template <>
 struct Table<ReferenceSet> {
   static constexpr const char* kName = "ReferenceSet";
   static constexpr auto kFields =
-      std::tuple{field("source", &ReferenceSet::source, "what positions count from").must()};
+      Fields{field("source", &ReferenceSet::source, "what positions count from").must()};
 };
 
 struct RegistrationRun {
@@ -76,8 +76,8 @@ template <>
 struct Table<RegistrationRun> {
   static constexpr const char* kName = "RegistrationRun";
   static constexpr auto kFields =
-      std::tuple{field("frames", &RegistrationRun::frames,
-                       "how many frames to average for each picture", limits::kPictureFrames)};
+      Fields{field("frames", &RegistrationRun::frames,
+                   "how many frames to average for each picture", limits::kPictureFrames)};
 };
 
 struct FlatnessRun {
@@ -87,9 +87,9 @@ template <>
 struct Table<FlatnessRun> {
   static constexpr const char* kName = "FlatnessRun";
   static constexpr auto kFields =
-      std::tuple{field("frames", &FlatnessRun::frames,
-                       "how many settled frames to average for each place of the spot's aperture",
-                       limits::kPictureFrames)};
+      Fields{field("frames", &FlatnessRun::frames,
+                   "how many settled frames to average for each place of the spot's aperture",
+                   limits::kPictureFrames)};
 };
 
 struct LutRun {
@@ -99,7 +99,7 @@ struct LutRun {
 template <>
 struct Table<LutRun> {
   static constexpr const char* kName = "LutRun";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("levels", &LutRun::levels,
             "how many grey levels, from 0 to 255, are measured, each twice; more are added where "
             "the phase changes by more than a twenty-fourth of a turn from one to the next",
@@ -115,7 +115,7 @@ struct SettleRun {
 template <>
 struct Table<SettleRun> {
   static constexpr const char* kName = "SettleRun";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("repetitions", &SettleRun::repetitions, "changes of the picture",
             limits::kSettleRepetitions),
       field("watch_ms", &SettleRun::watch_ms,
@@ -130,7 +130,7 @@ struct CalibrationRun {
 template <>
 struct Table<CalibrationRun> {
   static constexpr const char* kName = "CalibrationRun";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("amplitude_waves", &CalibrationRun::amplitude_waves,
             "of each poke, RMS-normalised waves", limits::kPushWaves),
       field("frames", &CalibrationRun::frames,
@@ -165,7 +165,7 @@ struct SlmShow {
 template <>
 struct Table<SlmShow> {
   static constexpr const char* kName = "SlmShow";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("pattern", &SlmShow::pattern,
             "sensor: the wavefront sensor; grating: base grating and correction only, for using "
             "the corrected beam; flat: flatness map only; identify: a picture that tells which "
@@ -180,7 +180,7 @@ template <>
 struct Table<LoopOpen> {
   static constexpr const char* kName = "LoopOpen";
   static constexpr auto kFields =
-      std::tuple{field("keep", &LoopOpen::keep, "whether the correction stays")};
+      Fields{field("keep", &LoopOpen::keep, "whether the correction stays")};
 };
 
 struct ExperimentCell {
@@ -189,8 +189,8 @@ struct ExperimentCell {
 template <>
 struct Table<ExperimentCell> {
   static constexpr const char* kName = "ExperimentCell";
-  static constexpr auto kFields = std::tuple{
-      field("cell", &ExperimentCell::cell, "its number, from 0", limits::kSweepCell).must()};
+  static constexpr auto kFields =
+      Fields{field("cell", &ExperimentCell::cell, "its number, from 0", limits::kSweepCell).must()};
 };
 
 }  // namespace ovws

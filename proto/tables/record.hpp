@@ -23,7 +23,7 @@ struct RecordReport {
 template <>
 struct Table<RecordReport> {
   static constexpr const char* kName = "RecordReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("state", &RecordReport::state,
             "off: nothing was recorded since the start; recording; ended: the last one has, and "
             "this is of it")
@@ -56,18 +56,18 @@ template <>
 struct Table<RecordStart> {
   static constexpr const char* kName = "RecordStart";
   static constexpr auto kFields =
-      std::tuple{field("name", &RecordStart::name,
-                       "of the file, which gets the ending .h5; no file may have it yet")
-                     .must()
-                     .checked(not_plain),
-                 field("pictures_every", &RecordStart::pictures_every,
-                       "the camera's image of every n-th frame; 0: none", limits::kPicturesEvery),
-                 field("limit_s", &RecordStart::limit_s,
-                       "the recording ends by itself after so many seconds; null: it does not",
-                       limits::kRecordS),
-                 field("limit_mib", &RecordStart::limit_mib,
-                       "it ends when the file has become so many MiB large; null: it does not",
-                       limits::kRecordMib)};
+      Fields{field("name", &RecordStart::name,
+                   "of the file, which gets the ending .h5; no file may have it yet")
+                 .must()
+                 .checked(not_plain),
+             field("pictures_every", &RecordStart::pictures_every,
+                   "the camera's image of every n-th frame; 0: none", limits::kPicturesEvery),
+             field("limit_s", &RecordStart::limit_s,
+                   "the recording ends by itself after so many seconds; null: it does not",
+                   limits::kRecordS),
+             field("limit_mib", &RecordStart::limit_mib,
+                   "it ends when the file has become so many MiB large; null: it does not",
+                   limits::kRecordMib)};
 };
 
 }  // namespace ovws

@@ -27,10 +27,9 @@ struct StaleField {
 template <>
 struct Table<StaleField> {
   static constexpr const char* kName = "StaleField";
-  static constexpr auto kFields =
-      std::tuple{field("field", &StaleField::field, "key of camera.set"),
-                 field("then", &StaleField::then, "when it was taken"),
-                 field("now", &StaleField::now, "in use")};
+  static constexpr auto kFields = Fields{field("field", &StaleField::field, "key of camera.set"),
+                                         field("then", &StaleField::then, "when it was taken"),
+                                         field("now", &StaleField::now, "in use")};
 };
 
 struct ReferenceReport {
@@ -49,7 +48,7 @@ struct ReferenceReport {
 template <>
 struct Table<ReferenceReport> {
   static constexpr const char* kName = "ReferenceReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("source", &ReferenceReport::source,
             "measured: averaged from frames; model: where the configuration says that spots are, "
             "so that misalignment is in the coefficients")
@@ -88,17 +87,17 @@ struct KnownReference {
 template <>
 struct Table<KnownReference> {
   static constexpr const char* kName = "KnownReference";
-  static constexpr auto kFields = std::tuple{
-      computed<KnownReference>(
-          "taken", [](const KnownReference& known) { return known.reference.has_value(); },
-          "whether there is a reference; if not, all else is null or empty"),
-      inlined(&KnownReference::reference)};
+  static constexpr auto kFields =
+      Fields{computed<KnownReference>(
+                 "taken", [](const KnownReference& known) { return known.reference.has_value(); },
+                 "whether there is a reference; if not, all else is null or empty"),
+             inlined(&KnownReference::reference)};
 };
 
 template <>
 struct Table<Registration> {
   static constexpr const char* kName = "Registration";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("t_taken_ns", &Registration::t_taken_ns, kTimeMeaning),
       field("base_px", &Registration::base_px,
             "[x, y] of the base subaperture's spot, pixels of the camera's whole sensor"),
@@ -133,11 +132,11 @@ template <>
 struct Table<KnownRegistration> {
   static constexpr const char* kName = "KnownRegistration";
   static constexpr auto kFields =
-      std::tuple{computed<KnownRegistration>(
-                     "registered",
-                     [](const KnownRegistration& known) { return known.registration.has_value(); },
-                     "whether a registration is active; if not, all else is null"),
-                 inlined(&KnownRegistration::registration)};
+      Fields{computed<KnownRegistration>(
+                 "registered",
+                 [](const KnownRegistration& known) { return known.registration.has_value(); },
+                 "whether a registration is active; if not, all else is null"),
+             inlined(&KnownRegistration::registration)};
 };
 
 }  // namespace ovws

@@ -10,7 +10,7 @@ namespace ovws {
 template <>
 struct Table<RefineSetup> {
   static constexpr const char* kName = "RefineSetup";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("enabled", &RefineSetup::enabled, "whether frames are refined"),
       field("rate_hz", &RefineSetup::rate_hz, "at most so many frames a second are refined",
             limits::kRefineRateHz),
@@ -36,11 +36,11 @@ struct RefineReport {
 template <>
 struct Table<RefineReport> {
   static constexpr const char* kName = "RefineReport";
-  static constexpr auto kFields = std::tuple{
-      inlined(&RefineReport::settings),
-      computed<RefineReport>(
-          "pixel_format", [](const RefineReport& report) { return report.settings.format; },
-          "the camera's, whose DN these are")};
+  static constexpr auto kFields =
+      Fields{inlined(&RefineReport::settings),
+             computed<RefineReport>(
+                 "pixel_format", [](const RefineReport& report) { return report.settings.format; },
+                 "the camera's, whose DN these are")};
 };
 
 }  // namespace ovws

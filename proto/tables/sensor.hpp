@@ -13,7 +13,7 @@ namespace ovws {
 template <>
 struct Table<SensorConfig> {
   static constexpr const char* kName = "SensorConfig";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("charge", &SensorConfig::charge,
             "topological charge l of the vortices; 0: the conventional Shack-Hartmann sensor",
             limits::kCharge),
@@ -40,7 +40,7 @@ struct SensorSettings {
 template <>
 struct Table<TrackingSettings> {
   static constexpr const char* kName = "TrackingSettings";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("tracker", &TrackingSettings::tracker, "how spots are found"),
       field("template", &TrackingSettings::templates,
             "of the tracker matched: the model's spot, or each spot as the reference shows it"),
@@ -56,7 +56,7 @@ template <>
 struct Table<SensorSettings> {
   static constexpr const char* kName = "SensorSettings";
   static constexpr auto kFields =
-      std::tuple{inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
+      Fields{inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
 };
 
 /// What of `template` is in use: a reference may hold less than was asked for.
@@ -67,7 +67,7 @@ struct TemplateReport {
 template <>
 struct Table<TemplateReport> {
   static constexpr const char* kName = "TemplateReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("own_templates", &TemplateReport::own,
             "spots that are found by a template of their own, from the reference, and not by the "
             "model's",
@@ -86,7 +86,7 @@ struct OperatorReport {
 template <>
 struct Table<OperatorReport> {
   static constexpr const char* kName = "OperatorReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("operator_in_force", &OperatorReport::in_force,
             "what turns displacements into modes now"),
       field("operator_reason", &OperatorReport::reason,
@@ -107,7 +107,7 @@ struct SensorReport {
 template <>
 struct Table<SensorReport> {
   static constexpr const char* kName = "SensorReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       inlined(&SensorReport::settings),
       inlined(&SensorReport::templates),
       inlined(&SensorReport::mode_operator),

@@ -25,9 +25,9 @@ struct Table<CameraSetReport> {
   using R = CameraSetReport;
   static constexpr const char* kName = "CameraSetReport";
   static constexpr auto kFields =
-      std::tuple{field("requested", &R::requested, kRequestedMeaning),
-                 field("applied", &R::applied, "the camera's settings"),
-                 field("limits", &R::limits, "what the connected camera allows now")};
+      Fields{field("requested", &R::requested, kRequestedMeaning),
+             field("applied", &R::applied, "the camera's settings"),
+             field("limits", &R::limits, "what the connected camera allows now")};
 };
 
 struct SensorSetReport {
@@ -39,10 +39,9 @@ template <>
 struct Table<SensorSetReport> {
   using R = SensorSetReport;
   static constexpr const char* kName = "SensorSetReport";
-  static constexpr auto kFields =
-      std::tuple{field("requested", &R::requested, kRequestedMeaning),
-                 field("applied", &R::applied, kAppliedMeaning),
-                 field("hologram_id", &R::hologram_id, kHologramIdMeaning)};
+  static constexpr auto kFields = Fields{field("requested", &R::requested, kRequestedMeaning),
+                                         field("applied", &R::applied, kAppliedMeaning),
+                                         field("hologram_id", &R::hologram_id, kHologramIdMeaning)};
 };
 
 struct RefineSetReport {
@@ -53,8 +52,8 @@ template <>
 struct Table<RefineSetReport> {
   using R = RefineSetReport;
   static constexpr const char* kName = "RefineSetReport";
-  static constexpr auto kFields = std::tuple{field("requested", &R::requested, kRequestedMeaning),
-                                             field("applied", &R::applied, kAppliedMeaning)};
+  static constexpr auto kFields = Fields{field("requested", &R::requested, kRequestedMeaning),
+                                         field("applied", &R::applied, kAppliedMeaning)};
 };
 
 }  // namespace ovws

@@ -18,7 +18,7 @@ namespace ovws {
 template <>
 struct Table<DisplayInfo> {
   static constexpr const char* kName = "DisplayInfo";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("output", &DisplayInfo::output, "name of the output, e.g. HDMI-1"),
       field("driver", &DisplayInfo::driver, "x11, wayland or KMSDRM"),
       field("width", &DisplayInfo::width, "pixels", Bounds::at_least(1)),
@@ -39,7 +39,7 @@ template <>
 struct Table<LutMeasured> {
   using M = LutMeasured;
   static constexpr const char* kName = "LutMeasured";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
       time_text("t_taken", &M::t_taken_ns),
       field("sha256", &M::sha256, kSha256Meaning).or_null(),
@@ -90,23 +90,23 @@ template <>
 struct Table<LutReport> {
   static constexpr const char* kName = "LutReport";
   static constexpr auto kFields =
-      std::tuple{computed<LutReport>(
-                     "source",
-                     [](const LutReport& lut) {
-                       return lut.measured ? "measured" : lut.path ? "file" : "linear";
-                     },
-                     "where the table in use comes from")
-                     .among([] {
-                       return std::vector<std::string>{"linear", "file", "measured"};
-                     }),
-                 field("path", &LutReport::path, "slm.lut of the configuration"),
-                 field("grey_levels", &LutReport::in_use,
-                       "the table in use: the k-th is shown for the phase 2 pi k/256", {0, 255})
-                     .sized(256, 256),
-                 computed<LutReport>(
-                     "measured", [](const LutReport& lut) { return lut.measured.has_value(); },
-                     "whether a measured table is in use; if not, all that follows is null"),
-                 inlined(&LutReport::measured)};
+      Fields{computed<LutReport>(
+                 "source",
+                 [](const LutReport& lut) {
+                   return lut.measured ? "measured" : lut.path ? "file" : "linear";
+                 },
+                 "where the table in use comes from")
+                 .among([] {
+                   return std::vector<std::string>{"linear", "file", "measured"};
+                 }),
+             field("path", &LutReport::path, "slm.lut of the configuration"),
+             field("grey_levels", &LutReport::in_use,
+                   "the table in use: the k-th is shown for the phase 2 pi k/256", {0, 255})
+                 .sized(256, 256),
+             computed<LutReport>(
+                 "measured", [](const LutReport& lut) { return lut.measured.has_value(); },
+                 "whether a measured table is in use; if not, all that follows is null"),
+             inlined(&LutReport::measured)};
 };
 
 struct FlatnessMode {
@@ -117,10 +117,10 @@ template <>
 struct Table<FlatnessMode> {
   static constexpr const char* kName = "FlatnessMode";
   static constexpr auto kFields =
-      std::tuple{field("j", &FlatnessMode::j, kModeIndexMeaning, Bounds::at_least(3)),
-                 field("waves", &FlatnessMode::waves, "RMS-normalised"),
-                 field("standard_error_waves", &FlatnessMode::standard_error_waves,
-                       "by what the modes leave of the places", Bounds::at_least(0))};
+      Fields{field("j", &FlatnessMode::j, kModeIndexMeaning, Bounds::at_least(3)),
+             field("waves", &FlatnessMode::waves, "RMS-normalised"),
+             field("standard_error_waves", &FlatnessMode::standard_error_waves,
+                   "by what the modes leave of the places", Bounds::at_least(0))};
 };
 
 struct FlatnessMeasured {
@@ -137,29 +137,29 @@ template <>
 struct Table<FlatnessMeasured> {
   using M = FlatnessMeasured;
   static constexpr const char* kName = "FlatnessMeasured";
-  static constexpr auto kFields = std::tuple{
-      field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
-      time_text("t_taken", &M::t_taken_ns),
-      field("sha256", &M::sha256, kSha256Meaning).or_null(),
-      field("frames", &M::frames, "averaged for each place of the spot's aperture",
-            Bounds::at_least(1)),
-      field("iterations", &M::iterations, "scans of the pupil until nothing changed",
-            Bounds::at_least(1)),
-      field("pupil_diameter_px", &M::pupil_diameter_px,
-            "of the circle over which the modes are normalised, SLM pixels"),
-      field("modes", &M::modes, "the error that was found; the hologram shows the opposite"),
-      computed<M>(
-          "rms_waves",
-          [](const M& m) {
-            double squares = 0.0;
-            for (const FlatnessMode& mode : m.modes) squares += mode.waves * mode.waves;
-            return std::sqrt(squares);
-          },
-          "root sum square of the modes, waves", Bounds::at_least(0)),
-      field("residual_rms_waves", &M::residual_rms_waves,
-            "how far the last scan's modes are from those before, root sum square, waves",
-            Bounds::at_least(0)),
-      field("origin", &M::origin, "what it was measured with")};
+  static constexpr auto kFields =
+      Fields{field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
+             time_text("t_taken", &M::t_taken_ns),
+             field("sha256", &M::sha256, kSha256Meaning).or_null(),
+             field("frames", &M::frames, "averaged for each place of the spot's aperture",
+                   Bounds::at_least(1)),
+             field("iterations", &M::iterations, "scans of the pupil until nothing changed",
+                   Bounds::at_least(1)),
+             field("pupil_diameter_px", &M::pupil_diameter_px,
+                   "of the circle over which the modes are normalised, SLM pixels"),
+             field("modes", &M::modes, "the error that was found; the hologram shows the opposite"),
+             computed<M>(
+                 "rms_waves",
+                 [](const M& m) {
+                   double squares = 0.0;
+                   for (const FlatnessMode& mode : m.modes) squares += mode.waves * mode.waves;
+                   return std::sqrt(squares);
+                 },
+                 "root sum square of the modes, waves", Bounds::at_least(0)),
+             field("residual_rms_waves", &M::residual_rms_waves,
+                   "how far the last scan's modes are from those before, root sum square, waves",
+                   Bounds::at_least(0)),
+             field("origin", &M::origin, "what it was measured with")};
 };
 
 /// `flatness.get` and `.clear`, and the result of the job of `flatness.run`.
@@ -170,7 +170,7 @@ struct FlatnessReport {
 template <>
 struct Table<FlatnessReport> {
   static constexpr const char* kName = "FlatnessReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("path", &FlatnessReport::path,
             "slm.flatness of the configuration, which is in use, too"),
       computed<FlatnessReport>(
@@ -191,21 +191,21 @@ std::string settle_reason(const SettleReport& report);
 template <>
 struct Table<SettleTime> {
   static constexpr const char* kName = "SettleTime";
-  static constexpr auto kFields = std::tuple{
-      field("p50_ms", &SettleTime::p50_ms, "median, milliseconds"),
-      field("mad_ms", &SettleTime::mad_ms, "median absolute deviation from it"),
-      field("max_ms", &SettleTime::max_ms, "longest that is no outlier"),
-      field("worst_ms", &SettleTime::worst_ms, "longest of all"),
-      field("outliers", &SettleTime::outliers, "changes that took unusually long"),
-      field("least_ms", &SettleTime::least_ms, "it is no shorter"),
-      field("resolution_ms", &SettleTime::resolution_ms, "of one change, by the frame rate"),
-      field("margin_ms", &SettleTime::margin_ms, "added for the proposal"),
-      field("proposed_settle_ms", &SettleTime::proposed_ms, "for slm.settle_ms")};
+  static constexpr auto kFields =
+      Fields{field("p50_ms", &SettleTime::p50_ms, "median, milliseconds"),
+             field("mad_ms", &SettleTime::mad_ms, "median absolute deviation from it"),
+             field("max_ms", &SettleTime::max_ms, "longest that is no outlier"),
+             field("worst_ms", &SettleTime::worst_ms, "longest of all"),
+             field("outliers", &SettleTime::outliers, "changes that took unusually long"),
+             field("least_ms", &SettleTime::least_ms, "it is no shorter"),
+             field("resolution_ms", &SettleTime::resolution_ms, "of one change, by the frame rate"),
+             field("margin_ms", &SettleTime::margin_ms, "added for the proposal"),
+             field("proposed_settle_ms", &SettleTime::proposed_ms, "for slm.settle_ms")};
 };
 template <>
 struct Table<SettleReport> {
   static constexpr const char* kName = "SettleReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("repetitions", &SettleReport::repetitions, "changes of the picture"),
       inlined(&SettleReport::time),
       field("configured_settle_ms", &SettleReport::configured_ms, "slm.settle_ms"),
@@ -226,7 +226,7 @@ struct VerifyReport {
 template <>
 struct Table<VerifyReport> {
   static constexpr const char* kName = "VerifyReport";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("hologram_id", &VerifyReport::hologram_id, "presented last", Bounds::at_least(1)),
       field("crc32", &VerifyReport::crc32, "CRC-32 (zlib's) of its grey levels, row by row"),
       field("crc32_shown", &VerifyReport::crc32_shown, "of the output's pixels (their blue)"),
@@ -246,8 +246,8 @@ template <>
 struct Table<ShowReport> {
   static constexpr const char* kName = "ShowReport";
   static constexpr auto kFields =
-      std::tuple{field("pattern", &ShowReport::pattern, "as set"),
-                 field("hologram_id", &ShowReport::hologram_id, kHologramIdMeaning)};
+      Fields{field("pattern", &ShowReport::pattern, "as set"),
+             field("hologram_id", &ShowReport::hologram_id, kHologramIdMeaning)};
 };
 
 }  // namespace ovws

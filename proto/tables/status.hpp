@@ -105,34 +105,33 @@ template <>
 struct Table<StatusMessage::CameraPart> {
   using P = StatusMessage::CameraPart;
   static constexpr const char* kName = "StatusCamera";
-  static constexpr auto kFields =
-      std::tuple{field("connected", &P::connected, "answers now"),
-                 field("streaming", &P::streaming, "frames are asked for"),
-                 field("info", &P::info, "which camera it is"),
-                 field("settings", &P::settings, "the camera's settings"),
-                 field("fault", &P::fault, kFaultMeaning)};
+  static constexpr auto kFields = Fields{field("connected", &P::connected, "answers now"),
+                                         field("streaming", &P::streaming, "frames are asked for"),
+                                         field("info", &P::info, "which camera it is"),
+                                         field("settings", &P::settings, "the camera's settings"),
+                                         field("fault", &P::fault, kFaultMeaning)};
 };
 
 template <>
 struct Table<StatusMessage::SlmPart> {
   using P = StatusMessage::SlmPart;
   static constexpr const char* kName = "StatusSlm";
-  static constexpr auto kFields = std::tuple{
-      field("connected", &P::connected, "the display is there"),
-      field("info", &P::info, "which display it is"),
-      field("pattern", &P::pattern, "what is shown; test: a job's own picture").among([] {
-        return pattern_names();
-      }),
-      field("hologram_id", &P::hologram_id, "shown now; 0: none"),
-      field("settled", &P::settled, "false while it changes"),
-      field("fault", &P::fault, kFaultMeaning)};
+  static constexpr auto kFields =
+      Fields{field("connected", &P::connected, "the display is there"),
+             field("info", &P::info, "which display it is"),
+             field("pattern", &P::pattern, "what is shown; test: a job's own picture").among([] {
+               return pattern_names();
+             }),
+             field("hologram_id", &P::hologram_id, "shown now; 0: none"),
+             field("settled", &P::settled, "false while it changes"),
+             field("fault", &P::fault, kFaultMeaning)};
 };
 
 template <>
 struct Table<StatusMessage::SensorPart::Invalid> {
   using P = StatusMessage::SensorPart::Invalid;
   static constexpr const char* kName = "StatusInvalid";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("t_since_ns", &P::t_since_ns, "when the first frame of them came, UTC"),
       field("reason", &P::reason, "what such a frame lacks"),
       field("action", &P::action, "what the daemon does about it, and when"),
@@ -146,7 +145,7 @@ template <>
 struct Table<StatusMessage::SensorPart> {
   using P = StatusMessage::SensorPart;
   static constexpr const char* kName = "StatusSensor";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       inlined(&P::settings),
       inlined(&P::templates),
       inlined(&P::mode_operator),
@@ -181,7 +180,7 @@ template <>
 struct Table<StatusMessage::RefinePart> {
   using P = StatusMessage::RefinePart;
   static constexpr const char* kName = "StatusRefine";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("state", &P::state, "off; waiting: for a frame, or until the next is due; refining")
           .among([] {
             return std::vector<std::string>{"off", "waiting", "refining"};
@@ -199,7 +198,7 @@ template <>
 struct Table<StatusMessage::StorePart> {
   using P = StatusMessage::StorePart;
   static constexpr const char* kName = "StatusStore";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("directory", &P::directory, "where; null: nothing is kept"),
       field("reason", &P::reason, "why something is not kept, and the way out; null: all is")};
 };
@@ -209,19 +208,19 @@ struct Table<StatusMessage::FailedJob> {
   using P = StatusMessage::FailedJob;
   static constexpr const char* kName = "FailedJob";
   static constexpr auto kFields =
-      std::tuple{field("job", &P::job, "number of the job", limits::kJob),
-                 field("kind", &P::kind, "the method that started it"),
-                 field("field", &P::field, "what was at fault; empty: nothing by name"),
-                 field("reason", &P::reason, "what was wrong and the way out"),
-                 field("t_failed_ns", &P::t_failed_ns, kTimeMeaning),
-                 time_text("t_failed", &P::t_failed_ns)};
+      Fields{field("job", &P::job, "number of the job", limits::kJob),
+             field("kind", &P::kind, "the method that started it"),
+             field("field", &P::field, "what was at fault; empty: nothing by name"),
+             field("reason", &P::reason, "what was wrong and the way out"),
+             field("t_failed_ns", &P::t_failed_ns, kTimeMeaning),
+             time_text("t_failed", &P::t_failed_ns)};
 };
 
 template <>
 struct Table<StatusMessage::Rates> {
   using P = StatusMessage::Rates;
   static constexpr const char* kName = "Rates";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("grabbed_hz", &P::grabbed_hz, "frames taken from the camera, per second",
             Bounds::at_least(0)),
       field("published_hz", &P::published_hz, "frames published, per second", Bounds::at_least(0)),
@@ -232,35 +231,35 @@ template <>
 struct Table<LatencyTotals> {
   static constexpr const char* kName = "LatencyTotals";
   static constexpr auto kFields =
-      std::tuple{field("count", &LatencyTotals::count, "frames"),
-                 field("sum_us", &LatencyTotals::sum_us, "of all latencies, microseconds",
-                       Bounds::at_least(0)),
-                 computed<LatencyTotals>(
-                     "edges_us", [](const LatencyTotals&) { return LatencyTotals::edges_us(); },
-                     "rising, microseconds"),
-                 field("below", &LatencyTotals::below, "how many took less than each edge")};
+      Fields{field("count", &LatencyTotals::count, "frames"),
+             field("sum_us", &LatencyTotals::sum_us, "of all latencies, microseconds",
+                   Bounds::at_least(0)),
+             computed<LatencyTotals>(
+                 "edges_us", [](const LatencyTotals&) { return LatencyTotals::edges_us(); },
+                 "rising, microseconds"),
+             field("below", &LatencyTotals::below, "how many took less than each edge")};
 };
 
 template <>
 struct Table<LatencySummary> {
   static constexpr const char* kName = "Latency";
-  static constexpr auto kFields = std::tuple{
-      field("count", &LatencySummary::count, "frames"),
-      field("p50_us", &LatencySummary::p50_us, "median, microseconds", Bounds::at_least(0)),
-      field("p99_us", &LatencySummary::p99_us, "99th percentile, microseconds",
-            Bounds::at_least(0)),
-      field("p999_us", &LatencySummary::p999_us, "99.9th percentile, microseconds",
-            Bounds::at_least(0)),
-      field("max_us", &LatencySummary::max_us, "microseconds", Bounds::at_least(0)),
-      field("since_start", &LatencySummary::since_start,
-            "all since the start: for histograms that are added up over time")};
+  static constexpr auto kFields =
+      Fields{field("count", &LatencySummary::count, "frames"),
+             field("p50_us", &LatencySummary::p50_us, "median, microseconds", Bounds::at_least(0)),
+             field("p99_us", &LatencySummary::p99_us, "99th percentile, microseconds",
+                   Bounds::at_least(0)),
+             field("p999_us", &LatencySummary::p999_us, "99.9th percentile, microseconds",
+                   Bounds::at_least(0)),
+             field("max_us", &LatencySummary::max_us, "microseconds", Bounds::at_least(0)),
+             field("since_start", &LatencySummary::since_start,
+                   "all since the start: for histograms that are added up over time")};
 };
 
 template <>
 struct Table<StatusMessage> {
   using M = StatusMessage;
   static constexpr const char* kName = "Status";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("t_ns", &M::t_ns, kTimeMeaning),
       field("uptime_s", &M::uptime_s, "since the start, seconds", Bounds::at_least(0)),
       field("state", &M::state,

@@ -52,7 +52,7 @@ template <>
 struct Table<FrameMessage> {
   using M = FrameMessage;
   static constexpr const char* kName = "FrameMessage";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, kFrameIdMeaning),
       field("gap", &M::gap, "frames lost since the message before"),
@@ -108,7 +108,7 @@ struct Table<WavefrontMessage> {
   using M = WavefrontMessage;
   static constexpr const char* kName = "Wavefront";
   static Json rules();
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       constant("schema", "ovws.wavefront/1", "form of this message"), based<FrameMessage>(),
       field("j", &M::j, "OSA/ANSI indices of the coefficients, without piston",
             {1, kMaxZernikeIndex}),
@@ -133,7 +133,7 @@ struct Table<SpotsMessage> {
   static constexpr std::array<std::string_view, 6> kColumns{"x",     "y",    "ref_x",
                                                             "ref_y", "peak", "quality"};
   static constexpr std::array<std::string_view, 6> kColumnUnits{"px", "px", "px", "px", "DN", "1"};
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       constant("schema", "ovws.spots/1", "form of this message"),
       based<FrameMessage>(),
       computed<M>(
@@ -156,7 +156,7 @@ template <>
 struct Table<ImageMessage> {
   using M = ImageMessage;
   static constexpr const char* kName = "Image";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       constant("schema", "ovws.image/1", "form of this message"),
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, kFrameIdMeaning),
@@ -190,23 +190,23 @@ struct Table<PhaseMessage> {
   using M = PhaseMessage;
   static constexpr const char* kName = "Phase";
   static constexpr auto kFields =
-      std::tuple{constant("schema", "ovws.phase/1", "form of this message"),
-                 field("seq", &M::seq, kSeqMeaning),
-                 field("frame_id", &M::frame_id, kFrameIdMeaning),
-                 field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
-                 field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
-                 kOrientation,
-                 field("valid", &M::valid, "as of the wavefront that it shows"),
-                 kUnit,
-                 field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
-                       limits::kWavelengthNm),
-                 computed<M>(
-                     "shape",
-                     [](const M& m) {
-                       return Shape{m.waves->height, m.waves->width};
-                     },
-                     "[rows, columns] of the binary part"),
-                 kFloats};
+      Fields{constant("schema", "ovws.phase/1", "form of this message"),
+             field("seq", &M::seq, kSeqMeaning),
+             field("frame_id", &M::frame_id, kFrameIdMeaning),
+             field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
+             field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
+             kOrientation,
+             field("valid", &M::valid, "as of the wavefront that it shows"),
+             kUnit,
+             field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
+                   limits::kWavelengthNm),
+             computed<M>(
+                 "shape",
+                 [](const M& m) {
+                   return Shape{m.waves->height, m.waves->width};
+                 },
+                 "[rows, columns] of the binary part"),
+             kFloats};
 };
 
 template <>
@@ -215,7 +215,7 @@ struct Table<RefinedMessage> {
   static constexpr const char* kName = "Refined";
   static std::optional<double> rms_waves(const M& m);
   static Json rules();
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       constant("schema", "ovws.refined/1", "form of this message"),
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, "camera's frame number, as in wavefront"),
@@ -281,7 +281,7 @@ template <>
 struct Table<RefinedMessage::Fit> {
   using F = RefinedMessage::Fit;
   static constexpr const char* kName = "RefinedFit";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       field("chi2_per_pixel", &F::chi2_per_pixel,
             "misfit in units of the noise stated: about 1 if the model explains the frame; null if "
             "no minimum was found",
@@ -304,13 +304,13 @@ struct Table<EventMessage> {
   using M = EventMessage;
   static constexpr const char* kName = "Event";
   static constexpr auto kFields =
-      std::tuple{constant("schema", "ovws.event/1", "form of this message"),
-                 field("seq", &M::seq, kSeqMeaning),
-                 field("t_ns", &M::t_ns, kTimeMeaning),
-                 field("kind", &M::kind, "what it is about: state, camera, slm, job, …"),
-                 field("severity", &M::severity, "how bad it is"),
-                 field("text", &M::text, "one sentence for a person"),
-                 field("data", &M::data, "for programs; its shape depends on the kind")};
+      Fields{constant("schema", "ovws.event/1", "form of this message"),
+             field("seq", &M::seq, kSeqMeaning),
+             field("t_ns", &M::t_ns, kTimeMeaning),
+             field("kind", &M::kind, "what it is about: state, camera, slm, job, …"),
+             field("severity", &M::severity, "how bad it is"),
+             field("text", &M::text, "one sentence for a person"),
+             field("data", &M::data, "for programs; its shape depends on the kind")};
 };
 
 /// `status` as it is published; `system.status` is the same without `schema` and `seq`.
@@ -320,7 +320,7 @@ struct StreamedStatus {
 template <>
 struct Table<StreamedStatus> {
   static constexpr const char* kName = "StreamedStatus";
-  static constexpr auto kFields = std::tuple{
+  static constexpr auto kFields = Fields{
       constant("schema", "ovws.status/1", "form of this message"),
       computed<StreamedStatus>(
           "seq", [](const StreamedStatus& streamed) { return streamed.status.seq; }, kSeqMeaning),
