@@ -3,16 +3,6 @@
 namespace ovws::twin {
 namespace {
 
-/// While the display changes faster than far fields are computed, no far field is ever of what is
-/// shown at this moment; without this allowance no frame could be sent at all. A frame begun before
-/// a change may show what was there before it, but not be delivered at any time: a client knows its
-/// arrival better than its begin, for where all frames come late it takes the smallest delay of
-/// its camera for none (ArrivalClock). So one is sent only this soon after the newest change of the
-/// display: by its arrival too it was then exposed before the liquid crystal stood still, whatever
-/// the client thinks of its delay, and is taken for no measurement of the new picture. To be less
-/// than the daemon's settle_ms by what a frame's delivery and the news of a change may take.
-constexpr auto kTurning = std::chrono::milliseconds(10);
-
 constexpr std::size_t kFrameTruths = 32;
 
 }  // namespace

@@ -45,6 +45,12 @@ class Bench {
  public:
   using Deadline = std::chrono::steady_clock::time_point;
 
+  /// How long after a change of the display a frame from before it may be sent. Without this
+  /// allowance no frame could be sent while the display changes faster than far fields are
+  /// computed. It is less than the daemon's settle_ms by what delivery and the news of a change may
+  /// take: the daemon then never takes such a frame for a settled one.
+  static constexpr auto kTurning = std::chrono::milliseconds(10);
+
   explicit Bench(const Config& config);
 
   void work(const std::stop_token& stop);  ///< body of the bench's thread
