@@ -1,7 +1,10 @@
 /// Random numbers for simulated pixels: quick, and the same again for the same seed.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace ovws {
 
@@ -22,12 +25,78 @@ class Noise {
   static constexpr float kExactPoisson = 30.0F;
 
  private:
-  struct Tables;
+  static constexpr std::uint32_t kOne = 1U << 31;  ///< probability 1, against 31 random bits
+
+  /// Cumulative Poisson probabilities of one mean, and for each top byte of a random number the
+  /// count at which to start looking: the search then takes about one step.
+  struct PoissonTable {
+    static constexpr int kCounts = 96;
+    std::array<std::uint32_t, kCounts> cumulative{};
+    std::array<std::uint8_t, 256> start{};
+
+    explicit PoissonTable(double mean);
+    /// The smallest count whose cumulative probability exceeds `random`.
+    int draw(std::uint32_t random) const {
+      int count = start[random >> 23];
+      while (random >= cumulative[std::size_t(count)]) ++count;
+      return count;
+    }
+  };
+  struct Tables {
+    static constexpr int kPerElectron = 8;
+    std::vector<float> normals;
+    std::vector<PoissonTable> poisson;  ///< of the means k / kPerElectron
+
+    Tables();
+  };
   static const Tables& tables();
+  static int draw_small(float mean, std::uint32_t random);
   std::uint64_t bits();
 
   std::uint64_t state_;
   const Tables& tables_;
 };
+
+// Inline: a simulated frame draws a million numbers.
+
+/// SplitMix64: spreads each bit of a counter over all bits of the result (Steele, Lea and Flood,
+/// "Fast splittable pseudorandom number generators", 2014).
+inline std::uint64_t split_mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+  return z ^ (z >> 31);
+}
+
+inline std::uint64_t Noise::bits() {
+  state_ += 0x9e3779b97f4a7c15U;
+  return split_mix(state_);
+}
+
+inline float Noise::normal() {
+  return tables_.normals[bits() >> 48];
+}
+
+inline float Noise::poisson(float mean) {
+  if (!(mean > 0.0F)) return 0.0F;
+  if (mean >= kExactPoisson) return mean + std::sqrt(mean) * normal();
+  // The sum of Poisson numbers is one of the summed mean: a table for the most of it, and the rest.
+  const int k = static_cast<int>(mean * Tables::kPerElectron);
+  const std::uint64_t random = bits();
+  const int most = tables_.poisson[std::size_t(k)].draw(static_cast<std::uint32_t>(random >> 33));
+  const float rest_mean = mean - static_cast<float>(k) / static_cast<float>(Tables::kPerElectron);
+  return static_cast<float>(most + draw_small(rest_mean, random & (kOne - 1)));
+}
+
+/// A small mean, by inversion. exp(-mean) >= 1 - mean saves most draws the exponential.
+inline int Noise::draw_small(float mean, std::uint32_t random) {
+  float left = static_cast<float>(random) / static_cast<float>(kOne);
+  if (left < 1.0F - mean) return 0;
+  int count = 0;
+  for (float probability = std::exp(-mean); left >= probability && count < 16; ++count) {
+    left -= probability;
+    probability *= mean / static_cast<float>(count + 1);
+  }
+  return count;
+}
 
 }  // namespace ovws
