@@ -94,6 +94,18 @@ def _serves_display(pid, number):
         return False
 
 
+def _xorg_config(width, height):
+    """xorg-bench.conf with an SLM of this size, at 60 Hz."""
+    text = (HERE / "xorg-bench.conf").read_text()
+    if (width, height) == (1280, 768):
+        return text
+    columns, lines = width + 384, height + 30
+    mode = (f'Modeline "{width}x{height}" {60e-6 * columns * lines:.2f} '
+            f"{width} {width + 64} {width + 192} {columns} {height} {height + 3} {height + 13} {lines}")
+    start = text.index('Modeline "1280x768"')
+    return (text[:start] + mode + text[text.index("\n", start):]).replace("1280x768", f"{width}x{height}")
+
+
 class Process:
     """One program, its log file, and its end."""
 
@@ -186,12 +198,12 @@ class Bench:
         self._processes.remove(process)
         return process.stop()
 
-    def start_display(self, number=None, timeout=20.0):
-        """An X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (1280 x 768, the SLM), on a
-        free display number unless one is given. Sets `display`."""
+    def start_display(self, number=None, timeout=20.0, slm_size=(1280, 768)):
+        """An X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM), on a free display
+        number unless one is given. Sets `display`."""
         # Not the wrapper /usr/bin/Xorg, which may refuse whoever does not sit at the console.
         xorg = next(filter(os.path.exists, ("/usr/lib/xorg/Xorg", "/usr/libexec/Xorg")), "Xorg")
-        shutil.copy(HERE / "xorg-bench.conf", self.directory / "xorg-bench.conf")
+        self._write("xorg-bench.conf", _xorg_config(*slm_size))
         for display in [number] if number is not None else free_displays():
             server = self.start("xorg", [
                 xorg, f":{display}", "-config", self.directory / "xorg-bench.conf",

@@ -15,7 +15,7 @@ import bench as bench_module  # noqa: E402
 bench_module.python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
-__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "own_mounts", "wait_for"]
+__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "merged", "own_mounts", "wait_for"]
 
 
 def own_mounts():
@@ -37,11 +37,29 @@ def wait_for(condition, timeout_s=10.0, what="the condition"):
     raise AssertionError(f"{what} did not come true within {timeout_s} s")
 
 
+def merged(config, changes):
+    """A configuration with sections laid over those of another."""
+    return config | {key: merged(config[key], value) if isinstance(value, dict) and isinstance(config.get(key), dict) else value
+                     for key, value in changes.items()}
+
+
+# An SLM of half the size behind a lens of half the focal length: the camera sees the same, and a hologram and its far field
+# take a quarter of the time.
+SMALL_SIZE = (640, 384)
+SMALL_DAEMON = {"slm": {"width": 640, "height": 384}, "optics": {"focal_length_mm": 100.0},
+                "sensor": {"pupil_diameter_px": 384.0, "spacing": 0.5}}
+SMALL_TWIN = SMALL_DAEMON | {"light": {"diameter_px": 600.0}}
+
+
 class BenchCase(unittest.TestCase):
-    """A whole bench: display, twin, daemon. `twin_config` and `daemon_config` are keys that differ from the defaults."""
+    """A whole bench: display, twin, daemon. `twin_config` and `daemon_config` are keys that differ from the defaults.
+
+    The twin repeats a pool of noisy frames while nothing changes: fresh noise in every frame takes half a processor, and
+    matters to few tests, which ask for {"noise": "fresh"}."""
 
     twin_config = {}
     daemon_config = {}
+    small = False  # SMALL_SIZE instead of 1280 x 768
 
     def setUp(self):
         self.bench = bench_module.Bench()
@@ -49,13 +67,21 @@ class BenchCase(unittest.TestCase):
         self.start()
 
     def start(self):
-        self.bench.start_display()
-        self.bench.start_twin(self.twin_config)
+        self.start_display()
+        self.start_twin()
         self.start_daemon()
         self.wait_until("running")
 
-    def start_daemon(self):
-        self.bench.start_daemon(self.daemon_config)
+    def start_display(self, number=None):
+        return self.bench.start_display(number, **({"slm_size": SMALL_SIZE} if self.small else {}))
+
+    def start_twin(self, **more):
+        config = merged(SMALL_TWIN if self.small else {}, {"noise": "pool"} | self.twin_config)
+        return self.bench.start_twin(merged(config, more))
+
+    def start_daemon(self, **more):
+        config = merged(SMALL_DAEMON if self.small else {}, self.daemon_config)
+        self.bench.start_daemon(merged(config, more))
         self.client = Client()
         self.addCleanup(self.client.close)
 

@@ -15,7 +15,7 @@ ITEMS = ("registration.get", "lut.get", "reference.get", "calibration.get")
 
 
 class DiskCase(BenchCase):
-    twin_config = {"noise": "pool"}
+    small = True
     daemon_config = {"state": {"directory": "state"}, "stream": {"image_rate_hz": 0}, "tracking": {"tracker": "lg"}}
 
     def start(self):

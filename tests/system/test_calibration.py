@@ -26,7 +26,7 @@ CAMERAS = (  # degrees, mirror, magnification, base spot, modes
 
 
 class CalibrationCase(BenchCase):
-    twin_config = {"noise": "pool"}
+    small = True
     daemon_config = {"stream": {"image_rate_hz": 0}, "state": {"directory": "state"}, "tracking": {"tracker": "lg"}}
 
     def setUp(self):
@@ -164,9 +164,7 @@ class Rules(CalibrationCase):
         # Found again after a restart, which begins with what the configuration asks for.
         self.bench.stop("ovwsd")
         self.client.close()
-        self.bench.start_daemon(self.daemon_config | {"tracking": self.daemon_config["tracking"] | {"operator": "measured"}})
-        self.client = Client()
-        self.addCleanup(self.client.close)
+        self.start_daemon(tracking={"operator": "measured"})
         self.wait_until("running")
         self.assertEqual(self.call("calibration.get"), first)
         self.assertEqual(self.in_use(), ("measured", "measured", None))
@@ -204,7 +202,8 @@ class Rules(CalibrationCase):
 
 class FineGrating(CalibrationCase):
     """Spots that need nearly all that the SLM's pixels can show."""
-    twin_config = {"noise": "pool", "sensor": {"grooves": [562, 20]}}
+    small = False
+    twin_config = {"sensor": {"grooves": [562, 20]}}
     daemon_config = CalibrationCase.daemon_config | {"sensor": {"grooves": [562, 20]}}
 
     def test_modes_that_the_slm_cannot_show_are_pushed_by_less_or_left_out_and_said(self):

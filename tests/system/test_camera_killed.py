@@ -49,7 +49,7 @@ class CameraKilled(BenchCase):
 
     def come_back(self):
         """Starts the camera again; seconds from its answering to valid coefficients, and the first frame."""
-        self.bench.start_twin(self.twin_config)
+        self.start_twin()
         ready = time.monotonic()
         self.gaps = 0
         while True:

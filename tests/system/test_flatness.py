@@ -7,8 +7,9 @@ from slm_case import SlmCase
 
 class Flatness(SlmCase):
     """A surface finer than the sensor's modes, before a camera that is turned and mirrored."""
+    small = True
     daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 100}}
-    twin_config = {"noise": "pool", "camera": {"rotation_deg": 90.0, "mirror": "x"},
+    twin_config = {"camera": {"rotation_deg": 90.0, "mirror": "x"},
                    "slm": {"flatness_rms_waves": 0.3, "flatness_cycles": 2.5}}
 
     def measure(self):
@@ -67,7 +68,7 @@ class Flatness(SlmCase):
     def exchange_camera(self, camera):
         self.twin.close()
         self.bench.stop("ovws-twin")
-        self.bench.start_twin(self.twin_config | {"camera": self.twin_config["camera"] | camera})
+        self.start_twin(camera=self.twin_config["camera"] | camera)
         self.twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(self.twin.close)
         self.wait_until("running")

@@ -18,6 +18,8 @@ def lut_error_rad(grey_levels, truth_waves):
 
 
 class LookUpTable(SlmCase):
+    small = True
+
     def measure(self, depth_waves):
         truth = self.judge()
         before, path = self.call("lut.get"), truth["lut_waves"]
@@ -41,7 +43,7 @@ class LookUpTable(SlmCase):
 
 
 class ShallowSlm(LookUpTable):
-    twin_config = {"noise": "pool", "slm": {"gamma": 1.4, "depth_waves": 0.9}}
+    twin_config = {"slm": {"gamma": 1.4, "depth_waves": 0.9}}
 
     def check_clear_that_fails(self, found):
         """Neither in force nor on the disk does anything change."""
@@ -60,7 +62,7 @@ class ShallowSlm(LookUpTable):
         self.wait_until("waiting_for_display")
         self.refused("lut.clear")
         self.assertEqual(self.call("lut.get"), found)
-        self.bench.start_display(display)
+        self.start_display(display)
         self.restart()
         self.assertEqual(self.call("lut.get"), found)
 
@@ -86,7 +88,7 @@ class ShallowSlm(LookUpTable):
 
 class SteepSlm(LookUpTable):
     """A gamma of 0.4: grey level 1 is at a tenth of a turn, and no table shows what lies before it."""
-    twin_config = {"noise": "pool", "slm": {"gamma": 0.4, "depth_waves": 1.0}}
+    twin_config = {"slm": {"gamma": 0.4, "depth_waves": 1.0}}
 
     def test_is_measured_where_it_is_steep(self):
         path = self.judge()["lut_waves"]
@@ -106,7 +108,7 @@ class SteepSlm(LookUpTable):
 
 class FallingSlm(LookUpTable):
     """Without a table its light goes to the other side of the zeroth order, and the camera sees next to nothing."""
-    twin_config = {"noise": "pool", "slm": {"gamma": 1.4, "depth_waves": -1.2}}
+    twin_config = {"slm": {"gamma": 1.4, "depth_waves": -1.2}}
 
     def test_is_found_falling(self):
         found, before, after = self.measure(-1.2)

@@ -173,7 +173,7 @@ class Reload(BenchCase):
         self.wait_until("waiting_for_camera")
         event = self.reload({"camera": {"gain_db": 4.0}, "state": {"directory": "state"}})
         self.assertEqual(event["data"]["applied"], ["camera.gain_db"])
-        self.bench.start_twin(self.twin_config)
+        self.start_twin()
         self.wait_until("running")
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 4.0)
 

@@ -18,6 +18,7 @@ BY_DEFECT = re.compile(r"damaged|cut off|not a file of the daemon|is empty")
 
 
 class Restart(BenchCase):
+    small = True
     daemon_config = {"state": {"directory": "state"}}  # in the bench's own folder
     twin_config = {"aberration": [{"n": 2, "m": 2, "waves": 0.2}]}
 
@@ -34,9 +35,9 @@ class Restart(BenchCase):
         self.bench.process("ovwsd").popen.kill()
         self.bench.stop("ovwsd")
 
-    def start_again(self, config=None):
-        """The daemon with this configuration, or as it was; returns its log."""
-        self.bench.start_daemon(config or self.daemon_config)
+    def start_again(self, **more):
+        """The daemon as it was, but for these sections; returns its log."""
+        self.start_daemon(**more)
         self.wait_until("running", 30.0)
         return self.bench.log("ovwsd")
 
@@ -103,7 +104,7 @@ class Restart(BenchCase):
         self.call("camera.set", {"gain_db": 0.0})
         self.assertEqual(self.reference_state(), "in_force")
         self.kill()
-        log = self.start_again(self.daemon_config | {"optics": {"wavelength_nm": 633.0}})
+        log = self.start_again(optics={"wavelength_nm": 633.0})
         self.assertIn("is not used: optics.wavelength_nm was 632.0, and is 633.0", log)
         self.assertEqual((self.reference_state(), self.call("reference.get")["taken"]), ("none", False))
         self.kill()
@@ -160,7 +161,7 @@ class Restart(BenchCase):
         self.assertEqual(self.reference_state(), "none")
         self.assertEqual(file.read_bytes(), whole[:len(whole) // 2])
         self.kill()
-        self.start_again({"state": {"directory": "/proc/nowhere"}})
+        self.start_again(state={"directory": "/proc/nowhere"})
         store = self.call("system.status")["store"]
         self.assertIsNone(store["directory"])
         self.assertIn("/proc/nowhere", store["reason"])
@@ -175,7 +176,7 @@ class Restart(BenchCase):
         self.assertEqual(config.read_bytes(), file)
         # A key that is edited afterwards is the file's, and all others are as saved.
         self.kill()
-        log = self.start_again(self.daemon_config | {"camera": {"gain_db": 6.0}})
+        log = self.start_again(camera={"gain_db": 6.0})
         self.assertIn("saved values active: camera.exposure_us (", log)
         self.assertIn("the file's values are used: camera.gain_db", log)
         settings = self.call("camera.get")["settings"]
@@ -199,7 +200,7 @@ class Restart(BenchCase):
         self.assertEqual(self.call("config.save")["saved"], [])
         self.assertFalse(overlay.exists())
         self.kill()
-        self.start_again({"log": {"level": "debug"}})
+        self.start_again(state={"directory": None})
         refused = self.refused("config.save")
         self.assertEqual(refused.data["field"], "state.directory")
         self.assertIn("set state.directory", refused.data["reason"])

@@ -17,7 +17,7 @@ MIB = 1 << 20
 
 
 class SlowDisk(BenchCase):
-    twin_config = {"noise": "pool"}
+    small = True
     daemon_config = {"state": {"directory": "slow-disk"}, "stream": {"image_rate_hz": 0}}
 
     def start_daemon(self):
