@@ -10,14 +10,14 @@ namespace {
 constexpr double kSameSpot = 0.5;  // lambda/d: two fixes closer than this are one spot
 
 int max_candidates(std::size_t subapertures) {
-  return int(2 * subapertures) + 12;  // other orders and stray light may be brighter than a spot
+  return int(2 * subapertures) + 12;  // other diffraction orders and stray light may be brighter
 }
 
 Vec2 position(const SpotFix& fix) {
   return {double(fix.x), double(fix.y)};
 }
 
-/// norm(a - b) < distance, most often told without a root.
+/// norm(a - b) < distance, in most cases without a square root.
 bool closer(Vec2 a, Vec2 b, double distance) {
   const Vec2 d = a - b;
   return std::abs(d.x) < distance && std::abs(d.y) < distance && norm(d) < distance;
@@ -92,7 +92,7 @@ SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const Sp
   return fix;
 }
 
-// Found as anybody's spot; now that its number is known, by what is known of that spot.
+// Tracks a spot again with its own template, now that its subaperture is known.
 void Acquisition::look_again(int i, const ImageView& image, const SpotTracker& tracker,
                              TrackScratch& scratch, SpotFix& fix) const {
   const SpotFix own = tracker.track(image, position(fix), scratch, i);

@@ -1,4 +1,4 @@
-/// Finds every spot in one image without history, and tells which belongs to which subaperture.
+/// Acquisition: finds every spot in one image without history and assigns it to a subaperture.
 #pragma once
 
 #include <span>
@@ -13,23 +13,24 @@
 
 namespace ovws {
 
-/// Memory for one image size, made off the frame path.
+/// Its memory is allocated at construction, for one image size: construct it off the frame path.
 class Acquisition {
  public:
   Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
               int image_height);
 
-  /// Candidates are found over the whole image and verified by `tracker`; those that pass are
-  /// assigned by a smooth-wavefront consensus: displacements from `predicted_px` are fitted by an
-  /// affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. A subaperture
-  /// that got none is looked for where its neighbours say. What fails is lost; an image of another
-  /// size has nothing. Writes one fix per subaperture and returns how many were found: 0, or at
-  /// least 3 and half of them. RT-safe, but takes milliseconds.
+  /// Finds candidates in the whole image, verifies them with `tracker` and assigns those that pass
+  /// to subapertures (Consensus). The assignment fits the displacements from `predicted_px` by an
+  /// affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. It then
+  /// searches missing spots where their neighbours predict them. Spots that fail are lost.
+  ///
+  /// Writes one fix per subaperture and returns how many were found: 0, or at least 3 and half of
+  /// them. An image of another size gives 0. RT-safe, but takes milliseconds.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
-  /// Where the image of the last `acquire` had spots, or what may be some that the tracker refuses:
-  /// image pixels, the verified first. None if it was of another size.
+  /// Positions of the spots in the last image, image pixels: first the verified ones, then bright
+  /// candidates that the tracker rejected. Empty if the image had another size.
   std::vector<Vec2> seen() const;
 
  private:

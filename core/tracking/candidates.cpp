@@ -12,11 +12,11 @@ namespace ovws {
 namespace {
 
 constexpr double kGridPerLambdaD = 3.2;
-// Of the radius of the first dark ring: the correlation's reach, and how near two spots may be.
+// In units of the first dark ring's radius: reach of the correlation, minimum distance of spots.
 constexpr double kReach = 1.1;
 constexpr double kApart = 0.6;
-static_assert(kApart < kReach);  // so that what is near a peak lies on the grid with its margin
-constexpr std::size_t kPeaksPerCandidate = 4;  // so that a broad spot's side maxima crowd out none
+static_assert(kApart < kReach);                // the neighbourhood of a peak lies inside the margin
+constexpr std::size_t kPeaksPerCandidate = 4;  // leaves room for a broad spot's side maxima
 
 int bin_px(const SpotModel& spots) {
   return std::max(1, int(std::lround(spots.on_lattice().lambda_d_px / kGridPerLambdaD)));
@@ -34,7 +34,7 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
       bin_(bin_px(spots)),
       max_candidates_(std::size_t(max_candidates)) {
   const double dark = spot_geometry(spots.charge).dark;
-  const double unit = spots.on_lattice().lambda_d_px / bin_;  // lambda/d on the grid
+  const double unit = spots.on_lattice().lambda_d_px / bin_;  // lambda/d in bins
   const double reach = kReach * dark * unit;
   margin_ = int(std::ceil(reach));
   apart_ = kApart * dark * unit;
@@ -71,7 +71,7 @@ std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
   return candidates_;
 }
 
-/// Of as many bins at a time as pixels are unpacked at a time.
+/// Averages one row of bins, in runs of at most kPixelRun pixels, the unit of unpacking.
 void CandidateFinder::add_row(const ImageView& image, Eigen::Index row, int top, int bottom) {
   const int stride = std::max(1, kPixelRun / bin_) * bin_;
   std::array<unsigned, kPixelRun> sums;
@@ -115,13 +115,13 @@ void CandidateFinder::correlate() {
       continue;
     }
     for (Eigen::Index c = 0; c < inner; c += kStrip) {
-      c = std::min(c, inner - kStrip);  // the last ones once more, rather than one by one
+      c = std::min(c, inner - kStrip);  // the last strip may overlap the previous one
       correlate_strip<kStrip>(r, c, kStrip);
     }
   }
 }
 
-/// `count` columns, from the margin's end and `first` on: few enough to stay in registers.
+/// Correlates `count` columns, `first` columns after the margin: few enough to stay in registers.
 template <int kCount>
 void CandidateFinder::correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count) {
   Eigen::Array<float, 1, kCount, Eigen::RowMajor, 1, kStrip> sum;
@@ -142,7 +142,7 @@ void CandidateFinder::collect_peaks() {
       const float score = score_(r, c);
       if (!(score > 0.0F) || score < score_.block<3, 3>(r - 1, c - 1).maxCoeff()) continue;
       if (peaks_.size() == peaks_.capacity()) {
-        if (score <= peaks_.front().score) continue;  // a heap with the worst one in front
+        if (score <= peaks_.front().score) continue;  // min-heap: the worst peak is in front
         std::pop_heap(peaks_.begin(), peaks_.end(), better);
         peaks_.pop_back();
       }

@@ -1,4 +1,4 @@
-/// Where in a whole image something like a spot may be.
+/// Candidate detection: where in a whole image spots may be.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +12,16 @@
 
 namespace ovws {
 
-/// Correlates the image, averaged to about three pixels per lambda/d, with the ideal spot less its
-/// mean (flat light scores nothing), and keeps the best maxima that are no closer together than a
-/// spot's radius. Memory for one image size, made off the frame path.
+/// Matched filter on a binned image (about three bins per lambda/d): correlates it with the ideal
+/// spot minus its mean, so that a flat background scores 0. Keeps the best maxima that are at least
+/// about a spot's radius apart (non-maximum suppression). Its memory is allocated at construction,
+/// for one image size.
 class CandidateFinder {
  public:
   CandidateFinder(const SpotModel& spots, int image_width, int image_height, int max_candidates);
 
-  /// Best first, image pixels, right to about a tenth of lambda/d; at most max_candidates. Not
-  /// every one is a spot. Valid until the next call. RT-safe.
+  /// Candidates, best first, in image pixels, accurate to about 0.1 lambda/d; at most
+  /// max_candidates. Some of them are not spots. Valid until the next call. RT-safe.
   std::span<const Vec2> find(const ImageView& image) OVWS_NONBLOCKING;
 
  private:
@@ -45,15 +46,15 @@ class CandidateFinder {
   void collect_peaks();
   void keep_separate();
 
-  PixelLattice lattice_;  ///< the lit pixels: all below counts these
-  int bin_;               ///< pixels a side that make one pixel of the grid
-  int margin_;            ///< of the grid, around the image: edge pixels repeated
+  PixelLattice lattice_;  ///< the lit colour plane, in whose pixels all sizes below count
+  int bin_;               ///< pixels per side of a bin
+  int margin_;            ///< bins around the image that repeat its edge
   double apart_;
   std::vector<Tap> taps_;
-  std::vector<Tap> near_;  ///< grid places closer than apart_; weights play no part
+  std::vector<Tap> near_;  ///< grid offsets closer than apart_; their weights are not used
   Grid grid_;
   Grid score_;
-  Crowded crowded_;  ///< too near a candidate to be another one
+  Crowded crowded_;  ///< bins too near an accepted candidate
   std::vector<Peak> peaks_;
   std::vector<Vec2> candidates_;
   std::size_t max_candidates_;

@@ -1,4 +1,4 @@
-/// The centroid of a fixed cell: the text-book Shack-Hartmann sensor, and the paper's.
+/// Centroid over a fixed subaperture window: the textbook and the paper's Shack-Hartmann sensor.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace ovws {
 
-/// Centroid of all light as recorded, no background taken off, in the square of half-width
-/// `half_px` around the pixel next to `centre`, clipped at the image. None if it is dark.
+/// Centroid of the recorded intensity, background included, over the square of half-width `half_px`
+/// around the pixel nearest to `centre`, clipped at the image. None if all pixels are 0.
 std::optional<Vec2> cell_centroid(const ImageView& image, Vec2 centre, int half_px);
 
-/// Half the distance of the two nearest of these places: cells of this half-width hardly overlap.
+/// Half the smallest distance between two centres: windows of this half-width hardly overlap.
 int cell_half_px(std::span<const Vec2> centres);
 
 }  // namespace ovws

@@ -40,7 +40,7 @@ CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int
   for (Eigen::Index k = 0; k < cells.light.size(); ++k) {
     values[std::size_t(k)] = std::abs(cells.light.data()[k]);
   }
-  // Rounding to whole DN is noise too, and all that a noise-free image has.
+  // Rounding to whole DN is the only noise of a noise-free image.
   constexpr double kRounding = 0.29;
   cells.noise = std::max(kRounding / bin, kSigmaPerMedianDeviation * double(median(values)));
   return cells;
@@ -48,7 +48,7 @@ CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int
 
 bool is_other_image(const CellImage& before, const CellImage& now) {
   constexpr double kOther = 0.02;   // of the contrast's energy
-  constexpr double kOfNoise = 1.5;  // bright cells are noisier than dark ones
+  constexpr double kOfNoise = 1.5;  // bright bins are noisier than dark ones
   const Eigen::MatrixXf &a = before.light, &b = now.light;
   if (a.rows() != b.rows() || a.cols() != b.cols()) return true;
   const auto cells = double(a.size());

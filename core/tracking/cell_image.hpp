@@ -1,4 +1,4 @@
-/// An image averaged over square cells, without its background, and how noisy the cells are.
+/// A binned image: means over square bins, minus the background, with a noise estimate.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,24 +9,24 @@
 namespace ovws {
 
 struct CellImage {
-  int bin = 1;  ///< pixels of the lattice a side
+  int bin = 1;  ///< pixels of the colour plane per side of a bin
   PixelLattice lattice{};
-  Eigen::MatrixXf light;  ///< rows along y; DN above the median
-  double noise = 1.0;     ///< RMS of a dark cell, DN: from the median deviation
+  Eigen::MatrixXf light;  ///< means of the bins, rows along y; DN above the median
+  double noise = 1.0;     ///< RMS of a dark bin, DN, from the median absolute deviation
 
   Vec2 to_cells(Vec2 px) const { return (1.0 / bin) * (lattice.from_image(px) - middle()); }
   Vec2 to_px(Vec2 cells) const { return lattice.to_image(double(bin) * cells + middle()); }
 
  private:
-  Vec2 middle() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< of cell (0, 0)
+  Vec2 middle() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< centre of bin (0, 0)
 };
 
-/// Of cells of bin x bin pixels of the lattice. Whole cells only: up to bin - 1 pixels at the right
-/// and the bottom are left out. Requires at least one cell. Allocates.
+/// Bins `image` by bin x bin pixels of the colour plane `lattice`. Incomplete bins at the right and
+/// at the bottom are dropped. Requires at least one bin. Allocates.
 CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int bin);
 
-/// Whether the images differ in size, or by more than noise and 2 % of their contrast energy: spots
-/// of lambda/d moved by some 0.06 lambda/d each.
+/// Whether the images differ in size, or by more than noise and 2 % of their contrast energy: as if
+/// every spot moved by about 0.06 lambda/d.
 bool is_other_image(const CellImage& before, const CellImage& now);
 
 }  // namespace ovws

@@ -12,7 +12,7 @@ constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda
 constexpr double kThreshold = 0.2;        // of the local peak above the local background
 constexpr double kLeastLight = 0.25;
 constexpr int kMaxMoves = 60;
-constexpr double kAtRestPx = 5e-4;      // of a mean shift, which halves what is left each time
+constexpr double kAtRestPx = 5e-4;  // convergence of a mean shift, which halves the error each time
 constexpr double kDiscAtRestPx = 0.02;  // of the disc: hardly a pixel enters or leaves it then
 
 struct Sums {
@@ -41,8 +41,8 @@ Sums disc_centroid(const Patch& patch, Vec2 centre, double radius, double thresh
   return {sum, centre + Vec2{sum_x / sum, sum_y / sum}};
 }
 
-/// Mean shift: moves to the Gaussian window's own centroid, above the background, until it rests
-/// there.
+/// Mean shift: moves the Gaussian window to the centroid under it, above the background, until it
+/// converges.
 std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2 start,
                           double reach, double background, std::span<float> sums) {
   Vec2 at = start;
@@ -50,8 +50,8 @@ std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2
   for (int k = 0; k < kMaxMoves; ++k) {
     centre.follow(at);
     const Moments m = window.at(patch, at, centre, sums);
-    // What counts as background changes the pace, not the place: a start beside the spot may see
-    // too much of it, so a part of all light is the least.
+    // The background changes the step length, not the fixed point. A start beside the spot may
+    // overestimate it, so a share of all light is the lower limit.
     const double all = m.one - double(patch.darkest) * m.weight;
     const double light = std::max(m.one - background * m.weight, kLeastLight * all);
     if (!(light > 0.0)) return std::nullopt;

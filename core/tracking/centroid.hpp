@@ -1,4 +1,4 @@
-/// The centroid family: bright spots only (charge 0).
+/// Centroid trackers (centre of gravity) for bright spots, charge 0.
 #pragma once
 
 #include "core/tracking/gaussian_window.hpp"
@@ -6,9 +6,10 @@
 
 namespace ovws {
 
-/// The paper's baseline: sum I x / sum I over a fixed disc of 2 lambda/d around the start, pixels
-/// as the camera gives them (clipped at zero). Background pulls it towards the start: that is the
-/// method, not mended here. Lost if no bright spot is seen inside.
+/// Plain centre of gravity, the paper's baseline: sum I x / sum I over a fixed disc of radius 2
+/// lambda/d around the start, of the recorded pixels (clipped at zero). Background biases it
+/// towards the start; this is inherent in the method and left as it is. Lost if there is no bright
+/// spot inside.
 class CentroidTracker final : public PatchTracker {
  public:
   explicit CentroidTracker(const SpotModel& spots);
@@ -21,8 +22,8 @@ class CentroidTracker final : public PatchTracker {
   GaussianWindow locator_;
 };
 
-/// Centroid of what exceeds 0.2 of the local peak above the local background, over a disc of 1.2
-/// lambda/d that follows the spot until it rests.
+/// Thresholded centre of gravity, over a disc of radius 1.2 lambda/d that follows the spot until it
+/// converges. The threshold is the local background plus 0.2 of the local peak above it.
 class ThresholdedTracker final : public PatchTracker {
  public:
   explicit ThresholdedTracker(const SpotModel& spots);
@@ -32,8 +33,8 @@ class ThresholdedTracker final : public PatchTracker {
                             TrackScratch& scratch) const OVWS_NONBLOCKING override;
 };
 
-/// Centroid under a Gaussian window of 1/e radius 0.5 lambda/d that follows the spot until it
-/// rests: there a flat background cancels.
+/// Weighted centre of gravity: centroid under a Gaussian window of 1/e radius 0.5 lambda/d that
+/// follows the spot until it converges. There a flat background cancels.
 class WeightedTracker final : public PatchTracker {
  public:
   explicit WeightedTracker(const SpotModel& spots);

@@ -11,15 +11,15 @@
 namespace ovws {
 namespace {
 
-constexpr double kSeedAside = 0.5;   // of the extent: a row, or a side, may be missing
+constexpr double kSeedAside = 0.5;  // of the extent: outer seeds, as a side of spots may be missing
 constexpr double kTolerance = 0.35;  // of the pitch, from the expected position
-constexpr double kRing = 1.6;        // of the pitch: how much further a field reaches each round
+constexpr double kRing = 1.6;        // of the pitch: growth of the field per round
 constexpr int kSettle = 2;           // rounds after the last ring
 constexpr double kOutlier = 3.0;     // times the median residual
 constexpr double kFitSlack = 0.1;    // of the pitch: residuals below are never outliers
 constexpr double kMaxLinear = 0.6;   // 1 would fold neighbours onto each other
 constexpr double kNeighbour = 1.6;   // of the nearest neighbour's distance
-constexpr int kMinAffine = 4;        // matches that a linear map needs at least
+constexpr int kMinAffine = 4;        // matches needed to fit the linear part
 constexpr double kMinRcond = 0.01;
 
 double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
@@ -83,16 +83,16 @@ std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& 
   int most = 0;
   double least_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
-  by_y_.resize(found.size());  // within what was reserved
+  by_y_.resize(found.size());  // within the reserved capacity
   std::iota(by_y_.begin(), by_y_.end(), 0);
   std::sort(by_y_.begin(), by_y_.end(), [&](int a, int b) { return found[a].y < found[b].y; });
   for (const int seed : seeds_) {
     std::array<int, kStarts> starts{};
     const int count = nearest_positions(found, predicted_[seed], starts);
     for (int s = 0; s < count; ++s) {
-      if (best_matched_[seed] == starts[s]) continue;  // would grow to the same again
+      if (best_matched_[seed] == starts[s]) continue;  // would grow to the same match again
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];
-      if (norm(first_shift) > rules.most_shift_px) break;  // and so are those that follow
+      if (norm(first_shift) > rules.most_shift_px) break;  // starts are sorted by distance
       const int explained = grow(found, seed, first_shift);
       const double shift = norm(field_.shift);
       const bool better = explained > most || (explained == most && shift < least_shift);
@@ -101,7 +101,7 @@ std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& 
       least_shift = shift;
       best_field_ = field_;
       best_matched_ = matched_;                // same size: no allocation
-      if (most == size()) return best(found);  // the starts are sorted: no smaller shift comes
+      if (most == size()) return best(found);  // later starts have larger shifts
     }
   }
   return best(found);
@@ -179,8 +179,8 @@ Consensus::Choice Consensus::nearest(std::span<const Vec2> found, Vec2 at) const
   return best;
 }
 
-/// Each subaperture within `reach` of `from` chooses the nearest position within the tolerance; a
-/// position chosen twice goes to the nearer one, and the other goes without.
+/// Assigns to each subaperture within `reach` of `from` the nearest position within the tolerance.
+/// A position chosen twice goes to the nearer subaperture; the other one gets none.
 int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   std::fill(owner_.begin(), owner_.end(), int(kNone));
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
@@ -200,7 +200,7 @@ int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   return count;
 }
 
-/// Fits all matches, then once more without those that do not go with the rest.
+/// Fits all matches, then again without the outliers.
 bool Consensus::fit(std::span<const Vec2> found) {
   if (!fit_within(found, std::numeric_limits<double>::infinity())) return false;
   note_residuals(found);
@@ -228,7 +228,7 @@ bool Consensus::fit_within(std::span<const Vec2> found, double limit) {
   }
   if (count == 0) return false;
   field_ = {{rhs(0, 0) / count, rhs(0, 1) / count}, {}};
-  // Few spots, or spots along one line, say nothing about a linear map.
+  // Too few or collinear spots do not determine the linear part.
   const Eigen::LLT<Eigen::Matrix3d> llt(normal);
   if (count < kMinAffine || llt.info() != Eigen::Success || llt.rcond() < kMinRcond) return true;
   const Eigen::Matrix<double, 3, 2> a = llt.solve(rhs);

@@ -1,4 +1,4 @@
-/// Which found spot belongs to which subaperture: a smooth wavefront moves neighbours together.
+/// Spot assignment: which found spot belongs to which subaperture, for a smooth wavefront.
 #pragma once
 
 #include <array>
@@ -11,12 +11,13 @@
 
 namespace ovws {
 
-/// Matches found positions to predicted ones by a displacement field: an affine map (tilt, focus,
-/// astigmatism) plus what matched neighbours leave over of it. Each hypothesis says that a
-/// subaperture near the centre owns one of the positions near it; from there the field grows
-/// outwards ring by ring, fitted anew each time by least squares with outliers rejected, so that it
-/// may become much larger than the pitch as long as neighbours do not cross. Memory for one lattice
-/// and a largest number of positions.
+/// Assigns found positions to predicted ones by a displacement field: an affine map (tilt, focus,
+/// astigmatism) plus the mean residual of matched neighbours. A hypothesis assigns one of the
+/// nearby positions to a seed subaperture near the centre. From there the field grows ring by ring.
+/// Each round refits it by least squares with outlier rejection, so that displacements may exceed
+/// the pitch as long as neighbours do not cross.
+///
+/// Its memory is allocated at construction, for one lattice and a maximum number of positions.
 class Consensus {
  public:
   static constexpr int kNone = -1;
@@ -26,13 +27,14 @@ class Consensus {
   int size() const { return int(predicted_.size()); }
 
   struct Rules {
-    double least_share = 0.5;  ///< of the lattice: fewer explained is nothing explained
-    /// Of the hypothesis' first subaperture; larger ones are not tried.
+    double least_share = 0.5;  ///< of the lattice that a match must explain
+    /// Largest displacement of a seed that is tried.
     double most_shift_px = std::numeric_limits<double>::infinity();
   };
-  /// For each subaperture the number of its position in `found`, or kNone; the span lives until the
-  /// next call. The hypothesis that explains most positions wins, the smaller shift among equals.
-  /// If that is fewer than 3 or `least_share`, all are kNone. RT-safe.
+  /// For each subaperture the index of its position in `found`, or kNone; valid until the next
+  /// call. The hypothesis that explains most positions wins; the smaller shift breaks ties. All are
+  /// kNone if it explains fewer than 3 or `least_share`. `found` holds at most max_found positions.
+  /// RT-safe.
   std::span<const int> match(std::span<const Vec2> found, const Rules& rules) OVWS_NONBLOCKING;
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
     return match(found, Rules{});
@@ -40,12 +42,12 @@ class Consensus {
 
   /// Where subaperture i's spot should be according to the last match.
   Vec2 expected(int i) const OVWS_NONBLOCKING;
-  /// How far from there it may be: beyond, a neighbour could be meant.
+  /// Largest distance from there; beyond it the position may belong to a neighbour.
   double tolerance_px() const;
   double pitch_px() const { return pitch_; }  ///< median distance of nearest neighbours
 
  private:
-  static constexpr int kStarts = 32;  ///< positions tried for each: some three pitches around it
+  static constexpr int kStarts = 32;  ///< positions tried per seed, within some three pitches
 
   /// displacement(p) = shift + linear (p - centre)
   struct Field {
@@ -74,8 +76,8 @@ class Consensus {
   double pitch_ = 0.0;
   double extent_ = 0.0;  ///< from the centre to the farthest subaperture
   std::vector<std::vector<int>> neighbours_;
-  std::vector<int> seeds_;  ///< the centre, and around it: any one may be missing
-  std::vector<int> by_y_;   ///< numbers of the found positions, by increasing y
+  std::vector<int> seeds_;  ///< subapertures at and around the centre: any spot may be missing
+  std::vector<int> by_y_;   ///< indices of the found positions, by increasing y
   Field field_;
   std::vector<int> matched_;  ///< subaperture -> position
   std::vector<int> owner_;    ///< position -> subaperture

@@ -27,7 +27,7 @@ int GaussianWindow::scratch_floats() const {
   return 6 * int(table_.size());
 }
 
-// exp(-(k-f)^2/w^2) = exp(-k^2/w^2) exp(-f^2/w^2) exp(2f/w^2)^k: two exponentials an axis.
+// exp(-(k-f)^2/w^2) = exp(-k^2/w^2) exp(-f^2/w^2) exp(2f/w^2)^k: two exponentials per axis.
 GaussianWindow::Axis GaussianWindow::axis(double c, int first, float* out) const {
   const double f = c - (first + half_), w2 = radius_ * radius_;
   const GaussianAxis from{table_.data(), int(table_.size()),

@@ -1,4 +1,4 @@
-/// Sums of a patch under a Gaussian: the LG kernel's Psi, its Hessian, and the Gaussian centroid.
+/// Moments of a patch under a Gaussian: the LG kernel's Psi, its Hessian, the weighted centroid.
 #pragma once
 
 #include <span>
@@ -38,12 +38,12 @@ class GaussianWindow {
   double radius_px() const { return radius_; }
   /// Half-width of the square that is summed: at least 2.9 w, so that a flat background cancels.
   int half_px() const { return half_; }
-  /// Floats that `at` needs.
+  /// Scratch floats that `at` needs.
   int scratch_floats() const;
 
-  /// The pixel that the square is centred on. It follows an iteration's position only when that
-  /// has left it by most of a pixel: else a position between two pixels might never come to rest,
-  /// because the square's rim changes with each step.
+  /// The pixel at the centre of the summed square. With hysteresis: it follows the iteration only
+  /// when the position is most of a pixel away. Otherwise a position between two pixels might never
+  /// converge, because each step would change the rim of the square.
   struct Centre {
     int x = 0, y = 0;
     explicit Centre(Vec2 at);

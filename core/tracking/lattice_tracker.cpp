@@ -33,7 +33,7 @@ class LatticeTracker final : public SpotTracker {
     SpotFix fix =
         tracker_->track(on_lattice(image, lattice), lattice.from_image(start_px), scratch, spot);
     const Vec2 at = lattice.to_image({double(fix.x), double(fix.y)});
-    fix.x = float(at.x);  // not a number stays none
+    fix.x = float(at.x);  // NaN stays NaN
     fix.y = float(at.y);
     return fix;
   }

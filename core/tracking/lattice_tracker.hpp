@@ -1,4 +1,4 @@
-/// A tracker for cameras of which only some pixels see the spots.
+/// Colour-plane sampling: tracks spots on the lit colour planes of a Bayer camera.
 #pragma once
 
 #include <memory>
@@ -7,10 +7,10 @@
 
 namespace ovws {
 
-/// `tracker`, made for SpotModel::on_lattice, on the lit pixels alone; starts and fixes are the
-/// camera's pixels. Where two lattices are lit (green) the fix is the mean of both, or that of one
-/// if the other has none; two that contradict one another are none. All pixels lit: `tracker`
-/// itself.
+/// Wraps `tracker`, which is made for SpotModel::on_lattice, so that it sees the lit pixels alone;
+/// starts and fixes are camera pixels. With two lit planes (green) the fix is the mean of both, or
+/// the only one found; fixes that disagree by more than 0.4 lambda/d along x or y are lost. Returns
+/// `tracker` itself if all pixels are lit.
 std::unique_ptr<const SpotTracker> on_lattice(std::unique_ptr<const SpotTracker> tracker,
                                               const SpotModel& spots);
 

@@ -7,15 +7,14 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxSteps = 20;
-constexpr double kConvergedPx = 2e-3;  // Newton squares it: the position is right to 1e-5
+constexpr double kConvergedPx = 2e-3;  // quadratic convergence makes this 1e-5
 constexpr double kMaxStep = 0.5;       // in units of w
-// Smaller curvature against the spot's level; without aberration 0.25. Below this the zero is about
-// to merge with a saddle and lies pixels off where the slope of the phase says.
+// Smaller curvature relative to the spot's level; 0.25 without aberration. Below this limit the
+// zero is about to merge with a saddle, pixels away from where the phase slope puts the spot.
 constexpr double kMinSharpness = 0.03;
-constexpr double kMinCurvature = 0.1;  // in units of the smoothed light: a flat place is no guide
+constexpr double kMinCurvature = 0.1;  // of the smoothed light: limits steps in flat places
 
-/// Half the difference of the two curvatures along the Hessian's own axes; their mean is half its
-/// trace.
+/// Half the difference of the Hessian's eigenvalues; their mean is half its trace.
 double half_gap_of(const Moments::Hessian& h) {
   const double difference = 0.5 * (h.xx - h.yy);
   return std::sqrt(difference * difference + h.xy * h.xy);
@@ -26,10 +25,10 @@ double least_curvature(const Moments::Hessian& h) {
   return std::min(std::abs(0.5 * h.trace() + gap), std::abs(0.5 * h.trace() - gap));
 }
 
-/// One step towards a minimum (sign = 1) or a maximum (sign = -1): Newton's, with the curvatures
-/// along the Hessian's own axes made positive, so that a saddle repels instead of attracting.
-/// A function f of a symmetric 2 x 2 matrix H is (f1 + f2)/2 + (f1 - f2)/2 N, where N is H without
-/// its mean, over half_gap: no angle is needed.
+/// Saddle-free Newton step towards a minimum (sign = 1) or a maximum (sign = -1): the Hessian's
+/// eigenvalues are replaced by their magnitudes, so that a saddle repels. A function f of a
+/// symmetric 2 x 2 matrix H is (f1 + f2)/2 + (f1 - f2)/2 N, where f1 and f2 are its values at the
+/// eigenvalues and N is the traceless part of H over half_gap. No eigenvectors are needed.
 Vec2 step_of(const Moments& m, const Moments::Hessian& h, double light, double sign) {
   const double mean = 0.5 * h.trace();
   const double half_gap = half_gap_of(h);

@@ -1,4 +1,4 @@
-/// The fast LG tracker: Newton's method on the paper's Psi, over a small window.
+/// Fast LG tracker: Newton iteration on the paper's Psi, over a small window.
 #pragma once
 
 #include "core/tracking/gaussian_window.hpp"
@@ -7,14 +7,17 @@
 namespace ovws {
 
 /// Psi = I * K_LG is, up to a constant, the gradient of the image smoothed by a Gaussian of 1/e
-/// radius w. Charge not 0: finds the minimum of the smoothed image near the start, the dark core.
-/// Charge 0: finds the maximum. Either has index +1; a saddle, a zero that is almost one (its
-/// smaller curvature below an eighth of an unaberrated spot's), that fails SpotCheck, or that is
-/// further than lambda/d from the start is lost. Starts within 0.5 lambda/d converge.
+/// radius w. A saddle-free Newton iteration from the start finds a zero of it: for a vortex the
+/// minimum of the smoothed image (the dark core), for charge 0 its maximum. Both have index +1.
 ///
-/// Limits, charge +-1, kernel 0.4, measured on the default bench: 0.2 wave RMS of any mode up to
-/// j = 14 costs at most one spot of 19 (spherical aberration), 0.8 wave of focus or astigmatism
-/// none; inside one subaperture, astigmatism up to 0.16 wave of amplitude is followed.
+/// Lost: a saddle; a near-saddle, whose smaller curvature is below an eighth of an unaberrated
+/// spot's; a zero that fails SpotCheck or is farther than lambda/d from the start. Starts within
+/// 0.5 lambda/d converge.
+///
+/// Limits, measured on the default bench with charge +-1 and kernel 0.4: 0.2 wave RMS of any mode
+/// up to j = 14 loses at most one spot of 19 (spherical aberration); 0.8 wave of focus or
+/// astigmatism loses none. Within one subaperture, astigmatism of up to 0.16 wave amplitude is
+/// tracked.
 class LgTracker final : public PatchTracker {
  public:
   LgTracker(const SpotModel& spots, double kernel_radius_px);

@@ -16,7 +16,7 @@ constexpr int kSubdivision = 16;
 struct PsiGrid {
   Vec2 origin;
   double step = 1.0;
-  int count = 0;  ///< samples a side
+  int count = 0;  ///< samples per side
   std::vector<std::complex<double>> values;
 
   const std::complex<double>& at(int i, int j) const { return values[std::size_t(j) * count + i]; }
@@ -37,8 +37,8 @@ struct Segment {
   Vec2 a, b;
 };
 
-/// The zero contour inside one cell with the corner values v00, v10, v01, v11 (x first): none, one
-/// or two segments in cell units.
+/// Marching squares: the zero contour inside one grid cell with the corner values v00, v10, v01,
+/// v11 (x first), as none, one or two segments in cell units.
 std::vector<Segment> zero_contour(double v00, double v10, double v01, double v11) {
   const auto cut = [](double p, double q) { return p / (p - q); };
   const bool s00 = v00 > 0.0, s10 = v10 > 0.0, s01 = v01 > 0.0, s11 = v11 > 0.0;
@@ -49,7 +49,7 @@ std::vector<Segment> zero_contour(double v00, double v10, double v01, double v11
   if (s00 != s01) cuts.push_back({0.0, cut(v00, v01)});
   if (cuts.size() == 2) return {{cuts[0], cuts[1]}};
   if (cuts.size() != 4) return {};
-  // Opposite corners alike: the centre's sign tells which corners the two contours cut off.
+  // Ambiguous case: the sign at the centre decides which corners the two contours cut off.
   const bool centre = v00 + v10 + v01 + v11 > 0.0;
   if (centre == s00) return {{cuts[0], cuts[1]}, {cuts[2], cuts[3]}};
   return {{cuts[3], cuts[0]}, {cuts[1], cuts[2]}};

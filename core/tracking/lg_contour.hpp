@@ -1,4 +1,4 @@
-/// The paper's LG method (supplement S1) by contours: the oracle of the fast one.
+/// The paper's LG method (supplement S1) by zero contours: the oracle of LgTracker.
 #pragma once
 
 #include <complex>
@@ -7,12 +7,12 @@
 
 namespace ovws {
 
-/// Psi = I * K_LG, K_LG = i pi^2 sigma^4 (x + iy) exp(-pi^2 sigma^2 (x^2 + y^2)), sigma = 1/(pi w),
-/// on every pixel within lambda/d of the start; zero contours of Re Psi and of Im Psi by marching
-/// squares; their crossings, each then found again on a grid of 1/16 pixel; of the plausible ones
-/// the one with the lowest recorded intensity (charge 0: the highest). Plausible: within lambda/d
-/// of the start, of index +1 (no saddle of the smoothed image), and passed by SpotCheck. Allocates,
-/// and takes milliseconds a spot.
+/// Evaluates Psi = I * K_LG on every pixel within lambda/d of the start, with sigma = 1/(pi w) and
+/// K_LG = i pi^2 sigma^4 (x + iy) exp(-pi^2 sigma^2 (x^2 + y^2)). Marching squares give the zero
+/// contours of Re Psi and of Im Psi, and each crossing is refined on a grid of 1/16 pixel. Of the
+/// plausible crossings the one with the lowest recorded intensity wins (charge 0: the highest).
+/// Plausible: within lambda/d of the start, of index +1 (no saddle of the smoothed image), and
+/// passed by SpotCheck. Allocates and takes milliseconds per spot: not for the frame path.
 class LgContourTracker final : public PatchTracker {
  public:
   LgContourTracker(const SpotModel& spots, double kernel_radius_px);

@@ -25,7 +25,7 @@ LocalisationBound localisation_bound(const SpotShape& shape, Vec2 centre, int ha
   for (int y = -half_px; y <= half_px; ++y) {
     for (int x = -half_px; x <= half_px; ++x) {
       const ShapeSample s = shape.at(Vec2{cx + x, cy + y} - centre);
-      // The amplitude's and background's units are those of the peak: well scaled.
+      // Amplitude and background in units of the peak, so that the matrix is well scaled.
       const Eigen::Vector4d slope = exposure.peak_e * Eigen::Vector4d(s.dx, s.dy, s.value, 1.0);
       const double mean = exposure.peak_e * std::max(s.value, 0.0) + exposure.background_e;
       const double variance = mean + exposure.read_noise_e * exposure.read_noise_e;

@@ -1,4 +1,4 @@
-/// How well any unbiased method can place a spot: the Cramer-Rao bound.
+/// The Cramer-Rao bound of spot localisation.
 #pragma once
 
 #include "core/base/vec2.hpp"
@@ -6,23 +6,23 @@
 
 namespace ovws {
 
-/// What the camera sees of a spot, in electrons.
+/// Exposure of a spot, in electrons.
 struct SpotExposure {
-  double peak_e = 500.0;      ///< mean at the shape's value 1
-  double background_e = 0.0;  ///< mean, under the whole window
-  double read_noise_e = 5.0;  ///< RMS of what does not depend on the light
+  double peak_e = 500.0;      ///< mean signal where the shape's value is 1
+  double background_e = 0.0;  ///< mean per pixel, over the whole window
+  double read_noise_e = 5.0;  ///< RMS of the noise that does not depend on the signal
 };
 
-/// RMS of one axis (root of the mean of both axes' variances), camera pixels.
+/// RMS error per axis (root of the mean of both axes' variances), camera pixels.
 struct LocalisationBound {
-  double px = 0.0;        ///< amplitude and background unknown, as they are to a tracker
+  double px = 0.0;        ///< amplitude and background unknown, as for a tracker
   double px_known = 0.0;  ///< both known
 };
 
-/// The bound over the square window of pixels within `half_px` of the pixel nearest to `centre`, of
-/// a spot at `centre`. The noise is taken as Gaussian of variance I + sigma^2 (shot noise of many
-/// electrons, and read noise), and only the mean as telling of the position: Fisher information
-/// sum over pixels of (dI/da)(dI/db) / (I + sigma^2). Infinite if the window does not tell.
+/// The bound for a spot at `centre`, from the square of pixels within `half_px` of the pixel
+/// nearest to `centre`. The noise is Gaussian of variance I + sigma^2 (shot noise of many
+/// electrons, and read noise). Only the mean carries information, so that the Fisher information is
+/// the sum over pixels of (dI/da)(dI/db) / (I + sigma^2). Infinite if this matrix is singular.
 LocalisationBound localisation_bound(const SpotShape& shape, Vec2 centre, int half_px,
                                      const SpotExposure& exposure);
 

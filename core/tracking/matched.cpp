@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCapture = 1.0;                     // lambda/d
 constexpr double kSearch = 0.8, kSearchStep = 0.26;  // lambda/d
-constexpr int kBlock = 16;  // a constant number of pixels a turn becomes vector instructions
+constexpr int kBlock = 16;  // constant length of an inner loop, so that the compiler vectorises it
 
 /// Whether the image holds every pixel within `margin` of `at`.
 bool holds(const ImageView& image, Vec2 at, double margin) {
@@ -36,7 +36,7 @@ std::vector<Vec2> search_shifts(double lambda_d_px) {
   return shifts;
 }
 
-/// The binned pixels around a start, with room for every shifted window.
+/// Layout of the binned patch for the coarse search, with room for every shifted window.
 struct Coarse {
   Coarse(const TemplateBank& bank, double reach_px)
       : bin(bank.bin()),
@@ -49,8 +49,8 @@ struct Coarse {
 
   int bin;
   int columns, rows;  ///< of a window
-  int reach;          ///< in bins
-  int half;           ///< rows above and below, and columns that hold light, in bins
+  int reach;          ///< of the search, in bins
+  int half;           ///< of the rows, and of the columns that hold pixels, in bins
   int stride;
   int side_px;
   std::size_t window() const { return std::size_t(columns) * std::size_t(rows); }
@@ -66,7 +66,7 @@ void add(const T* __restrict pixels, int count, float* __restrict line) {
   for (; x < count; ++x) line[x] += float(pixels[x]);
 }
 
-/// Beyond the image its edge is repeated.
+/// Adds one image row to `line`. Pixels outside the image repeat its edge.
 void add_row(const ImageView& image, int left, int y, int count, float* line) {
   const int row = std::clamp(y, 0, image.height - 1);
   const int first = std::clamp(left, 0, image.width - 1);
@@ -80,8 +80,8 @@ void add_row(const ImageView& image, int left, int y, int count, float* line) {
   });
 }
 
-/// Sums of bin x bin pixels less the first of them, so that a small spot on a high background loses
-/// nothing.
+/// Bins pixels (sums of bin x bin) minus the first bin's sum. The offset keeps sums of a small spot
+/// on a high background precise.
 void bin_pixels(const ImageView& image, const Coarse& grid, int left, int top, float* line,
                 float* patch) {
   float* out = patch + (grid.stride / 2 - grid.half);
@@ -119,9 +119,9 @@ std::size_t coarse_sums(const TemplateBank& bank, double reach_px) {
   return bank.coarse() ? std::size_t(Coarse(bank, reach_px).side_px) : 0;
 }
 
-/// The place within about `reach_px` of `start` where the bank's template explains most of the
-/// light, tried at whole bins of the binned image: the pixels are read once, however large the
-/// spot. Nothing if it is dark everywhere.
+/// Grid search on binned pixels: the position within about `reach_px` of `start` where the bank's
+/// template has the largest amplitude, in steps of one bin. The pixels are read once, however large
+/// the spot is. None if no amplitude is positive.
 std::optional<Vec2> coarse_start(const TemplateBank& bank, const TemplateKernels& kernels,
                                  const ImageView& image, Vec2 start, double reach_px,
                                  TrackScratch& scratch) {
@@ -200,7 +200,7 @@ std::optional<Vec2> MatchedTracker::fine_start(MatchedFit& fit, Vec2 start) cons
 SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
                               int spot) const {
   SpotFix fix;
-  if (!holds(image, start_px, 0.0)) return fix;  // a start that is not a number, too
+  if (!holds(image, start_px, 0.0)) return fix;  // also rejects NaN
   const TemplateBank& bank = bank_of(spot);
   const double reach_px = kCapture * spots_.lambda_d_px;
   MatchedFit fit(bank, kernels_, image, spots_, scratch);
@@ -215,7 +215,7 @@ SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratc
         bank.coarse()
             ? coarse_start(bank, kernels_, image, start_px, kSearch * spots_.lambda_d_px, scratch)
             : fine_start(fit, start_px);
-    fit.forget_window();  // the search has used its memory
+    fit.forget_window();  // the search has overwritten it
     good = best && found(*best);
   }
   const Vec2 at = good ? fit.found() : start_px;

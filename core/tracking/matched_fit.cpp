@@ -11,32 +11,33 @@ namespace {
 
 constexpr double kMaxMove = 0.15;  // lambda/d, of one Gauss-Newton step
 constexpr int kMaxMoves = 10;
-constexpr double kStay = 0.65;    // of a shift: the fit need not change to its neighbour
-constexpr double kMaxRest = 2.0;  // of a shift: no fit is further from its template
+constexpr double kStay = 0.65;    // of a shift: smaller moves keep the tabulated shift
+constexpr double kMaxRest = 2.0;  // of a shift: limit for a converged fit
 constexpr double kLeastGain = 0.25;
-constexpr double kAlike = 0.12;     // gains along any two axes differ by less than twice that
-constexpr double kLeastWay = 0.02;  // from one noise level to the next that is worth a fit
+constexpr double kAlike = 0.12;     // smallest anisotropy of the gain that needs a second direction
+constexpr double kLeastWay = 0.02;  // smallest step to the next noise level that is worth a fit
 constexpr double kMinSignificance = 8.0;
-// Contrast that the template may leave against what it explains. Aberration inside the subaperture
-// spoils a vortex sooner than a bright spot: 0.2 wave RMS of any mode up to j = 14 leaves 0.4 and
-// 1.5 of them, stripes and another charge's spots leave 3.8 and more, half a bright spot 0.7.
+// Largest residual contrast relative to what the template explains. Aberration inside the
+// subaperture spoils a vortex sooner than a bright spot: 0.2 wave RMS of any mode up to j = 14
+// leaves 0.4 (bright spot) and 1.5 (vortex). Stripes and spots of another charge leave 3.8 and
+// more, half a bright spot 0.7.
 constexpr double kMaxMisfitOfBright = 0.6, kMaxMisfitOfVortex = 1.5;
-constexpr double kMinSector = 0.2;          // a sector's light / the template's
-constexpr double kMaxCore = 0.45;           // a vortex core's light / the amplitude
-constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN, the least there is
-constexpr double kNoiseErrors = 3.0;        // standard errors that noise may explain
+constexpr double kMinSector = 0.2;          // a sector's intensity / the template's
+constexpr double kMaxCore = 0.45;           // a vortex core's intensity / the amplitude
+constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN, the lower limit
+constexpr double kNoiseErrors = 3.0;        // standard errors that are attributed to noise
 
 double dot(Vec2 a, Vec2 b) {
   return a.x * b.x + a.y * b.y;
 }
 
-/// What a Gauss-Newton step asks for.
+/// The full Gauss-Newton step, px.
 Vec2 full_move(const TemplateFit& fit) {
   return {double(fit.move_x) / double(fit.amplitude), double(fit.move_y) / double(fit.amplitude)};
 }
 
-/// Where the light differs much from the template, a Gauss-Newton step goes beyond the minimum, by
-/// how much two steps tell; else they would go on to and fro.
+/// Damped Gauss-Newton gain, from a secant estimate over two steps. Where the spot differs much
+/// from the template, full steps overshoot the minimum and would oscillate.
 double damped(double gain, Vec2 step, Vec2 change) {
   const double along = -dot(change, step);
   return along > 0.0 ? std::clamp(dot(step, step) / along, kLeastGain, 1.0) : gain;
@@ -108,7 +109,7 @@ void MatchedFit::load(const TemplateBank::Place& place) {
   loaded_ = true;
 }
 
-/// Fits at a place and a noise level.
+/// Linear fit at a tabulated shift and a noise level.
 TemplateFit MatchedFit::fit_at(const TemplateBank::Place& place, int level) {
   load(place);
   const TemplateMoments m = kernels_.moments(bank_.view(place, level), scratch_.samples.data());
@@ -119,14 +120,14 @@ TemplateFit MatchedFit::fit_at(const TemplateBank::Place& place, int level) {
   return {row(0), row(4), row(8), row(12)};
 }
 
-/// Goes to a place; whether the template is bright there.
+/// Fits at `place`, which becomes the current one. True if the amplitude is positive.
 bool MatchedFit::solve(const TemplateBank::Place& place) {
   fit_ = fit_at(place, kMiddleNoise);
   place_ = place;
   return fit_.amplitude > 0.0F;
 }
 
-/// At rest: once more at the nearest shift, so that the number hardly depends on the start.
+/// Final fit at the nearest shift, so that the result hardly depends on the start.
 bool MatchedFit::settle() {
   const TemplateBank::Place nearest = bank_.place(found());
   if (!(nearest == place_) && !solve(nearest)) return false;
@@ -135,19 +136,20 @@ bool MatchedFit::settle() {
   return fit_.amplitude > 0.0F && correct(noise);
 }
 
-/// Estimates the noise where the fit came to rest. Between two levels, because a sudden change of
-/// the weights would be one of the position.
+/// Estimates the noise of the converged fit as a mix of two levels. A sudden change of the weights
+/// would make the position jump.
 MatchedFit::NoiseMix MatchedFit::weigh() {
   sums_ = kernels_.residuals(bank_.view(place_, kMiddleNoise), scratch_.samples.data(), fit_,
                              scratch_.sums.data());
   const TemplateBank::Solver& s = bank_.solver(place_, kMiddleNoise);
-  // Variance dark + bright T, least squares with weights w^2; both sums are of w^2 e^2 / 2.
+  // Model of the variance: dark + bright T, by least squares with the weights w^2; both sums are of
+  // w^2 e^2 / 2.
   const double det = s.ww * s.wwtt - s.wwt * s.wwt;
   const double dark =
       std::max(s.wwtt * double(sums_.dark) - s.wwt * double(sums_.bright), kQuantisation * det);
   const double bright = s.ww * double(sums_.bright) - s.wwt * double(sums_.dark);
   const double middle = kNoiseLevels[kMiddleNoise];
-  const bool drowned = dark > middle * bright;  // bright may be 0 or, by chance, less
+  const bool drowned = dark > middle * bright;  // by chance `bright` may be 0 or negative
   const int next = drowned ? kMiddleNoise + 1 : kMiddleNoise - 1;
   const double whole_way = std::log(kNoiseLevels[std::size_t(next)] / middle);
   const double way =
@@ -155,7 +157,7 @@ MatchedFit::NoiseMix MatchedFit::weigh() {
   return {next, way < kLeastWay ? 0.0F : float(way)};
 }
 
-/// The fit at the place, on its way from the middle noise level to the next.
+/// Interpolates the fit between the middle noise level and the next.
 void MatchedFit::mix(NoiseMix noise) {
   middle_ = fit_;
   if (noise.way == 0.0F) return;
@@ -166,10 +168,11 @@ void MatchedFit::mix(NoiseMix noise) {
           between(middle_.move_y, next_.move_y)};
 }
 
-/// Broyden step: to where the full move is zero, by its values at rest and at a shift beside. A
-/// spot of another shape than the template makes it change by more or less than the shift does; in
-/// first order, which local astigmatism alone has, by as much less along one axis as more along the
-/// one across. Where that is much, the shift across is asked, too.
+/// Broyden step to the position where the full move vanishes, from its values at the converged
+/// shift and at a neighbouring one. If the spot differs in shape from the template, the full move
+/// changes by more or less than the shift. To first order only local astigmatism has this effect:
+/// the gain rises along one axis as much as it falls along the perpendicular one. If that
+/// anisotropy is large, a shift in the perpendicular direction is evaluated, too.
 bool MatchedFit::correct(NoiseMix noise) {
   const bool mostly_next = noise.way > 0.5F;
   const int level = mostly_next ? noise.next : kMiddleNoise;
@@ -183,7 +186,7 @@ bool MatchedFit::correct(NoiseMix noise) {
   const Vec2 more = (1.0 / square) * (change - step);
   const double even = more.x * step.x - more.y * step.y;
   const double odd = more.x * step.y + more.y * step.x;
-  Vec2 by_x{1.0 + even, odd}, by_y{odd, 1.0 - even};  // change of the full move for 1 px
+  Vec2 by_x{1.0 + even, odd}, by_y{odd, 1.0 - even};  // Jacobian of the full move, per px
   if (std::hypot(even, odd) > kAlike) {
     const TemplateBank::Place third = beside({-step.y, step.x});
     const Vec2 across = third.centre - place_.centre, change_across = change_to(third);
@@ -201,8 +204,8 @@ bool MatchedFit::correct(NoiseMix noise) {
   return std::max(std::abs(move_.x), std::abs(move_.y)) <= kMaxRest * bank_.step_px();
 }
 
-/// A shift next to the place, as nearly as possible along `way` or against it; of the same pixels,
-/// if there is one.
+/// A neighbouring shift, as nearly as possible along `way` or against it; with the same pixel
+/// window, if there is one.
 TemplateBank::Place MatchedFit::beside(Vec2 way) const {
   const double step = bank_.step_px(), x = std::abs(way.x), y = std::abs(way.y);
   constexpr double kFlat = 0.414;  // tan 22.5 degrees
@@ -222,7 +225,7 @@ int MatchedFit::count_of(int part) const {
 
 double MatchedFit::mean_of(int part) const {
   const TemplateBank::Parts& parts = bank_.parts();
-  float even = 0.0F, odd = 0.0F;  // each addition need not wait for the one before
+  float even = 0.0F, odd = 0.0F;  // two accumulators, so that additions are independent
   int k = parts.begin[part];
   for (; k + 1 < parts.begin[part + 1]; k += 2) {
     even += scratch_.samples[parts.offsets[k]];
@@ -232,7 +235,7 @@ double MatchedFit::mean_of(int part) const {
   return double(even + odd) / std::max(1, count_of(part)) - double(fit_.background);
 }
 
-/// Light in every direction, and none in a vortex's core. `noise`: variance times weight.
+/// Whether every sector is bright and a vortex's core is dark. `noise`: variance times weight.
 bool MatchedFit::whole(double noise) const {
   const double level = kNoiseLevels[kMiddleNoise], a = amplitude();
   for (int i = 0; i < TemplateBank::Parts::kSectors; ++i) {

@@ -1,4 +1,4 @@
-/// One fit of a spot's template to one image.
+/// One template fit of the matched filter: Gauss-Newton iteration and noise estimate.
 #pragma once
 
 #include "core/base/image.hpp"
@@ -10,34 +10,34 @@
 
 namespace ovws {
 
-/// What MatchedTracker does at one start; nothing of it outlives the frame. The scratch holds a
-/// window of the bank's pixels and one row more. RT-safe throughout.
+/// The fit of one spot in one frame, made by MatchedTracker. The scratch must hold a window of the
+/// bank's size and one more row. All methods are RT-safe.
 class MatchedFit {
  public:
   MatchedFit(const TemplateBank& bank, const TemplateKernels& kernels, const ImageView& image,
              const SpotModel& spots, TrackScratch& scratch);
 
-  /// Gauss-Newton from `from`, at most `reach_px` away from `start`: whether it came to rest on a
-  /// bright template.
+  /// Gauss-Newton iteration from `from`, at most `reach_px` away from `start`. True if it converged
+  /// with a positive amplitude.
   bool follow(Vec2 from, Vec2 start, double reach_px) OVWS_NONBLOCKING;
 
-  /// How much of the light's contrast a template at `at` explains, in units that only compare: 0 if
-  /// it would be dark.
+  /// Squared amplitude of the template at `at`, to compare positions; 0 if the amplitude is not
+  /// positive.
   double score(Vec2 at) OVWS_NONBLOCKING;
 
-  /// After another has written to the scratch.
+  /// Call it after other code has written to the scratch.
   void forget_window() OVWS_NONBLOCKING { loaded_ = false; }
 
-  /// Whether what `follow` came to rest on is a spot. Sets quality() and noise().
+  /// Whether the fit that `follow` converged to is a spot. Sets quality() and noise().
   bool is_spot() OVWS_NONBLOCKING;
 
   Vec2 found() const;                                          ///< image pixels
   double amplitude() const { return double(fit_.amplitude); }  ///< DN
   double quality() const { return quality_; }                  ///< [0, 1]
-  double noise() const { return noise_; }                      ///< RMS of the pixels, DN
+  double noise() const { return noise_; }                      ///< RMS pixel noise, DN
 
  private:
-  /// Between the fits at the middle noise level and at another: 0 is the middle one.
+  /// Interpolation between the fits at the middle noise level (`way` = 0) and at level `next` (1).
   struct NoiseMix {
     int next = kMiddleNoise;
     float way = 0.0F;
@@ -61,12 +61,12 @@ class MatchedFit {
   TrackScratch& scratch_;
   double longest_move_px_;
   double max_misfit_;
-  bool loaded_ = false;  ///< the window in the scratch, of this pixel
+  bool loaded_ = false;  ///< the scratch holds the window around this pixel
   int window_x_ = 0, window_y_ = 0;
   TemplateBank::Place place_;
   TemplateFit fit_;
-  TemplateFit middle_, next_;  ///< where it came to rest, at two noise levels
-  Vec2 move_;                  ///< from the place's centre, px
+  TemplateFit middle_, next_;  ///< the converged fit, at two noise levels
+  Vec2 move_;                  ///< spot's position minus the place's centre, px
   ResidualSums sums_;
   double quality_ = 0.0;
   double noise_ = 0.0;

@@ -1,4 +1,4 @@
-/// One tracker for most spots, another for those that it cannot follow.
+/// The matched filter for spots with their own template, another tracker for the rest.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace ovws {
 
-/// Spots with a template (whose pixels are the lit ones) of their own (null: without) are followed
-/// by the matched filter, the others and those of unknown number by the other tracker.
+/// Tracks spots that have a template in `own` (null: none) with the matched filter, all others and
+/// those of unknown number with `others`. Templates are sampled on the lit pixels.
 class MixedTracker final : public SpotTracker {
  public:
   MixedTracker(std::unique_ptr<const SpotTracker> others, const SpotModel& spots,

@@ -11,8 +11,8 @@
 namespace ovws {
 namespace {
 
-// A constant number of pixels a turn, and no aliasing (8-bit pixels may alias anything), lets the
-// compiler use its vector instructions.
+// Inner loops over a constant number of pixels without aliasing (8-bit pixels may alias anything)
+// let the compiler vectorise.
 constexpr int kBlock = 16;
 
 float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uint8_t*, float* out) {
@@ -23,7 +23,7 @@ float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uin
   return kernels.load16(run, out);
 }
 
-/// A rectangle of floats that pixels go to, and which pixels they are.
+/// Destination of a copy: a rectangle of floats, and the image pixels that it stands for.
 struct Target {
   int left, top, columns, rows;
   float* out;
@@ -34,7 +34,8 @@ struct Target {
   }
 };
 
-/// The first and the last of `count` places from `first` on that exist; the nearest if none does.
+/// The places from `start` on, `count` of them, clipped to [0, size); the nearest if none is
+/// inside.
 struct Span {
   Span(int start, int count, int size)
       : first(std::clamp(start, 0, size - 1)), last(std::clamp(start + count - 1, 0, size - 1)) {}
@@ -42,7 +43,7 @@ struct Span {
   int count() const { return last - first + 1; }
 };
 
-/// Gives the darkest. Beyond the image its edge is repeated.
+/// Returns the darkest pixel. Pixels outside the image repeat its edge.
 float load(const ImageView& image, const Target& to) {
   const PatchKernels& kernels = patch_kernels();
   const Span across(to.left, to.columns, image.width), down(to.top, to.rows, image.height);
@@ -86,8 +87,8 @@ float load_patch_pixels(const ImageView& image, const Target& to) {
   return bytes == 1 ? patch_kernels().load8(rect, to.out) : patch_kernels().load16(rect, to.out);
 }
 
-// Less the value of the first pixel, in one go. The compiler believes __restrict of parameters
-// only.
+// Copies pixels minus the first pixel's value in one pass. The compiler honours __restrict on
+// parameters only.
 template <class T>
 void load_rectangle(const ImageView& image, int left, int top, int columns, int rows,
                     float* __restrict out) {

@@ -1,4 +1,4 @@
-/// A square of camera pixels around a start position, as floats: what every tracker computes on.
+/// Pixel patches: a square of camera pixels around a start position, converted to floats.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace ovws {
 
-/// Borrowed from a TrackScratch. Positions are image pixels; those outside the image repeat its
-/// edge.
+/// The pixels live in a TrackScratch. Positions are image pixels; pixels outside the image repeat
+/// its edge.
 struct Patch {
   const float* pixels = nullptr;
   int x0 = 0, y0 = 0;  ///< image pixel of pixels[0]
-  int side = 0;        ///< rows, columns, and floats from row to row
+  int side = 0;        ///< number of rows, of columns, and the row stride in floats
   int image_width = 0, image_height = 0;
   float darkest = 0.0F;
 
@@ -31,17 +31,17 @@ struct Patch {
 /// none of it is inside. RT-safe.
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
-/// So that the loops of PatchKernels have a block, and its neighbours, to work on.
+/// Minimum half-width of a patch: PatchKernels need a block and 4 neighbours in each row.
 constexpr int kLeastPatchHalf = (kPatchBlock + 4) / 2;
 
-/// Floats that a patch of this half-width needs.
+/// Number of floats that a patch of half-width `half` needs.
 constexpr int patch_floats(int half) {
   return (2 * half + 1) * (2 * half + 1) + kPatchBlock;
 }
 
-/// Reads the rectangle of `columns` (a multiple of 16) x `rows` pixels from (left, top) on as
-/// floats less the value of its first pixel, so that sums of a small spot on a high background lose
-/// nothing. Beyond the image its edge is repeated. RT-safe.
+/// Reads the rectangle of `columns` (a multiple of 16) x `rows` pixels from (left, top) on, as
+/// floats minus the value of its first pixel. The offset keeps sums of a small spot on a high
+/// background precise. Pixels outside the image repeat its edge. RT-safe.
 void load_window(const ImageView& image, int left, int top, int columns, int rows,
                  float* out) OVWS_NONBLOCKING;
 

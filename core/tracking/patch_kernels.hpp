@@ -1,4 +1,4 @@
-/// The loops over pixels that finding a spot is made of, for the CPU that is there.
+/// SIMD pixel kernels of the trackers, with run-time dispatch to the CPU's instruction set.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace ovws {
 
-/// Floats may be read this many past a patch's end, because rows are read in whole blocks of it.
+/// Block size in floats. Kernels read rows in whole blocks, up to one block past a patch's end.
 constexpr int kPatchBlock = 16;
 
 /// A rectangle of camera pixels, all of it inside the image; at least kPatchBlock columns.
@@ -17,17 +17,17 @@ struct PixelRect {
   int columns = 0, rows = 0;
 };
 
-/// A rectangle of floats, `stride` from row to row; at least kPatchBlock columns.
+/// A rectangle of floats with a row stride in floats; at least kPatchBlock columns.
 struct FloatRect {
   const float* first = nullptr;
   std::ptrdiff_t stride = 0;
   int columns = 0, rows = 0;
 };
 
-/// A Gaussian along one axis: at the k-th place table[k] first ratio^k, of d = begin + k.
+/// A Gaussian along one axis: the weight table[k] * first * ratio^k at the distance d = begin + k.
 struct GaussianAxis {
   const float* table = nullptr;
-  int padded = 0;  ///< floats of the table, a multiple of kPatchBlock; it ends in zeros
+  int padded = 0;  ///< length of the table, a multiple of kPatchBlock; padded with zeros
   float first = 0.0F, ratio = 1.0F;
   float begin = 0.0F;
 };
@@ -38,35 +38,37 @@ struct WindowAxis {
   const float* dg = nullptr;
   const float* ddg = nullptr;
   int count = 0;
-  int padded = 0;  ///< floats behind each, a multiple of kPatchBlock; those after `count` are 0
+  int padded = 0;  ///< length of each array, a multiple of kPatchBlock; 0 from `count` on
 };
 
-/// Sums over a window of pixel * weights: one = gx gy, x = dx gx gy, xy = dx gx dy gy, …
+/// Moments of a window: sums of pixel * weight with the weights gx gy for `one`, dx gx gy for `x`,
+/// …
 struct WindowSums {
   float one = 0.0F, x = 0.0F, y = 0.0F, xx = 0.0F, xy = 0.0F, yy = 0.0F;
 };
 
-/// One build of the loops. All RT-safe; the builds agree to rounding, which is 1e-6 of the sum of
-/// the terms' magnitudes.
+/// The kernels built for one instruction set, all RT-safe. The builds agree to rounding, which is
+/// 1e-6 of the sum of the terms' magnitudes.
 struct PatchKernels {
   std::string_view name;
-  /// Pixels of 8 or 16 bits as floats, rows without a gap; gives the darkest.
+  /// Convert 8-bit or 16-bit pixels to floats, rows contiguous, and return the darkest.
   float (*load8)(const PixelRect& from, float* out);
   float (*load16)(const PixelRect& from, float* out);
-  float (*brightest)(const FloatRect& of);  ///< at least 0
-  /// Sum of the squares of 1 -4 6 -4 1 along the rows; at least 4 columns more than a block.
+  float (*brightest)(const FloatRect& of);  ///< returns at least 0
+  /// Returns the sum of the squared fourth differences (1 -4 6 -4 1) along the rows. Requires at
+  /// least kPatchBlock + 4 columns.
   float (*fourth_differences)(const FloatRect& of);
-  /// Writes g, d g and d^2 g, `padded` floats each; gives the sum of g.
+  /// Writes g, d g and d^2 g, `padded` floats each; returns the sum of g.
   float (*axis)(const GaussianAxis& from, float* g, float* dg, float* ddg);
-  /// `first`: the window's first pixel, `stride`: floats from row to row.
+  /// Returns the moments of a window. `first`: its first pixel; `stride`: row stride in floats.
   WindowSums (*window)(const float* first, std::ptrdiff_t stride, const WindowAxis& across,
                        const WindowAxis& down);
 };
 
-/// Those that this CPU can run, the fastest last.
+/// The builds that this CPU can run, fastest last.
 std::span<const PatchKernels> all_patch_kernels();
 
-/// The fastest of them.
+/// The fastest build that this CPU can run.
 const PatchKernels& patch_kernels();
 
 }  // namespace ovws

@@ -6,7 +6,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kAgree = 0.4;  // lambda/d: how far the matched filter's spot may be from another's
+constexpr double kAgree = 0.4;  // lambda/d: largest distance between the two trackers' fixes
 
 int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
                double capture_px) {
@@ -34,7 +34,8 @@ TrackScratch PatchTracker::make_scratch() const {
   return scratch;
 }
 
-/// Uses the patch's memory: nothing of the patch is to be read after.
+/// Confirmation by the matched filter. Overwrites the memory of the patch: do not read it
+/// afterwards.
 bool PatchTracker::confirm(const ImageView& image, Found& found, TrackScratch& scratch) const {
   const SpotFix fix = second_.track(image, found.at, scratch);
   const Vec2 seen{fix.x, fix.y};
@@ -49,7 +50,7 @@ SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch&
   SpotFix fix;
   const bool inside = start_px.x >= 0.0 && start_px.y >= 0.0 && start_px.x <= image.width - 1.0 &&
                       start_px.y <= image.height - 1.0;
-  if (!inside) return fix;  // a start that is not a number, too
+  if (!inside) return fix;  // also rejects NaN
   const Patch patch = load_patch(image, int(std::lround(start_px.x)), int(std::lround(start_px.y)),
                                  half_, scratch.samples);
   const double spot_half = SpotCheck::spot_half_px(spots_, geometry_);

@@ -1,4 +1,5 @@
-/// What all trackers share: load the patch, find, check, and refuse what is too near an edge.
+/// Base class of the patch trackers (centroid family, LG): loads a patch, finds the spot, checks
+/// it, and rejects spots too near the image's edge.
 #pragma once
 
 #include <optional>
@@ -23,15 +24,16 @@ class PatchTracker : public SpotTracker {
     SpotCheck::Verdict verdict;
   };
 
-  /// How far from the start a spot may be, in units of lambda/d: further, it is lost.
+  /// Capture range, units of lambda/d: a spot farther from the start is lost.
   static constexpr double kCapture = 1.0;
 
-  /// `kernel_half_px`: half-width of the square that `find` reads around a position.
+  /// `kernel_half_px`: half-width of the square that `find` reads around a position. `sum_floats`:
+  /// floats of TrackScratch::sums that it needs.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats);
 
-  /// The spot nearest in the sense of the tracker, checked; or one that the check is unsure of,
-  /// which is then asked of the matched filter. The patch reaches capture_px() plus kernel_half_px
-  /// and check's reach around the start.
+  /// Finds the spot near `start` and checks it. It may return a spot of which the check is unsure;
+  /// the matched filter then confirms or rejects it. The patch extends capture_px() plus the larger
+  /// of kernel_half_px and the check's reach around the start.
   virtual std::optional<Found> find(const Patch& patch, Vec2 start,
                                     TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 
@@ -49,7 +51,7 @@ class PatchTracker : public SpotTracker {
   int half_;
   int sum_floats_;
   SpotCheck check_;
-  MatchedTracker second_;  ///< in noise it sees the whole spot where the check sees parts
+  MatchedTracker second_;  ///< for spots in noise: uses the whole spot, the check only parts
 };
 
 }  // namespace ovws

@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kBeta = 6.0;        // Kaiser windows: ripple about 1e-3
-constexpr double kTransition = 3.9;  // width of their edge: this / taps, cycles per pixel
+constexpr double kTransition = 3.9;  // transition width: this / taps, cycles per pixel
 constexpr double kTapsPerLambdaD = 5.0;
 constexpr int kInterpolation = 6;  // taps on either side
 
@@ -32,7 +32,7 @@ double sinc(double x) {
   return std::abs(t) < 1e-9 ? 1.0 : std::sin(t) / t;
 }
 
-/// Passes everything up to 1 / (lambda/d), where the edge begins.
+/// Windowed-sinc low-pass filter with the pass band up to 1 / (lambda/d).
 std::vector<double> low_pass_taps(double lambda_d_px) {
   const int half = std::max(4, int(std::ceil(0.5 * kTapsPerLambdaD * lambda_d_px)));
   const double edge = std::min(0.5, 1.0 / lambda_d_px + 0.5 * kTransition / (2 * half + 1));
@@ -51,7 +51,7 @@ struct Taps {
   std::array<double, 2 * kInterpolation> value{}, slope{};
 };
 
-/// The windowed sinc and its slope from -kInterpolation to kInterpolation, tabulated.
+/// The windowed sinc and its derivative from -kInterpolation to kInterpolation, tabulated.
 class Interpolator {
  public:
   struct Tap {
@@ -76,7 +76,7 @@ class Interpolator {
   }
 
  private:
-  static constexpr int kSteps = 512;  // a pixel
+  static constexpr int kSteps = 512;  // per pixel
   std::vector<Tap> taps_;
 };
 
@@ -92,7 +92,7 @@ Taps taps_at(double x) {
     sum += tap.value;
     slopes += tap.slope;
   }
-  // A constant stays exactly what it is, and has no slope.
+  // Normalised so that a constant is interpolated exactly and has no slope.
   for (std::size_t k = 0; k < taps.value.size(); ++k) {
     taps.slope[k] = (taps.slope[k] - taps.value[k] * slopes / sum) / sum;
   }
@@ -140,7 +140,7 @@ void ReferenceShape::low_pass(const SpotModel& spots, const Image<float>& averag
   }
 }
 
-/// The model at the nearest shift tells the scale: to first order its own position does not matter.
+/// Background and amplitude from the model at the nearest shift; to first order its offset cancels.
 void ReferenceShape::normalise(const TemplateBank& model, const Image<float>& average) {
   const TemplateBank::Place place = model.place(position_);
   const TemplateView view = model.view(place, kMiddleNoise);
@@ -196,7 +196,7 @@ std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
     const Vec2 at = lit.from_image(reference_px[i]);
     const bool inside =
         at.x >= 0.0 && at.y >= 0.0 && at.x <= average.width - 1.0 && at.y <= average.height - 1.0;
-    if (!inside) continue;  // a position that is not a number, too
+    if (!inside) continue;  // also rejects NaN
     const ReferenceShape own(spots, model, average, at);
     if (!own.usable()) continue;
     auto bank = std::make_shared<TemplateBank>(spots, own);

@@ -1,4 +1,4 @@
-/// Spots as the bench itself shows them: templates from an averaged reference image.
+/// Measured templates: spot shapes from an averaged reference image.
 #pragma once
 
 #include <memory>
@@ -11,17 +11,17 @@
 
 namespace ovws {
 
-/// The light around one position of an image, low-passed and interpolated. A spot's light has no
-/// frequencies above 1 / (lambda/d) cycles per pixel: those pass unchanged, and nearly all of the
-/// pixels' noise does not. The model's template, fitted, tells what is background and what
-/// amplitude is 1.
+/// Intensity around one position of an image, low-pass filtered and interpolated. A spot is
+/// band-limited to 1 / (lambda/d) cycles per pixel: these frequencies pass unchanged, nearly all of
+/// the pixel noise does not. A fit of the model's template gives the background and the amplitude,
+/// which is normalised to 1.
 class ReferenceShape final : public SpotShape {
  public:
-  /// `model`: of the same spots. Where the image ends, its edge is repeated.
+  /// `model`: template bank of the same spots. Pixels outside the image repeat its edge.
   ReferenceShape(const SpotModel& spots, const TemplateBank& model, const Image<float>& average,
                  Vec2 position_px);
 
-  /// Whether a spot was there, and every pixel about it is a number.
+  /// Whether a spot was there, and every pixel around it is finite.
   bool usable() const { return amplitude_ > 0.0; }
 
   ShapeSample at(Vec2 from_centre) const override;
@@ -37,10 +37,10 @@ class ReferenceShape final : public SpotShape {
   double amplitude_ = 0.0;
 };
 
-/// A template for each reference position, for MatchedTracker; null where the position is not a
-/// number, shows no spot, or has a pixel about it that is none. `average`: mean of the reference
-/// frames, DN, of the whole region of interest, NaN where it is not known; only its lit pixels are
-/// read. About 20 ms and (charge 1, 12.55 px) 0.9 MB a spot: off the frame path.
+/// One template per reference position, for MatchedTracker. Null where the position is NaN or
+/// outside the image, shows no spot, or has a NaN pixel around it. `average`: mean of the reference
+/// frames, DN, of the whole region of interest, NaN where unknown; only its lit pixels are read.
+/// Takes about 20 ms and (charge 1, 12.55 px) 0.9 MB per spot: off the frame path.
 std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
     const SpotModel& spots, const Image<float>& average, std::span<const Vec2> reference_px);
 

@@ -1,4 +1,4 @@
-/// What a tracker finds of one spot, and which trackers there are.
+/// The fix of one spot (SpotFix), the list of trackers, and the tracking configuration.
 #pragma once
 
 #include <cmath>
@@ -20,15 +20,15 @@ struct SpotFix {
   float peak = 0.0F;     ///< brightest pixel of the spot's window, camera units (DN)
   float quality = 0.0F;  ///< [0,1]: contrast of the spot against its surroundings; 0 = lost
   float level = 0.0F;  ///< mean of the spot's bright part above its local background, DN; 0 = lost
-  float noise = 0.0F;  ///< RMS of the pixels' noise about the spot, DN; 0: not measured
+  float noise = 0.0F;  ///< RMS pixel noise around the spot, DN; 0 = not measured
 
   bool found() const { return !std::isnan(x); }
 };
 
-/// Loses every spot whose level is below a tenth of the median level of the `expected` brightest
-/// ones, and returns how many remain. Where a subaperture's light is missing, the haze of the other
-/// spots holds true but faint vortices that only this tells from a spot. RT-safe; at most 4096
-/// spots.
+/// Marks faint spots as lost: those whose level is below a tenth of the median level of the
+/// `expected` brightest ones. Returns how many remain. In a subaperture without light, stray light
+/// of the other spots forms genuine but faint vortices; only their level tells them from a spot.
+/// RT-safe; the median takes at most 4096 spots into account.
 int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
 enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg, matched };
@@ -45,9 +45,9 @@ struct TrackingConfig {
   friend bool operator==(const TrackingConfig&, const TrackingConfig&) = default;
 };
 
-/// The LG kernel's 1/e radius that is used for a charge, units of lambda/d: kernel_radius
-/// sqrt(max(1, |l|)). A charge-l core splits into |l| under aberration; the wider kernel keeps one
-/// minimum, at their mean.
+/// The LG kernel's 1/e radius for a charge l, units of lambda/d: kernel_radius sqrt(max(1, |l|)).
+/// Aberration splits a core of charge l into |l| single cores. The wider kernel keeps one minimum,
+/// at their mean.
 double lg_kernel_radius(const TrackingConfig& config, int charge);
 
 }  // namespace ovws

@@ -9,28 +9,28 @@
 namespace ovws {
 namespace {
 
-// Radii in units of those of SpotGeometry, and limits. How far true cores and false zeros lie from
-// these limits is measured in tests/unit/tracking.
-constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc
-constexpr double kCoreOfHalfWidth = 0.6;   // a bright spot's disc
-constexpr double kFlank = 1.2;             // its flank reaches so far
+// Radii relative to those of SpotGeometry, and acceptance limits. Tests in tests/unit/tracking
+// check them against genuine cores and against false zeros.
+constexpr double kCoreOfRingInner = 0.45;  // radius of a vortex core's disc
+constexpr double kCoreOfHalfWidth = 0.6;   // radius of a bright spot's disc
+constexpr double kFlank = 1.2;             // outer radius of its flank
 constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
 constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
 constexpr double kMinWeakestOfRing = 0.15;  // (weakest sector - core) / (mean ring - core)
 constexpr double kMaxOutsideOfRing = 1.5;   // brightest outer sector / mean ring
-constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core: one hot pixel has none
+constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core; a hot pixel has no flank
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
-constexpr double kUnsure = 3.5;  // level / pixel noise below which small areas do not tell
+constexpr double kUnsure = 3.5;  // level / pixel noise below which small areas are inconclusive
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
-constexpr int kNoiseRowStep = 6;            // every 6th row tells the noise well enough
+constexpr int kNoiseRowStep = 6;            // every 6th row suffices to estimate the noise
 
 int outer_limit_px(const SpotModel& spots, const SpotGeometry& geometry) {
   return int(std::ceil(kOuterTo * geometry.dark * spots.lambda_d_px)) + 1;
 }
 
-/// RMS of the pixel noise from fourth differences along rows: 1 -4 6 -4 1 has the norm sqrt(70) and
-/// leaves nothing of a diffraction-limited spot.
+/// RMS pixel noise from fourth differences along rows. The filter 1 -4 6 -4 1 has the norm sqrt(70)
+/// and suppresses a diffraction-limited spot.
 double noise_of(const Patch& patch) {
   const int rows = (patch.side + kNoiseRowStep - 1) / kNoiseRowStep;
   const float sum = patch_kernels().fourth_differences(
@@ -38,7 +38,7 @@ double noise_of(const Patch& patch) {
   return std::sqrt(double(sum) / (70.0 * rows * (patch.side - 4)) + kQuantisation);
 }
 
-/// Two sums at once: each addition need not wait for the one before.
+/// Sums in two accumulators, so that successive additions are independent.
 double sum_at(const float* centre, std::span<const int> offsets) {
   double even = 0.0, odd = 0.0;
   std::size_t k = 0;
@@ -95,7 +95,7 @@ SpotCheck::Means SpotCheck::Annulus::means(const float* centre) const {
   for (int k = 0; k < kSectors; ++k) {
     const double sum =
         sum_at(centre, std::span(offsets).subspan(begin[k], begin[k + 1] - begin[k]));
-    // A sector without a pixel (spots of few pixels) repeats its neighbour.
+    // A sector without pixels (very small spots) repeats the previous sector's mean.
     last = begin[k + 1] > begin[k] ? sum / (begin[k + 1] - begin[k]) : last;
     means[k] = last;
   }

@@ -1,4 +1,4 @@
-/// Tells a spot from everything else that a tracker may run into.
+/// Spot validation: accepts a found position only if the pixels around it look like a spot.
 #pragma once
 
 #include <array>
@@ -14,33 +14,38 @@
 namespace ovws {
 
 /// Compares the mean of a small disc at a found position with the means of 16 azimuthal sectors of
-/// two annuli around it, the outer one at the first dark ring, which also gives the local
-/// background. Charge not 0: the inner annulus is the bright ring (where the profile exceeds half
-/// its maximum); the core must be dark against it on every azimuth, and beyond it there must be
-/// dark again, or the "ring" is but the rim of something brighter. Charge 0: the inner annulus is
-/// the bright core's flank, which a hot pixel lacks; the outer one must be dark on every azimuth.
-/// The difference of bright and dark must also stand out of the pixel noise, which is measured in
-/// the same patch.
+/// two annuli around it. The outer annulus lies at the first dark ring and also gives the local
+/// background.
+///
+/// Charge not 0: the inner annulus is the bright ring, where the profile exceeds half its maximum.
+/// The core must be darker than the ring on every azimuth. The outer annulus must not be much
+/// brighter than the ring; otherwise the "ring" is only the rim of something brighter.
+///
+/// Charge 0: the inner annulus is the flank of the bright core, which a hot pixel lacks. The outer
+/// annulus must be dark on every azimuth.
+///
+/// The difference between bright and dark must also be significant against the pixel noise, which
+/// is measured in the same patch.
 class SpotCheck {
  public:
   struct Verdict {
     bool passed = false;
     double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
     double level = 0.0;    ///< the bright part above the local background, DN
-    double noise = 0.0;    ///< RMS of the pixels' noise, DN
-    /// Not passed, but in so much noise that the ratios of small areas do not tell.
+    double noise = 0.0;    ///< RMS pixel noise, DN
+    /// Not passed, but too noisy for ratios of small areas to decide.
     bool unsure = false;
   };
 
-  /// `patch_half`: half-width of the patches that will be looked at.
+  /// `patch_half`: half-width of the patches that will be checked.
   SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int patch_half);
 
   /// Half-width of the square read around a position.
   static int reach_px(const SpotModel& spots, const SpotGeometry& geometry);
-  /// Half-width of what counts as the spot itself: all of it must be in the image.
+  /// Half-width of the spot itself, which must lie inside the image.
   static double spot_half_px(const SpotModel& spots, const SpotGeometry& geometry);
 
-  /// The patch must reach reach_px around `at`. RT-safe.
+  /// Checks the position `at`. The patch must extend reach_px around it. RT-safe.
   Verdict look(const Patch& patch, Vec2 at) const OVWS_NONBLOCKING;
   /// Mean of the darker half of the outer sectors around `at`: the local background. RT-safe.
   double background(const Patch& patch, Vec2 at) const OVWS_NONBLOCKING;
@@ -60,7 +65,7 @@ class SpotCheck {
   struct Outside {
     double mean = 0.0;
     double background = 0.0;  ///< mean of the darker half of the sectors
-    double brightest = 0.0;   ///< sector
+    double brightest = 0.0;   ///< largest mean of a sector
   };
   Outside outside(const float* centre) const;
   static Verdict refused(double level, double noise);

@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kStep = 0.02;  // of the radius, lambda/d
+constexpr double kStep = 0.02;  // step of the radius, lambda/d
 
 /// The first radius from `from` on where `stop(intensity, next intensity)` holds.
 template <class Stop>
@@ -23,7 +23,7 @@ double walk(int charge, double from, Stop stop) {
 }  // namespace
 
 double spot_amplitude(int charge, double radius) {
-  // Simpson's rule: the integrand is smooth and makes radius/2 swings over the interval.
+  // Simpson's rule: the integrand is smooth and has about radius/2 oscillations.
   const int order = std::abs(charge);
   const int half_steps = 12 + 2 * int(std::ceil(radius));
   const double h = 0.5 / half_steps;

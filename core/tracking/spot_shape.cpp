@@ -8,7 +8,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kStepsPerLambdaD = 80.0;  // cubic interpolation is then right to 1e-6
+constexpr double kStepsPerLambdaD = 80.0;  // cubic interpolation is then accurate to 1e-6
 
 }  // namespace
 
@@ -23,7 +23,7 @@ ModelShape::ModelShape(const SpotModel& spots, double reach)
   table_[0] = table_[2];
 }
 
-// Catmull-Rom, whose derivative is continuous too.
+// Catmull-Rom spline: its first derivative is continuous, too.
 ShapeSample ModelShape::at(Vec2 from_centre) const {
   const double r = norm(from_centre);
   const double steps = std::min(r * per_px_, double(table_.size()) - 4.0);

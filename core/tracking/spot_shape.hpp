@@ -1,4 +1,4 @@
-/// A spot as a continuous function of position: what templates are sampled from.
+/// Spot intensity as a continuous function of position, from which templates are sampled.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace ovws {
 
 struct ShapeSample {
-  double value = 0.0;         ///< brightest about 1, far away about 0
+  double value = 0.0;         ///< about 1 at the maximum, about 0 far away
   double dx = 0.0, dy = 0.0;  ///< its gradient, 1/px
 };
 
@@ -20,19 +20,19 @@ class SpotShape {
   virtual ShapeSample at(Vec2 from_centre) const = 0;
 };
 
-/// The far field of a circular subaperture that carries a charge, sampled at points as
-/// optics/far_field samples it: I(r) = |2 pi integral_0^{1/2} J_l(2 pi r rho) rho d rho|^2, its
-/// maximum made 1.
+/// Ideal spot: far-field intensity of a circular subaperture of charge l, sampled at points as in
+/// optics/far_field: I(r) = |2 pi integral_0^{1/2} J_l(2 pi r rho) rho d rho|^2, normalised to a
+/// maximum of 1.
 class ModelShape final : public SpotShape {
  public:
-  /// Takes milliseconds. Beyond `reach` (lambda/d) the value stays what it is there.
+  /// Takes milliseconds. Beyond `reach` (lambda/d) the value is constant.
   ModelShape(const SpotModel& spots, double reach);
 
   ShapeSample at(Vec2 from_centre) const override;
 
  private:
   double per_px_;              ///< table steps per camera pixel
-  std::vector<double> table_;  ///< of I(r), from one step below 0 on
+  std::vector<double> table_;  ///< I(r), starting one step below r = 0
 };
 
 }  // namespace ovws

@@ -12,12 +12,12 @@ namespace ovws {
 namespace {
 
 constexpr double kWindowOfDark = 0.98, kLeastWindow = 1.5;
-// Half a step, in units of lambda/d, is what the first order must bridge: 1/8 px at 12.55 px.
+// Half a step is the largest offset that the linearisation must bridge: 1/8 px at 12.55 px.
 constexpr double kStepsPerLambdaD = 49.0;
-constexpr double kBright = 0.25;           // of the template's maximum: its sectors' pixels
-constexpr double kCoreOfRingInner = 0.45;  // a vortex core's disc, as SpotCheck's
-constexpr double kDarkCore = 0.2;          // a template with more light there has no dark core
-// Pixels a side of the coarse bank's: a quarter of lambda/d, and two from 6 px on.
+constexpr double kBright = 0.25;           // of the template's maximum: pixels of the sectors
+constexpr double kCoreOfRingInner = 0.45;  // radius of a vortex core's disc, as in SpotCheck
+constexpr double kDarkCore = 0.2;          // largest mean of a dark core of the template
+// Bin size of the coarse bank: a quarter of lambda/d; bins of 2 from 6 px on.
 constexpr double kBinOfLambdaD = 0.24, kBinMore = 0.6;
 constexpr double kLeastPivot = 1e-5;  // of the normal matrix scaled to a unit diagonal
 
@@ -29,7 +29,7 @@ int bin_of(const SpotModel& spots) {
   return std::max(1, int(kBinOfLambdaD * spots.lambda_d_px + kBinMore));
 }
 
-/// Another shape's mean over squares of pixels, in squares.
+/// Another shape averaged over square bins, with lengths in bins.
 class BinnedShape final : public SpotShape {
  public:
   BinnedShape(const SpotShape& shape, int bin) : shape_(shape), bin_(bin) {}

@@ -1,4 +1,4 @@
-/// A spot's template on the pixel grid for every sub-pixel shift, prepared off the frame path.
+/// Template bank: a spot's template at every sub-pixel shift, computed off the frame path.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,46 +13,47 @@
 
 namespace ovws {
 
-/// The window's radius in units of lambda/d: 0.98 of the first dark ring's, at least 1.5. That is
-/// 1.5 for charge 0, 1.84 for charge 1, 2.43 for charge 2, and holds 96 to 99.7 % of the Fisher
-/// information: wider, only a neighbour's light is gained.
+/// Radius of the matched filter's window in units of lambda/d: 0.98 of the first dark ring's, at
+/// least 1.5. That is 1.5 for charge 0, 1.84 for charge 1, 2.43 for charge 2, and holds 96 to 99.7
+/// % of the Fisher information. A wider window would add mostly neighbours' light.
 double matched_window(int charge);
 
-/// What the noise's variance may be, sigma^2 + kappa a T, as the dark part's share of the bright
-/// part's: s = sigma^2 / (kappa a). Weights are 1 / (s + T). Above s = 0.01 the level nearest to
-/// the truth costs at most 3 % of RMS; a fit between the fits at two of them costs less.
+/// Tabulated noise levels s = sigma^2 / (kappa a). The noise variance is sigma^2 + kappa a T, so
+/// that the weights are 1 / (s + T). Above s = 0.01 the nearest level costs at most 3 % of RMS;
+/// interpolating between the fits at two levels costs less.
 constexpr std::array<double, 3> kNoiseLevels{0.03, 0.2, 1.0};
-/// The level that is assumed where none is known yet.
+/// Index of the level that is assumed before the noise is estimated.
 constexpr int kMiddleNoise = 1;
-/// The one that stands for all of them in the slope model.
+/// The noise level that the slope model assumes (matched_tilt).
 constexpr double kSlopeNoise = 0.12;
 
 /// Immutable. A spot of lambda/d = 12.55 px and charge 1 takes 0.9 MB.
 class TemplateBank {
  public:
-  /// The image pixel in the window's middle, and which of the shifts is nearest.
+  /// A tabulated position: the image pixel in the window's middle, and the nearest sub-pixel shift.
   struct Place {
     int x = 0, y = 0;
     int shift = 0;
-    Vec2 centre;  ///< where the template of that shift is, image pixels
+    Vec2 centre;  ///< spot's position in the template of that shift, image pixels
 
     friend bool operator==(const Place& a, const Place& b) {
       return a.x == b.x && a.y == b.y && a.shift == b.shift;
     }
   };
 
-  /// Of one shift at one noise level.
+  /// Precomputed normal equations of one shift at one noise level.
   struct Solver {
     std::array<float, 16> inverse{};  ///< of the normal matrix, order: 1, value, cx, cy
     double weight = 0.0;              ///< sum of w
     double contrast = 0.0;            ///< sum of w (T - mean T)^2
-    /// Sums of w^2, w^2 T, w^2 T^2: what turns ResidualSums into a variance in dark and in bright.
+    /// Sums of w^2, w^2 T, w^2 T^2: they turn ResidualSums into the variances of dark and bright
+    /// pixels.
     double ww = 0.0, wwt = 0.0, wwtt = 0.0;
     bool regular = false;
   };
 
-  /// Pixels of the window where the template is bright, by their direction from the centre, and
-  /// those of a vortex's dark core: offsets into the window, of the unshifted template.
+  /// Pixels of the window where the unshifted template is bright, by azimuthal sector, then those
+  /// of a vortex's dark core: offsets into the window.
   struct Parts {
     static constexpr int kSectors = 8;
     std::vector<int> offsets;
@@ -67,10 +68,10 @@ class TemplateBank {
   int pixels() const { return pixels_; }  ///< inside the disc
   double step_px() const { return 1.0 / steps_; }
   float mean_bright() const { return mean_bright_; }  ///< mean of T where it exceeds 1/2
-  bool regular() const { return regular_; }           ///< every normal matrix has an inverse
+  bool regular() const { return regular_; }           ///< every normal matrix is invertible
 
-  /// The same spot for images whose pixels are summed in squares of bin() x bin(): at its unshifted
-  /// place only, and in bins for pixels. None if lambda/d is too few pixels for bins of 2.
+  /// The same spot for images binned by bin() x bin(), unshifted only, with lengths in bins. Null
+  /// if lambda/d is too small for bins of 2.
   const TemplateBank* coarse() const { return coarse_.get(); }
   int bin() const { return bin_; }
 

@@ -1,4 +1,4 @@
-/// The sums over a window of pixels that the matched filter is made of: its only hot loops.
+/// SIMD kernels of the matched filter: weighted sums over a window of pixels.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ namespace ovws {
 constexpr int kTemplateBlock = 16;
 
 /// A template at one sub-pixel shift, row-major, borrowed from a TemplateBank. `cx` and `cy` are
-/// the changes of `value` per pixel that the spot moves.
+/// the derivatives of `value` with respect to the spot's position.
 struct TemplateView {
   int columns = 0, rows = 0;
   const float* value = nullptr;
@@ -31,16 +31,17 @@ struct TemplateFit {
   float background = 0.0F, amplitude = 0.0F, move_x = 0.0F, move_y = 0.0F;
 };
 
-/// With r = D - fit, and e its difference from the pixel above.
+/// Sums over the residual r = D - fit and its difference e from the pixel above.
 struct ResidualSums {
   float square = 0.0F;      ///< sum of weight r^2
-  float difference = 0.0F;  ///< sum of weight e^2 / 2: as large if r is noise, small if not
+  float difference = 0.0F;  ///< sum of weight e^2 / 2: as `square` for white noise, else small
   float dark = 0.0F;        ///< sum of weight^2 e^2 / 2
   float bright = 0.0F;      ///< sum of weight^2 value e^2 / 2
 };
 
-/// One build of the loops. `pixels`: rows x columns. `line`: columns floats of working memory. All
-/// RT-safe; the builds agree to rounding, which is 1e-5 of the sum of the terms' magnitudes.
+/// The kernels built for one instruction set, all RT-safe. `pixels`: rows x columns. `line`:
+/// columns floats of working memory. The builds agree to rounding: 1e-5 of the sum of the terms'
+/// magnitudes.
 struct TemplateKernels {
   std::string_view name;
   TemplateMoments (*moments)(const TemplateView& view, const float* pixels);
@@ -48,7 +49,7 @@ struct TemplateKernels {
                             float* line);
 };
 
-/// Those that this CPU can run, the fastest last.
+/// The builds that this CPU can run, fastest last.
 std::span<const TemplateKernels> template_kernels();
 
 }  // namespace ovws

@@ -15,21 +15,19 @@ namespace ovws {
 
 class TemplateBank;
 
-/// What the template of a tracker that has one (matched) is: the model's spot, or each spot as a
-/// reference shows it.
+/// Source of the templates of the tracker `matched`: the ideal spot of the model, or each spot of a
+/// reference image.
 enum class TemplateKind : std::uint8_t { model, reference };
 
-/// What turns the spots' displacements into modes.
+/// The operator that reconstructs modes from spot displacements.
 enum class OperatorKind : std::uint8_t {
-  slopes,        ///< the tracker's own tilt of each mode (slope_matrix)
-  diffractive,   ///< each mode through the diffraction model, tracked (diffractive_matrix)
-  relinearised,  ///< slopes, then steps from where the model puts the spots (relinearise): no
-                 ///< matrix
-  measured,      ///< each mode shown on the bench, tracked (interaction_matrix)
+  slopes,        ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
+  diffractive,   ///< each mode poked in the diffraction model and tracked (diffractive_matrix)
+  relinearised,  ///< slopes, then Gauss-Newton steps in the diffraction model (relinearise)
+  measured,      ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
-/// TrackingConfig, and what a tracker by itself does not know: where its templates come from, and
-/// how modes are made of what it finds.
+/// TrackingConfig plus the source of the templates and the operator that reconstructs modes.
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
@@ -37,13 +35,14 @@ struct TrackingSettings : TrackingConfig {
   friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
 };
 
-/// What a tracker must know of the spots. Lengths in camera pixels.
+/// Properties of the spots that a tracker needs. Lengths in camera pixels.
 struct SpotModel {
   int charge = 1;
-  double lambda_d_px = 12.55;  ///< diffraction width of one subaperture on the camera
-  LitPixels lit{};             ///< which of the camera's pixels see them
+  double lambda_d_px = 12.55;  ///< diffraction scale of one subaperture on the camera
+  LitPixels lit{};             ///< the camera pixels that receive the spots' light
 
-  /// The same for an image of those pixels alone, whose pixels are `lit.lattice.step` apart.
+  /// The same spots in an image of the lit colour plane alone, whose pixels are `lit.lattice.step`
+  /// camera pixels apart.
   SpotModel on_lattice() const { return {charge, lambda_d_px / lit.lattice.step}; }
 
   friend bool operator==(const SpotModel&, const SpotModel&) = default;
@@ -55,7 +54,7 @@ struct TrackScratch {
   std::vector<float> sums;
 };
 
-/// A subaperture's number that is not known.
+/// Subaperture number: unknown.
 constexpr int kAnySpot = -1;
 
 /// Immutable after construction; one object serves all threads, each with a scratch of its own.
@@ -67,21 +66,23 @@ class SpotTracker {
   virtual int window_half_px() const = 0;
   virtual TrackScratch make_scratch() const = 0;
 
-  /// Whether `track` cares which spot it is asked for.
+  /// Whether `track` uses the subaperture's number (per-spot templates).
   virtual bool per_spot() const { return false; }
 
-  /// Finds the spot near `start_px`; `spot` is its subaperture's number, or kAnySpot. Lost (see
-  /// SpotFix) if what is there does not look like the spot: no guess is ever returned. The window
-  /// is clipped at the image's edge; a spot too near the edge is lost. RT-safe.
+  /// Finds the spot near `start_px`; `spot` is its subaperture's number, or kAnySpot. The fix is
+  /// lost (see SpotFix) if the pixels there do not look like the spot; a tracker never returns a
+  /// guess. The window is clipped at the image's edge, and a spot too near the edge is lost.
+  /// RT-safe, except for lg_contour, which allocates.
   virtual SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
                         int spot = kAnySpot) const OVWS_NONBLOCKING = 0;
 };
 
-/// `own`: of `matched`, see there; no other tracker has templates.
-/// Positions are the camera's pixels, also where only some of these are lit (LatticeTracker).
-/// Errors (Errc::invalid, field "tracking.…"): kernel_radius outside [0.1, 2]; a tracker that makes
-/// no sense for the charge (any lg on charge 0 follows the bright spot's maximum and is allowed).
-/// Field "optics": lambda/d below 4 or above 200 lit pixels.
+/// Makes a tracker. `own`: per-spot templates, see MatchedTracker; other trackers ignore them.
+/// Positions are camera pixels, even if only one colour plane is lit (see lattice_tracker.hpp).
+///
+/// Errors (Errc::invalid), by field: "tracking.kernel_radius" outside [0.1, 2]; "tracking.tracker":
+/// a tracker of the centroid family, but the charge is not 0; "sensor.charge" outside [-8, 8];
+/// "optics": lambda/d below 4 or above 200 lit pixels.
 Result<std::unique_ptr<const SpotTracker>> make_tracker(
     const TrackingConfig& config, const SpotModel& spots,
     std::vector<std::shared_ptr<const TemplateBank>> own = {});
