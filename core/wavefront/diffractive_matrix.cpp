@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kPeak = 60000.0;  // DN of 16 bit: rounding moves no spot by more than 1e-5 px
+constexpr double kPeak = 60000.0;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
 constexpr int kFewestSpots = 3;
 
 std::vector<Vec2> predicted(const SensorModel& model, const SensorConfig& sensor,

@@ -36,7 +36,7 @@ std::string hundredths(double value) {
   return text.insert(text.size() - 2, ".");
 }
 
-/// Spots that are there without a push, before and after.
+/// Spots that are found without a poke, both before and after.
 std::vector<std::size_t> resting_spots(const PushPullRun& run) {
   std::vector<std::size_t> spots;
   for (std::size_t i = 0; i < run.before.at_px.size(); ++i) {
@@ -59,8 +59,8 @@ void measure_drift(const PushPullRun& run, const std::vector<std::size_t>& spots
   matrix.drift_noise_px = std::sqrt(variance / count);
 }
 
-/// In floats, as it is kept: what is read from a file is the same. (GCC 12 leaves out the rounding
-/// of double(float(value)) where it vectorises neighbours.)
+/// One column in floats, as it is stored, so that a matrix read from a file is identical. (GCC 12
+/// omits the rounding of double(float(value)) where it vectorises neighbours.)
 struct Column {
   Eigen::VectorXf slopes, standard_error;
 };
@@ -87,7 +87,7 @@ double least_singular_value(const Eigen::MatrixXd& slopes) {
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
 }
 
-/// Appends the column unless the modes would no longer be determined with it.
+/// Appends the column unless the modes would then no longer be determined.
 bool append(InteractionMatrix& matrix, const Column& column) {
   const Eigen::Index before = matrix.slopes.cols();
   Eigen::MatrixXd with(column.slopes.size(), before + 1);

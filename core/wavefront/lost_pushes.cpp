@@ -5,13 +5,13 @@
 namespace ovws {
 namespace {
 
-constexpr double kModelError = 0.2;  // of what the model says of a spot that was lost
+constexpr double kModelError = 0.2;  // relative error of a displacement taken from the model
 
 bool is_known(const SpotMeans& spots, std::size_t i) {
   return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
 }
 
-/// How many times as far as the model says the spots moved that both pictures of a mode show.
+/// Measured over modelled displacement, by least squares over the spots found in both images.
 double factor_of(const PushPull& push, const Eigen::Ref<const Eigen::VectorXd>& model) {
   double both = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < push.plus.at_px.size(); ++i) {
@@ -26,14 +26,14 @@ double factor_of(const PushPull& push, const Eigen::Ref<const Eigen::VectorXd>& 
   return squares > 0.0 ? both / squares : 1.0;
 }
 
-/// A spot that one picture lost moved as far the other way as the other picture shows.
+/// Lost in one image: the position in the other image, mirrored about the resting position.
 void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, SpotMeans& lost) {
   const Vec2 &a = seen.standard_error_px[i], &b = resting.standard_error_px[i];
   lost.at_px[i] = 2.0 * resting.at_px[i] - seen.at_px[i];
   lost.standard_error_px[i] = {std::hypot(a.x, 2.0 * b.x), std::hypot(a.y, 2.0 * b.y)};
 }
 
-/// Both pictures lost the spot: it moved as the model says, known to a fifth.
+/// Lost in both images: the displacement of the model, with a standard error of a fifth of it.
 void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, std::size_t i,
                   PushPull& push) {
   const Vec2 moved = push.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};

@@ -1,4 +1,4 @@
-/// What a calibration's pictures lack of the spots, put in from what they have.
+/// Fills in spots that were lost during push-pull pokes.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,11 @@
 
 namespace ovws {
 
-/// Puts in the resting spots that the pictures of a mode lost: from the other picture, mirrored at
-/// where the spot rests, or, where both lost it, from the model's column (2N camera pixels per
-/// wave) times what the other spots moved of theirs. Else the spot would count for no mode. Nothing
-/// is put in if more than kMostLostByMode of the spots are lost: interaction_matrix then drops the
-/// mode.
+/// Fills in the resting spots that a poke's images lost. A spot lost in one image is mirrored from
+/// the other image about its resting position. A spot lost in both images moves as in the model's
+/// column (2N camera pixels per wave), scaled to the measured motion of the other spots. Otherwise
+/// the spot could not be used for any mode. Nothing is filled in if more than kMostLostByMode of
+/// the spots are lost: interaction_matrix then drops the mode.
 void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
                PushPull& push);
 

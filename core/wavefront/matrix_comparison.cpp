@@ -12,16 +12,16 @@
 namespace ovws {
 namespace {
 
-constexpr double kAlike = 0.9;        // correlation of columns that are the same but for a factor
-constexpr double kUnlike = 0.5;       // of columns that are not the same
-constexpr double kMostTurnDeg = 1.0;  // of displacements that still agree
-constexpr double kMostScale = 0.03;   // off 1, of all columns together
-constexpr double kMostFactor = 0.2;   // off the others, of one column
-constexpr std::size_t kNamed = 3;     // modes, in a sentence
+constexpr double kAlike = 0.9;   // correlation of columns that are equal up to a factor, at least
+constexpr double kUnlike = 0.5;  // correlation of different columns, at most
+constexpr double kMostTurnDeg = 1.0;  // rotation that still counts as agreement
+constexpr double kMostScale = 0.03;   // deviation of the common scale from 1
+constexpr double kMostFactor = 0.2;   // deviation of one column from the common scale
+constexpr std::size_t kNamed = 3;     // modes listed in one message
 
 const char* const kRegister = "run registration.run, then reference.take and calibration.run";
 
-/// Columns of the same modes, and only the rows that tell.
+/// The columns of the common modes, over the rows of the spots in use.
 struct Pair {
   std::vector<int> modes_j;
   Eigen::MatrixXd measured, error, model;
@@ -70,8 +70,8 @@ std::vector<ModeComparison> compare_modes(const Pair& pair) {
   return modes;
 }
 
-/// The 2 x 2 matrix that turns the model's displacement of each spot best into the measured one,
-/// every mode counting alike.
+/// Least-squares 2 x 2 map from the model's displacements to the measured ones, with equal weight
+/// for every mode.
 Eigen::Matrix2d best_map(const Pair& pair) {
   Eigen::Matrix2d ms = Eigen::Matrix2d::Zero(), ss = Eigen::Matrix2d::Zero();
   for (Eigen::Index k = 0; k < pair.model.cols(); ++k) {
@@ -116,7 +116,7 @@ struct Finding {
   std::string words;
 };
 
-/// The ways in which displacements can be exchanged and turned over.
+/// The exchanges and sign changes of the axes that are distinguished.
 struct Exchange {
   Disagreement kind;
   double xx, xy, yx, yy;
@@ -134,7 +134,7 @@ constexpr std::array<Exchange, 8> kExchanges{{
     {Disagreement::rotation, 0, 1, -1, 0, "displacements are turned by -90 degrees"},
 }};
 
-/// Columns that are too long or too short for the others.
+/// Looks for single columns, or a common scale, that differ from the model.
 Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
   std::vector<std::string> odd;
   for (const ModeComparison& mode : modes) {
@@ -181,7 +181,7 @@ Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>&
   return judge_factors(modes, scale);
 }
 
-/// A lattice that is seen mirrored looks the same, and turns over those modes that the mirror does.
+/// A mirrored lattice looks the same, but inverts the modes that are odd under the mirror.
 Finding judge_signs(const std::vector<ModeComparison>& modes) {
   struct Mirror {
     Vec2 by;

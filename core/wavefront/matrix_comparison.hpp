@@ -1,5 +1,5 @@
-/// A measured interaction matrix against the model's: whether they agree, and if not, what of the
-/// bench or of its configuration would explain it.
+/// Comparison of a measured interaction matrix with the model's: whether they agree, and if not,
+/// what in the bench or in its configuration explains the difference.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace ovws {
 
-/// A measured column m against the model's column s of the same mode, over the spots that tell.
+/// A measured column m against the model's column s of the same mode, over the spots in use.
 struct ModeComparison {
   int j = 0;
   double factor = 0.0;  ///< regression: m = factor * s, by least squares
@@ -19,24 +19,24 @@ struct ModeComparison {
 
 enum class Disagreement {
   none,
-  sign,          ///< of all, of x or of y
+  sign,          ///< wrong sign of all displacements, of x, of y, or of single modes
   axes,          ///< x and y exchanged
-  scale,         ///< all too long or too short
-  rotation,      ///< the displacements are turned
-  parity,        ///< modes are upside down that a mirrored or turned lattice puts upside down
-  order,         ///< a column looks like the model's of another mode
-  single_modes,  ///< some columns only are of another length
-  unlike,        ///< nothing of these
+  scale,         ///< all displacements too long or too short
+  rotation,      ///< displacements are rotated
+  parity,        ///< wrong sign of the modes that a mirrored or rotated lattice inverts
+  order,         ///< a column resembles the model's column of another mode
+  single_modes,  ///< only some columns are too long or too short
+  unlike,        ///< none of these
 };
 
 struct MatrixComparison {
   std::vector<ModeComparison> modes;  ///< in the order of the columns
   Disagreement disagreement = Disagreement::none;
-  std::string words;  ///< what is wrong and what to do, for a person; empty: they agree
+  std::string words;  ///< human-readable diagnosis and remedy; empty: they agree
 };
 
-/// `model`: of the plan that is in force without the measurement (slope_operator); it must have a
-/// column for each measured mode, those without one are left out.
+/// `model`: operator of the plan that is active without the measurement (slope_operator). Measured
+/// modes without a column in it are ignored.
 MatrixComparison compare(const InteractionMatrix& measured, const ModeOperator& model);
 
 }  // namespace ovws

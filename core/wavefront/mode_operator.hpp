@@ -1,4 +1,4 @@
-/// The linear operator between modes and spot displacements, whatever it was made from.
+/// Mode operator: the linear map from modes to spot displacements, whatever its origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,14 +9,14 @@
 
 namespace ovws {
 
-/// What displacements are turned into modes with: a Reconstructor is its pseudo-inverse.
+/// A Reconstructor applies the pseudo-inverse of it.
 struct ModeOperator {
   OperatorKind kind = OperatorKind::slopes;  ///< what it was made from
   std::vector<int> modes_j;                  ///< OSA indices, one a column
   /// 2N x Z like that of slope_matrix: camera pixels per RMS-normalised wave. A spot with rows of 0
-  /// tells nothing.
+  /// is not used.
   Eigen::MatrixXd slopes;
-  /// Where the tracker finds each spot of the flat sensor, if that was asked; NaN: nowhere.
+  /// Positions that the tracker finds for a flat wavefront; NaN: not found. Empty if not computed.
   std::vector<Vec2> flat_px{};
 };
 

@@ -1,4 +1,4 @@
-/// The wavefront as a picture of the pupil.
+/// Phase map: the wavefront over the pupil as an image.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace ovws {
 
-/// Prepared modes on a grid: one matrix product a picture. Immutable after construction.
+/// Modes precomputed on a grid: an image is one matrix product. Immutable after construction.
 class PhaseMap {
  public:
   /// A square of size_px x size_px pixels; the pupil's circle touches its edges: pixel (c, r) shows
@@ -23,7 +23,7 @@ class PhaseMap {
 
  private:
   int size_;
-  std::vector<int> inside_;  ///< pixel numbers in the pupil
+  std::vector<int> inside_;  ///< indices of the pixels in the pupil
   Eigen::MatrixXf basis_;    ///< inside_.size() x modes
 };
 

@@ -15,10 +15,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kNodes = 20;  // exact to degree 39: 24 of the mode, 1 of dA, and room for q
 constexpr int kAngles = 96;
 
-/// q(r) of the zero of Psi: with the pupil field P = exp(i l t) and the kernel's transfer function
-/// g(a) = exp(-(pi w |a| / d)^2), Psi(0) = 0 and its shift by a small phase phi is the mean of phi
-/// under q(a) = Re conj(P(a)) integral P(b) (a - b) g(a - b) db. By symmetry q points along a, and
-/// a = (r, 0) tells all.
+/// q(r) of the zero of Psi. With the pupil field P = exp(i l t) and the kernel's transfer function
+/// g(a) = exp(-(pi w |a| / d)^2), Psi(0) = 0. A small phase phi shifts the zero by the mean of phi
+/// under q(a) = Re conj(P(a)) integral P(b) (a - b) g(a - b) db. By symmetry q points along a, so
+/// that a = (r, 0) suffices.
 double kernel_weight(const SlopeModel& model, const std::vector<RadialNode>& nodes, double r) {
   const double k = std::pow(0.5 * kPi * model.kernel_radius, 2);  // radius of the pupil = 1 = d/2
   double sum = 0.0;
@@ -39,7 +39,8 @@ double bessel_slope(int order, double x) {
   return order == 0 ? -above : 0.5 * (std::cyl_bessel_j(double(order - 1), x) - above);
 }
 
-/// w(h^2) h^2 h' p of the matched filter at p (lambda/d), w = 1 / (s + h^2), h of maximum 1.
+/// Integrand w(h^2) h^2 h' p of the matched filter at the radius p (lambda/d), w = 1 / (s + h^2), h
+/// of maximum 1.
 double matched_profile(int order, double peak, double p) {
   constexpr double kDifference = 1e-4;
   const double t = spot_intensity(order, p) / peak;
@@ -48,10 +49,10 @@ double matched_profile(int order, double peak, double p) {
   return t / (kSlopeNoise + t) * slope * p;
 }
 
-/// q of the least-squares match at every node: its shift is proportional to the integral of
-/// w (dT/dx) dI over the window, and a small phase phi changes the light T = |A|^2 by
-/// dI = 2 Re conj(A) F[i phi P]. With A = i^l e^(ilt) h(p), exchanging the integrals leaves of the
-/// angle cos t, and q(r) = integral_0^R w(h^2) h^2 h' J_l'(pi p r) p dp, r in units of the
+/// q of the matched filter at every node. The fitted shift is proportional to the integral of w
+/// (dT/dx) dI over the window, and a small phase phi changes the intensity T = |A|^2 by dI = 2 Re
+/// conj(A) F[i phi P]. With A = i^l e^(ilt) h(p), exchanging the integrals leaves the angular
+/// factor cos t and q(r) = integral_0^R w(h^2) h^2 h' J_l'(pi p r) p dp, r in units of the
 /// subaperture's radius.
 std::vector<double> matched_weights(const SlopeModel& model, const std::vector<RadialNode>& nodes) {
   constexpr int kSteps = 240;
@@ -74,7 +75,7 @@ double weight_at(const SlopeModel& model, const std::vector<RadialNode>& nodes, 
       return r;
     case SlopeKind::kernel_tilt:
       return kernel_weight(model, nodes, r);
-    case SlopeKind::matched_tilt:  // all nodes at once
+    case SlopeKind::matched_tilt:  // radial_nodes computes all nodes at once
     case SlopeKind::gradient_tilt:
     case SlopeKind::vortex_tilt:
       return 1.0;

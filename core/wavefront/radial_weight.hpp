@@ -1,4 +1,4 @@
-/// The radial weight with which a tracker sees the phase inside a subaperture.
+/// Radial weight q(r) with which a tracker averages the phase inside a subaperture.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,14 @@
 
 namespace ovws {
 
-/// Quadrature nodes on the radius: integral_0^1 f(r) q(r) r dr = sum weight_k f(r_k).
+/// Quadrature on the radius: integral_0^1 f(r) q(r) r dr = sum weight_k f(r_k).
 struct RadialNode {
   double r = 0.0;
   double weight = 0.0;
 };
 
-/// Exact for polynomials f up to degree 24 (kernel_tilt, matched_tilt: to rounding, q being
-/// analytic).
+/// Quadrature nodes for the weight q of a slope model. Exact for polynomials f up to degree 24
+/// (kernel_tilt, matched_tilt: to rounding, as q is analytic).
 std::vector<RadialNode> radial_nodes(const SlopeModel& model);
 
 /// Gauss-Legendre nodes and weights on [0, 1].

@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kMaxCondition = 1000.0;
 
-/// Cholesky factor in place of the lower triangle; false if the matrix is not positive definite.
-/// Our own because Eigen's may take memory for larger matrices.
+/// In-place Cholesky factorisation of the lower triangle; false if the matrix is not positive
+/// definite. Eigen's own may allocate for larger matrices.
 bool factorise(Eigen::MatrixXd& a) {
   for (Eigen::Index j = 0; j < a.cols(); ++j) {
     const double before = a(j, j);
     for (Eigen::Index k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k);
-    // What rounding leaves of an exactly singular pivot is not a pivot.
+    // A pivot at the rounding error means a singular matrix.
     if (!(a(j, j) > 1e-12 * before)) return false;
     a(j, j) = std::sqrt(a(j, j));
     for (Eigen::Index i = j + 1; i < a.rows(); ++i) {
@@ -59,7 +59,7 @@ int determined_modes(const Eigen::MatrixXd& slopes) {
   Eigen::Index known = 0;
   Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;
   if (well_conditioned(normal, too_many - 1)) return int(too_many) - 1;
-  while (too_many - known > 1) {  // one more mode never makes the condition better
+  while (too_many - known > 1) {  // bisection: one more mode never improves the condition
     const Eigen::Index middle = (known + too_many) / 2;
     (well_conditioned(normal, middle) ? known : too_many) = middle;
   }
@@ -219,10 +219,10 @@ double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstructio
   return found.fit_residual_px * std::sqrt(double(count) / freedom);
 }
 
-/// The spot without which the squares of the residuals are least, of those that were solved for;
-/// -1 if none is checked by the others.
+/// Deletion diagnostics: the used spot whose removal reduces the squared residuals most; -1 if the
+/// other spots check none.
 int Reconstructor::most_contradicted(std::span<const SpotFix> spots, Scratch& scratch) const {
-  constexpr double kLeastChecked = 0.01;  // determinant of the part that the others tell
+  constexpr double kLeastChecked = 0.01;  // determinant of 1 - H: redundancy of the spot
   const Eigen::MatrixXd& factor = scratch.reduced ? scratch.normal : factor_;
   const Eigen::Index modes = columns_.cols();
   int worst = -1;

@@ -12,24 +12,25 @@
 namespace ovws {
 
 struct Reconstruction {
-  bool determined = false;  ///< enough spots, well enough placed, to tell all modes
+  bool determined = false;  ///< the spots found determine all modes
   double fit_residual_px =
-      0.0;                 ///< RMS over the found spots' x and y of what the modes do not explain
+      0.0;  ///< RMS over the found spots' x and y of the displacements left by the fit
   double rms_waves = 0.0;  ///< root sum square of the coefficients without tilts (j = 1, 2)
   int used = 0;            ///< spots that were found and have a reference
   int lost = 0;            ///< spots that have a reference and were not found
 };
 
-/// How many of the first columns of `slopes` (2N x Z, as from slope_matrix) the whole lattice
-/// tells: condition number below 1000.
+/// How many leading columns of `slopes` (2N x Z, as from slope_matrix) the whole lattice
+/// determines: condition number below 1000.
 int determined_modes(const Eigen::MatrixXd& slopes);
 
-/// Immutable after construction. The reference is folded into the product: a = P m - P ref.
+/// Least-squares reconstructor a = P m - P ref: P is the pseudo-inverse of the slopes, and the
+/// reference is folded in. Immutable after construction.
 ///
-/// Determined means: the whole lattice tells the modes (condition number of the slopes below 1000),
-/// and with the spots that are there no mode's noise is more than kMaxNoiseGrowth times what it
-/// would be with all spots. A spot whose reference position is not a number, or whose slopes are
-/// all 0, is always lost.
+/// A result is determined if the whole lattice determines the modes (condition number of the slopes
+/// below 1000), and if with the spots found no mode's noise is more than kMaxNoiseGrowth times its
+/// noise with all spots. A spot whose reference position is NaN, or whose slopes are all 0, is
+/// never used.
 class Reconstructor {
  public:
   static constexpr double kMaxNoiseGrowth = 5.0;
@@ -40,33 +41,34 @@ class Reconstructor {
     Eigen::VectorXd rhs;
     Eigen::MatrixXd normal;
     Eigen::VectorXd modes;
-    bool reduced = false;  ///< `normal` holds the inverse factor of the spots that were solved for
+    bool reduced = false;  ///< `normal` holds the inverse Cholesky factor of the spots used
   };
 
-  /// `slopes` as from slope_matrix (2N x Z). `reference_px` N positions, or empty: nothing is
-  /// determined. `nuisance` (2N x K, or empty): displacements that no mode makes; they are fitted
-  /// together with the modes, and not reported.
+  /// `slopes` as from slope_matrix (2N x Z). `reference_px`: N positions, or empty, in which case
+  /// nothing is determined. `nuisance` (2N x K, or empty): patterns of displacement that no mode
+  /// makes; they are fitted together with the modes, but not reported.
   Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
                 std::vector<Vec2> reference_px, const Eigen::MatrixXd& nuisance = {});
 
   const std::vector<int>& modes_j() const { return modes_j_; }
-  /// As given, but for spots without a reference, whose rows are 0; a Reconstructor made of them is
-  /// the same.
+  /// The slopes as given, with rows of 0 for spots without a reference. A Reconstructor made of
+  /// them is the same.
   const Eigen::MatrixXd& slopes() const { return slopes_; }
   const Eigen::MatrixXd& nuisance() const { return nuisance_; }
   Scratch make_scratch() const;
 
   /// Writes modes_j().size() coefficients, RMS-normalised waves; all NaN if not determined. With
-  /// all spots found it is one prepared matrix product; with lost spots the normal equations are
-  /// reduced by their rows and solved anew. `spots` holds N. RT-safe.
+  /// all spots found this is one matrix-vector product. With lost spots, their rows are subtracted
+  /// from the normal equations, which are then solved by Cholesky decomposition. `spots` holds N.
+  /// RT-safe.
   Reconstruction solve(std::span<const SpotFix> spots, Scratch& scratch,
                        std::span<float> coefficients) const OVWS_NONBLOCKING;
 
-  /// As solve, but outliers among the spots are lost first: by leave-one-out residuals the one that
-  /// the others contradict most, one after another, at most an eighth of all and 2 at least. They
-  /// stay in if the others, per degree of freedom, do not then agree kOutlierRatio times better
-  /// (RMS), or fewer than kMinFreedom degrees are left to tell. A residual up to `credible_px` is
-  /// not looked into. RT-safe.
+  /// As `solve`, but first rejects outliers: marks spots in `spots` as lost, one after another,
+  /// always the one whose removal reduces the squared residuals most (leave-one-out). It removes at
+  /// most an eighth of the spots, within 2 to 16. It restores all of them unless the RMS residual
+  /// per degree of freedom falls by the factor kOutlierRatio, with at least kMinFreedom degrees of
+  /// freedom before and after. A residual up to `credible_px` is accepted as it is. RT-safe.
   Reconstruction solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
                                         std::span<float> coefficients,
                                         double credible_px) const OVWS_NONBLOCKING;
@@ -90,9 +92,9 @@ class Reconstructor {
   Eigen::MatrixXd factor_;     ///< inverse of its lower Cholesky factor
   Eigen::VectorXd variances_;  ///< diagonal of the inverse of `normal_`
   int referenced_ = 0;         ///< spots with a reference
-  bool determined_ = false;    ///< with all of them
+  bool determined_ = false;    ///< with all spots
   Eigen::MatrixXd nuisance_;   ///< as given
-  Eigen::MatrixXd columns_;    ///< slopes_, and nuisance_ without those spots: C columns
+  Eigen::MatrixXd columns_;    ///< slopes_ and nuisance_, rows of 0 without a reference: C columns
 };
 
 }  // namespace ovws

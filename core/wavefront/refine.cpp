@@ -16,11 +16,11 @@ namespace {
 
 constexpr double kFirstDamping = 1e-3, kMostDamping = 1e7;
 constexpr double kDone = 1e-3;         // step^T Fisher step: a thirtieth of a standard error
-constexpr double kRoughWaves = 0.005;  // RMS of a step: near enough to settle from there
-constexpr double kMovedWaves = 0.03;   // then the light outside is guessed anew
+constexpr double kRoughWaves = 0.005;  // RMS of a step: the descent may end here
+constexpr double kMovedWaves = 0.03;   // RMS change after which the stray light is estimated again
 constexpr int kMostGuesses = 3, kMostSettling = 30;
 constexpr double kMostMixing = 4.0;
-constexpr double kTooFar = 100.0;  // waves: beyond this a step has left the optics
+constexpr double kTooFar = 100.0;  // waves: larger coefficients are unphysical
 
 RefineState moved(RefineState state, const Eigen::VectorXd& step) {
   const Eigen::Index modes = state.waves.size();
@@ -33,7 +33,7 @@ RefineState moved(RefineState state, const Eigen::VectorXd& step) {
   return state;
 }
 
-/// Scale and the mean of the amplitudes are one number: it is the scale's.
+/// The scale and the mean amplitude are degenerate: penalises the sum of the log amplitudes.
 void pin_amplitudes(RefineSums& sums, Eigen::Index modes, Eigen::Index spots) {
   if (spots == 0) return;
   const auto which = Eigen::seqN(modes + 2, spots);
@@ -71,7 +71,7 @@ struct Refiner::Impl {
   RefineSystem system;
   RefineOptions options;
 
-  /// Where a descent has come to.
+  /// State of a descent.
   struct Place {
     RefineState state;
     RefineSums sums;
@@ -82,10 +82,10 @@ struct Refiner::Impl {
   Result<Refinement> fit(std::span<const double> start_waves);
   bool stopped() const { return options.stop != nullptr && options.stop->load(); }
   RefineSums summed(const RefineState& state);
-  /// Levenberg-Marquardt from a state that is propagated, until steps are small.
+  /// Levenberg-Marquardt descent from a propagated state until the steps are small.
   void descend(Place& place);
-  /// From there to where the gradient is zero, whatever the misfit does on the way: it feels the
-  /// far tails of the light outside the subapertures, which the derivatives leave out.
+  /// Fixed-point iteration from there to a zero of the gradient, even if the misfit grows. The
+  /// misfit depends on far tails of the stray light, which the derivatives leave out.
   void settle(Place& place);
   Refinement result(const Place& place) const;
   Result<void> check(const Image<float>& dn, const RefineCamera& camera,
@@ -184,7 +184,7 @@ void Refiner::Impl::descend(Place& place) {
       place.sums = summed(place.state);
     }
     if (place.minimum) {
-      if (!better && near) system.propagate(place.state);  // the field is that of the refused step
+      if (!better && near) system.propagate(place.state);  // discards the rejected step
       return;
     }
     damping *= better ? 0.1 : 10.0;
@@ -202,7 +202,7 @@ void Refiner::Impl::settle(Place& place) {
     const double size = pull->dot(place.sums.fisher * *pull);
     Eigen::VectorXd step = *pull;
     if (k > 0 && size < last_size) {
-      // Anderson's mixing with one step back: pulls that shrink slowly point one way.
+      // Anderson mixing of depth one: accelerates steps that shrink slowly.
       const Eigen::VectorXd change = *pull - last_pull;
       const Eigen::VectorXd weighted = place.sums.fisher * change;
       const double back = std::clamp(weighted.dot(*pull) / weighted.dot(change), -kMostMixing, 0.0);

@@ -1,5 +1,5 @@
-/// The modes that explain every pixel of an image best, by diffraction: what no linear estimate
-/// reaches, at a second a frame.
+/// Refinement: maximum-likelihood fit of the modes to every pixel of an image, by the diffraction
+/// model. More accurate than any linear estimate; takes about a second per frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,23 +16,24 @@
 
 namespace ovws {
 
-/// How the camera turned electrons into numbers.
+/// Conversion of electrons to camera pixel values.
 struct RefineCamera {
   double electrons_per_dn = 1.0;
   double read_noise_e = 5.0;  ///< RMS; below 0.5 counts as 0.5
   double black_dn = 0.0;
-  double saturated_dn = std::numeric_limits<double>::infinity();  ///< from here on not counted
+  double saturated_dn = std::numeric_limits<double>::infinity();  ///< ignored from here on
 };
 
 struct RefineOptions {
-  double box_half = 4.0;         ///< of the pixels about each spot that count, units of lambda/d
-  bool spot_amplitudes = false;  ///< fit each subaperture's amplitude too: uneven illumination
-  /// Light outside the subapertures, which the hologram leaves in the zero order: tried as part of
-  /// the model, and kept if that explains the image better. Else, or false, it counts as noise
-  /// where it falls.
+  double box_half = 4.0;  ///< half-width of the pixel box around each spot, units of lambda/d
+  bool spot_amplitudes = false;  ///< fit each subaperture's amplitude, too (uneven illumination)
+  /// Model the stray light: light from outside the subapertures, which the hologram leaves in the
+  /// zeroth order. The model is kept if it explains the image better. Otherwise, or if false, stray
+  /// light is treated as noise where it falls.
   bool model_outside = true;
-  int most_iterations = 30;  ///< of each descent
-  /// Once true, a fit ends within one iteration, refused. Must outlive the Refiner; null: never.
+  int most_iterations = 30;  ///< of each Levenberg-Marquardt descent
+  /// Cancellation: once true, a fit ends within one iteration with Errc::refused. Must outlive the
+  /// Refiner; may be null.
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -41,26 +42,25 @@ struct Refinement {
   std::vector<double> sigma_waves;  ///< standard errors, from the Fisher matrix
   Eigen::MatrixXd covariance;       ///< of the modes: the Cramer-Rao bound at the estimate, waves^2
   double peak_e = 0.0;              ///< of the model's brightest pixel above the background
-  double background_e = 0.0;        ///< a pixel, above the black level
+  double background_e = 0.0;        ///< per pixel, above the black level
   std::vector<double> amplitudes;   ///< of each subaperture's field, RMS 1; empty: not fitted
   int iterations = 0;               ///< propagations after the first
-  int pixels = 0;                   ///< that counted
+  int pixels = 0;                   ///< number of pixels fitted
   double chi2_per_pixel = 0.0;      ///< about 1 if the model explains the image
 };
 
-/// Maximum likelihood with Gaussian noise of variance light + read_noise^2 (after Barrett, Dainty
-/// and Lara, JOSA A 24, 391, 2007): scoring with the weights of the model, Levenberg-Marquardt.
-/// About 0.1 s an iteration, 5 to 20 of them, for the default bench; for one thread at a time, off
-/// the frame path. The weights know the light only, so rounding to whole DN belongs into
-/// read_noise_e.
+/// Maximum-likelihood estimator for Gaussian noise of variance intensity + read_noise^2 (after
+/// Barrett, Dainty and Lara, JOSA A 24, 391, 2007): Fisher scoring with Levenberg-Marquardt
+/// damping. Takes 5 to 20 iterations of about 0.1 s on the default bench. Use it from one thread at
+/// a time, off the frame path. Include the rounding to whole DN in read_noise_e.
 ///
-/// The model is the ideal sensor's: absolute places, shapes and even illumination of the bench must
-/// be those of the geometry. What the bench itself adds is measured by refining a reference image,
-/// and subtracted.
+/// The model is the ideal sensor: positions, spot shapes and even illumination follow from the
+/// geometry. To correct for the bench's own deviations, refine a reference image, too, and subtract
+/// its modes.
 class Refiner {
  public:
-  /// `cols` x `rows`: the camera's image. Errors as of HologramRenderer::make; Errc::invalid, field
-  /// "modes": none, piston or an unknown one; "refine.box_half": not in [1, 20].
+  /// `cols` x `rows`: size of the camera's image. Errors as of HologramRenderer::make, and
+  /// Errc::invalid: "modes": none, piston or an unknown one; "refine.box_half": not in [1, 20].
   static Result<Refiner> make(const SensorConfig& sensor, const SlmGeometry& slm,
                               const OpticsConfig& optics, int cols, int rows,
                               std::vector<int> modes_j, const RefineOptions& options = {});
@@ -70,11 +70,11 @@ class Refiner {
   Refiner(const Refiner&) = delete;
   Refiner& operator=(const Refiner&) = delete;
 
-  /// `dn`: camera numbers; NaN does not count. `start_waves` in the order of modes_j: within half a
-  /// wave RMS of the truth, else another minimum may be found, which chi2_per_pixel tells.
-  /// Errors: Errc::invalid ("image": not of the size; "modes": not as many or not finite;
-  /// "camera"), Errc::refused ("image": no light where the model has it, no minimum was reached, or
-  /// it was told to stop).
+  /// `dn`: camera pixel values; NaN is ignored. `start_waves`, in the order of modes_j, must be
+  /// within half a wave RMS of the truth. Otherwise the fit may converge to another minimum, with a
+  /// larger chi2_per_pixel. Errors: Errc::invalid ("image": wrong size; "modes": wrong number, or
+  /// not finite; "camera"), Errc::refused ("image": no light where the model has it, no
+  /// convergence, or cancelled).
   Result<Refinement> refine(const Image<float>& dn, const RefineCamera& camera,
                             std::span<const double> start_waves);
   Result<Refinement> refine(const ImageView& dn, const RefineCamera& camera,

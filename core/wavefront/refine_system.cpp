@@ -8,9 +8,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kLeastVariance = 0.25;  // electrons^2: no pixel counts without limit
-constexpr int kAverage = 2;              // pixels to either side: stray light's own grain is 2
-constexpr Eigen::Index kChunk = 256;     // rows summed in single precision
+constexpr double kLeastVariance = 0.25;  // electrons^2: lower limit, so that no weight is unbounded
+constexpr int kAverage = 2;  // pixels to either side; the stray light's speckles are 2 wide
+constexpr Eigen::Index kChunk = 256;  // rows summed in single precision
 
 PixelBox box_about(Vec2 at, int half, int cols, int rows) {
   const auto clipped = [](double v, int size) { return int(std::clamp(v, 0.0, double(size))); };
@@ -89,7 +89,8 @@ RefineSystem::Expected RefineSystem::expected(const RefineState& state, std::siz
   const double own = state.scale_e * double(std::norm(field_.far().pixels[pixel]));
   const double stray = stray_.empty() ? 0.0 : state.scale_e * double(stray_[pixel]);
   const double light = own + stray + state.background_e;
-  // Of own + stray + 2 sqrt(own stray) cos(any phase), the stray light's exponential distribution.
+  // Variance of own + stray + 2 sqrt(own stray) cos(phase) for a random phase and an exponentially
+  // distributed stray intensity (speckle).
   return {light, std::max(0.0, light) + noise_variance_ + 2.0 * own * stray + stray * stray};
 }
 

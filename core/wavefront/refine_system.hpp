@@ -1,4 +1,5 @@
-/// The light of every pixel round the spots as a function of the modes, and its normal equations.
+/// Forward model of the refinement: the intensity of every pixel around the spots as a function of
+/// the modes, and its normal equations.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,59 +11,60 @@
 
 namespace ovws {
 
-/// What is fitted: light of a pixel = scale |F|^2 + background, electrons.
+/// Fitted parameters. Intensity of a pixel = scale |F|^2 + background, electrons.
 struct RefineState {
   Eigen::VectorXd waves;           ///< of each mode, RMS-normalised
   double scale_e = 0.0;            ///< electrons per |F|^2
-  double background_e = 0.0;       ///< a pixel
+  double background_e = 0.0;       ///< per pixel
   std::vector<double> amplitudes;  ///< of each subaperture's field; empty: all 1, not fitted
 };
 
-/// Sums over the pixels, the weights being 1 / (light + read noise^2) at the state.
+/// Normal equations: sums over the pixels with the weights 1 / variance at the state.
 struct RefineSums {
   Eigen::MatrixXd fisher;    ///< J^T W J; parameters: modes, ln scale, background, ln amplitudes
-  Eigen::VectorXd gradient;  ///< J^T W (seen - model)
+  Eigen::VectorXd gradient;  ///< J^T W (measured - model)
   double chi2 = 0.0;
-  double deviance = 0.0;    ///< -2 ln likelihood, but for a constant a pixel
-  Eigen::Index pixels = 0;  ///< that counted
+  double deviance = 0.0;    ///< -2 ln likelihood, up to a constant per pixel
+  Eigen::Index pixels = 0;  ///< number of pixels used
 };
 
-/// For one thread at a time. Working memory is made once for a geometry and kept.
+/// Use it from one thread at a time. Working memory is allocated once per geometry.
 ///
-/// The light is that of the whole SLM (SensorField). Derivatives are those of each piece within a
-/// box where its light falls, every mode a polynomial of degree 3 there (PieceMoments): that can
-/// bend the way to the minimum, hardly its place.
+/// The intensity is that of the whole SLM (SensorField). The derivatives are approximate: each
+/// piece counts only in a box around its spot, with every mode a polynomial of degree 3 over the
+/// piece (PieceMoments). This may slow convergence but hardly moves the minimum.
 class RefineSystem {
  public:
-  /// `box_half_px`: half the side of the square round each predicted spot whose pixels count.
+  /// `box_half_px`: half-width of the square of pixels used around each predicted spot.
   RefineSystem(SensorField field, std::vector<int> modes_j, int box_half_px);
 
   const std::vector<int>& modes_j() const { return modes_j_; }
   const SensorField& field() const { return field_; }
 
-  /// Takes light outside the subapertures as part of the model; at first it is.
+  /// Models the stray light from outside the subapertures; this is the initial state.
   void model_outside();
-  /// Takes it as noise: coherent light of unknown phase, as strong as it is now, 5 x 5 pixels
-  /// averaged.
+  /// Treats the stray light as noise: coherent light of unknown phase and of its intensity at
+  /// `state`, averaged over 5 x 5 pixels. Propagates `state` without it.
   void doubt_outside(const RefineState& state);
-  /// Seen light, electrons above the black level; a NaN does not count. Of the window's size.
+  /// Sets the measured image: electrons above the black level, of the window's size; NaN is
+  /// ignored.
   void see(const Image<float>& electrons, double read_noise_e);
 
-  /// Light of the state, of which all below speaks. Some 50 ms.
+  /// Computes the far field of `state`, which all methods below use. About 50 ms.
   void propagate(const RefineState& state);
-  /// Chooses the pixels, and sets scale and background to what suits them best, by least squares.
+  /// Selects the pixels, and fits scale and background to them by unweighted least squares.
   void match_light(RefineState& state);
-  /// Chooses pixels and weights anew and sums up. Some 50 ms.
+  /// Selects pixels and weights again and sums the normal equations. About 50 ms.
   RefineSums linearise(const RefineState& state);
-  /// |F|^2 of the brightest pixel that counts.
+  /// |F|^2 of the brightest pixel in use.
   double brightest() const;
-  /// Sum of weights times (seen - model)^2 with the pixels and weights of the last `linearise`.
+  /// Sum of weights times (measured - model)^2 with the pixels and weights of the last `linearise`.
   double misfit(const RefineState& state) const;
 
  private:
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// What is expected of a pixel, and with what variance.
+  /// Expected intensity and variance of a pixel.
   struct Expected {
     double light = 0.0;
     double variance = 0.0;
@@ -82,11 +84,11 @@ class RefineSystem {
   int box_half_px_;
   Image<float> seen_;
   double noise_variance_ = 1.0;
-  std::vector<float> stray_;  ///< |F|^2 of the outside where it counts as noise, else empty
-  Image<int> number_;         ///< of a pixel among those that count, else -1
+  std::vector<float> stray_;  ///< |F|^2 of the stray light if it is treated as noise, else empty
+  Image<int> number_;         ///< index of a pixel in pixels_, or -1
   std::vector<std::size_t> pixels_;
-  std::vector<float> weights_;  ///< square roots
-  Rows columns_;                ///< d light / d parameter
+  std::vector<float> weights_;  ///< square roots of the weights
+  Rows columns_;                ///< Jacobian: d intensity / d parameter
   Eigen::MatrixXf piece_;
   Rows piece_modes_;
 };

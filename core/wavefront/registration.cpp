@@ -9,12 +9,12 @@ namespace ovws {
 namespace {
 
 constexpr int kFewestSights = 4;
-constexpr double kMostCondition = 100.0;  // of the sights' spread: a line has no end of it
-constexpr double kStandsOut = 8.0;        // times the spread of all smoothed pixels
+constexpr double kMostCondition = 100.0;  // condition number of the offsets: infinite for a line
+constexpr double kStandsOut = 8.0;  // times the robust standard deviation of all smoothed pixels
 constexpr double kSpreadOfMedian = 1.4826;
 constexpr double kFullScale = 60000.0;
 
-/// Sums over squares of side 2 half + 1, by running sums along rows and columns.
+/// Box filter: sums over squares of side 2 half + 1, by a summed-area table.
 Image<float> box_sums(const Image<float>& in, int half) {
   Image<double> sums(in.width + 1, in.height + 1);
   for (int y = 0; y < in.height; ++y) {
@@ -43,7 +43,7 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-/// Middle of what is brighter than half of the brightest, among its neighbours.
+/// Centroid of the excess over half maximum, in the neighbourhood of the peak.
 Vec2 middle_of_peak(const Image<float>& smoothed, int px, int py, int reach, float floor) {
   const float half = 0.5F * (smoothed.at(px, py) + floor);
   double sum = 0.0;
@@ -81,7 +81,7 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
                     "base spot and its surroundings, and that the exposure shows it; if there is "
                     "light, the SLM's phase may fall with the grey level: run lut.run first");
   }
-  double scale = 0.0;  // so that the columns are of like size
+  double scale = 0.0;  // gives the columns a similar magnitude
   for (const ProbeSight& s : sights) scale = std::max(scale, norm(s.offset_cpp));
   Eigen::MatrixXd a(n, 3), b(n, 2);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -124,7 +124,7 @@ std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
 }
 
 std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px) {
-  // The trackers read whole numbers.
+  // Trackers read integer pixels: scale to 16 bit.
   float least = 0.0F, most = 0.0F;
   for (const float value : light.pixels) {
     if (!std::isfinite(value)) continue;

@@ -1,4 +1,4 @@
-/// Where the camera sees which slope, measured: known slopes are shown, and the spot is found.
+/// Camera registration: the affine map from slopes to camera pixels, measured with a probe spot.
 #pragma once
 
 #include <cstdint>
@@ -13,38 +13,38 @@
 
 namespace ovws {
 
-/// A lone spot that was shown with a known slope.
+/// One observation: a probe spot that was shown with a known slope.
 struct ProbeSight {
   Vec2 offset_cpp;  ///< from the base subaperture's grating, cycles per SLM pixel
   Vec2 at_px;       ///< where it was found
 };
 
-/// at = base_px + px_per_cycle * offset.
+/// The affine map at = base_px + px_per_cycle * offset.
 struct Registration {
-  Vec2 base_cpp;  ///< the grating of the base subaperture that base_px is of
+  Vec2 base_cpp;  ///< grating of the base subaperture that base_px belongs to
   PxPerCycle px_per_cycle;
   Vec2 base_px;
-  /// One standard error of each number, from what the map leaves of the sights.
+  /// Standard error of each element, from the residuals of the fit.
   PxPerCycle standard_error;
   Vec2 base_standard_error_px;
-  double residual_px = 0.0;  ///< RMS over x and y of what the map leaves
+  double residual_px = 0.0;  ///< RMS residual over x and y
   int sights = 0;
-  std::int64_t t_taken_ns = 0;  ///< UNIX epoch UTC; 0: not said
+  std::int64_t t_taken_ns = 0;  ///< UNIX epoch UTC; 0: unknown
 };
 
-/// The same map, its base that of another grating.
+/// The same map, with the base of another grating.
 Registration rebased(const Registration& registration, Vec2 base_cpp);
 
-/// By least squares. Errors (Errc::refused): fewer than 4 sights, or all nearly on one line.
+/// Least-squares fit. Errors (Errc::refused): fewer than 4 observations, or all nearly on one line.
 Result<Registration> fit_registration(std::span<const ProbeSight> sights);
 
-/// The one spot of `light`, a mean picture minus the same without the spot (DN, NaN where nothing
-/// is known); none if nothing stands out of the noise. `spots` tells charge and size, which may be
-/// wrong by a third. To within a fraction of lambda/d: a start for find_probe.
+/// Finds the only spot in `light`, a mean image minus the same without the spot (DN, NaN where
+/// unknown). None if nothing stands out of the noise. The size of `spots` may be wrong by a third.
+/// Accurate to a fraction of lambda/d: a start for find_probe.
 std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots);
 
-/// The same place to the precision of the matched filter, begun at `start_px`; none if it does not
-/// find the spot there.
+/// The same position with the precision of the matched filter, which starts at `start_px`. None if
+/// it does not find the spot there.
 std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px);
 
 }  // namespace ovws

@@ -19,7 +19,7 @@ Result<Relinearised> relinearise(SensorModel& model, const SensorConfig& sensor,
     for (std::size_t m = 0; m < modes.size(); ++m) modes[m] = {modes_j[m], result.waves[m]};
     const auto expected = model_fixes(model, sensor, tracker, modes);
     if (!expected) return fail(expected.error());
-    std::vector<Vec2> from;  // what the model loses is NaN here: lost
+    std::vector<Vec2> from;  // NaN, thus lost, where the model has no spot
     for (const SpotFix& fix : *expected) from.push_back({double(fix.x), double(fix.y)});
     const Reconstructor reconstructor(slopes, {modes_j.begin(), modes_j.end()}, std::move(from));
     auto scratch = reconstructor.make_scratch();

@@ -1,4 +1,4 @@
-/// How far a measured wavefront is from the one that was introduced.
+/// Residual phase variance of a measured wavefront relative to the introduced one.
 #pragma once
 
 #include <numbers>
@@ -9,9 +9,9 @@
 namespace ovws {
 
 /// The paper's residual variance of one frame, rad^2: 4 pi^2 times the sum of the squares of
-/// `found_waves` (RMS-normalised, in the order of `modes_j`) less `introduced`, tilts included.
+/// `found_waves` (RMS-normalised, in the order of `modes_j`) minus `introduced`, tilts included.
 /// Modes are orthonormal, so this is the mean square of the residual phase over the pupil. NaN if a
-/// coefficient is. A mode of `introduced` that is not among `modes_j` does not count.
+/// coefficient is NaN. Modes of `introduced` that are not among `modes_j` are ignored.
 template <class Number>
 double residual_variance_rad2(std::span<const int> modes_j, std::span<const Number> found_waves,
                               std::span<const Mode> introduced) {

@@ -11,22 +11,22 @@
 namespace ovws {
 namespace {
 
-constexpr int kMostRounds = 14;   // of modes and spots in turn
-constexpr int kStrictRounds = 7;  // at most, with what clearly fits
-constexpr double kSeen = 0.05;    // of a picture's maximum: cells below do not count
+constexpr int kMostRounds = 14;   // alternations of modes and spots
+constexpr int kStrictRounds = 7;  // at most, with strict acceptance
+constexpr double kSeen = 0.05;    // of a spot's maximum: darker bins are ignored
 constexpr int kFewestCells = 12;
 constexpr double kLeastSignificance = 5.0;
-constexpr double kMostAmplitude = 1.8;  // of the usual one
-constexpr double kPlaceError = 0.05;    // lambda/d: of a start
-constexpr double kShapeError = 0.15;    // of the amplitude: what interference does to a cell
-constexpr double kSettled = 0.02;       // waves RMS: a step to no other place
-constexpr double kAsideError = 0.1;     // lambda/d: of where one wavefront puts a spot
-constexpr double kOwnWaves = 0.05;      // of a spot's other local modes
-constexpr double kLongestStep = 0.3;    // waves, a round
+constexpr double kMostAmplitude = 1.8;  // of the usual amplitude
+constexpr double kPlaceError = 0.05;    // lambda/d: standard error of a start
+constexpr double kShapeError = 0.15;    // of the amplitude: error of a bin due to interference
+constexpr double kSettled = 0.02;       // waves RMS: a smaller step has converged
+constexpr double kAsideError = 0.1;     // lambda/d: standard error of the wavefront's prediction
+constexpr double kOwnWaves = 0.05;      // waves: standard deviation of a spot's other local modes
+constexpr double kLongestStep = 0.3;    // waves per round
 constexpr std::size_t kNeighbours = 7;
 
-/// Standard deviation that is taken for granted of a mode, waves: the least that is certain of a
-/// wavefront of which only the middle is seen.
+/// Prior standard deviation of a mode, waves. It regularises a wavefront of which only the middle
+/// is seen.
 double prior_waves(int j) {
   constexpr std::array<double, 6> kByOrder{3.0, 3.0, 3.0, 0.5, 0.35, 0.3};
   return kByOrder[std::size_t(std::min(5, zernike_index(j).n))];
@@ -38,7 +38,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// Where the maximum lies of a parabola through three values, from the middle one.
+/// Parabolic interpolation: where the maximum through three values lies, from the middle one.
 double vertex(double before, double at, double after) {
   const double bend = before - 2.0 * at + after;
   return bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
@@ -83,8 +83,8 @@ int ShapeFit::run(std::span<const Vec2> starts_px) {
   return found;
 }
 
-/// A spot's own wavefront is that of all of them but for a little: so noise cannot put a long,
-/// faint spot far along itself.
+/// Final positions: each spot's local modes may differ only a little from the common wavefront, so
+/// that noise cannot move a long, faint spot far along itself.
 void ShapeFit::place() {
   const double tilt =
       kAsideError * model_.lambda_d_px / model_.cell_px() / model_.optics.cells_per_tilt();
@@ -140,7 +140,7 @@ void ShapeFit::lay(int spot) {
   laid.row = int(row) - half;
 }
 
-/// Calls `cell(y, x, light)` for the picture's cells, moved, that lie in the image.
+/// Calls `cell(y, x, intensity)` for the bins of a computed spot that lie inside the image.
 template <class Cell>
 void each_cell(const Eigen::MatrixXf& picture, int row, int column, Eigen::Index rows,
                Eigen::Index columns, Cell&& cell) {
@@ -209,7 +209,7 @@ bool ShapeFit::accepted(int spot, const Match& match, const Rules& rules) const 
 }
 
 void ShapeFit::seek(int spot, const Rules& rules) {
-  constexpr double kFollow = 0.4;  // lambda/d: how far a found spot is followed
+  constexpr double kFollow = 0.4;  // lambda/d: search radius around a found spot
   ShapedSpot& s = spots_[std::size_t(spot)];
   Laid& laid = laid_[std::size_t(spot)];
   const double reach = (s.found ? kFollow : rules.reach) * model_.lambda_d_px / model_.cell_px();
@@ -252,8 +252,8 @@ void ShapeFit::look(const Rules& rules) {
   }
 }
 
-/// Gauss-Newton at the place where the spot is, in its local modes, its amplitude and its
-/// background, of which the last two are eliminated.
+/// Gauss-Newton normal equations at the spot's position in its local modes, amplitude and
+/// background. The last two are eliminated (Schur complement).
 ShapeFit::Information ShapeFit::information(int spot) const {
   constexpr int kLocal = SpotOptics::kLocal, kAll = kLocal + 2;
   const Laid& laid = laid_[std::size_t(spot)];
@@ -292,7 +292,7 @@ ShapeFit::Information ShapeFit::information(int spot) const {
   return told;
 }
 
-/// What puts the spot aside from where the wavefront does, waves: y, then x, as j = 1 and 2 are.
+/// The spot's offset from the wavefront's prediction as local tilts, waves: y, then x (j = 1, 2).
 Eigen::Vector2d ShapeFit::tilts_aside(int spot) const {
   const Vec2 aside = laid_[std::size_t(spot)].aside;
   return Eigen::Vector2d(aside.y, aside.x) / model_.optics.cells_per_tilt();

@@ -1,5 +1,5 @@
-/// Spots of any shape: the wavefront that makes spots of the shapes and at the places that are
-/// seen.
+/// Model-based fit of spots of any shape: the wavefront whose computed spots match an image in
+/// shape and position.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,11 +12,11 @@
 
 namespace ovws {
 
-/// What is known before any image.
+/// The sensor model, which does not depend on the image.
 struct ShapeModel {
-  SpotOptics optics;  ///< its cells are cell_px() camera pixels
-  PixelLattice lit;   ///< the pixels that the cells are made of
-  int bin = 1;        ///< so many a side
+  SpotOptics optics;  ///< its images have bins of cell_px() camera pixels
+  PixelLattice lit;   ///< the colour plane that is binned
+  int bin = 1;        ///< pixels of the plane per side of a bin
   double lambda_d_px = 12.55;
   Eigen::MatrixXd slopes;  ///< as of slope_matrix, for the modes of `optics`
   std::vector<Vec2> reference_px;
@@ -27,26 +27,25 @@ struct ShapeModel {
 /// One spot in one image.
 struct ShapedSpot {
   bool found = false;
-  Vec2 at_px;              ///< where the slopes of its wavefront put it; if found, as seen
-  double amplitude = 0.0;  ///< DN, of a flat spot of that light
-  double unexplained =
-      1.0;  ///< share of the contrast that the shape leaves and noise does not make
+  Vec2 at_px;                ///< if found, as measured; else where the wavefront's slopes put it
+  double amplitude = 0.0;    ///< DN, peak of the same spot without aberration
+  double unexplained = 1.0;  ///< share of the contrast that neither the shape nor noise explains
 };
 
-/// Alternates between the spots, each the picture that the wavefront makes of it, moved until it
-/// fits, less what the others put there; and the wavefront: modes by least squares of the cells of
-/// all spots that fit, linearised in each spot's local modes, with a weak prior for small
-/// aberration. So a few round spots in the middle tell how those at the rim are torn. The light of
-/// spots adds up without interference: where they overlap, a fit is accepted by its amplitude.
+/// Alternates between the spots and the wavefront. Spots: the computed image of each spot is moved
+/// until it fits the image minus all other spots. Wavefront: least squares over the bins of all
+/// accepted spots, linearised in each spot's local modes, with a weak prior for small aberrations.
+/// Thus a few round spots in the middle predict how those at the rim are split. Intensities of
+/// overlapping spots add up without interference; such fits are accepted by their amplitude.
 ///
-/// Of one image; some ten milliseconds a round. Allocates: not for the frame path.
+/// For one image; some ten milliseconds per round. Allocates: not for the frame path.
 class ShapeFit {
  public:
   /// Both must outlive it.
   ShapeFit(const ShapeModel& model, const CellImage& image);
 
-  /// From where spots are thought to be; NaN: unknown. Returns how many are found, all of which
-  /// agree with one wavefront to half of lambda/d.
+  /// Fits from estimated spot positions; NaN: unknown. Returns how many spots are found, all of
+  /// which agree with one wavefront to half of lambda/d.
   int run(std::span<const Vec2> starts_px);
 
   const std::vector<ShapedSpot>& spots() const { return spots_; }
@@ -54,17 +53,17 @@ class ShapeFit {
   const Eigen::VectorXd& waves() const { return waves_; }
 
  private:
-  /// A spot's picture laid onto the image's cells.
+  /// A spot's computed image, aligned with the bins of the camera's image.
   struct Laid {
     SpotOptics::Picture light;
-    int row = 0, column = 0;  ///< of its first cell
-    Vec2 aside;               ///< cells, from where the wavefront puts it
+    int row = 0, column = 0;  ///< of its first bin
+    Vec2 aside;               ///< bins, from where the wavefront puts it
   };
   struct Match {
     double amplitude = 0.0, explained = 0.0, unexplained = 1.0, significance = 0.0;
   };
   using Local = Eigen::Matrix<double, SpotOptics::kLocal, SpotOptics::kLocal>;
-  /// What one spot's cells tell of its local modes, from those of the wavefront: normal equations.
+  /// Normal equations of one spot's local modes, relative to those of the wavefront.
   struct Information {
     Local matrix;
     Eigen::Matrix<double, SpotOptics::kLocal, 1> pull;
@@ -75,7 +74,7 @@ class ShapeFit {
 
   Eigen::VectorXd prior_weights() const;
   void modes_from_places(std::span<const Vec2> starts_px);
-  double modes_from_shapes();  ///< how far they went, waves RMS
+  double modes_from_shapes();  ///< returns the length of the step, waves RMS
   Vec2 middle_cells(int spot) const;
   void lay(int spot);
   void add(int spot, double sign);
@@ -93,7 +92,7 @@ class ShapeFit {
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> spots_;
   std::vector<Laid> laid_;
-  Eigen::MatrixXf others_;  ///< the light of all found spots
+  Eigen::MatrixXf others_;  ///< computed intensity of all found spots
 };
 
 }  // namespace ovws

@@ -14,7 +14,7 @@ int cells_per_px(const SpotModel& spots) {
   return std::max(1, int(std::ceil(kCellsPerLambdaD / spots.lambda_d_px)));
 }
 
-/// A picture of SpotOptics, interpolated bilinearly between its cells, its brightest cell made 1.
+/// A spot's image from SpotOptics, interpolated bilinearly, with its brightest bin made 1.
 class PictureShape final : public SpotShape {
  public:
   PictureShape(SpotOptics::Picture picture, double cells_per_px)
@@ -26,7 +26,7 @@ class PictureShape final : public SpotShape {
     const double middle = 0.5 * double(picture_.rows() - 1);
     const double x = middle + cells_per_px_ * from_centre.x;
     const double y = middle + cells_per_px_ * from_centre.y;
-    // Central differences over two cells err by less than 1 % where lambda/d is 49 cells.
+    // Central differences over two bins err by less than 1 % at 49 bins per lambda/d.
     return {value(x, y), 0.5 * cells_per_px_ * (value(x + 1.0, y) - value(x - 1.0, y)),
             0.5 * cells_per_px_ * (value(x, y + 1.0) - value(x, y - 1.0))};
   }

@@ -1,4 +1,4 @@
-/// Templates of the spots that one wavefront makes: what follows those that it has torn.
+/// Templates computed for a given wavefront, to track the spots that it has split.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace ovws {
 
-/// What shape_templates needs: cells some 49 a lambda/d. `px_per_cycle` and `spots` in pixels of
-/// the lit lattice.
+/// The spot model for shape_templates, with about 49 bins per lambda/d. `px_per_cycle` and `spots`
+/// are in pixels of the lit colour plane.
 SpotOptics template_optics(const Lattice& lattice, const SensorConfig& sensor,
                            const std::vector<int>& modes_j, const PxPerCycle& px_per_cycle,
                            const SpotModel& spots);
 
-/// For each subaperture that is `wanted` its template, else null; `optics` as of template_optics,
-/// the modes `waves` in the order of the optics'. Its place is where the wavefront's mean slope
-/// puts the spot. Some 8 ms each: off the frame path.
+/// The template of each `wanted` subaperture; null for the others, and where it is singular.
+/// `optics` as from template_optics; `waves` in the order of its modes. The template's position is
+/// where the wavefront's mean slope puts the spot. Takes about 8 ms each: off the frame path.
 std::vector<std::shared_ptr<const TemplateBank>> shape_templates(const SpotOptics& optics,
                                                                  const SpotModel& spots,
                                                                  const Eigen::VectorXd& waves,

@@ -10,12 +10,12 @@ namespace ovws {
 namespace {
 
 constexpr double kCellsPerLambdaD = 6.0;
-constexpr double kPictureHalf = 3.0;  // lambda/d: what a torn spot reaches
-constexpr float kSure = 0.6F;         // quality: below, what looks like a spot may be half of one
+constexpr double kPictureHalf = 3.0;  // lambda/d: extent of a split spot
+constexpr float kSure = 0.6F;         // quality: below, the fix may be one half of a split spot
 constexpr double kSame = 0.25;        // lambda/d
 
-constexpr double kNear = 0.6;      // of the pitch: nobody else's place
-constexpr double kFewSpots = 0.3;  // of the lattice: enough to begin with
+constexpr double kNear = 0.6;      // of the pitch: largest shift of a start from few spots
+constexpr double kFewSpots = 0.3;  // of the lattice: enough spots for such a start
 constexpr Vec2 kNowhere{std::numeric_limits<double>::quiet_NaN(),
                         std::numeric_limits<double>::quiet_NaN()};
 
@@ -71,7 +71,7 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   if (!model_) model_.emplace(make_model_());
   const CellImage cells = average_cells(image, model_->lit, model_->bin);
   int most = (3 * int(out.size()) - 1) / 4;
-  // The lattice as a whole may seem to be one pitch aside: then a row of spots stays unexplained.
+  // Several starts: the whole lattice may be assigned one pitch off, with one row unexplained.
   for (const auto& starts :
        {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
         starts_of(out), followed}) {
@@ -98,7 +98,7 @@ std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rule
   return starts;
 }
 
-/// Whether the spot is found, but not by the tracker.
+/// Applies the fit to one fix. True if the fit found the spot, but the tracker did not there.
 bool ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
   const Vec2 at{double(fix.x), double(fix.y)};
   if (fix.found() && norm(at - shaped.at_px) < kSame * lambda_d_px_) return false;

@@ -1,4 +1,5 @@
-/// Finds every spot in one image without history, those too that an aberration has torn apart.
+/// Acquisition of split spots: finds every spot in one image without history, even if a strong
+/// aberration has split it.
 #pragma once
 
 #include <functional>
@@ -12,36 +13,39 @@
 
 namespace ovws {
 
-/// Memory for one sensor and one image size.
+/// Its memory is allocated for one sensor and one image size.
 class ShapedAcquisition {
  public:
-  /// `slopes` (of the tracker in use) and `reference_px` as a Reconstructor has them, NaN nowhere;
-  /// `px_per_cycle`: the camera may be turned and mirrored.
+  /// `slopes` (of the active tracker) and `reference_px` as for a Reconstructor, without NaN.
+  /// `px_per_cycle` includes the camera's rotation and parity.
   ShapedAcquisition(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
                     const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px,
                     int image_width, int image_height);
 
-  /// What Acquisition finds; and if that is not every spot for sure, those that have the shape and
-  /// the place of the one wavefront which explains the image (ShapeFit). Believed only if it
-  /// explains three quarters of all spots: then a fix of the tracker's that is off by more than a
-  /// quarter of lambda/d, or missing, is replaced by the place that the fit gives, right to some
-  /// hundredths of lambda/d, or lost. Half a second at most on the default bench, and it allocates:
-  /// not for the frame path. As Acquisition::acquire otherwise; an image of another size has
-  /// nothing. Without `believe_sure` the image is explained even if the tracker is sure of every
-  /// spot: it may have found torn ones in their wrong half. `followed`: where the spots of earlier
-  /// images are by now, NaN unknown; what a wavefront that grew slowly is explained from, however
-  /// strong it is.
+  /// Runs Acquisition. If that does not find every spot with confidence, runs ShapeFit, which looks
+  /// for one wavefront that explains shape and position of all spots. Its result counts only if it
+  /// explains three quarters of the spots. Then a fix that is missing, or off by more than a
+  /// quarter of lambda/d, is replaced by the fitted position (accurate to some hundredths of
+  /// lambda/d), or lost if the fit has none. Writes and returns fixes as Acquisition::acquire does;
+  /// an image of another size has none. Takes at most half a second on the default bench and
+  /// allocates: not for the frame path.
+  ///
+  /// If `believe_sure` is false, ShapeFit runs even if the tracker is confident of every spot: it
+  /// may have found only one half of a split spot. `followed`: current positions of spots that were
+  /// found earlier and tracked since, NaN: unknown. From this start a wavefront that grew slowly is
+  /// explained however strong it is.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out, bool believe_sure = true,
               const std::vector<Vec2>& followed = {});
 
-  // If the last image needed ShapeFit and was explained by it, until the next call:
-  /// the wavefront, RMS-normalised waves in the order of the modes, counted from the reference;
+  // Results of ShapeFit for the last image, valid until the next call:
+  /// The wavefront relative to the reference, RMS-normalised waves in the order of the modes. Valid
+  /// only if shapes() is not empty.
   const Eigen::VectorXd& waves() const { return waves_; }
-  /// where it puts each spot, and which of them were found; empty if it was not so;
+  /// Position of each spot, and which were found. Empty if ShapeFit was not needed or failed.
   const std::vector<ShapedSpot>& shapes() const { return shapes_; }
-  /// and which of those the tracker did not find there: torn.
+  /// Split spots: those found by ShapeFit, but not there by the tracker.
   const std::vector<bool>& torn() const { return torn_; }
 
  private:
@@ -52,7 +56,7 @@ class ShapedAcquisition {
   Consensus consensus_;
   double lambda_d_px_;
   std::function<ShapeModel()> make_model_;
-  std::optional<ShapeModel> model_;  ///< made when first needed: it is dear for large lattices
+  std::optional<ShapeModel> model_;  ///< made on first use: it is expensive for large lattices
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> shapes_;
   std::vector<bool> torn_;

@@ -12,8 +12,8 @@
 namespace ovws {
 namespace {
 
-// The trapezoidal rule is exact for harmonics below the number of angles: 2n + 2 of the highest
-// radial order n = 20 and the first harmonic itself.
+// The trapezoidal rule is exact for harmonics below the number of angles. The highest is 2n + 2,
+// for the highest radial order n = 20 and the first harmonic itself.
 constexpr int kAngles = 48;
 
 struct Sample {
@@ -21,7 +21,7 @@ struct Sample {
   Vec2 weight;  ///< of phi there, for x and y
 };
 
-/// Where to sample phi and with what weight: a tilt phi = g . at gives the gradient g.
+/// Quadrature points and weights of phi, scaled so that a tilt phi = g . at gives the gradient g.
 std::vector<Sample> samples_of(const SlopeModel& model) {
   std::vector<Sample> samples;
   double tilt = 0.0;

@@ -1,4 +1,4 @@
-/// How far each spot moves for each mode: the matrix from modes to spot displacements.
+/// Slopes operator: the geometric matrix from modes to spot displacements.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,22 +10,22 @@
 
 namespace ovws {
 
-/// To first order, every tracker sees of the phase phi inside its subaperture the first azimuthal
-/// harmonic under a radial weight q of its own (r in units of the subaperture's radius):
-/// (dx, dy) = S integral phi q(r) (cos t, sin t) dA / (1/2 integral r q(r) dA), so that a pure tilt
-/// gives exactly S * gradient.
+/// The tilt that a tracker measures. To first order it is the first azimuthal harmonic of the phase
+/// phi inside a subaperture under a radial weight q(r) of the tracker (r in units of the
+/// subaperture's radius): (dx, dy) = S integral phi q(r) (cos t, sin t) dA / (1/2 integral r q(r)
+/// dA), so that a pure tilt gives exactly S * gradient.
 enum class SlopeKind {
-  gradient_tilt,  ///< G-tilt, the mean gradient: all weight on the rim (Gauss). What the centroid
-                  ///< of a whole bright spot follows.
-  zernike_tilt,   ///< q = r, the best-fitting plane: what the core of a bright spot follows
-  vortex_tilt,    ///< V-tilt, q = 1: what the very core of a vortex of charge +-1 follows
-  kernel_tilt,    ///< what the zero of the LG kernel's Psi follows, for its charge and its radius:
-                  ///< tends to V-tilt (charge +-1) and to Z-tilt (charge 0) for a small kernel
-  matched_tilt,   ///< what the matched filter follows, for its charge, weights between the
-                  ///< extremes: as the light's noise is, the cubic part of phi differs by +-1.8 %
+  gradient_tilt,  ///< G-tilt, the mean gradient, measured by the centroid of a whole bright spot;
+                  ///< all weight is on the rim (Gauss's theorem)
+  zernike_tilt,   ///< Z-tilt, q = r, the best-fitting plane: measured by the core of a bright spot
+  vortex_tilt,    ///< V-tilt, q = 1: measured by the very core of a vortex of charge +-1
+  kernel_tilt,    ///< measured by the zero of Psi for a charge and a kernel radius; tends to V-tilt
+                  ///< (charge +-1) and to Z-tilt (charge 0) for a small kernel
+  matched_tilt,   ///< measured by the matched filter for a charge and a medium noise level; other
+                  ///< levels change the cubic part of phi by +-1.8 %
 };
 
-/// Which of them, with what kernel_tilt needs.
+/// A tilt with its parameters.
 struct SlopeModel {
   SlopeKind kind = SlopeKind::vortex_tilt;
   int charge = 1;
@@ -36,11 +36,11 @@ struct SlopeModel {
   SlopeModel(SlopeKind k, int l, double w) : kind(k), charge(l), kernel_radius(w) {}
 };
 
-/// The model of the tracker in use: kernel_tilt for lg, lg_contour and weighted, matched_tilt for
+/// The slope model of a tracker: kernel_tilt for lg, lg_contour and weighted, matched_tilt for
 /// matched, Z-tilt for thresholded, G-tilt for centroid.
 SlopeModel slope_model(int charge, const TrackingConfig& tracking);
 
-/// The text-book choice without regard to the tracker: G-tilt for charge 0, V-tilt otherwise.
+/// The textbook choice, regardless of the tracker: G-tilt for charge 0, V-tilt otherwise.
 SlopeKind slope_kind(int charge);
 
 /// 2N x Z matrix, rows x_0, y_0, x_1, y_1, …, columns as `modes_j`: camera pixels per

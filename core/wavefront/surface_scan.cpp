@@ -14,8 +14,8 @@ namespace {
 constexpr int kRings = 4;
 constexpr int kOrder = 10;  // radial
 constexpr int kModes = kOrder * (kOrder + 3) / 2;
-// The prior's weight of a mode of radial order kPriorOrder, relative to that of its slopes. Hardly
-// anything depends on it: a third as much changes a mode by 0.001 waves of 0.3.
+// The prior's weight of a mode of radial order kPriorOrder, relative to that of its slopes. The
+// result is insensitive to it: a third of it changes a mode by 0.001 waves of 0.3.
 constexpr double kPrior = 1e-3;
 constexpr double kPriorOrder = 4.0;
 constexpr double kLeastFound = 0.9;
@@ -27,7 +27,7 @@ Lattice lattice_of(const ScanGrid& grid) {
   return lattice;
 }
 
-/// Each mode's weight against being there.
+/// The prior's weight of each mode (inverse variance).
 Eigen::VectorXd prior(const std::vector<int>& modes_j, const Eigen::MatrixXd& slopes) {
   const double scale = slopes.colwise().norm().mean();
   Eigen::VectorXd weights(slopes.cols());
@@ -100,7 +100,7 @@ Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_p
   const Eigen::MatrixXd inverse = normal.ldlt().solve(slopes.transpose());
   const Eigen::VectorXd waves = inverse * without;
   const double left = (without - slopes * waves).norm();
-  // Numbers measured, less those that the modes and the mean place took.
+  // Degrees of freedom: coordinates measured minus those used by the modes and the mean position.
   const double free = 2.0 * found - 2.0 - (inverse * slopes).trace();
   const Eigen::VectorXd errors = left / std::sqrt(free) * inverse.rowwise().norm();
   return Found{

@@ -1,4 +1,4 @@
-/// The wavefront over the pupil from a lone spot that was moved all over it.
+/// Surface scan: the wavefront over the pupil, measured by moving the aperture of a probe spot.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 
 namespace ovws {
 
-/// Where the lone spot's aperture stands, SLM pixels from the pupil's centre: 61 places, in the
-/// middle and on 4 rings, of which the outermost apertures touch the pupil's edge from within:
-/// where no aperture reaches, the modes of high order are free.
+/// Positions of the probe's aperture, SLM pixels from the pupil's centre: 61, in the middle and on
+/// 4 rings. The outermost apertures touch the pupil's edge from inside, because high orders are
+/// undetermined where no aperture reaches.
 struct ScanGrid {
   double pupil_diameter_px = 0.0;
   double probe_diameter_px = 0.0;
@@ -20,28 +20,28 @@ struct ScanGrid {
 };
 ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px);
 
-/// Modes up to radial order 10 (j = 65) from the places of the spots, which a bright probe of the
-/// matched filter's slopes has. A sensor's lattice reads what is finer than its subapertures as
-/// coarse modes; a scan has overlapping apertures, and does not. The estimate is the most probable
-/// one of a smooth surface, whose modes' variance falls as the fourth power of their order.
-/// Surfaces of up to 2.5 waves over the pupil and 0.3 waves RMS are found within 0.003 waves, a
-/// mode.
+/// Maximum a posteriori fit of the modes up to radial order 10 (j = 65) to the positions of a
+/// bright probe spot (matched-filter slopes). The prior is a smooth surface, whose mode variance
+/// falls as the fourth power of the order. A lattice aliases structure finer than its subapertures
+/// into coarse modes; the overlapping apertures of a scan do not. Surfaces of up to 2.5 cycles over
+/// the pupil and 0.3 waves RMS are found within 0.003 waves per mode.
 class ScanFit {
  public:
   ScanFit(ScanGrid grid, const PxPerCycle& px_per_cycle);
 
   struct Found {
-    std::vector<double> waves;           ///< as modes_j, RMS-normalised
-    std::vector<double> standard_error;  ///< by what the fit leaves of the places
-    double residual_px = 0.0;            ///< RMS over x and y of what it leaves
+    std::vector<double> waves;           ///< in the order of modes_j, RMS-normalised
+    std::vector<double> standard_error;  ///< from the residuals of the fit
+    double residual_px = 0.0;            ///< RMS residual over x and y
   };
 
   const ScanGrid& grid() const { return grid_; }
   const std::vector<int>& modes_j() const { return modes_j_; }  ///< 1 .. 65
 
-  /// `at_px`: where each spot was, camera pixels; none: not found. `shown`: the modes, as modes_j,
-  /// that were shown on top, and are taken off the result. The place without a slope is unknown, so
-  /// that tilts (j = 1, 2) mean nothing. Errors (Errc::refused): more than a tenth is not found.
+  /// `at_px`: position of each spot, camera pixels; none: not found. `shown`: modes in the order of
+  /// modes_j that were shown during the scan; they are subtracted from the result. Tilts (j = 1, 2)
+  /// are meaningless, because the position without slope is unknown. Errors (Errc::refused): more
+  /// than a tenth of the spots is not found.
   Result<Found> fit(const std::vector<std::optional<Vec2>>& at_px,
                     const std::vector<double>& shown) const;
 
