@@ -1,4 +1,4 @@
-"""What every test of a study stands on: it is run in its quick form, and its figures are there."""
+"""Base class of the study tests: runs `ovws study NAME --quick` and checks that its figures are there."""
 import json
 import os
 import subprocess

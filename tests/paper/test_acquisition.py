@@ -1,4 +1,4 @@
-"""Every spot found in one noisy image without history."""
+"""Acquisition study: every spot is found in one noisy image without history."""
 import unittest
 
 import case

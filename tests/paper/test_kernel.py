@@ -1,4 +1,4 @@
-"""The LG kernel's radius: the default is a good one on vortices."""
+"""Kernel study: the default radius of the LG kernel is near the best one on vortices."""
 import unittest
 
 import case
@@ -24,7 +24,7 @@ class Kernel(case.StudyCase):
         self.assertEqual(radii, sorted(radii))
 
     def test_the_default_is_near_the_best_on_a_vortex(self):
-        # In the whole study: 1.00, 1.08, 1.12.
+        # The full study gives 1.00, 1.08, 1.12.
         for snr, most in ((22.0, 1.05), (5.0, 1.15), (2.0, 1.2)):
             default = self.row(light="equal peak", charge=1, snr=snr, radius=DEFAULT_RADIUS)
             print(f"\n  SNR {snr:.0f}: default {default['rms_px'] / self.best(snr)['rms_px']:.3f} of the best")

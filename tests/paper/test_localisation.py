@@ -1,4 +1,4 @@
-"""The paper's figure of localisation precision, at equal peak."""
+"""Localisation study: the paper's figure of the precision at equal peak, and at equal photons."""
 import unittest
 
 import case

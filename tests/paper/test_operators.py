@@ -1,4 +1,4 @@
-"""From slopes to modes: what each step of the model brings."""
+"""Operator study: each better model of the slopes reduces the error of the modes."""
 import unittest
 
 import case
@@ -20,7 +20,7 @@ class Operators(case.StudyCase):
         self.assertGreaterEqual(errors["tracker's own"], errors["relinearised"])
         self.assertGreaterEqual(errors["tracker's own"], errors["refined"])
         self.assertLess(errors["relinearised"], 0.0002)
-        self.assertLess(errors["refined"], 0.0002)  # which of these two is better is left to rounding
+        self.assertLess(errors["refined"], 0.0002)  # rounding decides which of these two is better
         for row in self.rows(operator="refined", noisy=False):
             self.assertLessEqual(row["error_waves"], 0.002, row)
 

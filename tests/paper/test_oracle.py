@@ -1,4 +1,4 @@
-"""The fast LG tracker finds what the paper's contour method finds."""
+"""Oracle study: the fast LG tracker agrees with the paper's contour method."""
 import itertools
 import json
 import os
@@ -57,7 +57,7 @@ class Oracle(case.StudyCase):
     def read(terminal):
         try:
             return os.read(terminal, 4096).decode()
-        except OSError:  # Linux's end of a terminal
+        except OSError:  # end of file of a terminal on Linux
             return ""
 
 

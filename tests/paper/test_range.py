@@ -1,4 +1,4 @@
-"""How large an aberration is found without history, and what ends it."""
+"""Range study: the largest aberration that is acquired without history, and what limits it."""
 import unittest
 
 import case

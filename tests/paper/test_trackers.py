@@ -1,4 +1,4 @@
-"""Every tracker against the Cramer-Rao bound."""
+"""Tracker study: every tracker against the Cramer-Rao bound."""
 import unittest
 
 import case

@@ -1,4 +1,4 @@
-"""The paper's figure of residual phase variance against SNR, and what `matched` adds to it."""
+"""Wavefront study: the paper's figure of residual phase variance against SNR, with `matched` and refinement."""
 import unittest
 
 import case
@@ -26,7 +26,7 @@ class Wavefront(case.StudyCase):
                 best, _ = min(value for name, value in found.items() if name.startswith("Shack") and "refined" not in name)
                 vortex, _ = found["vortex, matched"]
                 print(f"\n  {aberration}, SNR {snr:.0f}: {vortex / best:.2f} of the best Shack-Hartmann sensor's variance")
-                self.assertLess(vortex, 0.65 * best, (aberration, snr))  # 0.4 to 0.6 in the whole study
+                self.assertLess(vortex, 0.65 * best, (aberration, snr))  # 0.4 to 0.6 in the full study
 
     def test_refined_vortices_leave_less_than_half_of_the_best_tracker_of_bright_spots(self):
         for aberration in ("astigmatism", "defocus"):

@@ -1,4 +1,4 @@
-/// One image of the real hologram's far field, no history: which spot is whose.
+/// Acquisition from one far-field image of the real hologram, without history.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class Acquire : public testing::TestWithParam<Method> {
     return acquisition_.acquire(view_of(image), *tracker_, scratch_, fixes_);
   }
 
-  /// Where these modes should put spot i, by the slope model: right to a fraction of lambda/d.
+  /// Position of spot i under these modes by the slope model, accurate to a fraction of lambda/d.
   Vec2 truth(int i, const std::vector<Mode>& modes) const {
     Vec2 at = bench_.model_px[i];
     for (const Mode& mode : modes) {

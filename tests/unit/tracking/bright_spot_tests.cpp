@@ -33,7 +33,7 @@ TEST(BrightSpot, OfThresholdedAndWeightedAndLgDoesNotMoveWithThePedestal) {
 }
 
 TEST(BrightSpot, OfThePlainCentroidIsDrawnToItsStartByAPedestal) {
-  // The paper's baseline is what it is: the bias is stated, not hidden.
+  // The bias belongs to the paper's baseline; this test documents it.
   const SpotFix without = track(TrackerKind::centroid, spot({66, 60}, 0.0).mono8(), {62, 60});
   const SpotFix with = track(TrackerKind::centroid, spot({66, 60}, 10.0).mono8(), {62, 60});
   EXPECT_GT(without.x, 65.7F);

@@ -19,7 +19,7 @@ TEST(CellCentroid, IsTheMiddleOfAllLightInTheCell) {
   EXPECT_FALSE(cell_centroid(view_of(image), {2.0, 2.0}, 1));  // dark
 }
 
-/// The text-book sensor's error: a background pulls towards the cell's middle.
+/// Background biases the textbook sensor's centroid towards the middle of the window.
 TEST(CellCentroid, ABackgroundPullsItToTheMiddle) {
   Image<std::uint16_t> image(41, 41, 1);
   image.at(25, 20) = 1 + 41 * 41;  // as much light as the background's

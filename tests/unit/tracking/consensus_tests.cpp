@@ -1,4 +1,4 @@
-/// Assignment of positions to subapertures on lattices made up here.
+/// Spot assignment on synthetic lattices.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<Vec2> hexagon() {
 
 struct Shuffled {
   std::vector<Vec2> positions;
-  std::vector<int> of_subaperture;  ///< where it went; -1: missing
+  std::vector<int> of_subaperture;  ///< index of its position; -1: missing
 };
 
 template <class Move>

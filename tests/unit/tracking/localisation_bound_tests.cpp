@@ -1,4 +1,4 @@
-/// The Cramer-Rao bound against spots for which it can be worked out by hand.
+/// The Cramer-Rao bound against analytic results.
 #include "core/tracking/localisation_bound.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ struct Flat final : SpotShape {
 };
 
 TEST(LocalisationBound, OfAGaussianUnderReadNoiseIsSigmaOverPeakAndRootOfHalfPi) {
-  // sum (dI/dx)^2 = P^2 pi / 2, whatever the spot's width. The noise must drown the spot's own.
+  // sum (dI/dx)^2 = P^2 pi / 2, whatever the spot's width. Read noise must dominate shot noise.
   const SpotExposure exposure{1.0, 0.0, 1000.0};
   const auto bound = localisation_bound(Gaussian{}, {0.3, -0.2}, 25, exposure);
   EXPECT_NEAR(bound.px_known, 1000.0 / std::sqrt(M_PI / 2.0), 0.01);

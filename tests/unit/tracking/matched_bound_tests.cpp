@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPositions = 12, kRealisations = 36;
 constexpr double kLambdaD = 12.55;
-constexpr int kHalf = 32;  // the bound's window: all that there is
+constexpr int kHalf = 32;  // half-width of the bound's window: the whole image
 const std::vector<double> kSnr{2.0, 3.0, 4.5, 6.0, 9.0, 12.0, 16.0, 22.0};
 
 struct Errors {
@@ -92,7 +92,7 @@ TEST_P(Bound, IsReachedToAQuarterAtEverySignal) {
   }
 }
 
-/// The average of 100 noisy frames of a spot that is not quite the model's.
+/// Templates from the average of 100 noisy frames.
 TEST_P(Bound, IsReachedWithAReferenceOf100NoisyFramesToo) {
   for (const double snr : {2.0, 4.5, 9.0, 22.0}) {
     const Vec2 reference{36.3, 35.6};

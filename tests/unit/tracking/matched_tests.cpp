@@ -1,4 +1,4 @@
-/// The matched filter: right to a thousandth, from near starts, on anything else lost.
+/// The matched filter: accuracy, capture range, and rejection of everything that is no spot.
 #include "core/tracking/matched.hpp"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class Matched : public testing::TestWithParam<int> {
   SpotFix track(const Image<std::uint8_t>& image, Vec2 start) {
     return tracker_.track(view_of(image), start, scratch_);
   }
-  /// From every start of a grid around the middle.
+  /// Tracks from every start of a grid around the middle.
   void expect_lost(const Image<std::uint8_t>& image, const std::string& what) {
     for (int k = 0; k < 9; ++k) {
       const SpotFix fix = track(image, {60.0 + 4.0 * (k % 3), 56.0 + 4.0 * (k / 3)});
@@ -280,7 +280,7 @@ TEST(MatchedAcquisition, TracksEachSpotByItsOwnTemplateOnceItIsKnown) {
   }
 }
 
-/// Sum I x / sum I above a threshold over 64 x 64 pixels in one pass: the yardstick.
+/// Sum I x / sum I above a threshold over 64 x 64 pixels in one pass, to compare the speed with.
 double plain_centroid(const ImageView& image, int left, int top) {
   constexpr int kSide = 64;
   double light = 0.0, x_sum = 0.0, y_sum = 0.0;
@@ -299,7 +299,7 @@ double plain_centroid(const ImageView& image, int left, int top) {
   return (x_sum + y_sum) / light;
 }
 
-/// Microseconds of one call: the best of several turns, which a busy machine disturbs least.
+/// Microseconds of one call: the minimum of several runs, which other load disturbs least.
 template <class Call>
 double microseconds(Call call) {
   constexpr int kCalls = 400;

@@ -1,4 +1,4 @@
-/// Exposures of one spot with a camera's noise, in electrons, quick enough for thousands.
+/// Simulated exposures of one spot with a camera's noise, in electrons; fast enough for thousands.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ Image<float> mean_electrons(const SpotShape& shape, Vec2 at);
 /// Read noise that makes the brightest pixel's signal `snr` times its noise.
 double read_noise_of(double snr);
 
-/// Shot noise, read noise, a black level that no noise reaches below, and rounding to 1 DN per
-/// electron, 12 bit; the same for the same seed.
+/// Adds shot noise, read noise and a black level so high that no noise is clipped at 0, and rounds
+/// to 1 DN per electron, 12 bit. Reproducible for a seed.
 Image<std::uint16_t> expose12(const Image<float>& electrons, double read_noise_e,
                               std::uint64_t seed);
 

@@ -1,5 +1,5 @@
-// The loops of a patch against plain sums in double, for every instruction set there is, and for
-// rows that are no whole number of blocks.
+// SIMD pixel kernels against plain sums in double, for every available instruction set and for rows
+// that are not a multiple of the block.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct PatchLoops : testing::TestWithParam<int> {
 
   template <class Pixel>
   void expect_loaded(float (*load)(const PixelRect&, float*)) {
-    const int stride = columns + 3;  // what is beside the rectangle is not read as part of it
+    const int stride = columns + 3;  // pixels beside the rectangle must not count
     std::vector<Pixel> made = pixels<Pixel>(stride);
     for (int y = 0; y < kRows; ++y) {
       std::fill_n(made.begin() + y * stride + columns, 3, Pixel(0));

@@ -1,5 +1,5 @@
-// The same numbers in another format are the same spots; and a colour camera's lit pixels put them
-// where a camera without filters does.
+// Pixel formats: equal values give equal spots in every packing, and a colour camera's lit pixels
+// give the positions that a monochrome camera gives.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using test::SpotPicture;
 
 constexpr double kLambdaD = 12.55;
 
-/// A picture in a format, and the view of it.
+/// An image packed in a pixel format, and a view of it.
 struct Packed {
   Packed(const Image<std::uint16_t>& dn, PixelFormat format, int shift = 0)
       : bytes(test::pack(dn, format, 0, shift)),
@@ -33,7 +33,7 @@ struct Packed {
   ImageView view;
 };
 
-/// With the light under the other filters all but gone.
+/// Attenuates the pixels under the other colour filters.
 Image<std::uint16_t> filtered(Image<std::uint16_t> dn, const LitPixels& lit) {
   for (int y = 0; y < dn.height; ++y) {
     for (int x = 0; x < dn.width; ++x) {
@@ -76,7 +76,7 @@ struct Repacked {
 
 class SameNumbers : public testing::TestWithParam<Repacked> {};
 
-// In the middle, and so near each edge that the patch reaches beyond it.
+// Spots in the middle, and so near each edge that the patch extends beyond it.
 TEST_P(SameNumbers, AreTheSameSpotToEveryTracker) {
   const auto [plain, packed, shift] = GetParam();
   const std::vector<Vec2> places{{63.3, 58.8}, {22.4, 60.0}, {104.7, 60.2},
@@ -152,7 +152,7 @@ class ColourCamera : public testing::TestWithParam<Colour> {
   int full() const { return int(full_scale_dn(GetParam().format)); }
 };
 
-// Half-pixel, parity and x/y order: places between lit pixels, on them, and on the unlit ones.
+// Half-pixel offsets, parity and x/y order: spots between lit pixels, on them, and on unlit ones.
 TEST_P(ColourCamera, SeesASpotWhereItIs) {
   const std::vector<Vec2> places{{63.0, 58.0}, {64.0, 59.0}, {63.5, 58.5}, {62.27, 60.81}};
   for (const int charge : {0, 1, 2}) {
@@ -160,8 +160,7 @@ TEST_P(ColourCamera, SeesASpotWhereItIs) {
       const SpotModel spots{charge, kLambdaD, lit()};
       const auto tracker = make_tracker({kind, 0.4}, spots).value();
       TrackScratch scratch = tracker->make_scratch();
-      if (kind == TrackerKind::centroid)
-        continue;  // drawn to its start by the background, anywhere
+      if (kind == TrackerKind::centroid) continue;  // biased towards its start by the background
       for (const Vec2 at : places) {
         const auto dn = spot_at(charge, at, full());
         const Packed image(filtered(dn, lit()), GetParam().format);
@@ -194,8 +193,8 @@ TEST_P(ColourCamera, FindsAllSpotsWithoutHistoryWhereACameraWithoutFiltersDoes) 
   const Packed plain(dn, PixelFormat::mono12), colour(filtered(dn, lit()), GetParam().format);
   const auto expected = acquire({1, bench.lambda_d}, plain.view);
   const auto found = acquire({1, bench.lambda_d, lit()}, colour.view);
-  // Where the tails of spots far apart interfere, the fringes are finer than every second pixel
-  // resolves: single spots move by some hundredths, either way.
+  // Fringes between the tails of distant spots are too fine for every second pixel: they move
+  // single spots by some hundredths, either way.
   Vec2 sum;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Vec2 off{double(found[i].x - expected[i].x), double(found[i].y - expected[i].y)};

@@ -1,4 +1,5 @@
-/// What the camera sees of the real hologram: core/optics from modes to light, then rounding.
+/// Simulated camera images of the real hologram: core/optics from modes to intensity, then
+/// rounding.
 #pragma once
 
 #include <complex>
@@ -21,8 +22,8 @@ class SensorBench {
  public:
   explicit SensorBench(int charge);
 
-  /// Light with these modes shown, in units that make the brightest pixel of the flat sensor's
-  /// image 1. Subapertures in `dark` are switched off.
+  /// Intensity with these modes shown; 1 is the brightest pixel of the flat sensor's image.
+  /// Subapertures in `dark` are switched off.
   Image<float> light(std::span<const Mode> modes, const std::vector<int>& dark = {});
 
   int subapertures() const { return int(lattice.subapertures.size()); }
@@ -46,7 +47,7 @@ class SensorBench {
 /// One bench per charge for the whole program: making one takes longer than most tests.
 SensorBench& sensor_bench(int charge);
 
-/// round(peak_dn * light + black_dn + noise), clipped to 8 bit; the same for the same seed.
+/// round(peak_dn * light + black_dn + noise), clipped to 8 bit; reproducible for a seed.
 Image<std::uint8_t> expose8(const Image<float>& light, double peak_dn, double noise_dn = 0.0,
                             double black_dn = 0.0, unsigned seed = 1);
 

@@ -1,4 +1,4 @@
-/// Names, the shape of a spot, and what is too faint to be one.
+/// Tracker names, the geometry of a spot, and the rejection of faint spots.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -84,7 +84,7 @@ TEST(DropFaint, KeepsAllOfAnEvenFrameAndCopesWithNone) {
 }
 
 TEST(AllocGuard, SeesEveryKindOfAllocation) {
-  // A guard that saw nothing would make every test that uses it worthless.
+  // A guard that misses allocations would make every test that uses it worthless.
   const test::AllocGuard guard;
   EXPECT_EQ(guard.allocations(), 0U);
   auto* one = new double(1.0);

@@ -1,4 +1,4 @@
-/// Pictures of single spots with known positions, by a direct Fourier sum over the aperture.
+/// Images of single spots with known positions, by a direct Fourier sum over the aperture.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct SpotPicture {
   int width = 128, height = 120;
   double lambda_d_px = 12.55;
   double pedestal_dn = 0.0;
-  Image<float> light;  ///< mean DN, pedestal included
+  Image<float> light;  ///< mean DN, without the pedestal
 
   explicit SpotPicture(int w = 128, int h = 120);
   /// Adds the far field of a circular aperture of charge l, centred on `at`, its brightest pixel
@@ -23,7 +23,7 @@ struct SpotPicture {
            const std::function<double(double, double)>& waves = {});
 
   Image<std::uint8_t> mono8() const;
-  /// With Gaussian noise of this RMS, the same for the same seed.
+  /// With Gaussian noise of this RMS, reproducible for a seed.
   Image<std::uint8_t> noisy8(double rms_dn, unsigned seed) const;
   /// Scaled by `gain` before rounding, clipped at `full`.
   Image<std::uint16_t> mono16(double gain, int full) const;

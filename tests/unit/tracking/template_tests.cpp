@@ -1,4 +1,5 @@
-/// What the matched filter is made of: shapes, banks, and the sums in every build.
+/// Parts of the matched filter: shapes, template banks, and the SIMD kernels of every instruction
+/// set.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,7 +91,7 @@ TEST(TemplateBank, PlacesAtTheNearestShift) {
     EXPECT_LE(std::abs(place.centre.y - (41.9 - x)), 0.125 + 1e-9);
     EXPECT_LE(std::abs(place.centre.x - place.x), 0.5);
     const TemplateView view = bank.view(place, kMiddleNoise);
-    // The dark core is where the place says: the template's darkest pixel of the middle rows.
+    // The template's dark core is at the place's centre.
     const int column = view.columns / 2 + int(std::lround(place.centre.x - place.x));
     EXPECT_LT(view.value[view.rows / 2 * view.columns + column], 0.02F);
   }

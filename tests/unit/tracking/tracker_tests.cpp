@@ -1,4 +1,4 @@
-/// What holds for every tracker that follows a charge.
+/// Properties that every tracker must have, for each charge that it supports.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ using test::SpotPicture;
 struct Method {
   TrackerKind kind;
   int charge;
-  double bound_px;  ///< of the error on a noise-free 12-bit spot
+  double bound_px;  ///< largest error on a noise-free 12-bit spot
 };
 
 std::string name_of(const testing::TestParamInfo<Method>& info) {
@@ -68,7 +68,7 @@ TEST_P(EveryTracker, KeepsXAndYApartAndTheirSigns) {
   for (const Vec2 move : {Vec2{2.3, 0.0}, Vec2{-2.3, 0.0}, Vec2{0.0, 1.7}, Vec2{0.0, -1.7}}) {
     const Vec2 truth = Vec2{64, 50} + move;
     const SpotFix fix = track(spot_at(truth).mono8(), {64, 50});
-    // The plain centroid's region stays where it started, so it sees the spot's wings cut.
+    // The plain centroid's region stays at its start, so that it cuts the spot's wings.
     const double slack = GetParam().kind == TrackerKind::centroid ? 0.15 : 0.02;
     EXPECT_NEAR(fix.x, truth.x, slack);
     EXPECT_NEAR(fix.y, truth.y, slack);
@@ -201,14 +201,14 @@ TEST_P(EveryTracker, IsTheSameInNoise) {
   picture.pedestal_dn = 8.0;
   for (unsigned seed = 0; seed < 3; ++seed) {
     const SpotFix fix = track(picture.noisy8(2.0, seed), {61, 58});
-    // The plain centroid is drawn to the start by the pedestal: what it does, not what is judged.
+    // The pedestal biases the plain centroid towards its start, which is not judged here.
     const double slack = GetParam().kind == TrackerKind::centroid ? 0.5 : 0.2;
     EXPECT_NEAR(fix.x, 61.3, slack);
     EXPECT_NEAR(fix.y, 57.8, slack);
   }
 }
 
-/// All but the oracle, which may allocate.
+/// All trackers but the oracle, which may allocate.
 class EveryFramePathTracker : public EveryTracker {};
 
 TEST_P(EveryFramePathTracker, DoesNotAllocate) {

@@ -1,4 +1,4 @@
-/// The dark core among other dark places: lg against its oracle, under aberration, or nothing.
+/// The LG tracker on vortices: against its oracle, under aberration, and among other dark places.
 #include <gtest/gtest.h>
 
 #include <cmath>

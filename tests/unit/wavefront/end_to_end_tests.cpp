@@ -1,4 +1,5 @@
-/// From modes on the real hologram, through the real far field and 8 bit, back to modes.
+/// End to end: modes of the hologram, propagated to the far field and rounded to 8 bit, are
+/// measured.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +25,7 @@ struct Method {
   TrackingConfig tracking;
 };
 
-/// Light of the bench, kept: several methods look at the same images.
+/// The bench's intensity, cached: several methods use the same images.
 const Image<float>& light_of(int charge, const std::vector<Mode>& shown) {
   static std::map<std::tuple<int, int, double>, Image<float>> kept;
   const Mode mode = shown.empty() ? Mode{} : shown.front();
@@ -61,7 +62,7 @@ class Chain {
   int most_lost() const { return most_lost_; }
 
  private:
-  /// Found anew, then tracked once more from there, as a second frame would be.
+  /// Acquired without history, then tracked once more from there, as in a second frame.
   std::vector<SpotFix> spots(const std::vector<Mode>& shown) {
     const auto image =
         test::expose8(light_of(bench_.sensor.charge, shown), 200.0, 1.0, 2.0, seed_++);
@@ -91,7 +92,7 @@ struct Worst {
   double own = 0.0;    ///< |error| / (5 % + 0.005 wave)
   double other = 0.0;  ///< waves
   std::string own_at, other_at;
-  int lost = 0;  ///< spots of one image
+  int lost = 0;  ///< most spots lost in one image
 };
 
 Worst worst_of(const Method& method) {

@@ -1,4 +1,4 @@
-/// Matrices from pictures of pushed and pulled modes: their truth, their noise, and what is wrong.
+/// Interaction matrices from push-pull pokes: accuracy, noise, and what is refused.
 #include "core/wavefront/interaction_matrix.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST(InteractionMatrix, IsTheTruthWithinItsStandardErrors) {
   EXPECT_EQ(matrix.modes_j, bench.modes_j);
   EXPECT_TRUE(matrix.lost_spots.empty());
   EXPECT_TRUE(matrix.dropped.empty());
-  // sqrt 2 of a difference, over twice the amplitude.
+  // A difference has sqrt 2 times the noise, and is divided by twice the amplitude.
   const double error = kNoisePx * std::sqrt(2.0) / (2.0 * bench.amplitude_waves);
   EXPECT_NEAR(matrix.standard_error.maxCoeff(), error, 1e-6);
   const Eigen::MatrixXd normal = (matrix.slopes - bench.truth).cwiseQuotient(matrix.standard_error);
@@ -58,7 +58,7 @@ TEST(InteractionMatrix, LeavesOutSpotsThatAnyPictureLoses) {
   Eigen::MatrixXd truth = bench.truth;
   for (const int spot : matrix.lost_spots) truth.middleRows(2 * spot, 2).setZero();
   EXPECT_LT(column_error(matrix, truth), 1e-4);
-  // What is read with it does not know them, and is right.
+  // Reconstruction with the matrix does not use these spots, and is right.
   const ModeOperator modes = mode_operator_of(matrix);
   EXPECT_EQ(modes.kind, OperatorKind::measured);
   const Reconstructor reconstructor(modes.slopes, modes.modes_j, bench.rest_px);
@@ -90,7 +90,7 @@ TEST(InteractionMatrix, DropsTheModesThatItCannotTellAndSaysWhy) {
   EXPECT_NE(reason_of(9).find("not determined"), std::string::npos) << reason_of(9);
   EXPECT_NE(reason_of(11).find("lose the spots 0, 1, 2, 3, 4, 5"), std::string::npos)
       << reason_of(11);
-  EXPECT_TRUE(matrix.lost_spots.empty());  // the mode went, its spots stay
+  EXPECT_TRUE(matrix.lost_spots.empty());  // the mode is dropped, its spots stay
   EXPECT_EQ(matrix.modes_j.size(), bench.modes_j.size() - 3);
   EXPECT_EQ(determined_modes(matrix.slopes), int(matrix.modes_j.size()));
 }

@@ -1,4 +1,4 @@
-/// What a mode's pictures lost comes from the other picture, or from the model.
+/// Spots lost in push-pull pokes are filled in from the other image, or from the model.
 #include "core/wavefront/lost_pushes.hpp"
 
 #include <gtest/gtest.h>

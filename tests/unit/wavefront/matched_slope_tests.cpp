@@ -1,4 +1,4 @@
-/// What the matched filter follows: its slope model against the diffraction of one subaperture.
+/// Slope model of the matched filter (matched_tilt) against the diffraction of one subaperture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class OneSubaperture : public testing::TestWithParam<int> {
         tracker_({GetParam(), kPxPerCycle / kDiameter}),
         scratch_(tracker_.make_scratch()) {}
 
-  /// The light of the subaperture alone, brightest pixel 1; `waves` over its unit circle.
+  /// Intensity of the subaperture alone, brightest pixel 1; `waves` over its unit circle.
   template <class Waves>
   Image<float> light(Waves waves) {
     Image<std::complex<float>> field(slm_.width_px, slm_.height_px), far;
@@ -57,7 +57,7 @@ class OneSubaperture : public testing::TestWithParam<int> {
     return image;
   }
 
-  /// Mean fix over noisy exposures, so that the noise estimate is what a camera's light gives.
+  /// Mean fix over noisy exposures, so that the tracker's noise estimate is a realistic one.
   Vec2 found(const Image<float>& light, double peak, double read_noise) {
     std::mt19937 random(4);
     std::normal_distribution<double> normal;
@@ -94,7 +94,8 @@ class OneSubaperture : public testing::TestWithParam<int> {
 };
 
 TEST_P(OneSubaperture, MovesForComaAsTheSlopeModelSays) {
-  // r^3 cos t = (coma Z(3,1) / sqrt 8 + tip Z(1,1)) / 3, whose slope is not a small difference.
+  // r^3 cos t = (coma Z(3,1) / sqrt 8 + tip Z(1,1)) / 3: its slope is no small difference, unlike
+  // coma's.
   const double expected = (predicted(8) / std::sqrt(8.0) + predicted(2)) / 3.0;
   const auto coma = [](double waves) {
     return [waves](Vec2 at) { return waves * (at.x * at.x + at.y * at.y) * at.x; };
@@ -121,8 +122,8 @@ TEST_P(OneSubaperture, MovesForATiltByItsGradient) {
 }
 
 TEST(MatchedTilt, OfCubicPhaseIsBetweenZTiltAndTheCentroids) {
-  // r^3 cos t is 2/3 for Z-tilt and 0.6 for V-tilt. A one-dimensional integral done elsewhere, of
-  // the same filter: 0.620 for charge 0, 0.682 for charge 1.
+  // r^3 cos t is 2/3 for Z-tilt and 0.6 for V-tilt. An independent one-dimensional integral of the
+  // same filter gave 0.620 for charge 0, 0.682 for charge 1.
   SensorConfig sensor;
   const Lattice one{sensor.pupil_diameter_px, {{{0.0, 0.0}, {0.0, 0.0}}}};
   const std::vector<int> modes{8};

@@ -1,4 +1,4 @@
-/// A matrix that is made wrong on purpose, and the words for it.
+/// The diagnosis of matrices that are made wrong on purpose.
 #include "core/wavefront/matrix_comparison.hpp"
 
 #include <gtest/gtest.h>
@@ -22,15 +22,15 @@ class Comparison : public testing::Test {
   MatrixComparison compared() {
     return compare(interaction_matrix(bench.run(), 1e9).value(), model());
   }
-  /// Every displacement through this map.
+  /// Applies a map to every displacement.
   MatrixComparison through(const Eigen::Matrix2d& map) {
     for (Eigen::Index i = 0; i < bench.truth.rows(); i += 2) {
       bench.truth.middleRows<2>(i) = map * bench.model.middleRows<2>(i);
     }
     return compared();
   }
-  /// A camera that shows the base spot where it belongs, and all others mirrored about it: their
-  /// displacements are mirrored, and they are taken for one another.
+  /// A mirrored camera that shows the base spot in its place: all displacements are mirrored, and
+  /// each spot is assigned to the mirrored subaperture.
   MatrixComparison seen_mirrored(double by_x, double by_y) {
     const auto& all = bench.lattice.subapertures;
     for (std::size_t i = 0; i < all.size(); ++i) {

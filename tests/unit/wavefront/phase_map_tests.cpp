@@ -1,4 +1,4 @@
-/// The picture of the pupil against the modes it is made of.
+/// The phase map against the sum of its modes.
 #include "core/wavefront/phase_map.hpp"
 
 #include <gtest/gtest.h>

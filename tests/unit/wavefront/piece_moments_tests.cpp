@@ -1,4 +1,4 @@
-/// The fast fields of single pieces against the transform of the whole SLM.
+/// PieceMoments: fast fields of single pieces against the propagation of the whole SLM.
 #include "core/optics/piece_moments.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ PixelBox box_at(Vec2 at) {
   return {int(at.x) - 50, int(at.y) - 50, 100, 90};
 }
 
-/// The largest difference in the box, in units of the largest of `expected` there.
+/// Largest difference in the box, relative to the largest of `expected` there.
 double difference(const PixelBox& box, const auto& expected, const auto& got) {
   double most = 0.0, off = 0.0;
   for (int y = 0; y < box.height; ++y) {
@@ -71,7 +71,7 @@ TEST_P(Piece, HasTheFieldThatGoesWhenItGoesDark) {
 INSTANTIATE_TEST_SUITE_P(Charges, Piece, testing::Values(0, 1, 2));
 
 TEST(PieceMoments, TellHowAModeChangesTheField) {
-  // Against differences of the whole sensor without light outside, where one spot rules.
+  // Against central differences of the whole field, with one subaperture lit and no stray light.
   SensorField field = make_field(1);
   field.set_outside(false);
   const std::vector<int> modes_j{4, 12, 17};

@@ -1,4 +1,4 @@
-/// A bench without optics: spots that move by a matrix that a test may make wrong.
+/// A simulated bench without optics: spots move by a matrix that a test may make wrong.
 #pragma once
 
 #include <Eigen/Dense>
@@ -19,9 +19,9 @@ struct PushPullBench {
   Lattice lattice = make_lattice(sensor, {}).value();
   std::vector<int> modes_j = std::vector<int>(18);
   double amplitude_waves = 0.1;
-  double noise_px = 0.0;  ///< of every mean
+  double noise_px = 0.0;  ///< RMS of every mean position
   Eigen::MatrixXd model;  ///< camera pixels per RMS-normalised wave
-  Eigen::MatrixXd truth;  ///< what the bench does
+  Eigen::MatrixXd truth;  ///< the matrix that the bench follows
   std::vector<Vec2> rest_px;
   std::mt19937 random{20260117};
 

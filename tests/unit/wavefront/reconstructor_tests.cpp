@@ -1,4 +1,5 @@
-/// What slope_matrix made, solve gives back, whichever spots are lost.
+/// Round trip: solve recovers the modes from displacements by slope_matrix, whichever spots are
+/// lost.
 #include "core/wavefront/reconstructor.hpp"
 
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ TEST_F(Reconstruct, GivesBackEveryModeInItsPlace) {
   }
 }
 
-/// Uneven light turns all spots: with spots lost the modes take that for an aberration.
+/// Uneven illumination rotates all spots: with spots lost, the modes take that for an aberration.
 TEST_F(Reconstruct, LeavesOutWhatIsFittedAsNuisance) {
   Eigen::MatrixXd turn(slopes_.rows(), 1);
   for (std::size_t i = 0; i < reference_.size(); ++i) {
@@ -178,8 +179,8 @@ TEST_F(Reconstruct, IsTheLeastSquaresSolutionOfNoisySpots) {
 }
 
 TEST_F(Reconstruct, ReportsTheResidualThatNoModeExplains) {
-  // The full product and the reduced one state the same RMS over x and y.
-  const Eigen::MatrixXd q = slopes_.fullPivLu().kernel();  // none, but keeps the sizes honest
+  // The residual is the RMS over x and y of the displacements that no mode explains.
+  const Eigen::MatrixXd q = slopes_.fullPivLu().kernel();  // unused: the slopes have full rank
   Eigen::VectorXd residual = Eigen::VectorXd::Random(slopes_.rows());
   residual -= slopes_ * slopes_.colPivHouseholderQr().solve(residual);
   auto fixes = spots(truth_);
@@ -217,7 +218,7 @@ TEST_F(Reconstruct, WithTooFewSpotsDeterminesNothing) {
 }
 
 TEST_F(Reconstruct, OfMoreModesThanTheLatticeTellsDeterminesNothing) {
-  // A full lattice of 19 cannot tell 33 modes, though it has 38 numbers.
+  // 19 subapertures give 38 numbers, which cannot determine 45 modes.
   SensorConfig sensor;
   const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
   std::vector<int> many(45);
@@ -230,8 +231,8 @@ TEST_F(Reconstruct, OfMoreModesThanTheLatticeTellsDeterminesNothing) {
 }
 
 TEST_F(Reconstruct, AcceptsNoSetOfSpotsThatLetsNoiseGrowBeyondItsLimit) {
-  // Noise of 0.01 px: what is determined must be right to kMaxNoiseGrowth times the full lattice's
-  // own error, with room for 5 sigma.
+  // With noise of 0.01 px, determined modes must be right to kMaxNoiseGrowth times the full
+  // lattice's own error, with room for 5 sigma.
   const Reconstructor r(slopes_, modes_, reference_);
   const Eigen::MatrixXd inverse = (slopes_.transpose() * slopes_).inverse();
   std::mt19937 random(8);
@@ -309,8 +310,8 @@ TEST_F(Reconstruct, LosesNoSpotToNoiseOrToModesThatItDoesNotKnow) {
   }
 }
 
-/// 12 of 19 spots tell 18 modes with 6 degrees of freedom: without its worst spot any such set
-/// agrees better.
+/// 12 of 19 spots leave only 6 degrees of freedom beside 18 modes: any such set agrees better
+/// without its worst spot.
 TEST_F(Reconstruct, LosesNoSpotWhereTooFewAreLeftToTell) {
   const Reconstructor r(slopes_, modes_, reference_);
   Reconstructor::Scratch scratch = r.make_scratch();

@@ -1,4 +1,4 @@
-/// Modes from all pixels, against truths that made the image and the bound of its noise.
+/// Refinement against the modes that made the image, and against the Cramer-Rao bound.
 #include "core/wavefront/refine.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ std::vector<Mode> modes_of(const Waves& waves) {
 
 class Refine : public testing::Test {
  protected:
-  /// Of a sensor and options; made once for all tests, for it takes a second.
+  /// Model and refiner of one charge, made once for all tests because that takes a second.
   struct Bench {
     SensorModel model;
     Refiner refiner;
@@ -75,8 +75,8 @@ class Refine : public testing::Test {
     }
     return sum;
   }
-  /// Electrons, the brightest spot's brightest pixel at kPeakE; the zero order's tail on the left
-  /// is brighter and no spot.
+  /// Electrons, with kPeakE at the brightest pixel of the spots. The zeroth order's tail on the
+  /// left is brighter, but no spot.
   static Image<float> light(SensorModel& model, const Waves& truth) {
     Image<float> image = model.light(modes_of(truth)).value();
     float most = 0.0F;
@@ -170,7 +170,7 @@ TEST_P(RefineNoise, ReachesTheCramerRaoBound) {
               c.read_noise_e, squares, bound);
   EXPECT_LT(squares, 2.0 * bound);
   EXPECT_GT(squares, 0.4 * bound);
-  // Theirs is of a flat wavefront without light outside the subapertures.
+  // The numpy model's bound is for a flat wavefront without light outside the subapertures.
   EXPECT_LT(bound, 2.0 * c.bound);
   EXPECT_GT(bound, 0.8 * c.bound);
 }
@@ -188,7 +188,7 @@ TEST_F(Refine, ReadsCameraNumbersAndLeavesOutWhatIsSaturated) {
   const auto electrons = light(bench().model, truth);
   Image<std::uint16_t> dn(512, 512);
   for (std::size_t k = 0; k < dn.pixels.size(); ++k) {
-    // Half the peak saturates, at 4095 DN; 16 DN are black, an electron is 15 DN.
+    // Saturates at 4095 DN, about half the peak; the black level is 16 DN, an electron 15 DN.
     dn.pixels[k] = std::uint16_t(std::min(4095.0F, 16.0F + 15.0F * electrons.pixels[k] + 0.5F));
   }
   const RefineCamera camera{1.0 / 15.0, 5.0, 16.0, 4095.0};

@@ -1,4 +1,4 @@
-/// Spots of any shape, against the model of the whole sensor.
+/// Acquisition of split spots against the model of the whole sensor.
 #include "core/wavefront/shaped_acquisition.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ Eigen::VectorXd waves_of(const std::vector<Mode>& modes) {
   return waves;
 }
 
-/// The default bench with one charge, its spots where the model has them.
+/// The default bench with one charge; references are the model's spots.
 struct Bench {
   explicit Bench(int charge, TrackerKind kind = TrackerKind::matched)
       : sensor(sensor_of(charge)),
@@ -114,7 +114,7 @@ Counts count(const std::vector<SpotFix>& fixes, const std::vector<Vec2>& at, dou
 
 class Shaped : public testing::TestWithParam<int> {};
 
-/// The middle subaperture's light under modes that have no slope there, summed pixel by pixel.
+/// Intensity of the middle subaperture, by a direct Fourier sum, for modes without a slope there.
 Eigen::MatrixXd direct_light(const SensorConfig& sensor, double radius_px,
                              const std::vector<Mode>& modes, const PxPerCycle& map, int half) {
   const Eigen::Matrix2d of_slope{{map.xx, map.xy}, {map.yx, map.yy}};
@@ -151,7 +151,7 @@ TEST_P(Shaped, ATurnedOrMirroredCameraSeesTheSpotTurnedOrMirrored) {
   for (const PxPerCycle turned :
        {PxPerCycle(1.0), PxPerCycle(0.0, -1.0, 1.0, 0.0), PxPerCycle(-1.0, 0.0, 0.0, 1.0),
         PxPerCycle(-kCos, -kSin, -kSin, kCos)}) {
-    const PxPerCycle map = turned / (1.0 / (8.0 * radius_px));  // lambda/d is 4 cells
+    const PxPerCycle map = turned / (1.0 / (8.0 * radius_px));  // lambda/d is 4 bins
     const SpotOptics optics(lattice, sensor, modes_18(), map, kHalf);
     const Eigen::MatrixXd own = optics.light(9, waves_of(modes), {}).cast<double>();
     Eigen::MatrixXd direct = direct_light(sensor, radius_px, modes, map, kHalf);
@@ -202,7 +202,7 @@ TEST_P(Shaped, DerivativesAreThoseOfTheLight) {
     less(j - 1) -= kStep;
     const Eigen::VectorXd local = optics.local_modes(2) * (more - less) / (2.0 * kStep);
     Eigen::MatrixXf expected = Eigen::MatrixXf::Zero(39, 39);
-    // The picture follows the mean slope: the tilts are left to its place.
+    // The computed spot follows the mean slope, so that the tilts only move it.
     for (int k = 2; k < SpotOptics::kLocal; ++k) expected += float(local(k)) * derived.per_wave[k];
     const Eigen::MatrixXf seen =
         (optics.light(2, more, {0.2, -0.3}) - optics.light(2, less, {0.2, -0.3})) /
@@ -231,7 +231,7 @@ TEST_P(Shaped, SpotsOfHalfAWaveAreFoundInOneImage) {
     }
   }
   EXPECT_EQ(all.wrong, 0);
-  EXPECT_LE(all.refused, 7);  // of 228: 3 %, where a tracker by itself refuses a third
+  EXPECT_LE(all.refused, 7);  // 3 % of 228; a tracker alone rejects a third
 }
 
 INSTANTIATE_TEST_SUITE_P(OfCharge, Shaped, testing::Values(0, 1, -1, 2));
@@ -252,7 +252,7 @@ TEST(ShapedAcquisition, WhereASpotIsMissingNoneIsFound) {
   const Counts counts = count(fixes, at, 0.5 * bench.spots.lambda_d_px);
   EXPECT_EQ(counts.wrong, 0);
   EXPECT_LE(counts.refused, 2);
-  // Where it is looked for from now on: what noise put elsewhere would be, for good.
+  // Its predicted position, where it is searched from now on: noise must not have moved that.
   const ShapedSpot& dark = bench.acquisition.shapes().at(0);
   EXPECT_FALSE(dark.found);
   EXPECT_LT(norm(dark.at_px - at[0]), 0.25 * bench.spots.lambda_d_px);

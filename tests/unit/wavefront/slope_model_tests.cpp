@@ -1,4 +1,4 @@
-/// Displacements per mode against integrals that can be done by hand, or by brute force.
+/// Slope matrix against analytic integrals and brute-force sums.
 #include "core/wavefront/slope_model.hpp"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(SlopeModel, OfPistonIsNothing) {
 }
 
 TEST(SlopeModel, OfFocusAndAstigmatismIsTheGradientAtTheCentre) {
-  // Of a quadratic phase every odd harmonic is linear: all kinds agree on gradient(centre).
+  // The odd harmonics of a quadratic phase are linear: all kinds agree on gradient(centre).
   const Lattice l = lattice();
   for (const SlopeModel& model : kModels) {
     const std::vector<int> modes{3, 4, 5};
@@ -88,8 +88,8 @@ TEST(SlopeModel, OfFocusAndAstigmatismIsTheGradientAtTheCentre) {
 }
 
 TEST(SlopeModel, ReadsComaInsideASubapertureAsTheDesignSays) {
-  // r^3 cos t over a circle of radius 1 is the slope 1 for G-tilt and 0.6 for V-tilt (Z-tilt: 2/3).
-  // Coma Z(3,1) = sqrt(8) (3 r^3 - 2 r) cos t.
+  // r^3 cos t over a circle of radius 1 has the slope 1 for G-tilt and 0.6 for V-tilt (Z-tilt:
+  // 2/3). Coma Z(3,1) = sqrt(8) (3 r^3 - 2 r) cos t.
   const double px = kPxPerCycle / 384.0 * std::sqrt(8.0);
   EXPECT_NEAR(whole_pupil(SlopeKind::gradient_tilt, {8})(0, 0), px * (3 * 1.0 - 2), 1e-9);
   EXPECT_NEAR(whole_pupil(SlopeKind::vortex_tilt, {8})(0, 0), px * (3 * 0.6 - 2), 1e-9);
@@ -109,8 +109,8 @@ TEST(SlopeModel, OfAKernelTendsToVTiltAndZTiltAsTheKernelShrinks) {
 }
 
 TEST(SlopeModel, OfAKernelLooksLessAtTheRimTheWiderItIs) {
-  // r^3 cos t again: a numpy model of the kernel gave 0.547 for w = 0.3 and 0.493 for w = 0.4 with
-  // charge 1, and 0.642 for w = 0.5 with charge 0.
+  // r^3 cos t again: an independent numpy model of the kernel gave 0.547 for w = 0.3 and 0.493 for
+  // w = 0.4 with charge 1, and 0.642 for w = 0.5 with charge 0.
   const double px = kPxPerCycle / 384.0 * std::sqrt(8.0);
   const auto cubic = [&](const SlopeModel& model) {
     return (whole_pupil(model, {8})(0, 0) / px + 2.0) / 3.0;
@@ -160,9 +160,9 @@ TEST(SlopeModel, IntegratesExactlyWhatABruteForceSumApproaches) {
 }
 
 TEST(SlopeModel, OfTheHighestModesIsExactToo) {
-  // Gauss: the mean gradient is the rim's first harmonic; at n = 20 the rule must not alias.
+  // At the highest radial orders the quadrature must not alias.
   const Eigen::MatrixXd m = whole_pupil(SlopeKind::vortex_tilt, {osa_index({19, 19})});
-  EXPECT_NEAR(m.norm(), 0.0, 1e-9);  // the 19th harmonic has no first
+  EXPECT_NEAR(m.norm(), 0.0, 1e-9);  // a pure 19th harmonic has no first harmonic
   const int j = osa_index({19, 1});
   double sum = 0.0;
   constexpr int kSteps = 200000;

@@ -1,4 +1,4 @@
-/// A scan of the pupil against surfaces whose slopes are integrals over pixels.
+/// Surface scan against surfaces whose slopes are sums over pixels.
 #include "core/wavefront/surface_scan.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ const PxPerCycle kTurned(1100.0, 1580.0, 1600.0, -1090.0);  // and mirrored
 
 using Surface = std::function<double(Vec2)>;  // waves at SLM pixels from the pupil's centre
 
-/// As the twin's: cosines of up to `cycles` over the pupil.
+/// A sum of cosines of up to `cycles` over the pupil, like the twin's flatness error.
 Surface waves_of(unsigned seed, double cycles, double rms_waves) {
   constexpr int kWaves = 8;
   std::mt19937 random(seed);
@@ -42,7 +42,7 @@ Surface waves_of(unsigned seed, double cycles, double rms_waves) {
   };
 }
 
-/// Every pixel of a circle, every `step`-th.
+/// Calls `what` for every `step`-th pixel of a circle.
 void for_each_pixel(Vec2 centre, double diameter, double step,
                     const std::function<void(Vec2)>& what) {
   for (double y = 0.5 * step - 0.5 * diameter; y < 0.5 * diameter; y += step) {
@@ -52,7 +52,7 @@ void for_each_pixel(Vec2 centre, double diameter, double step,
   }
 }
 
-/// Where a bright spot's core goes: the best plane over the aperture.
+/// Positions of a bright spot's core: the best-fitting plane over the aperture (Z-tilt).
 std::vector<std::optional<Vec2>> places(const ScanGrid& grid, const Surface& surface,
                                         const PxPerCycle& map) {
   std::vector<std::optional<Vec2>> at;
