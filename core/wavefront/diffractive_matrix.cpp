@@ -55,7 +55,7 @@ Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorCon
   matrix.slopes = Eigen::MatrixXd::Zero(2 * Eigen::Index(flat->size()), modes_j.size());
   for (const SpotFix& fix : *flat) matrix.reference_px.push_back({double(fix.x), double(fix.y)});
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    if (stop != nullptr && *stop) return fail(Errc::refused, "tracking", "it was told to stop");
+    if (stop != nullptr && *stop) return fail(Errc::refused, "tracking", "cancelled");
     const Mode up{modes_j[k], step_waves}, down{modes_j[k], -step_waves};
     const auto above = model_fixes(model, sensor, tracker, {&up, 1});
     if (!above) return fail(above.error());
@@ -75,10 +75,11 @@ Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorCon
     if (!known) matrix.slopes.middleRows(2 * i, 2).setZero();
   }
   if (tracked >= kFewestSpots) return matrix;
-  return fail(Errc::refused, "tracking",
-              "the tracker finds only " + std::to_string(tracked) +
-                  " spots in the model's noise-free image: move the camera's region to the spots, "
-                  "or take another tracker");
+  return fail(
+      Errc::refused, "tracking",
+      "the tracker finds only " + std::to_string(tracked) +
+          " spots in the model's noise-free image: move the region of interest to the spots, "
+          "or choose another tracker");
 }
 
 }  // namespace ovws

@@ -112,16 +112,16 @@ void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pu
     if (!(noise <= kMostNoise * signal)) {
       matrix.dropped.push_back(
           {push->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
-                                       " of its signal: average more frames, give more light, or "
-                                       "push by more waves"
+                                       " of its signal: average more frames, increase the light, "
+                                       "or raise amplitude_waves"
                                  : "it moves no spot"});
     } else if (append(matrix, column)) {
       matrix.modes_j.push_back(push->j);
       matrix.amplitude_waves.push_back(push->amplitude_waves);
     } else {
       matrix.dropped.push_back({push->j,
-                                "the spots cannot tell it from the modes before it: it is not "
-                                "determined"});
+                                "it is not determined: the spots cannot distinguish it from the "
+                                "modes before it"});
     }
   }
 }
@@ -143,9 +143,9 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most
   measure_drift(run, resting, matrix);
   if (matrix.drift_px > most_drift_px) {
     return fail(Errc::refused, "",
-                "without a push the spots have moved by " + hundredths(matrix.drift_px) +
-                    " px since the beginning (RMS, at most " + hundredths(most_drift_px) +
-                    " px are allowed): let the bench come to rest, and measure again");
+                "at rest the spots have moved by " + hundredths(matrix.drift_px) +
+                    " px RMS since the beginning (limit " + hundredths(most_drift_px) +
+                    " px): let the bench settle, and measure again");
   }
   std::vector<const PushPull*> pushes;
   std::vector<bool> lost(run.before.at_px.size(), true);
@@ -154,7 +154,7 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most
     const std::vector<int> gone = lost_by(push, run.before);
     if (double(gone.size()) > kMostLostByMode * double(resting.size())) {
       matrix.dropped.push_back(
-          {push.j, "its pictures lose the spots " + listed(gone) + ": push by fewer waves"});
+          {push.j, "its images lose the spots " + listed(gone) + ": lower amplitude_waves"});
       continue;
     }
     for (const int i : gone) lost[std::size_t(i)] = true;
@@ -171,16 +171,16 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most
   if (spots.size() < kFewestSpots) {
     return fail(Errc::refused, "",
                 "only " + std::to_string(spots.size()) +
-                    " spots are found in every picture: check the image, the exposure and the "
-                    "region of interest, or push by fewer waves");
+                    " spots are found in every image: check the exposure and the region of "
+                    "interest, or lower amplitude_waves");
   }
   take_columns(run, pushes, spots, matrix);
   if (!matrix.modes_j.empty()) return matrix;
   return fail(Errc::refused, "",
-              "no mode can be told: " + (matrix.dropped.empty()
-                                             ? std::string("none was asked for")
-                                             : "j = " + std::to_string(matrix.dropped[0].j) + ": " +
-                                                   matrix.dropped[0].reason));
+              "no mode can be measured: " + (matrix.dropped.empty()
+                                                 ? std::string("none was requested")
+                                                 : "j = " + std::to_string(matrix.dropped[0].j) +
+                                                       ": " + matrix.dropped[0].reason));
 }
 
 Eigen::VectorXd singular_values(const InteractionMatrix& matrix) {

@@ -130,8 +130,8 @@ constexpr std::array<Exchange, 8> kExchanges{{
     {Disagreement::axes, 0, 1, 1, 0, "the axes x and y are exchanged"},
     {Disagreement::axes, 0, -1, -1, 0,
      "the axes x and y are exchanged, and both have the wrong sign"},
-    {Disagreement::rotation, 0, -1, 1, 0, "displacements are turned by 90 degrees"},
-    {Disagreement::rotation, 0, 1, -1, 0, "displacements are turned by -90 degrees"},
+    {Disagreement::rotation, 0, -1, 1, 0, "displacements are rotated by 90 degrees"},
+    {Disagreement::rotation, 0, 1, -1, 0, "displacements are rotated by -90 degrees"},
 }};
 
 /// Looks for single columns, or a common scale, that differ from the model.
@@ -144,13 +144,13 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
   }
   if (!odd.empty()) {
     return {Disagreement::single_modes,
-            "some modes move the spots by another factor than the model says: " + listed(odd) +
-                "; see that the light is even, and that no spot is torn"};
+            "some modes move the spots by another factor than in the model: " + listed(odd) +
+                "; check that the illumination is even, and that no spot is split"};
   }
   if (std::abs(scale - 1.0) <= kMostScale) return {};
   return {Disagreement::scale,
-          text("every displacement is %.3f times what the model says: the magnification or the "
-               "focal length is another one; ",
+          text("every displacement is %.3f times the model's: the magnification or the focal "
+               "length is not the configured one; ",
                scale) +
               kRegister};
 }
@@ -166,15 +166,15 @@ Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>&
   }
   if (nearest->kind != Disagreement::none) {
     return {nearest->kind, std::string(nearest->words) +
-                               ": the camera does not stand as the configuration says; " +
+                               ": the camera's orientation is not the configured one; " +
                                kRegister};
   }
   const double turn_deg =
       std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1)) * 180.0 / std::numbers::pi;
   if (std::abs(turn_deg) > kMostTurnDeg) {
     return {Disagreement::rotation,
-            text("displacements are turned by %.1f degrees: the camera does not stand as the "
-                 "configuration says; ",
+            text("displacements are rotated by %.1f degrees: the camera's orientation is not the "
+                 "configured one; ",
                  turn_deg) +
                 kRegister};
   }
@@ -189,7 +189,7 @@ Finding judge_signs(const std::vector<ModeComparison>& modes) {
   };
   constexpr std::array<Mirror, 3> kMirrors{{{{-1, 1}, "mirrored along x"},
                                             {{1, -1}, "mirrored along y"},
-                                            {{-1, -1}, "turned by 180 degrees"}}};
+                                            {{-1, -1}, "rotated by 180 degrees"}}};
   constexpr Vec2 kAt{0.31, 0.57};  // on no symmetry axis of any mode
   for (const Mirror& mirror : kMirrors) {
     const Vec2 mirrored{mirror.by.x * kAt.x, mirror.by.y * kAt.y};
@@ -198,9 +198,10 @@ Finding judge_signs(const std::vector<ModeComparison>& modes) {
       return odd == (mode.factor < 0.0);
     });
     if (fits) {
-      return {Disagreement::parity,
-              std::string("the modes that change sign in a picture ") + mirror.words +
-                  " have the wrong sign: the camera sees the lattice so; " + kRegister};
+      return {Disagreement::parity, std::string("the modes that change sign in an image ") +
+                                        mirror.words +
+                                        " have the wrong sign: the camera sees the lattice " +
+                                        mirror.words + "; " + kRegister};
     }
   }
   std::vector<std::string> wrong;
@@ -224,13 +225,14 @@ Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) 
     }
   }
   if (!others.empty()) {
-    return {Disagreement::order, "the order of the modes is another one: " + listed(others) +
-                                     "; the SLM and the model count them differently"};
+    return {Disagreement::order, "the modes are in another order: " + listed(others) +
+                                     "; the SLM and the model number them differently"};
   }
   return {
       Disagreement::unlike,
-      std::string("the spots do not move as the model says, nor as it would turned, mirrored or "
-                  "in another order: see that the spots are found and whose they are; ") +
+      std::string("the spots do not move as the model says, nor as it would rotated, mirrored or "
+                  "with the modes in another order: check that the spots are found and assigned to "
+                  "the right subapertures; ") +
           kRegister};
 }
 

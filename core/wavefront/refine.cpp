@@ -105,7 +105,7 @@ Result<Refiner> Refiner::make(const SensorConfig& sensor, const SlmGeometry& slm
   if (modes_j.empty() || !known) {
     return fail(Errc::invalid, "modes",
                 "give at least one mode, each from j = 1 to " + std::to_string(kMaxZernikeIndex) +
-                    ": no image tells the piston");
+                    ": piston is not visible in an image");
   }
   if (!(options.box_half >= 1.0 && options.box_half <= 20.0)) {
     return fail(Errc::invalid, "refine.box_half", "must be from 1 to 20 in units of lambda/d");
@@ -135,8 +135,9 @@ Result<void> Refiner::Impl::check(const Image<float>& dn, const RefineCamera& ca
   }
   if (!(camera.electrons_per_dn > 0.0 && camera.read_noise_e >= 0.0) ||
       !std::isfinite(camera.electrons_per_dn * camera.read_noise_e + camera.black_dn)) {
-    return fail(Errc::invalid, "camera",
-                "electrons per DN must be above 0, the read noise at least 0, all finite");
+    return fail(
+        Errc::invalid, "camera",
+        "electrons per DN must be above 0, the read noise at least 0, and all values finite");
   }
   return {};
 }
@@ -228,8 +229,9 @@ Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
   system.doubt_outside(place.state);
   system.match_light(place.state);
   if (!(place.state.scale_e > 0.0)) {
-    return fail(Errc::refused, "image",
-                "no light where the model has it: the start is too far off, or the image is dark");
+    return fail(
+        Errc::refused, "image",
+        "no light where the model has it: start nearer to the truth, or check the exposure");
   }
   for (int guess = 1;; ++guess) {
     const Eigen::VectorXd before = place.state.waves;
@@ -249,11 +251,11 @@ Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
     system.doubt_outside(place.state);
   }
   if (place.minimum) settle(place);
-  if (stopped()) return fail(Errc::refused, "image", "told to stop");
+  if (stopped()) return fail(Errc::refused, "image", "cancelled");
   if (place.minimum) return result(place);
   return fail(Errc::refused, "image",
-              "no minimum was reached in " + std::to_string(options.most_iterations) +
-                  " iterations: give a start nearer to the truth");
+              "the fit did not converge in " + std::to_string(options.most_iterations) +
+                  " iterations: start nearer to the truth");
 }
 
 Refinement Refiner::Impl::result(const Place& place) const {

@@ -76,10 +76,10 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
   const auto n = Eigen::Index(sights.size());
   if (n < kFewestSights) {
     return fail(Errc::refused, "",
-                "the spot was found for " + std::to_string(n) +
-                    " of the slopes only, 4 are needed: see that the region of interest holds the "
-                    "base spot and its surroundings, and that the exposure shows it; if there is "
-                    "light, the SLM's phase may fall with the grey level: run lut.run first");
+                "the spot was found for only " + std::to_string(n) +
+                    " slopes, 4 are needed: check the exposure, and that the region of interest "
+                    "holds the base spot and its surroundings; if there is light, the SLM's phase "
+                    "may fall with the grey level: run lut.run first");
   }
   double scale = 0.0;  // gives the columns a similar magnitude
   for (const ProbeSight& s : sights) scale = std::max(scale, norm(s.offset_cpp));
@@ -91,7 +91,10 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
   if (!(svd.singularValues()[0] < kMostCondition * svd.singularValues()[2])) {
-    return fail(Errc::refused, "", "the spot was found on one line only: no map can be told");
+    return fail(
+        Errc::refused, "",
+        "the spot was found on one line only, which does not determine the map: enlarge the "
+        "region of interest");
   }
   const Eigen::MatrixXd x = svd.solve(b);
   const double squares = (a * x - b).squaredNorm();

@@ -26,7 +26,7 @@ Result<Relinearised> relinearise(SensorModel& model, const SensorConfig& sensor,
     const Reconstruction step = reconstructor.solve(fixes, scratch, correction);
     if (!step.determined) {
       return fail(Errc::refused, "tracking",
-                  "too many spots are lost in the image or in the model to tell the modes");
+                  "too many spots are lost in the image or in the model to determine the modes");
     }
     double squares = 0.0;
     for (std::size_t m = 0; m < modes.size(); ++m) {

@@ -75,11 +75,12 @@ Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_p
     ++found;
   }
   if (found < kLeastFound * double(spots)) {
-    return fail(Errc::refused, "",
-                std::to_string(spots - found) + " of " + std::to_string(spots) +
-                    " places of the pupil show no spot: see that the light reaches all of it, the "
-                    "exposure, that the region of interest holds the base spot, and that the "
-                    "camera stands as it was registered (registration.run)");
+    return fail(
+        Errc::refused, "",
+        std::to_string(spots - found) + " of " + std::to_string(spots) +
+            " positions in the pupil show no spot: check the exposure, that the light fills "
+            "the pupil, that the region of interest holds the base spot, and that the "
+            "camera has not moved since registration.run");
   }
   const Vec2 mean = (1.0 / found) * sum;
   Eigen::MatrixXd slopes = slopes_;

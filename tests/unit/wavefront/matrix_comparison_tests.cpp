@@ -122,11 +122,11 @@ TEST_F(Comparison, FindsATurn) {
     const auto found = through(turned_by(degrees));
     EXPECT_EQ(found.disagreement, Disagreement::rotation);
     char words[40];
-    std::snprintf(words, sizeof words, "turned by %.0f.", degrees);
+    std::snprintf(words, sizeof words, "rotated by %.0f.", degrees);
     const std::string start(words, std::string(words).size() - 1);
     EXPECT_TRUE(says(found, start.c_str())) << found.words;
   }
-  EXPECT_TRUE(says(through(turned_by(90.0)), "turned by 90 degrees"));
+  EXPECT_TRUE(says(through(turned_by(90.0)), "rotated by 90 degrees"));
   EXPECT_EQ(through(turned_by(0.3)).disagreement, Disagreement::none);
 }
 
@@ -135,7 +135,7 @@ TEST_F(Comparison, FindsALatticeThatIsSeenMirrored) {
   EXPECT_TRUE(says(seen_mirrored(1, -1), "mirrored along y"));
   const auto turned = seen_mirrored(-1, -1);
   EXPECT_EQ(turned.disagreement, Disagreement::parity);
-  EXPECT_TRUE(says(turned, "turned by 180 degrees")) << turned.words;
+  EXPECT_TRUE(says(turned, "rotated by 180 degrees")) << turned.words;
 }
 
 TEST_F(Comparison, FindsAnotherOrder) {
