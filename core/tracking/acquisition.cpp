@@ -48,13 +48,13 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (matched[i] == Consensus::kNone) continue;
     out[i] = verified_[std::size_t(matched[i])];
-    if (tracker.per_spot()) look_again(int(i), image, tracker, scratch, out[i]);
+    if (tracker.per_spot()) track_with_own_template(int(i), image, tracker, scratch, out[i]);
     any = true;
   }
   if (!any) return 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i].found()) continue;
-    const SpotFix fix = look_where_expected(int(i), image, tracker, scratch);
+    const SpotFix fix = search_where_expected(int(i), image, tracker, scratch);
     if (fix.found() && !taken(position(fix), out)) out[i] = fix;
   }
   return drop_faint(out, int(out.size()));
@@ -84,8 +84,9 @@ std::vector<Vec2> Acquisition::seen() const {
   return seen;
 }
 
-SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
-                                         TrackScratch& scratch) const {
+SpotFix Acquisition::search_where_expected(int i, const ImageView& image,
+                                           const SpotTracker& tracker,
+                                           TrackScratch& scratch) const {
   const Vec2 expected = consensus_.expected(i);
   const SpotFix fix = tracker.track(image, expected, scratch, i);
   if (!fix.found() || norm(position(fix) - expected) > consensus_.tolerance_px()) return {};
@@ -93,8 +94,8 @@ SpotFix Acquisition::look_where_expected(int i, const ImageView& image, const Sp
 }
 
 // Tracks a spot again with its own template, now that its subaperture is known.
-void Acquisition::look_again(int i, const ImageView& image, const SpotTracker& tracker,
-                             TrackScratch& scratch, SpotFix& fix) const {
+void Acquisition::track_with_own_template(int i, const ImageView& image, const SpotTracker& tracker,
+                                          TrackScratch& scratch, SpotFix& fix) const {
   const SpotFix own = tracker.track(image, position(fix), scratch, i);
   if (own.found()) fix = own;
 }

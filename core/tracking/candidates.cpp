@@ -14,8 +14,8 @@ namespace {
 constexpr double kGridPerLambdaD = 3.2;
 // In units of the first dark ring's radius: reach of the correlation, minimum distance of spots.
 constexpr double kReach = 1.1;
-constexpr double kApart = 0.6;
-static_assert(kApart < kReach);                // the neighbourhood of a peak lies inside the margin
+constexpr double kMinDistance = 0.6;
+static_assert(kMinDistance < kReach);          // the neighbourhood of a peak lies inside the margin
 constexpr std::size_t kPeaksPerCandidate = 4;  // leaves room for a broad spot's side maxima
 
 int bin_px(const SpotModel& spots) {
@@ -37,7 +37,7 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
   const double unit = spots.on_lattice().lambda_d_px / bin_;  // lambda/d in bins
   const double reach = kReach * dark * unit;
   margin_ = int(std::ceil(reach));
-  apart_ = kApart * dark * unit;
+  min_distance_ = kMinDistance * dark * unit;
   double sum = 0.0;
   for (int dy = -margin_; dy <= margin_; ++dy) {
     for (int dx = -margin_; dx <= margin_; ++dx) {
@@ -48,17 +48,17 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
     }
   }
   for (Tap& tap : taps_) tap.weight -= float(sum / double(taps_.size()));
-  const int near = int(std::ceil(apart_));
+  const int near = int(std::ceil(min_distance_));
   for (int dy = -near; dy <= near; ++dy) {
     for (int dx = -near; dx <= near; ++dx) {
-      if (std::hypot(dx, dy) < apart_) near_.push_back({dx, dy, 0.0F});
+      if (std::hypot(dx, dy) < min_distance_) near_offsets_.push_back({dx, dy, 0.0F});
     }
   }
   const int columns = padded(lattice_.count(image_width, lattice_.x), bin_, margin_);
   const int rows = padded(lattice_.count(image_height, lattice_.y), bin_, margin_);
   grid_ = Grid::Zero(rows, columns);
   score_ = Grid::Zero(rows, columns);
-  crowded_ = Crowded::Constant(rows, columns, false);
+  suppressed_ = Mask::Constant(rows, columns, false);
   peaks_.reserve(kPeaksPerCandidate * max_candidates_);
   candidates_.reserve(max_candidates_);
 }
@@ -67,7 +67,7 @@ std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
   average(on_lattice(image, lattice_));
   correlate();
   collect_peaks();
-  keep_separate();
+  suppress_neighbours();
   return candidates_;
 }
 
@@ -153,12 +153,12 @@ void CandidateFinder::collect_peaks() {
   std::sort(peaks_.begin(), peaks_.end(), better);
 }
 
-void CandidateFinder::keep_separate() {
+void CandidateFinder::suppress_neighbours() {
   candidates_.clear();
-  crowded_.setConstant(false);
+  suppressed_.setConstant(false);
   for (const Peak& peak : peaks_) {
-    if (crowded_(peak.row, peak.column)) continue;
-    for (const Tap& by : near_) crowded_(peak.row + by.dy, peak.column + by.dx) = true;
+    if (suppressed_(peak.row, peak.column)) continue;
+    for (const Tap& by : near_offsets_) suppressed_(peak.row + by.dy, peak.column + by.dx) = true;
     candidates_.push_back(lattice_.to_image(
         {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5}));
     if (candidates_.size() == max_candidates_) return;

@@ -35,7 +35,7 @@ class CandidateFinder {
   };
   using Grid = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  using Crowded = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Mask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr int kStrip = 32;
 
   void average(const ImageView& image);
@@ -44,17 +44,18 @@ class CandidateFinder {
   template <int kCount>
   void correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count);
   void collect_peaks();
-  void keep_separate();
+  void suppress_neighbours();
 
   PixelLattice lattice_;  ///< the lit colour plane, in whose pixels all sizes below count
   int bin_;               ///< pixels per side of a bin
   int margin_;            ///< bins around the image that repeat its edge
-  double apart_;
+  double min_distance_;
   std::vector<Tap> taps_;
-  std::vector<Tap> near_;  ///< grid offsets closer than apart_; their weights are not used
+  std::vector<Tap>
+      near_offsets_;  ///< grid offsets closer than min_distance_; their weights are not used
   Grid grid_;
   Grid score_;
-  Crowded crowded_;  ///< bins too near an accepted candidate
+  Mask suppressed_;  ///< bins too near an accepted candidate
   std::vector<Peak> peaks_;
   std::vector<Vec2> candidates_;
   std::size_t max_candidates_;

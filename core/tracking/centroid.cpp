@@ -10,10 +10,10 @@ namespace {
 constexpr double kRegion = 2.0;           // centroid's disc, units of lambda/d
 constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda/d
 constexpr double kThreshold = 0.2;        // of the local peak above the local background
-constexpr double kLeastLight = 0.25;
+constexpr double kMinLightShare = 0.25;
 constexpr int kMaxMoves = 60;
-constexpr double kAtRestPx = 5e-4;  // convergence of a mean shift, which halves the error each time
-constexpr double kDiscAtRestPx = 0.02;  // of the disc: hardly a pixel enters or leaves it then
+constexpr double kConvergedPx = 5e-4;      // of a mean shift, which halves the error each time
+constexpr double kDiscConvergedPx = 0.02;  // of the disc: hardly a pixel enters or leaves it then
 
 struct Sums {
   double light = 0.0;
@@ -43,8 +43,8 @@ Sums disc_centroid(const Patch& patch, Vec2 centre, double radius, double thresh
 
 /// Mean shift: moves the Gaussian window to the centroid under it, above the background, until it
 /// converges.
-std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2 start,
-                          double reach, double background, std::span<float> sums) {
+std::optional<Vec2> mean_shift(const Patch& patch, const GaussianWindow& window, Vec2 start,
+                               double reach, double background, std::span<float> sums) {
   Vec2 at = start;
   GaussianWindow::Centre centre(start);
   for (int k = 0; k < kMaxMoves; ++k) {
@@ -53,12 +53,12 @@ std::optional<Vec2> climb(const Patch& patch, const GaussianWindow& window, Vec2
     // The background changes the step length, not the fixed point. A start beside the spot may
     // overestimate it, so a share of all light is the lower limit.
     const double all = m.one - double(patch.darkest) * m.weight;
-    const double light = std::max(m.one - background * m.weight, kLeastLight * all);
+    const double light = std::max(m.one - background * m.weight, kMinLightShare * all);
     if (!(light > 0.0)) return std::nullopt;
     const Vec2 move{m.x / light, m.y / light};
     at = at + move;
     if (norm(at - start) > reach) return std::nullopt;
-    if (norm(move) < kAtRestPx) return at;
+    if (norm(move) < kConvergedPx) return at;
   }
   return std::nullopt;
 }
@@ -75,8 +75,8 @@ CentroidTracker::CentroidTracker(const SpotModel& spots)
 
 std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
-  const auto spot =
-      climb(patch, locator_, start, capture_px(), check().background(patch, start), scratch.sums);
+  const auto spot = mean_shift(patch, locator_, start, capture_px(),
+                               check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
   if (!verdict.passed && !verdict.unsure) return std::nullopt;
@@ -98,7 +98,7 @@ std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, 
     if (!(sums.light > 0.0) || norm(sums.centroid - start) > capture_px()) return std::nullopt;
     const double move = norm(sums.centroid - at);
     at = sums.centroid;
-    if (move > kDiscAtRestPx) continue;
+    if (move > kDiscConvergedPx) continue;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     if (!verdict.passed && !verdict.unsure) return std::nullopt;
     return Found{at, verdict};
@@ -112,8 +112,8 @@ WeightedTracker::WeightedTracker(const SpotModel& spots)
 
 std::optional<PatchTracker::Found> WeightedTracker::find(const Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
-  const auto spot =
-      climb(patch, window_, start, capture_px(), check().background(patch, start), scratch.sums);
+  const auto spot = mean_shift(patch, window_, start, capture_px(),
+                               check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
   if (!verdict.passed && !verdict.unsure) return std::nullopt;

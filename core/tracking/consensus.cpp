@@ -11,10 +11,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kSeedAside = 0.5;  // of the extent: outer seeds, as a side of spots may be missing
+constexpr double kSeedOffset = 0.5;  // of the extent: outer seeds, if a side of spots is missing
 constexpr double kTolerance = 0.35;  // of the pitch, from the expected position
 constexpr double kRing = 1.6;        // of the pitch: growth of the field per round
-constexpr int kSettle = 2;           // rounds after the last ring
+constexpr int kFinalRounds = 2;      // rounds after the last ring
 constexpr double kOutlier = 3.0;     // times the median residual
 constexpr double kFitSlack = 0.1;    // of the pitch: residuals below are never outliers
 constexpr double kMaxLinear = 0.6;   // 1 would fold neighbours onto each other
@@ -64,8 +64,8 @@ void Consensus::find_neighbours() {
 }
 
 void Consensus::find_seeds() {
-  const double aside = kSeedAside * extent_;
-  for (const Vec2 off : {Vec2{}, {0.0, aside}, {0.0, -aside}, {aside, 0.0}, {-aside, 0.0}}) {
+  const double offset = kSeedOffset * extent_;
+  for (const Vec2 off : {Vec2{}, {0.0, offset}, {0.0, -offset}, {offset, 0.0}, {-offset, 0.0}}) {
     const auto nearest = std::min_element(
         predicted_.begin(), predicted_.end(),
         [at = centre_ + off](Vec2 a, Vec2 b) { return norm(a - at) < norm(b - at); });
@@ -79,9 +79,9 @@ double Consensus::tolerance_px() const {
 }
 
 std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& rules) {
-  const int enough = std::max(3, int(std::ceil(rules.least_share * size())));
-  int most = 0;
-  double least_shift = 0.0;
+  const int enough = std::max(3, int(std::ceil(rules.min_share * size())));
+  int most_explained = 0;
+  double smallest_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
   by_y_.resize(found.size());  // within the reserved capacity
   std::iota(by_y_.begin(), by_y_.end(), 0);
@@ -92,25 +92,26 @@ std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& 
     for (int s = 0; s < count; ++s) {
       if (best_matched_[seed] == starts[s]) continue;  // would grow to the same match again
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];
-      if (norm(first_shift) > rules.most_shift_px) break;  // starts are sorted by distance
+      if (norm(first_shift) > rules.max_shift_px) break;  // starts are sorted by distance
       const int explained = grow(found, seed, first_shift);
       const double shift = norm(field_.shift);
-      const bool better = explained > most || (explained == most && shift < least_shift);
+      const bool better =
+          explained > most_explained || (explained == most_explained && shift < smallest_shift);
       if (explained < enough || !better) continue;
-      most = explained;
-      least_shift = shift;
+      most_explained = explained;
+      smallest_shift = shift;
       best_field_ = field_;
-      best_matched_ = matched_;                // same size: no allocation
-      if (most == size()) return best(found);  // later starts have larger shifts
+      best_matched_ = matched_;                                // same size: no allocation
+      if (most_explained == size()) return adopt_best(found);  // later starts have larger shifts
     }
   }
-  return best(found);
+  return adopt_best(found);
 }
 
-std::span<const int> Consensus::best(std::span<const Vec2> found) {
+std::span<const int> Consensus::adopt_best(std::span<const Vec2> found) {
   field_ = best_field_;
   matched_ = best_matched_;
-  note_residuals(found);
+  update_residuals(found);
   return matched_;
 }
 
@@ -137,10 +138,10 @@ int Consensus::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
   const double whole = extent_ + norm(from - centre_);
   const int rings = int(std::ceil(whole / (kRing * pitch_)));
   int count = 0;
-  for (int round = 1; round <= rings + kSettle; ++round) {
+  for (int round = 1; round <= rings + kFinalRounds; ++round) {
     count = assign(found, from, round * kRing * pitch_);
     if (count == 0 || !fit(found)) return 0;
-    note_residuals(found);
+    update_residuals(found);
   }
   return count;
 }
@@ -162,7 +163,7 @@ Vec2 Consensus::expected(int i) const {
   return count == 0 ? affine(i) : affine(i) + (1.0 / count) * sum;
 }
 
-void Consensus::note_residuals(std::span<const Vec2> found) {
+void Consensus::update_residuals(std::span<const Vec2> found) {
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     residuals_[i] = matched_[i] == kNone ? Vec2{} : found[matched_[i]] - affine(int(i));
   }
@@ -203,7 +204,7 @@ int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
 /// Fits all matches, then again without the outliers.
 bool Consensus::fit(std::span<const Vec2> found) {
   if (!fit_within(found, std::numeric_limits<double>::infinity())) return false;
-  note_residuals(found);
+  update_residuals(found);
   int count = 0;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     if (matched_[i] != kNone) sorted_[count++] = norm(residuals_[i]);

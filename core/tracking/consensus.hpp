@@ -27,13 +27,13 @@ class Consensus {
   int size() const { return int(predicted_.size()); }
 
   struct Rules {
-    double least_share = 0.5;  ///< of the lattice that a match must explain
+    double min_share = 0.5;  ///< of the lattice that a match must explain
     /// Largest displacement of a seed that is tried.
-    double most_shift_px = std::numeric_limits<double>::infinity();
+    double max_shift_px = std::numeric_limits<double>::infinity();
   };
   /// For each subaperture the index of its position in `found`, or kNone; valid until the next
   /// call. The hypothesis that explains most positions wins; the smaller shift breaks ties. All are
-  /// kNone if it explains fewer than 3 or `least_share`. `found` holds at most max_found positions.
+  /// kNone if it explains fewer than 3 or `min_share`. `found` holds at most max_found positions.
   /// RT-safe.
   std::span<const int> match(std::span<const Vec2> found, const Rules& rules) OVWS_NONBLOCKING;
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
@@ -63,12 +63,12 @@ class Consensus {
   void find_seeds();
   int nearest_positions(std::span<const Vec2> found, Vec2 at, std::array<int, kStarts>& out) const;
   int grow(std::span<const Vec2> found, int seed, Vec2 shift);
-  std::span<const int> best(std::span<const Vec2> found);
+  std::span<const int> adopt_best(std::span<const Vec2> found);
   int assign(std::span<const Vec2> found, Vec2 from, double reach);
   Choice nearest(std::span<const Vec2> found, Vec2 at) const;
   bool fit(std::span<const Vec2> found);
   bool fit_within(std::span<const Vec2> found, double limit);
-  void note_residuals(std::span<const Vec2> found);
+  void update_residuals(std::span<const Vec2> found);
   Vec2 affine(int i) const;
 
   std::vector<Vec2> predicted_;

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kAgree = 0.4;  // lambda/d
 
-class LatticeTracker final : public SpotTracker {
+class ColourPlaneTracker final : public SpotTracker {
  public:
-  LatticeTracker(std::unique_ptr<const SpotTracker> tracker, const SpotModel& spots)
+  ColourPlaneTracker(std::unique_ptr<const SpotTracker> tracker, const SpotModel& spots)
       : tracker_(std::move(tracker)),
         lit_(spots.lit),
         agree_px_(float(kAgree * spots.lambda_d_px)) {}
@@ -24,7 +24,7 @@ class LatticeTracker final : public SpotTracker {
                 int spot) const OVWS_NONBLOCKING override {
     const SpotFix fix = track_on(lit_.lattice, image, start_px, scratch, spot);
     if (!lit_.diagonal) return fix;
-    return joined(fix, track_on(lit_.other(), image, start_px, scratch, spot));
+    return merged(fix, track_on(lit_.other(), image, start_px, scratch, spot));
   }
 
  private:
@@ -38,7 +38,7 @@ class LatticeTracker final : public SpotTracker {
     return fix;
   }
 
-  SpotFix joined(const SpotFix& a, const SpotFix& b) const OVWS_NONBLOCKING {
+  SpotFix merged(const SpotFix& a, const SpotFix& b) const OVWS_NONBLOCKING {
     SpotFix fix = a.found() ? a : b;
     fix.peak = std::max(a.peak, b.peak);
     if (!a.found() || !b.found()) return fix;
@@ -65,7 +65,7 @@ class LatticeTracker final : public SpotTracker {
 std::unique_ptr<const SpotTracker> on_lattice(std::unique_ptr<const SpotTracker> tracker,
                                               const SpotModel& spots) {
   if (spots.lit.lattice.everything()) return tracker;
-  return std::make_unique<LatticeTracker>(std::move(tracker), spots);
+  return std::make_unique<ColourPlaneTracker>(std::move(tracker), spots);
 }
 
 }  // namespace ovws

@@ -20,7 +20,7 @@ double half_gap_of(const Moments::Hessian& h) {
   return std::sqrt(difference * difference + h.xy * h.xy);
 }
 
-double least_curvature(const Moments::Hessian& h) {
+double min_curvature(const Moments::Hessian& h) {
   const double gap = half_gap_of(h);
   return std::min(std::abs(0.5 * h.trace() + gap), std::abs(0.5 * h.trace() - gap));
 }
@@ -32,14 +32,14 @@ double least_curvature(const Moments::Hessian& h) {
 Vec2 step_of(const Moments& m, const Moments::Hessian& h, double light, double sign) {
   const double mean = 0.5 * h.trace();
   const double half_gap = half_gap_of(h);
-  const double least = kMinCurvature * light;
-  const double f1 = 1.0 / std::max(std::abs(mean + half_gap), least);
-  const double f2 = 1.0 / std::max(std::abs(mean - half_gap), least);
-  const double both = 0.5 * (f1 + f2);
-  const double apart = half_gap > 0.0 ? 0.5 * (f1 - f2) / half_gap : 0.0;
+  const double floor = kMinCurvature * light;
+  const double f1 = 1.0 / std::max(std::abs(mean + half_gap), floor);
+  const double f2 = 1.0 / std::max(std::abs(mean - half_gap), floor);
+  const double isotropic = 0.5 * (f1 + f2);
+  const double anisotropic = half_gap > 0.0 ? 0.5 * (f1 - f2) / half_gap : 0.0;
   const double difference = 0.5 * (h.xx - h.yy);
-  return {-sign * ((both + apart * difference) * m.x + apart * h.xy * m.y),
-          -sign * (apart * h.xy * m.x + (both - apart * difference) * m.y)};
+  return {-sign * ((isotropic + anisotropic * difference) * m.x + anisotropic * h.xy * m.y),
+          -sign * (anisotropic * h.xy * m.x + (isotropic - anisotropic * difference) * m.y)};
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (length > kConvergedPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
-    const double sharpness = least_curvature(h) / (m.weight * verdict.level);
+    const double sharpness = min_curvature(h) / (m.weight * verdict.level);
     const bool may_be = verdict.passed || verdict.unsure;
     if (!may_be || sharpness < kMinSharpness) return std::nullopt;
     return Found{at, verdict};

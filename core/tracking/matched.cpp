@@ -134,7 +134,7 @@ std::optional<Vec2> coarse_start(const TemplateBank& bank, const TemplateKernels
              patch);
   const Vec2 middle = Vec2{double(x), double(y)} + 0.5 * double(grid.bin - 1) * Vec2{1.0, 1.0};
   std::optional<Vec2> best;
-  float most = 0.0F;
+  float best_score = 0.0F;
   for (int dy = -grid.reach; dy <= grid.reach; ++dy) {
     for (int dx = -grid.reach; dx <= grid.reach; ++dx) {
       if (dx * dx + dy * dy > grid.reach * grid.reach) continue;
@@ -143,8 +143,8 @@ std::optional<Vec2> coarse_start(const TemplateBank& bank, const TemplateKernels
         std::copy(from, from + grid.columns, window + r * grid.columns);
       }
       const float score = amplitude(*bank.coarse(), kernels, window);
-      if (!(score > most)) continue;
-      most = score;
+      if (!(score > best_score)) continue;
+      best_score = score;
       best = middle + double(grid.bin) * Vec2{double(dx), double(dy)};
     }
   }
@@ -188,11 +188,11 @@ const TemplateBank& MatchedTracker::bank_of(int spot) const {
 
 std::optional<Vec2> MatchedTracker::fine_start(MatchedFit& fit, Vec2 start) const {
   std::optional<Vec2> best;
-  double most = 0.0;
+  double best_score = 0.0;
   for (const Vec2 shift : search_) {
     const double score = fit.score(start + shift);
-    if (score > most) best = start + shift;
-    most = std::max(most, score);
+    if (score > best_score) best = start + shift;
+    best_score = std::max(best_score, score);
   }
   return best;
 }
@@ -215,7 +215,7 @@ SpotFix MatchedTracker::track(const ImageView& image, Vec2 start_px, TrackScratc
         bank.coarse()
             ? coarse_start(bank, kernels_, image, start_px, kSearch * spots_.lambda_d_px, scratch)
             : fine_start(fit, start_px);
-    fit.forget_window();  // the search has overwritten it
+    fit.invalidate_window();  // the search has overwritten it
     good = best && found(*best);
   }
   const Vec2 at = good ? fit.found() : start_px;

@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kMaxMove = 0.15;  // lambda/d, of one Gauss-Newton step
 constexpr int kMaxMoves = 10;
-constexpr double kStay = 0.65;    // of a shift: smaller moves keep the tabulated shift
-constexpr double kMaxRest = 2.0;  // of a shift: limit for a converged fit
-constexpr double kLeastGain = 0.25;
-constexpr double kAlike = 0.12;     // smallest anisotropy of the gain that needs a second direction
-constexpr double kLeastWay = 0.02;  // smallest step to the next noise level that is worth a fit
+constexpr double kKeepShift = 0.65;  // of a shift: smaller moves keep the tabulated shift
+constexpr double kMaxOffset = 2.0;   // of a shift: limit for a converged fit
+constexpr double kMinGain = 0.25;
+constexpr double kMaxAnisotropy = 0.12;  // of the gain: above, a second direction is evaluated
+constexpr double kMinMixWeight = 0.02;   // smallest weight of the next level that is worth a fit
 constexpr double kMinSignificance = 8.0;
 // Largest residual contrast relative to what the template explains. Aberration inside the
 // subaperture spoils a vortex sooner than a bright spot: 0.2 wave RMS of any mode up to j = 14
@@ -40,7 +40,7 @@ Vec2 full_move(const TemplateFit& fit) {
 /// from the template, full steps overshoot the minimum and would oscillate.
 double damped(double gain, Vec2 step, Vec2 change) {
   const double along = -dot(change, step);
-  return along > 0.0 ? std::clamp(dot(step, step) / along, kLeastGain, 1.0) : gain;
+  return along > 0.0 ? std::clamp(dot(step, step) / along, kMinGain, 1.0) : gain;
 }
 
 }  // namespace
@@ -51,25 +51,26 @@ MatchedFit::MatchedFit(const TemplateBank& bank, const TemplateKernels& kernels,
       kernels_(kernels),
       image_(image),
       scratch_(scratch),
-      longest_move_px_(kMaxMove * spots.lambda_d_px),
+      max_move_px_(kMaxMove * spots.lambda_d_px),
       max_misfit_(spots.charge == 0 ? kMaxMisfitOfBright : kMaxMisfitOfVortex) {}
 
 bool MatchedFit::follow(Vec2 from, Vec2 start, double reach_px) {
   Vec2 at = from;
   double gain = 1.0;
-  Vec2 before, moved_before;
+  Vec2 previous, previous_move;
   for (int k = 0; k < kMaxMoves; ++k) {
     if (!solve(bank_.place(at))) return false;
     const Vec2 full = full_move(fit_);
-    if (k > 0 && dot(full, moved_before) < 0.0) {
-      gain = damped(gain, place_.centre - before, full - moved_before);
+    if (k > 0 && dot(full, previous_move) < 0.0) {
+      gain = damped(gain, place_.centre - previous, full - previous_move);
     }
-    before = place_.centre;
-    moved_before = full;
+    previous = place_.centre;
+    previous_move = full;
     move_ = gain * full;
-    if (std::max(std::abs(move_.x), std::abs(move_.y)) <= kStay * bank_.step_px()) return settle();
-    const double length = norm(move_), most = longest_move_px_;
-    at = place_.centre + (length > most ? most / length : 1.0) * move_;
+    if (std::max(std::abs(move_.x), std::abs(move_.y)) <= kKeepShift * bank_.step_px())
+      return settle();
+    const double length = norm(move_), limit = max_move_px_;
+    at = place_.centre + (length > limit ? limit / length : 1.0) * move_;
     if (!(norm(at - start) <= reach_px)) return false;
   }
   return false;
@@ -83,9 +84,9 @@ double MatchedFit::score(Vec2 at) {
 bool MatchedFit::is_spot() {
   const TemplateBank::Solver& solver = bank_.solver(place_, kMiddleNoise);
   const double pixels = bank_.pixels(), a = amplitude();
-  const double least = kQuantisation * solver.weight / pixels;
-  const double spread = std::max(double(sums_.square) / pixels, least);
-  const double noise = std::max(double(sums_.difference) / pixels, least);
+  const double floor = kQuantisation * solver.weight / pixels;
+  const double spread = std::max(double(sums_.square) / pixels, floor);
+  const double noise = std::max(double(sums_.difference) / pixels, floor);
   if (a * a < kMinSignificance * kMinSignificance * spread * double(solver.inverse[5]))
     return false;
   noise_ = std::sqrt(noise * pixels / double(solver.weight));
@@ -93,7 +94,7 @@ bool MatchedFit::is_spot() {
   const double misfit = std::max(double(sums_.square) - noise * pixels, 0.0);
   quality_ = light / (light + misfit);
   return misfit <= max_misfit_ * light + kNoiseErrors * std::sqrt(2.0 * pixels) * noise &&
-         whole(noise);
+         is_complete(noise);
 }
 
 Vec2 MatchedFit::found() const {
@@ -131,14 +132,14 @@ bool MatchedFit::solve(const TemplateBank::Place& place) {
 bool MatchedFit::settle() {
   const TemplateBank::Place nearest = bank_.place(found());
   if (!(nearest == place_) && !solve(nearest)) return false;
-  const NoiseMix noise = weigh();
-  mix(noise);
-  return fit_.amplitude > 0.0F && correct(noise);
+  const NoiseMix noise = estimate_noise();
+  interpolate(noise);
+  return fit_.amplitude > 0.0F && broyden_step(noise);
 }
 
 /// Estimates the noise of the converged fit as a mix of two levels. A sudden change of the weights
 /// would make the position jump.
-MatchedFit::NoiseMix MatchedFit::weigh() {
+MatchedFit::NoiseMix MatchedFit::estimate_noise() {
   sums_ = kernels_.residuals(bank_.view(place_, kMiddleNoise), scratch_.samples.data(), fit_,
                              scratch_.sums.data());
   const TemplateBank::Solver& s = bank_.solver(place_, kMiddleNoise);
@@ -149,20 +150,20 @@ MatchedFit::NoiseMix MatchedFit::weigh() {
       std::max(s.wwtt * double(sums_.dark) - s.wwt * double(sums_.bright), kQuantisation * det);
   const double bright = s.ww * double(sums_.bright) - s.wwt * double(sums_.dark);
   const double middle = kNoiseLevels[kMiddleNoise];
-  const bool drowned = dark > middle * bright;  // by chance `bright` may be 0 or negative
-  const int next = drowned ? kMiddleNoise + 1 : kMiddleNoise - 1;
-  const double whole_way = std::log(kNoiseLevels[std::size_t(next)] / middle);
-  const double way =
-      bright > 0.0 ? std::min(std::log(dark / (middle * bright)) / whole_way, 1.0) : 1.0;
-  return {next, way < kLeastWay ? 0.0F : float(way)};
+  const bool dark_dominates = dark > middle * bright;  // by chance `bright` may be 0 or negative
+  const int next = dark_dominates ? kMiddleNoise + 1 : kMiddleNoise - 1;
+  const double log_range = std::log(kNoiseLevels[std::size_t(next)] / middle);
+  const double weight =
+      bright > 0.0 ? std::min(std::log(dark / (middle * bright)) / log_range, 1.0) : 1.0;
+  return {next, weight < kMinMixWeight ? 0.0F : float(weight)};
 }
 
 /// Interpolates the fit between the middle noise level and the next.
-void MatchedFit::mix(NoiseMix noise) {
+void MatchedFit::interpolate(NoiseMix noise) {
   middle_ = fit_;
-  if (noise.way == 0.0F) return;
+  if (noise.weight == 0.0F) return;
   next_ = fit_at(place_, noise.next);
-  const auto between = [&](float from, float to) { return from + noise.way * (to - from); };
+  const auto between = [&](float from, float to) { return from + noise.weight * (to - from); };
   fit_ = {between(middle_.background, next_.background),
           between(middle_.amplitude, next_.amplitude), between(middle_.move_x, next_.move_x),
           between(middle_.move_y, next_.move_y)};
@@ -173,22 +174,22 @@ void MatchedFit::mix(NoiseMix noise) {
 /// changes by more or less than the shift. To first order only local astigmatism has this effect:
 /// the gain rises along one axis as much as it falls along the perpendicular one. If that
 /// anisotropy is large, a shift in the perpendicular direction is evaluated, too.
-bool MatchedFit::correct(NoiseMix noise) {
-  const bool mostly_next = noise.way > 0.5F;
+bool MatchedFit::broyden_step(NoiseMix noise) {
+  const bool mostly_next = noise.weight > 0.5F;
   const int level = mostly_next ? noise.next : kMiddleNoise;
   const Vec2 full = full_move(fit_), at_level = full_move(mostly_next ? next_ : middle_);
   const auto change_to = [&](const TemplateBank::Place& there) {
     return at_level - full_move(fit_at(there, level));
   };
-  const TemplateBank::Place there = beside(full);
+  const TemplateBank::Place there = neighbour(full);
   const Vec2 step = there.centre - place_.centre, change = change_to(there);
   const double square = dot(step, step);
   const Vec2 more = (1.0 / square) * (change - step);
   const double even = more.x * step.x - more.y * step.y;
   const double odd = more.x * step.y + more.y * step.x;
   Vec2 by_x{1.0 + even, odd}, by_y{odd, 1.0 - even};  // Jacobian of the full move, per px
-  if (std::hypot(even, odd) > kAlike) {
-    const TemplateBank::Place third = beside({-step.y, step.x});
+  if (std::hypot(even, odd) > kMaxAnisotropy) {
+    const TemplateBank::Place third = neighbour({-step.y, step.x});
     const Vec2 across = third.centre - place_.centre, change_across = change_to(third);
     const double det = step.x * across.y - step.y * across.x;
     by_x = (1.0 / det) * (across.y * change - step.y * change_across);
@@ -197,20 +198,20 @@ bool MatchedFit::correct(NoiseMix noise) {
   load(place_);
   const double det = by_x.x * by_y.y - by_x.y * by_y.x;
   move_ = full;
-  if (det > kLeastGain) {
+  if (det > kMinGain) {
     move_ =
         (1.0 / det) * Vec2{by_y.y * full.x - by_y.x * full.y, by_x.x * full.y - by_x.y * full.x};
   }
-  return std::max(std::abs(move_.x), std::abs(move_.y)) <= kMaxRest * bank_.step_px();
+  return std::max(std::abs(move_.x), std::abs(move_.y)) <= kMaxOffset * bank_.step_px();
 }
 
-/// A neighbouring shift, as nearly as possible along `way` or against it; with the same pixel
+/// A neighbouring shift, as nearly as possible along `direction` or against it; with the same pixel
 /// window, if there is one.
-TemplateBank::Place MatchedFit::beside(Vec2 way) const {
-  const double step = bank_.step_px(), x = std::abs(way.x), y = std::abs(way.y);
+TemplateBank::Place MatchedFit::neighbour(Vec2 direction) const {
+  const double step = bank_.step_px(), x = std::abs(direction.x), y = std::abs(direction.y);
   constexpr double kFlat = 0.414;  // tan 22.5 degrees
-  const Vec2 along{x < kFlat * y ? 0.0 : std::copysign(step, way.x),
-                   y < kFlat * x ? 0.0 : std::copysign(step, way.y)};
+  const Vec2 along{x < kFlat * y ? 0.0 : std::copysign(step, direction.x),
+                   y < kFlat * x ? 0.0 : std::copysign(step, direction.y)};
   const Vec2 steeper = x < y ? Vec2{0.0, along.y} : Vec2{along.x, 0.0};
   for (const Vec2 off : {along, -1.0 * along, steeper, -1.0 * steeper}) {
     const TemplateBank::Place place = bank_.place(place_.centre + off);
@@ -236,7 +237,7 @@ double MatchedFit::mean_of(int part) const {
 }
 
 /// Whether every sector is bright and a vortex's core is dark. `noise`: variance times weight.
-bool MatchedFit::whole(double noise) const {
+bool MatchedFit::is_complete(double noise) const {
   const double level = kNoiseLevels[kMiddleNoise], a = amplitude();
   for (int i = 0; i < TemplateBank::Parts::kSectors; ++i) {
     const double value = double(bank_.parts().value[i]);

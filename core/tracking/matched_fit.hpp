@@ -26,7 +26,7 @@ class MatchedFit {
   double score(Vec2 at) OVWS_NONBLOCKING;
 
   /// Call it after other code has written to the scratch.
-  void forget_window() OVWS_NONBLOCKING { loaded_ = false; }
+  void invalidate_window() OVWS_NONBLOCKING { loaded_ = false; }
 
   /// Whether the fit that `follow` converged to is a spot. Sets quality() and noise().
   bool is_spot() OVWS_NONBLOCKING;
@@ -37,29 +37,30 @@ class MatchedFit {
   double noise() const { return noise_; }                      ///< RMS pixel noise, DN
 
  private:
-  /// Interpolation between the fits at the middle noise level (`way` = 0) and at level `next` (1).
+  /// Interpolation between the fits at the middle noise level (`weight` = 0) and at level `next`
+  /// (1).
   struct NoiseMix {
     int next = kMiddleNoise;
-    float way = 0.0F;
+    float weight = 0.0F;
   };
 
   void load(const TemplateBank::Place& place);
   TemplateFit fit_at(const TemplateBank::Place& place, int level);
   bool solve(const TemplateBank::Place& place);
   bool settle();
-  NoiseMix weigh();
-  void mix(NoiseMix noise);
-  bool correct(NoiseMix noise);
-  TemplateBank::Place beside(Vec2 way) const;
+  NoiseMix estimate_noise();
+  void interpolate(NoiseMix noise);
+  bool broyden_step(NoiseMix noise);
+  TemplateBank::Place neighbour(Vec2 direction) const;
   int count_of(int part) const;
   double mean_of(int part) const;
-  bool whole(double noise) const;
+  bool is_complete(double noise) const;
 
   const TemplateBank& bank_;
   const TemplateKernels& kernels_;
   const ImageView& image_;
   TrackScratch& scratch_;
-  double longest_move_px_;
+  double max_move_px_;
   double max_misfit_;
   bool loaded_ = false;  ///< the scratch holds the window around this pixel
   int window_x_ = 0, window_y_ = 0;

@@ -32,7 +32,7 @@ struct Patch {
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
 /// Minimum half-width of a patch: PatchKernels need a block and 4 neighbours in each row.
-constexpr int kLeastPatchHalf = (kPatchBlock + 4) / 2;
+constexpr int kMinPatchHalf = (kPatchBlock + 4) / 2;
 
 /// Number of floats that a patch of half-width `half` needs.
 constexpr int patch_floats(int half) {
@@ -45,7 +45,7 @@ constexpr int patch_floats(int half) {
 void load_window(const ImageView& image, int left, int top, int columns, int rows,
                  float* out) OVWS_NONBLOCKING;
 
-/// Reads the square of half-width `half`, at least kLeastPatchHalf, around the pixel (cx, cy),
+/// Reads the square of half-width `half`, at least kMinPatchHalf, around the pixel (cx, cy),
 /// which must be in the image.
 Patch load_patch(const ImageView& image, int cx, int cy, int half,
                  std::span<float> samples) OVWS_NONBLOCKING;

@@ -13,7 +13,7 @@ int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_
   // One pixel more on either side: positions are rounded twice, at the start and where found.
   const int reach = int(std::ceil(capture_px)) +
                     std::max(kernel_half_px, SpotCheck::reach_px(spots, geometry)) + 2;
-  return std::max(reach, kLeastPatchHalf);
+  return std::max(reach, kMinPatchHalf);
 }
 
 }  // namespace
@@ -25,10 +25,10 @@ PatchTracker::PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_f
       half_(patch_half(spots_, geometry_, kernel_half_px, kCapture * spots.lambda_d_px)),
       sum_floats_(sum_floats),
       check_(spots_, geometry_, half_),
-      second_(spots_) {}
+      matched_(spots_) {}
 
 TrackScratch PatchTracker::make_scratch() const {
-  TrackScratch scratch = second_.make_scratch();
+  TrackScratch scratch = matched_.make_scratch();
   scratch.samples.resize(std::max(scratch.samples.size(), std::size_t(patch_floats(half_))));
   scratch.sums.resize(std::max(scratch.sums.size(), std::size_t(sum_floats_)));
   return scratch;
@@ -37,7 +37,7 @@ TrackScratch PatchTracker::make_scratch() const {
 /// Confirmation by the matched filter. Overwrites the memory of the patch: do not read it
 /// afterwards.
 bool PatchTracker::confirm(const ImageView& image, Found& found, TrackScratch& scratch) const {
-  const SpotFix fix = second_.track(image, found.at, scratch);
+  const SpotFix fix = matched_.track(image, found.at, scratch);
   const Vec2 seen{fix.x, fix.y};
   if (!fix.found() || norm(seen - found.at) > kAgree * spots_.lambda_d_px) return false;
   found.verdict.quality = double(fix.quality);

@@ -51,7 +51,7 @@ class PatchTracker : public SpotTracker {
   int half_;
   int sum_floats_;
   SpotCheck check_;
-  MatchedTracker second_;  ///< for spots in noise: uses the whole spot, the check only parts
+  MatchedTracker matched_;  ///< for spots in noise: uses the whole spot, the check only parts
 };
 
 }  // namespace ovws

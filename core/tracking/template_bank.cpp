@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kWindowOfDark = 0.98, kLeastWindow = 1.5;
+constexpr double kWindowOfDark = 0.98, kMinWindow = 1.5;
 // Half a step is the largest offset that the linearisation must bridge: 1/8 px at 12.55 px.
 constexpr double kStepsPerLambdaD = 49.0;
 constexpr double kBright = 0.25;           // of the template's maximum: pixels of the sectors
@@ -19,7 +19,7 @@ constexpr double kCoreOfRingInner = 0.45;  // radius of a vortex core's disc, as
 constexpr double kDarkCore = 0.2;          // largest mean of a dark core of the template
 // Bin size of the coarse bank: a quarter of lambda/d; bins of 2 from 6 px on.
 constexpr double kBinOfLambdaD = 0.24, kBinMore = 0.6;
-constexpr double kLeastPivot = 1e-5;  // of the normal matrix scaled to a unit diagonal
+constexpr double kMinPivot = 1e-5;  // of the normal matrix scaled to a unit diagonal
 
 int steps_of(const SpotModel& spots) {
   return std::max(1, int(std::ceil(kStepsPerLambdaD / spots.lambda_d_px)));
@@ -66,7 +66,7 @@ int floor_div(int a, int b) {
 }  // namespace
 
 double matched_window(int charge) {
-  return std::max(kLeastWindow, kWindowOfDark * spot_geometry(charge).dark);
+  return std::max(kMinWindow, kWindowOfDark * spot_geometry(charge).dark);
 }
 
 TemplateBank::TemplateBank(const SpotModel& spots, const SpotShape& shape)
@@ -92,10 +92,10 @@ TemplateBank::TemplateBank(const SpotModel& spots, const SpotShape& shape, int s
       regular_ = regular_ && solvers_.back().regular;
     }
   }
-  divide(spots);
+  find_parts(spots);
 }
 
-void TemplateBank::divide(const SpotModel& spots) {
+void TemplateBank::find_parts(const SpotModel& spots) {
   const double core_px =
       std::max(1.0, kCoreOfRingInner * spot_geometry(spots.charge).ring_inner * spots.lambda_d_px);
   const int unshifted = (steps_ / 2) * steps_ + steps_ / 2;
@@ -178,7 +178,7 @@ TemplateBank::Solver TemplateBank::solve(int shift, int level) const {
   const Eigen::Vector4d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return s;
   const Eigen::LDLT<Eigen::Matrix4d> scaled(scale.asDiagonal() * normal * scale.asDiagonal());
-  if (!(scaled.vectorD().minCoeff() > kLeastPivot)) return s;
+  if (!(scaled.vectorD().minCoeff() > kMinPivot)) return s;
   const Eigen::Matrix4d inverse =
       scale.asDiagonal() * scaled.solve(Eigen::Matrix4d::Identity()) * scale.asDiagonal();
   for (int i = 0; i < 16; ++i) s.inverse[std::size_t(i)] = float(inverse(i / 4, i % 4));

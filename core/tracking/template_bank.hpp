@@ -92,7 +92,7 @@ class TemplateBank {
   const float* plane(int shift, int k) const;
   void fill(int shift, const SpotShape& shape, double radius_px);
   Solver solve(int shift, int level) const;
-  void divide(const SpotModel& spots);
+  void find_parts(const SpotModel& spots);
 
   int steps_;  ///< shifts per pixel and axis
   int columns_;
