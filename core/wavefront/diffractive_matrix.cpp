@@ -8,7 +8,7 @@ namespace ovws {
 namespace {
 
 constexpr double kPeak = 60000.0;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
-constexpr int kFewestSpots = 3;
+constexpr int kMinSpots = 3;
 
 std::vector<Vec2> predicted(const SensorModel& model, const SensorConfig& sensor,
                             std::span<const Mode> modes) {
@@ -70,11 +70,11 @@ Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorCon
   }
   int tracked = 0;
   for (std::size_t i = 0; i < flat->size(); ++i) {
-    const bool known = std::isfinite(matrix.reference_px[i].x);
-    tracked += known ? 1 : 0;
-    if (!known) matrix.slopes.middleRows(2 * i, 2).setZero();
+    const bool always_found = std::isfinite(matrix.reference_px[i].x);
+    tracked += always_found ? 1 : 0;
+    if (!always_found) matrix.slopes.middleRows(2 * i, 2).setZero();
   }
-  if (tracked >= kFewestSpots) return matrix;
+  if (tracked >= kMinSpots) return matrix;
   return fail(
       Errc::refused, "tracking",
       "the tracker finds only " + std::to_string(tracked) +

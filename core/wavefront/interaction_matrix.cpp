@@ -9,20 +9,20 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostNoise = 0.1;  // of a column's signal
-constexpr std::size_t kFewestSpots = 3;
+constexpr double kMaxNoise = 0.1;  // of a column's signal
+constexpr std::size_t kMinSpots = 3;
 
 bool found(const SpotMeans& spots, std::size_t i) {
   return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
 }
 
 std::string listed(const std::vector<int>& numbers) {
-  constexpr std::size_t kNamed = 8;
+  constexpr std::size_t kMaxListed = 8;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kNamed, numbers.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxListed, numbers.size()); ++i) {
     text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
   }
-  if (numbers.size() > kNamed) text += ", …";
+  if (numbers.size() > kMaxListed) text += ", …";
   return text;
 }
 
@@ -65,14 +65,14 @@ struct Column {
   Eigen::VectorXf slopes, standard_error;
 };
 
-Column column_of(const PushPull& push, const std::vector<std::size_t>& spots, std::size_t all) {
+Column column_of(const PushPull& poke, const std::vector<std::size_t>& spots, std::size_t all) {
   Column c{Eigen::VectorXf::Zero(2 * Eigen::Index(all)),
            Eigen::VectorXf::Zero(2 * Eigen::Index(all))};
-  const double by = 1.0 / (2.0 * push.amplitude_waves);
+  const double by = 1.0 / (2.0 * poke.amplitude_waves);
   for (const std::size_t i : spots) {
     const auto row = 2 * Eigen::Index(i);
-    const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
-    const Vec2 &a = push.plus.standard_error_px[i], &b = push.minus.standard_error_px[i];
+    const Vec2 moved = poke.plus.at_px[i] - poke.minus.at_px[i];
+    const Vec2 &a = poke.plus.standard_error_px[i], &b = poke.minus.standard_error_px[i];
     c.slopes(row) = float(by * moved.x);
     c.slopes(row + 1) = float(by * moved.y);
     c.standard_error(row) = float(by * std::hypot(a.x, b.x));
@@ -81,7 +81,7 @@ Column column_of(const PushPull& push, const std::vector<std::size_t>& spots, st
   return c;
 }
 
-double least_singular_value(const Eigen::MatrixXd& slopes) {
+double min_singular_value(const Eigen::MatrixXd& slopes) {
   const Eigen::MatrixXd normal = slopes.transpose() * slopes;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
@@ -93,33 +93,33 @@ bool append(InteractionMatrix& matrix, const Column& column) {
   Eigen::MatrixXd with(column.slopes.size(), before + 1);
   with << matrix.slopes, column.slopes.cast<double>();
   if (determined_modes(with) != int(with.cols())) return false;
-  if (double(column.standard_error.norm()) > kMostNoise * least_singular_value(with)) return false;
+  if (double(column.standard_error.norm()) > kMaxNoise * min_singular_value(with)) return false;
   matrix.slopes = std::move(with);
   matrix.standard_error.conservativeResize(Eigen::NoChange, before + 1);
   matrix.standard_error.col(before) = column.standard_error.cast<double>();
   return true;
 }
 
-void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pushes,
+void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pokes,
                   const std::vector<std::size_t>& spots, InteractionMatrix& matrix) {
   const std::size_t all = run.before.at_px.size();
   matrix.slopes.resize(2 * Eigen::Index(all), 0);
   matrix.standard_error.resize(2 * Eigen::Index(all), 0);
-  for (const PushPull* push : pushes) {
-    const Column column = column_of(*push, spots, all);
+  for (const PushPull* poke : pokes) {
+    const Column column = column_of(*poke, spots, all);
     const double signal = double(column.slopes.norm());
     const double noise = double(column.standard_error.norm());
-    if (!(noise <= kMostNoise * signal)) {
+    if (!(noise <= kMaxNoise * signal)) {
       matrix.dropped.push_back(
-          {push->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
+          {poke->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
                                        " of its signal: average more frames, increase the light, "
                                        "or raise amplitude_waves"
                                  : "it moves no spot"});
     } else if (append(matrix, column)) {
-      matrix.modes_j.push_back(push->j);
-      matrix.amplitude_waves.push_back(push->amplitude_waves);
+      matrix.modes_j.push_back(poke->j);
+      matrix.amplitude_waves.push_back(poke->amplitude_waves);
     } else {
-      matrix.dropped.push_back({push->j,
+      matrix.dropped.push_back({poke->j,
                                 "it is not determined: the spots cannot distinguish it from the "
                                 "modes before it"});
     }
@@ -128,37 +128,37 @@ void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pu
 
 }  // namespace
 
-std::vector<int> lost_by(const PushPull& push, const SpotMeans& resting) {
+std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting) {
   std::vector<int> lost;
   for (std::size_t i = 0; i < resting.at_px.size(); ++i) {
-    const bool there = found(push.plus, i) && found(push.minus, i);
+    const bool there = found(poke.plus, i) && found(poke.minus, i);
     if (found(resting, i) && !there) lost.push_back(int(i));
   }
   return lost;
 }
 
-Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most_drift_px) {
+Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_drift_px) {
   InteractionMatrix matrix;
   const auto resting = resting_spots(run);
   measure_drift(run, resting, matrix);
-  if (matrix.drift_px > most_drift_px) {
+  if (matrix.drift_px > max_drift_px) {
     return fail(Errc::refused, "",
                 "at rest the spots have moved by " + hundredths(matrix.drift_px) +
-                    " px RMS since the beginning (limit " + hundredths(most_drift_px) +
+                    " px RMS since the beginning (limit " + hundredths(max_drift_px) +
                     " px): let the bench settle, and measure again");
   }
-  std::vector<const PushPull*> pushes;
+  std::vector<const PushPull*> pokes;
   std::vector<bool> lost(run.before.at_px.size(), true);
   for (const std::size_t i : resting) lost[i] = false;
-  for (const PushPull& push : run.modes) {
-    const std::vector<int> gone = lost_by(push, run.before);
-    if (double(gone.size()) > kMostLostByMode * double(resting.size())) {
+  for (const PushPull& poke : run.modes) {
+    const std::vector<int> gone = lost_by(poke, run.before);
+    if (double(gone.size()) > kMaxLostByMode * double(resting.size())) {
       matrix.dropped.push_back(
-          {push.j, "its images lose the spots " + listed(gone) + ": lower amplitude_waves"});
+          {poke.j, "its images lose the spots " + listed(gone) + ": lower amplitude_waves"});
       continue;
     }
     for (const int i : gone) lost[std::size_t(i)] = true;
-    pushes.push_back(&push);
+    pokes.push_back(&poke);
   }
   std::vector<std::size_t> spots;
   for (std::size_t i = 0; i < lost.size(); ++i) {
@@ -168,13 +168,13 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most
       spots.push_back(i);
     }
   }
-  if (spots.size() < kFewestSpots) {
+  if (spots.size() < kMinSpots) {
     return fail(Errc::refused, "",
                 "only " + std::to_string(spots.size()) +
                     " spots are found in every image: check the exposure and the region of "
                     "interest, or lower amplitude_waves");
   }
-  take_columns(run, pushes, spots, matrix);
+  take_columns(run, pokes, spots, matrix);
   if (!matrix.modes_j.empty()) return matrix;
   return fail(Errc::refused, "",
               "no mode can be measured: " + (matrix.dropped.empty()

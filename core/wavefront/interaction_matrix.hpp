@@ -32,7 +32,7 @@ struct PushPullRun {
 };
 
 /// A mode is dropped if its pokes lose more than this share of the resting spots.
-constexpr double kMostLostByMode = 0.25;
+constexpr double kMaxLostByMode = 0.25;
 
 struct DroppedMode {
   int j = 0;
@@ -54,17 +54,17 @@ struct InteractionMatrix {
 };
 
 /// Column = (plus - minus) / (2 amplitude). A mode is dropped if its pokes lose more than
-/// kMostLostByMode of the spots, if its noise exceeds a tenth of its signal, or if it is not
+/// kMaxLostByMode of the spots, if its noise exceeds a tenth of its signal, or if it is not
 /// determined together with the preceding modes: condition number above 1000, or a singular value
 /// below ten times its noise. A spot that is lost in any image of the remaining modes has rows of 0
 /// in every column, because a Reconstructor uses a spot for all modes or for none.
 ///
-/// Errors (Errc::refused): the resting spots drifted by more than `most_drift_px`; fewer than 3
+/// Errors (Errc::refused): the resting spots drifted by more than `max_drift_px`; fewer than 3
 /// spots, or no mode, are left.
-Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double most_drift_px);
+Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_drift_px);
 
 /// Resting spots that one of the poke's images lost; a smaller amplitude may keep them.
-std::vector<int> lost_by(const PushPull& push, const SpotMeans& resting);
+std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting);
 
 /// Singular values, largest first, camera pixels per RMS-normalised wave.
 Eigen::VectorXd singular_values(const InteractionMatrix& matrix);

@@ -7,19 +7,19 @@ namespace {
 
 constexpr double kModelError = 0.2;  // relative error of a displacement taken from the model
 
-bool is_known(const SpotMeans& spots, std::size_t i) {
+bool is_found(const SpotMeans& spots, std::size_t i) {
   return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
 }
 
 /// Measured over modelled displacement, by least squares over the spots found in both images.
-double factor_of(const PushPull& push, const Eigen::Ref<const Eigen::VectorXd>& model) {
+double factor_of(const PushPull& poke, const Eigen::Ref<const Eigen::VectorXd>& model) {
   double both = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < push.plus.at_px.size(); ++i) {
-    if (!is_known(push.plus, i) || !is_known(push.minus, i)) continue;
-    const Vec2 moved = push.plus.at_px[i] - push.minus.at_px[i];
+  for (std::size_t i = 0; i < poke.plus.at_px.size(); ++i) {
+    if (!is_found(poke.plus, i) || !is_found(poke.minus, i)) continue;
+    const Vec2 moved = poke.plus.at_px[i] - poke.minus.at_px[i];
     const auto row = 2 * Eigen::Index(i);
-    const double x = 2.0 * push.amplitude_waves * model[row];
-    const double y = 2.0 * push.amplitude_waves * model[row + 1];
+    const double x = 2.0 * poke.amplitude_waves * model[row];
+    const double y = 2.0 * poke.amplitude_waves * model[row + 1];
     both += moved.x * x + moved.y * y;
     squares += x * x + y * y;
   }
@@ -35,29 +35,29 @@ void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, Spot
 
 /// Lost in both images: the displacement of the model, with a standard error of a fifth of it.
 void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, std::size_t i,
-                  PushPull& push) {
-  const Vec2 moved = push.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};
-  push.plus.at_px[i] = resting.at_px[i] + moved;
-  push.minus.at_px[i] = resting.at_px[i] - moved;
+                  PushPull& poke) {
+  const Vec2 moved = poke.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};
+  poke.plus.at_px[i] = resting.at_px[i] + moved;
+  poke.minus.at_px[i] = resting.at_px[i] - moved;
   const double error_px = kModelError * norm(moved);
-  push.plus.standard_error_px[i] = push.minus.standard_error_px[i] = {error_px, error_px};
+  poke.plus.standard_error_px[i] = poke.minus.standard_error_px[i] = {error_px, error_px};
 }
 
 }  // namespace
 
 void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
-               PushPull& push) {
-  const std::vector<int> lost = lost_by(push, resting);
-  if (double(lost.size()) > kMostLostByMode * double(resting.at_px.size())) return;
-  const double factor = factor_of(push, model);
+               PushPull& poke) {
+  const std::vector<int> lost = lost_by(poke, resting);
+  if (double(lost.size()) > kMaxLostByMode * double(resting.at_px.size())) return;
+  const double factor = factor_of(poke, model);
   for (const int spot : lost) {
     const auto i = std::size_t(spot);
-    if (is_known(push.plus, i)) {
-      mirror(push.plus, resting, i, push.minus);
-    } else if (is_known(push.minus, i)) {
-      mirror(push.minus, resting, i, push.plus);
+    if (is_found(poke.plus, i)) {
+      mirror(poke.plus, resting, i, poke.minus);
+    } else if (is_found(poke.minus, i)) {
+      mirror(poke.minus, resting, i, poke.plus);
     } else {
-      follow_model(resting, factor * model.segment<2>(2 * spot), i, push);
+      follow_model(resting, factor * model.segment<2>(2 * spot), i, poke);
     }
   }
 }

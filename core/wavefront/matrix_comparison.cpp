@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kAlike = 0.9;   // correlation of columns that are equal up to a factor, at least
 constexpr double kUnlike = 0.5;  // correlation of different columns, at most
-constexpr double kMostTurnDeg = 1.0;  // rotation that still counts as agreement
-constexpr double kMostScale = 0.03;   // deviation of the common scale from 1
-constexpr double kMostFactor = 0.2;   // deviation of one column from the common scale
-constexpr std::size_t kNamed = 3;     // modes listed in one message
+constexpr double kMaxRotationDeg = 1.0;  // rotation that still counts as agreement
+constexpr double kMaxScaleError = 0.03;  // deviation of the common scale from 1
+constexpr double kMaxFactorError = 0.2;  // deviation of one column from the common scale
+constexpr std::size_t kMaxListed = 3;    // modes listed in one message
 
 const char* const kRegister = "run registration.run, then reference.take and calibration.run";
 
@@ -105,10 +105,11 @@ std::string text(const char* format, Values... values) {
 
 std::string listed(const std::vector<std::string>& all) {
   std::string out;
-  for (std::size_t i = 0; i < std::min(kNamed, all.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxListed, all.size()); ++i) {
     out += (i == 0 ? "" : ", ") + all[i];
   }
-  return all.size() > kNamed ? out + " and " + std::to_string(all.size() - kNamed) + " more" : out;
+  return all.size() > kMaxListed ? out + " and " + std::to_string(all.size() - kMaxListed) + " more"
+                                 : out;
 }
 
 struct Finding {
@@ -138,7 +139,7 @@ constexpr std::array<Exchange, 8> kExchanges{{
 Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
   std::vector<std::string> odd;
   for (const ModeComparison& mode : modes) {
-    if (std::abs(mode.factor / scale - 1.0) > kMostFactor) {
+    if (std::abs(mode.factor / scale - 1.0) > kMaxFactorError) {
       odd.push_back(text("j = %d by %.2f", mode.j, mode.factor));
     }
   }
@@ -147,7 +148,7 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
             "some modes move the spots by another factor than in the model: " + listed(odd) +
                 "; check that the illumination is even, and that no spot is split"};
   }
-  if (std::abs(scale - 1.0) <= kMostScale) return {};
+  if (std::abs(scale - 1.0) <= kMaxScaleError) return {};
   return {Disagreement::scale,
           text("every displacement is %.3f times the model's: the magnification or the focal "
                "length is not the configured one; ",
@@ -158,24 +159,25 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
 Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>& modes) {
   const double scale = std::sqrt(std::abs(map.determinant()));
   const Exchange* nearest = kExchanges.data();
-  double most = -1e300;
+  double best_similarity = -1e300;
   for (const Exchange& e : kExchanges) {
-    const double like = e.xx * map(0, 0) + e.xy * map(0, 1) + e.yx * map(1, 0) + e.yy * map(1, 1);
-    if (like > most) nearest = &e;
-    most = std::max(most, like);
+    const double similarity =
+        e.xx * map(0, 0) + e.xy * map(0, 1) + e.yx * map(1, 0) + e.yy * map(1, 1);
+    if (similarity > best_similarity) nearest = &e;
+    best_similarity = std::max(best_similarity, similarity);
   }
   if (nearest->kind != Disagreement::none) {
     return {nearest->kind, std::string(nearest->words) +
                                ": the camera's orientation is not the configured one; " +
                                kRegister};
   }
-  const double turn_deg =
+  const double rotation_deg =
       std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1)) * 180.0 / std::numbers::pi;
-  if (std::abs(turn_deg) > kMostTurnDeg) {
+  if (std::abs(rotation_deg) > kMaxRotationDeg) {
     return {Disagreement::rotation,
             text("displacements are rotated by %.1f degrees: the camera's orientation is not the "
                  "configured one; ",
-                 turn_deg) +
+                 rotation_deg) +
                 kRegister};
   }
   return judge_factors(modes, scale);
@@ -217,11 +219,11 @@ Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) 
   for (std::size_t k = 0; k < modes.size(); ++k) {
     if (std::abs(modes[k].correlation) > kUnlike) continue;
     for (std::size_t l = 0; l < pair.all_modes_j.size(); ++l) {
-      const double like =
+      const double similarity =
           correlation(pair.measured.col(Eigen::Index(k)), pair.all_model.col(Eigen::Index(l)));
-      if (std::abs(like) < kAlike) continue;
+      if (std::abs(similarity) < kAlike) continue;
       others.push_back(text("j = %d looks like the model's j = %d%s", modes[k].j,
-                            pair.all_modes_j[l], like < 0.0 ? " with the wrong sign" : ""));
+                            pair.all_modes_j[l], similarity < 0.0 ? " with the wrong sign" : ""));
     }
   }
   if (!others.empty()) {

@@ -56,14 +56,14 @@ bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes) {
 
 int determined_modes(const Eigen::MatrixXd& slopes) {
   const Eigen::MatrixXd normal = slopes.transpose() * slopes;
-  Eigen::Index known = 0;
+  Eigen::Index determined = 0;
   Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;
   if (well_conditioned(normal, too_many - 1)) return int(too_many) - 1;
-  while (too_many - known > 1) {  // bisection: one more mode never improves the condition
-    const Eigen::Index middle = (known + too_many) / 2;
-    (well_conditioned(normal, middle) ? known : too_many) = middle;
+  while (too_many - determined > 1) {  // bisection: one more mode never improves the condition
+    const Eigen::Index middle = (determined + too_many) / 2;
+    (well_conditioned(normal, middle) ? determined : too_many) = middle;
   }
-  return int(known);
+  return int(determined);
 }
 
 Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> modes_j,
@@ -75,8 +75,8 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
   reference_px_.resize(std::size_t(slopes.rows() / 2), Vec2{NAN, NAN});
   Eigen::VectorXd reference = Eigen::VectorXd::Zero(slopes.rows());
   for (std::size_t i = 0; i < reference_px_.size(); ++i) {
-    const bool tells = !slopes_.middleRows(2 * i, 2).isZero(0.0);
-    if (!tells || !std::isfinite(reference_px_[i].x) || !std::isfinite(reference_px_[i].y)) {
+    const bool has_slopes = !slopes_.middleRows(2 * i, 2).isZero(0.0);
+    if (!has_slopes || !std::isfinite(reference_px_[i].x) || !std::isfinite(reference_px_[i].y)) {
       reference_px_[i] = {NAN, NAN};
       slopes_.middleRows(2 * i, 2).setZero();
       continue;
@@ -187,23 +187,23 @@ bool Reconstructor::solve_reduced(std::span<const SpotFix> spots, Scratch& scrat
 
 Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
                                                      std::span<float> coefficients,
-                                                     double credible_px) const {
-  constexpr int kMost = 16;
-  std::array<std::pair<std::size_t, SpotFix>, kMost> lost;
-  const int most = std::clamp(int(spots.size()) / 8, 2, kMost);
+                                                     double acceptable_px) const {
+  constexpr int kMaxRemoved = 16;
+  std::array<std::pair<std::size_t, SpotFix>, kMaxRemoved> lost;
+  const int max_removed = std::clamp(int(spots.size()) / 8, 2, kMaxRemoved);
   const Reconstruction all = solve(spots, scratch, coefficients);
-  if (!all.determined || !(all.fit_residual_px > credible_px)) return all;
-  const double most_spread = spread(spots, all) / kOutlierRatio;
-  if (!std::isfinite(most_spread)) return all;
+  if (!all.determined || !(all.fit_residual_px > acceptable_px)) return all;
+  const double max_spread = spread(spots, all) / kOutlierRatio;
+  if (!std::isfinite(max_spread)) return all;
   int count = 0;
-  while (count < most) {
-    const int worst = most_contradicted(spots, scratch);
+  while (count < max_removed) {
+    const int worst = worst_outlier(spots, scratch);
     if (worst < 0) break;
     SpotFix& spot = spots[std::size_t(worst)];
     lost[std::size_t(count++)] = {std::size_t(worst), spot};
     spot = SpotFix{.peak = spot.peak};
     const Reconstruction rest = solve(spots, scratch, coefficients);
-    if (rest.determined && spread(spots, rest) <= most_spread) return rest;
+    if (rest.determined && spread(spots, rest) <= max_spread) return rest;
     if (!rest.determined) break;
   }
   for (int k = 0; k < count; ++k) spots[lost[std::size_t(k)].first] = lost[std::size_t(k)].second;
@@ -221,8 +221,8 @@ double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstructio
 
 /// Deletion diagnostics: the used spot whose removal reduces the squared residuals most; -1 if the
 /// other spots check none.
-int Reconstructor::most_contradicted(std::span<const SpotFix> spots, Scratch& scratch) const {
-  constexpr double kLeastChecked = 0.01;  // determinant of 1 - H: redundancy of the spot
+int Reconstructor::worst_outlier(std::span<const SpotFix> spots, Scratch& scratch) const {
+  constexpr double kMinRedundancy = 0.01;  // determinant of 1 - H: redundancy of the spot
   const Eigen::MatrixXd& factor = scratch.reduced ? scratch.normal : factor_;
   const Eigen::Index modes = columns_.cols();
   int worst = -1;
@@ -239,7 +239,7 @@ int Reconstructor::most_contradicted(std::span<const SpotFix> spots, Scratch& sc
       xx -= x * x, xy -= x * y, yy -= y * y;
     }
     const double det = xx * yy - xy * xy;
-    if (!(det > kLeastChecked)) continue;
+    if (!(det > kMinRedundancy)) continue;
     const Vec2 e = residual_of(i, scratch);
     const double less = (yy * e.x * e.x - 2.0 * xy * e.x * e.y + xx * e.y * e.y) / det;
     if (!(less > most)) continue;

@@ -68,10 +68,10 @@ class Reconstructor {
   /// always the one whose removal reduces the squared residuals most (leave-one-out). It removes at
   /// most an eighth of the spots, within 2 to 16. It restores all of them unless the RMS residual
   /// per degree of freedom falls by the factor kOutlierRatio, with at least kMinFreedom degrees of
-  /// freedom before and after. A residual up to `credible_px` is accepted as it is. RT-safe.
+  /// freedom before and after. A residual up to `acceptable_px` is accepted as it is. RT-safe.
   Reconstruction solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
                                         std::span<float> coefficients,
-                                        double credible_px) const OVWS_NONBLOCKING;
+                                        double acceptable_px) const OVWS_NONBLOCKING;
   static constexpr double kOutlierRatio = 3.5;
   static constexpr int kMinFreedom = 8;
 
@@ -81,7 +81,7 @@ class Reconstructor {
   double residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const;
   Vec2 residual_of(std::size_t i, const Scratch& scratch) const;
   double spread(std::span<const SpotFix> spots, const Reconstruction& found) const;
-  int most_contradicted(std::span<const SpotFix> spots, Scratch& scratch) const;
+  int worst_outlier(std::span<const SpotFix> spots, Scratch& scratch) const;
 
   std::vector<int> modes_j_;
   std::vector<Vec2> reference_px_;

@@ -14,13 +14,13 @@
 namespace ovws {
 namespace {
 
-constexpr double kFirstDamping = 1e-3, kMostDamping = 1e7;
-constexpr double kDone = 1e-3;         // step^T Fisher step: a thirtieth of a standard error
+constexpr double kFirstDamping = 1e-3, kMaxDamping = 1e7;
+constexpr double kConverged = 1e-3;    // step^T Fisher step: a thirtieth of a standard error
 constexpr double kRoughWaves = 0.005;  // RMS of a step: the descent may end here
 constexpr double kMovedWaves = 0.03;   // RMS change after which the stray light is estimated again
-constexpr int kMostGuesses = 3, kMostSettling = 30;
-constexpr double kMostMixing = 4.0;
-constexpr double kTooFar = 100.0;  // waves: larger coefficients are unphysical
+constexpr int kMaxStrayEstimates = 3, kMaxSettleIterations = 30;
+constexpr double kMaxMixing = 4.0;
+constexpr double kMaxWaves = 100.0;  // waves: larger coefficients are unphysical
 
 RefineState moved(RefineState state, const Eigen::VectorXd& step) {
   const Eigen::Index modes = state.waves.size();
@@ -57,7 +57,7 @@ std::vector<double> relative(std::vector<double> amplitudes) {
   return amplitudes;
 }
 
-Image<float> numbers_of(const ImageView& view) {
+Image<float> float_image(const ImageView& view) {
   Image<float> image(view.width, view.height);
   visit_rows(view, 0, 0, view.width, view.height, [&](int x, int y, const auto* pixels, int count) {
     std::copy_n(pixels, count, image.row(y) + x);
@@ -72,22 +72,22 @@ struct Refiner::Impl {
   RefineOptions options;
 
   /// State of a descent.
-  struct Place {
+  struct Descent {
     RefineState state;
     RefineSums sums;
     int iterations = 0;
-    bool minimum = false;
+    bool converged = false;
   };
 
   Result<Refinement> fit(std::span<const double> start_waves);
   bool stopped() const { return options.stop != nullptr && options.stop->load(); }
   RefineSums summed(const RefineState& state);
   /// Levenberg-Marquardt descent from a propagated state until the steps are small.
-  void descend(Place& place);
+  void descend(Descent& descent);
   /// Fixed-point iteration from there to a zero of the gradient, even if the misfit grows. The
   /// misfit depends on far tails of the stray light, which the derivatives leave out.
-  void settle(Place& place);
-  Refinement result(const Place& place) const;
+  void settle(Descent& descent);
+  Refinement result(const Descent& descent) const;
   Result<void> check(const Image<float>& dn, const RefineCamera& camera,
                      std::span<const double> start_waves) const;
 };
@@ -100,9 +100,9 @@ Refiner& Refiner::operator=(Refiner&&) noexcept = default;
 Result<Refiner> Refiner::make(const SensorConfig& sensor, const SlmGeometry& slm,
                               const OpticsConfig& optics, int cols, int rows,
                               std::vector<int> modes_j, const RefineOptions& options) {
-  const bool known = std::all_of(modes_j.begin(), modes_j.end(),
+  const bool valid = std::all_of(modes_j.begin(), modes_j.end(),
                                  [](int j) { return j >= 1 && j <= kMaxZernikeIndex; });
-  if (modes_j.empty() || !known) {
+  if (modes_j.empty() || !valid) {
     return fail(Errc::invalid, "modes",
                 "give at least one mode, each from j = 1 to " + std::to_string(kMaxZernikeIndex) +
                     ": piston is not visible in an image");
@@ -127,7 +127,7 @@ Result<void> Refiner::Impl::check(const Image<float>& dn, const RefineCamera& ca
                     ": they must be equal");
   }
   const bool usable = std::all_of(start_waves.begin(), start_waves.end(),
-                                  [](double v) { return std::abs(v) < kTooFar; });
+                                  [](double v) { return std::abs(v) < kMaxWaves; });
   if (start_waves.size() != system.modes_j().size() || !usable) {
     return fail(Errc::invalid, "modes",
                 "the start must give " + std::to_string(system.modes_j().size()) +
@@ -144,7 +144,7 @@ Result<void> Refiner::Impl::check(const Image<float>& dn, const RefineCamera& ca
 
 Result<Refinement> Refiner::refine(const ImageView& dn, const RefineCamera& camera,
                                    std::span<const double> start_waves) {
-  return refine(numbers_of(dn), camera, start_waves);
+  return refine(float_image(dn), camera, start_waves);
 }
 
 Result<Refinement> Refiner::refine(const Image<float>& dn, const RefineCamera& camera,
@@ -156,7 +156,7 @@ Result<Refinement> Refiner::refine(const Image<float>& dn, const RefineCamera& c
     pixel = value < camera.saturated_dn ? float((value - camera.black_dn) * camera.electrons_per_dn)
                                         : NAN;
   }
-  impl_->system.see(electrons, camera.read_noise_e);
+  impl_->system.set_image(electrons, camera.read_noise_e);
   return impl_->fit(start_waves);
 }
 
@@ -166,114 +166,118 @@ RefineSums Refiner::Impl::summed(const RefineState& state) {
   return sums;
 }
 
-void Refiner::Impl::descend(Place& place) {
-  place.sums = summed(place.state);
-  place.minimum = false;
+void Refiner::Impl::descend(Descent& descent) {
+  descent.sums = summed(descent.state);
+  descent.converged = false;
   double damping = kFirstDamping;
-  for (int k = 0; k < options.most_iterations && damping < kMostDamping; ++k) {
-    const auto step = step_of(place.sums, damping);
+  for (int k = 0; k < options.max_iterations && damping < kMaxDamping; ++k) {
+    const auto step = step_of(descent.sums, damping);
     if (!step || stopped()) return;
-    const double size = step->dot(place.sums.fisher * *step);
-    const RefineState next = moved(place.state, *step);
-    const bool near = next.waves.cwiseAbs().maxCoeff() < kTooFar;
+    const double size = step->dot(descent.sums.fisher * *step);
+    const RefineState next = moved(descent.state, *step);
+    const bool near = next.waves.cwiseAbs().maxCoeff() < kMaxWaves;
     if (near) system.propagate(next);
-    ++place.iterations;
-    const bool better = near && system.misfit(next) <= place.sums.chi2;
-    place.minimum = size < kDone || step->head(place.state.waves.size()).norm() < kRoughWaves;
+    ++descent.iterations;
+    const bool better = near && system.misfit(next) <= descent.sums.chi2;
+    descent.converged =
+        size < kConverged || step->head(descent.state.waves.size()).norm() < kRoughWaves;
     if (better) {
-      place.state = next;
-      place.sums = summed(place.state);
+      descent.state = next;
+      descent.sums = summed(descent.state);
     }
-    if (place.minimum) {
-      if (!better && near) system.propagate(place.state);  // discards the rejected step
+    if (descent.converged) {
+      if (!better && near) system.propagate(descent.state);  // discards the rejected step
       return;
     }
     damping *= better ? 0.1 : 10.0;
   }
 }
 
-void Refiner::Impl::settle(Place& place) {
-  place.sums = summed(place.state);
-  place.minimum = false;
-  Eigen::VectorXd last_pull, last_step;
+void Refiner::Impl::settle(Descent& descent) {
+  descent.sums = summed(descent.state);
+  descent.converged = false;
+  Eigen::VectorXd last_full_step, last_step;
   double last_size = 0.0;
-  for (int k = 0; k < kMostSettling; ++k) {
-    const auto pull = step_of(place.sums, 0.0);
-    if (!pull || stopped()) return;
-    const double size = pull->dot(place.sums.fisher * *pull);
-    Eigen::VectorXd step = *pull;
+  for (int k = 0; k < kMaxSettleIterations; ++k) {
+    const auto full_step = step_of(descent.sums, 0.0);
+    if (!full_step || stopped()) return;
+    const double size = full_step->dot(descent.sums.fisher * *full_step);
+    Eigen::VectorXd step = *full_step;
     if (k > 0 && size < last_size) {
       // Anderson mixing of depth one: accelerates steps that shrink slowly.
-      const Eigen::VectorXd change = *pull - last_pull;
-      const Eigen::VectorXd weighted = place.sums.fisher * change;
-      const double back = std::clamp(weighted.dot(*pull) / weighted.dot(change), -kMostMixing, 0.0);
+      const Eigen::VectorXd change = *full_step - last_full_step;
+      const Eigen::VectorXd weighted = descent.sums.fisher * change;
+      const double back =
+          std::clamp(weighted.dot(*full_step) / weighted.dot(change), -kMaxMixing, 0.0);
       step -= back * (last_step + change);
     }
-    if (!(step.head(place.state.waves.size()).norm() < kMovedWaves)) return;
-    place.state = moved(place.state, step);
-    system.propagate(place.state);
-    place.sums = summed(place.state);
-    ++place.iterations;
-    place.minimum = size < kDone;
-    if (place.minimum) return;
-    last_pull = *pull;
+    if (!(step.head(descent.state.waves.size()).norm() < kMovedWaves)) return;
+    descent.state = moved(descent.state, step);
+    system.propagate(descent.state);
+    descent.sums = summed(descent.state);
+    ++descent.iterations;
+    descent.converged = size < kConverged;
+    if (descent.converged) return;
+    last_full_step = *full_step;
     last_step = step;
     last_size = size;
   }
 }
 
 Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
-  Place place;
-  place.state.waves = Eigen::Map<const Eigen::VectorXd>(start_waves.data(), start_waves.size());
-  if (options.spot_amplitudes) place.state.amplitudes.assign(system.field().subapertures(), 1.0);
-  system.doubt_outside(place.state);
-  system.match_light(place.state);
-  if (!(place.state.scale_e > 0.0)) {
+  Descent descent;
+  descent.state.waves = Eigen::Map<const Eigen::VectorXd>(start_waves.data(), start_waves.size());
+  if (options.spot_amplitudes) descent.state.amplitudes.assign(system.field().subapertures(), 1.0);
+  system.treat_outside_as_noise(descent.state);
+  system.fit_scale_and_background(descent.state);
+  if (!(descent.state.scale_e > 0.0)) {
     return fail(
         Errc::refused, "image",
         "no light where the model has it: start nearer to the truth, or check the exposure");
   }
-  for (int guess = 1;; ++guess) {
-    const Eigen::VectorXd before = place.state.waves;
-    descend(place);
-    if (!place.minimum) break;
-    if (guess == kMostGuesses || (place.state.waves - before).norm() < kMovedWaves) break;
-    system.doubt_outside(place.state);
+  for (int estimate = 1;; ++estimate) {
+    const Eigen::VectorXd before = descent.state.waves;
+    descend(descent);
+    if (!descent.converged) break;
+    if (estimate == kMaxStrayEstimates || (descent.state.waves - before).norm() < kMovedWaves)
+      break;
+    system.treat_outside_as_noise(descent.state);
   }
-  if (place.minimum && options.model_outside) {
-    Place modelled = place;
+  if (descent.converged && options.model_outside) {
+    Descent modelled = descent;
     system.model_outside();
     system.propagate(modelled.state);
     settle(modelled);
     const auto by_pixel = [](const RefineSums& s) { return s.deviance / double(s.pixels); };
-    if (modelled.minimum && by_pixel(modelled.sums) < by_pixel(place.sums)) return result(modelled);
-    place.iterations = modelled.iterations;
-    system.doubt_outside(place.state);
+    if (modelled.converged && by_pixel(modelled.sums) < by_pixel(descent.sums))
+      return result(modelled);
+    descent.iterations = modelled.iterations;
+    system.treat_outside_as_noise(descent.state);
   }
-  if (place.minimum) settle(place);
+  if (descent.converged) settle(descent);
   if (stopped()) return fail(Errc::refused, "image", "cancelled");
-  if (place.minimum) return result(place);
+  if (descent.converged) return result(descent);
   return fail(Errc::refused, "image",
-              "the fit did not converge in " + std::to_string(options.most_iterations) +
+              "the fit did not converge in " + std::to_string(options.max_iterations) +
                   " iterations: start nearer to the truth");
 }
 
-Refinement Refiner::Impl::result(const Place& place) const {
-  const Eigen::Index count = place.state.waves.size();
-  const Eigen::Index size = place.sums.fisher.rows();
-  const Eigen::LDLT<Eigen::MatrixXd> solver(place.sums.fisher);
+Refinement Refiner::Impl::result(const Descent& descent) const {
+  const Eigen::Index count = descent.state.waves.size();
+  const Eigen::Index size = descent.sums.fisher.rows();
+  const Eigen::LDLT<Eigen::MatrixXd> solver(descent.sums.fisher);
   Refinement r;
   r.covariance = solver.solve(Eigen::MatrixXd::Identity(size, size)).topLeftCorner(count, count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    r.modes.push_back({system.modes_j()[std::size_t(k)], place.state.waves(k)});
+    r.modes.push_back({system.modes_j()[std::size_t(k)], descent.state.waves(k)});
     r.sigma_waves.push_back(std::sqrt(r.covariance(k, k)));
   }
-  r.peak_e = place.state.scale_e * system.brightest();
-  r.background_e = place.state.background_e;
-  r.amplitudes = relative(place.state.amplitudes);
-  r.iterations = place.iterations;
-  r.pixels = int(place.sums.pixels);
-  r.chi2_per_pixel = place.sums.chi2 / double(std::max<Eigen::Index>(1, r.pixels - size));
+  r.peak_e = descent.state.scale_e * system.brightest();
+  r.background_e = descent.state.background_e;
+  r.amplitudes = relative(descent.state.amplitudes);
+  r.iterations = descent.iterations;
+  r.pixels = int(descent.sums.pixels);
+  r.chi2_per_pixel = descent.sums.chi2 / double(std::max<Eigen::Index>(1, r.pixels - size));
   return r;
 }
 

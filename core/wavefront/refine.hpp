@@ -31,7 +31,7 @@ struct RefineOptions {
   /// zeroth order. The model is kept if it explains the image better. Otherwise, or if false, stray
   /// light is treated as noise where it falls.
   bool model_outside = true;
-  int most_iterations = 30;  ///< of each Levenberg-Marquardt descent
+  int max_iterations = 30;  ///< of each Levenberg-Marquardt descent
   /// Cancellation: once true, a fit ends within one iteration with Errc::refused. Must outlive the
   /// Refiner; may be null.
   const std::atomic<bool>* stop = nullptr;

@@ -8,8 +8,8 @@
 namespace ovws {
 namespace {
 
-constexpr double kLeastVariance = 0.25;  // electrons^2: lower limit, so that no weight is unbounded
-constexpr int kAverage = 2;  // pixels to either side; the stray light's speckles are 2 wide
+constexpr double kMinVariance = 0.25;  // electrons^2: lower limit, so that no weight is unbounded
+constexpr int kAverageHalf = 2;  // pixels to either side; the stray light's speckles are 2 wide
 constexpr Eigen::Index kChunk = 256;  // rows summed in single precision
 
 PixelBox box_about(Vec2 at, int half, int cols, int rows) {
@@ -24,10 +24,10 @@ std::vector<float> averaged(const Image<float>& image) {
   const auto pass = [](const float* in, float* out, int count, std::ptrdiff_t stride) {
     for (int k = 0; k < count; ++k) {
       float sum = 0.0F;
-      for (int d = -kAverage; d <= kAverage; ++d) {
+      for (int d = -kAverageHalf; d <= kAverageHalf; ++d) {
         sum += in[std::clamp(k + d, 0, count - 1) * stride];
       }
-      out[k * stride] = sum / float(2 * kAverage + 1);
+      out[k * stride] = sum / float(2 * kAverageHalf + 1);
     }
   };
   std::vector<float> rows(image.pixels.size()), both(image.pixels.size());
@@ -47,11 +47,11 @@ RefineSystem::RefineSystem(SensorField field, std::vector<int> modes_j, int box_
       moments_(field_, modes_j),
       modes_j_(std::move(modes_j)),
       box_half_px_(box_half_px),
-      number_(field_.window().cols, field_.window().rows, -1) {}
+      index_(field_.window().cols, field_.window().rows, -1) {}
 
-void RefineSystem::see(const Image<float>& electrons, double read_noise_e) {
-  seen_ = electrons;
-  noise_variance_ = std::max(kLeastVariance, read_noise_e * read_noise_e);
+void RefineSystem::set_image(const Image<float>& electrons, double read_noise_e) {
+  image_ = electrons;
+  noise_variance_ = std::max(kMinVariance, read_noise_e * read_noise_e);
 }
 
 std::vector<Mode> RefineSystem::modes_of(const RefineState& state) const {
@@ -71,7 +71,7 @@ void RefineSystem::model_outside() {
   stray_.clear();
 }
 
-void RefineSystem::doubt_outside(const RefineState& state) {
+void RefineSystem::treat_outside_as_noise(const RefineState& state) {
   field_.set_outside(true);
   propagate(state);
   const Image<std::complex<float>> all = field_.far();
@@ -99,9 +99,9 @@ PixelBox RefineSystem::box_of(int piece, std::span<const Mode> modes) const {
   return box_about(moments_.falls_px(std::size_t(piece), modes), box_half_px_, w.cols, w.rows);
 }
 
-bool RefineSystem::counts(const PixelBox& box) const {
+bool RefineSystem::has_used_pixels(const PixelBox& box) const {
   for (int y = box.y; y < box.y + box.height; ++y) {
-    const int* row = number_.row(y) + box.x;
+    const int* row = index_.row(y) + box.x;
     if (std::any_of(row, row + box.width, [](int number) { return number >= 0; })) return true;
   }
   return false;
@@ -109,28 +109,29 @@ bool RefineSystem::counts(const PixelBox& box) const {
 
 void RefineSystem::choose_pixels(const RefineState& state) {
   const std::vector<Mode> modes = modes_of(state);
-  std::fill(number_.pixels.begin(), number_.pixels.end(), -1);
+  std::fill(index_.pixels.begin(), index_.pixels.end(), -1);
   for (int i = 0; i < field_.subapertures(); ++i) {
     const PixelBox box = box_of(i, modes);
     for (int y = box.y; y < box.y + box.height; ++y) {
-      std::fill_n(number_.row(y) + box.x, box.width, 0);
+      std::fill_n(index_.row(y) + box.x, box.width, 0);
     }
   }
   pixels_.clear();
-  for (std::size_t k = 0; k < number_.pixels.size(); ++k) {
-    if (number_.pixels[k] < 0) continue;
-    number_.pixels[k] = int(pixels_.size());
+  for (std::size_t k = 0; k < index_.pixels.size(); ++k) {
+    if (index_.pixels[k] < 0) continue;
+    index_.pixels[k] = int(pixels_.size());
     pixels_.push_back(k);
   }
 }
 
-void RefineSystem::match_light(RefineState& state) {
+void RefineSystem::fit_scale_and_background(RefineState& state) {
   choose_pixels(state);
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const std::size_t k : pixels_) {
-    const double light = double(std::norm(field_.far().pixels[k])), seen = double(seen_.pixels[k]);
-    if (std::isnan(seen)) continue;
-    n += 1.0, x += light, y += seen, xx += light * light, xy += light * seen;
+    const double light = double(std::norm(field_.far().pixels[k])),
+                 measured = double(image_.pixels[k]);
+    if (std::isnan(measured)) continue;
+    n += 1.0, x += light, y += measured, xx += light * light, xy += light * measured;
   }
   state.scale_e = (n * xy - x * y) / (n * xx - x * x);
   state.background_e = (y - state.scale_e * x) / n;
@@ -153,7 +154,7 @@ void RefineSystem::add_piece(const RefineState& state, int piece, const PixelBox
   piece_modes_.noalias() = piece_ * moments_.modes_over(piece).transpose();
   const bool own = piece < int(state.amplitudes.size());
   for (int y = 0; y < box.height; ++y) {
-    const int* number = number_.row(box.y + y) + box.x;
+    const int* number = index_.row(box.y + y) + box.x;
     const std::complex<float>* far = field_.far().row(box.y + y) + box.x;
     for (int x = 0; x < box.width; ++x) {
       if (number[x] < 0) continue;
@@ -174,7 +175,7 @@ void RefineSystem::fill_columns(const RefineState& state) {
   const int last = field_.outside() ? int(field_.pieces().size()) : field_.subapertures();
   for (int piece = 0; piece < last; ++piece) {
     const PixelBox box = box_of(piece, modes);
-    if (!counts(box)) continue;
+    if (!has_used_pixels(box)) continue;
     moments_.load(field_, modes, {&piece, 1});
     add_piece(state, piece, box);
   }
@@ -195,11 +196,11 @@ RefineSums RefineSystem::linearise(const RefineState& state) {
   for (std::size_t p = 0; p < pixels_.size(); ++p) {
     const std::size_t k = pixels_[p];
     const Expected e = expected(state, k);
-    const double seen = double(seen_.pixels[k]);
-    const bool counts = !std::isnan(seen);
-    weights_[p] = counts ? float(1.0 / std::sqrt(e.variance)) : 0.0F;
-    residual(p) = counts ? weights_[p] * float(seen - e.light) : 0.0F;
-    if (!counts) continue;
+    const double measured = double(image_.pixels[k]);
+    const bool used = !std::isnan(measured);
+    weights_[p] = used ? float(1.0 / std::sqrt(e.variance)) : 0.0F;
+    residual(p) = used ? weights_[p] * float(measured - e.light) : 0.0F;
+    if (!used) continue;
     sums.chi2 += double(residual(p)) * double(residual(p));
     sums.deviance += double(residual(p)) * double(residual(p)) + std::log(e.variance);
     ++sums.pixels;
@@ -210,17 +211,18 @@ RefineSums RefineSystem::linearise(const RefineState& state) {
     const Eigen::Map<const Eigen::VectorXf> root(weights_.data() + from, count);
     chunk = root.asDiagonal() * columns_.middleRows(from, count);
     const Eigen::MatrixXf squares = chunk.transpose() * chunk;
-    const Eigen::VectorXf pulls = chunk.transpose() * residual.segment(from, count);
+    const Eigen::VectorXf gradient = chunk.transpose() * residual.segment(from, count);
     sums.fisher += squares.cast<double>();
-    sums.gradient += pulls.cast<double>();
+    sums.gradient += gradient.cast<double>();
   }
   return sums;
 }
 
 double RefineSystem::brightest() const {
-  float most = 0.0F;
-  for (const std::size_t k : pixels_) most = std::max(most, std::norm(field_.far().pixels[k]));
-  return double(most);
+  float brightest_value = 0.0F;
+  for (const std::size_t k : pixels_)
+    brightest_value = std::max(brightest_value, std::norm(field_.far().pixels[k]));
+  return double(brightest_value);
 }
 
 double RefineSystem::misfit(const RefineState& state) const {
@@ -228,7 +230,7 @@ double RefineSystem::misfit(const RefineState& state) const {
   for (std::size_t p = 0; p < pixels_.size(); ++p) {
     if (weights_[p] == 0.0F) continue;
     const std::size_t k = pixels_[p];
-    const double off = double(weights_[p]) * (double(seen_.pixels[k]) - expected(state, k).light);
+    const double off = double(weights_[p]) * (double(image_.pixels[k]) - expected(state, k).light);
     sum += off * off;
   }
   return sum;

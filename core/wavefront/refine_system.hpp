@@ -45,15 +45,15 @@ class RefineSystem {
   void model_outside();
   /// Treats the stray light as noise: coherent light of unknown phase and of its intensity at
   /// `state`, averaged over 5 x 5 pixels. Propagates `state` without it.
-  void doubt_outside(const RefineState& state);
+  void treat_outside_as_noise(const RefineState& state);
   /// Sets the measured image: electrons above the black level, of the window's size; NaN is
   /// ignored.
-  void see(const Image<float>& electrons, double read_noise_e);
+  void set_image(const Image<float>& electrons, double read_noise_e);
 
   /// Computes the far field of `state`, which all methods below use. About 50 ms.
   void propagate(const RefineState& state);
   /// Selects the pixels, and fits scale and background to them by unweighted least squares.
-  void match_light(RefineState& state);
+  void fit_scale_and_background(RefineState& state);
   /// Selects pixels and weights again and sums the normal equations. About 50 ms.
   RefineSums linearise(const RefineState& state);
   /// |F|^2 of the brightest pixel in use.
@@ -75,17 +75,17 @@ class RefineSystem {
   void fill_columns(const RefineState& state);
   void add_piece(const RefineState& state, int piece, const PixelBox& box);
   PixelBox box_of(int piece, std::span<const Mode> modes) const;
-  bool counts(const PixelBox& box) const;
+  bool has_used_pixels(const PixelBox& box) const;
   std::vector<Mode> modes_of(const RefineState& state) const;
 
   SensorField field_;
   PieceMoments moments_;
   std::vector<int> modes_j_;
   int box_half_px_;
-  Image<float> seen_;
+  Image<float> image_;
   double noise_variance_ = 1.0;
   std::vector<float> stray_;  ///< |F|^2 of the stray light if it is treated as noise, else empty
-  Image<int> number_;         ///< index of a pixel in pixels_, or -1
+  Image<int> index_;          ///< index of a pixel in pixels_, or -1
   std::vector<std::size_t> pixels_;
   std::vector<float> weights_;  ///< square roots of the weights
   Rows columns_;                ///< Jacobian: d intensity / d parameter

@@ -8,10 +8,10 @@
 namespace ovws {
 namespace {
 
-constexpr int kFewestSights = 4;
-constexpr double kMostCondition = 100.0;  // condition number of the offsets: infinite for a line
-constexpr double kStandsOut = 8.0;  // times the robust standard deviation of all smoothed pixels
-constexpr double kSpreadOfMedian = 1.4826;
+constexpr int kMinSights = 4;
+constexpr double kMaxCondition = 100.0;   // condition number of the offsets: infinite for a line
+constexpr double kMinSignificance = 8.0;  // times the robust spread of all smoothed pixels
+constexpr double kSigmaPerMedianDeviation = 1.4826;
 constexpr double kFullScale = 60000.0;
 
 /// Box filter: sums over squares of side 2 half + 1, by a summed-area table.
@@ -74,7 +74,7 @@ Registration rebased(const Registration& registration, Vec2 base_cpp) {
 
 Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
   const auto n = Eigen::Index(sights.size());
-  if (n < kFewestSights) {
+  if (n < kMinSights) {
     return fail(Errc::refused, "",
                 "the spot was found for only " + std::to_string(n) +
                     " slopes, 4 are needed: check the exposure, and that the region of interest "
@@ -90,7 +90,7 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
     b.row(i) << s.at_px.x, s.at_px.y;
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (!(svd.singularValues()[0] < kMostCondition * svd.singularValues()[2])) {
+  if (!(svd.singularValues()[0] < kMaxCondition * svd.singularValues()[2])) {
     return fail(
         Errc::refused, "",
         "the spot was found on one line only, which does not determine the map: enlarge the "
@@ -119,26 +119,26 @@ std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
   const auto brightest = std::max_element(smoothed.pixels.begin(), smoothed.pixels.end());
   const int at = int(brightest - smoothed.pixels.begin());
   const float middle = median_of(smoothed.pixels);
-  std::vector<float> away;
-  for (const float value : smoothed.pixels) away.push_back(std::abs(value - middle));
-  const double spread = kSpreadOfMedian * double(median_of(std::move(away)));
-  if (!(double(*brightest - middle) > kStandsOut * spread)) return std::nullopt;
+  std::vector<float> deviations;
+  for (const float value : smoothed.pixels) deviations.push_back(std::abs(value - middle));
+  const double spread = kSigmaPerMedianDeviation * double(median_of(std::move(deviations)));
+  if (!(double(*brightest - middle) > kMinSignificance * spread)) return std::nullopt;
   return middle_of_peak(smoothed, at % light.width, at / light.width, 2 * half, middle);
 }
 
 std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px) {
   // Trackers read integer pixels: scale to 16 bit.
-  float least = 0.0F, most = 0.0F;
+  float darkest = 0.0F, brightest = 0.0F;
   for (const float value : light.pixels) {
     if (!std::isfinite(value)) continue;
-    least = std::min(least, value);
-    most = std::max(most, value);
+    darkest = std::min(darkest, value);
+    brightest = std::max(brightest, value);
   }
-  const float per_dn = float(kFullScale) / std::max(most - least, 1e-6F);
+  const float per_dn = float(kFullScale) / std::max(brightest - darkest, 1e-6F);
   Image<std::uint16_t> whole(light.width, light.height);
   for (std::size_t k = 0; k < light.pixels.size(); ++k) {
-    const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : most;
-    whole.pixels[k] = std::uint16_t(std::lround((value - least) * per_dn));
+    const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : brightest;
+    whole.pixels[k] = std::uint16_t(std::lround((value - darkest) * per_dn));
   }
   const auto tracker = make_tracker({TrackerKind::matched}, spots);
   if (!tracker) return std::nullopt;

@@ -11,18 +11,18 @@
 namespace ovws {
 namespace {
 
-constexpr int kMostRounds = 14;   // alternations of modes and spots
-constexpr int kStrictRounds = 7;  // at most, with strict acceptance
-constexpr double kSeen = 0.05;    // of a spot's maximum: darker bins are ignored
-constexpr int kFewestCells = 12;
-constexpr double kLeastSignificance = 5.0;
-constexpr double kMostAmplitude = 1.8;  // of the usual amplitude
-constexpr double kPlaceError = 0.05;    // lambda/d: standard error of a start
-constexpr double kShapeError = 0.15;    // of the amplitude: error of a bin due to interference
-constexpr double kSettled = 0.02;       // waves RMS: a smaller step has converged
-constexpr double kAsideError = 0.1;     // lambda/d: standard error of the wavefront's prediction
-constexpr double kOwnWaves = 0.05;      // waves: standard deviation of a spot's other local modes
-constexpr double kLongestStep = 0.3;    // waves per round
+constexpr int kMaxRounds = 14;          // alternations of modes and spots
+constexpr int kMaxStrictRounds = 7;     // at most, with strict acceptance
+constexpr double kMinIntensity = 0.05;  // of a spot's maximum: darker bins are ignored
+constexpr int kMinBins = 12;
+constexpr double kMinSignificance = 5.0;
+constexpr double kMaxAmplitude = 1.8;     // of the usual amplitude
+constexpr double kStartError = 0.05;      // lambda/d: standard error of a start
+constexpr double kShapeError = 0.15;      // of the amplitude: error of a bin due to interference
+constexpr double kConverged = 0.02;       // waves RMS: a smaller step has converged
+constexpr double kPredictionError = 0.1;  // lambda/d: standard error of the wavefront's prediction
+constexpr double kLocalWaves = 0.05;      // waves: standard deviation of a spot's other local modes
+constexpr double kMaxStep = 0.3;          // waves per round
 constexpr std::size_t kNeighbours = 7;
 
 /// Prior standard deviation of a mode, waves. It regularises a wavefront of which only the middle
@@ -44,7 +44,7 @@ double vertex(double before, double at, double after) {
   return bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
 }
 
-bool known(Vec2 at) {
+bool is_known(Vec2 at) {
   return !std::isnan(at.x);
 }
 
@@ -55,51 +55,51 @@ ShapeFit::ShapeFit(const ShapeModel& model, const CellImage& image)
       image_(image),
       waves_(Eigen::VectorXd::Zero(model.slopes.cols())),
       spots_(model.reference_px.size()),
-      laid_(spots_.size()) {}
+      rendered_(spots_.size()) {}
 
 int ShapeFit::run(std::span<const Vec2> starts_px) {
-  if (std::none_of(starts_px.begin(), starts_px.end(), known)) return 0;
-  modes_from_places(starts_px);
+  if (std::none_of(starts_px.begin(), starts_px.end(), is_known)) return 0;
+  fit_modes_to_positions(starts_px);
   for (std::size_t i = 0; i < spots_.size(); ++i) {
-    laid_[i] = {};
-    spots_[i] = {known(starts_px[i]), starts_px[i]};
-    lay(int(i));
+    rendered_[i] = {};
+    spots_[i] = {is_known(starts_px[i]), starts_px[i]};
+    render(int(i));
     if (!spots_[i].found) continue;
     spots_[i].amplitude = match(int(i), 0, 0).amplitude;
   }
-  look({0.8, 0.5, 0.4, 1.0});
+  update_spots({0.8, 0.5, 0.4, 1.0});
   int found = 0;
   bool strict = true;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const double step_waves = modes_from_shapes();
-    look(strict ? Rules{0.8, 0.4, 0.6, 0.8} : Rules{0.8, 0.8, 0.6, 0.5});
-    const int before = found;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double step_waves = fit_modes_to_shapes();
+    update_spots(strict ? Rules{0.8, 0.4, 0.6, 0.8} : Rules{0.8, 0.8, 0.6, 0.5});
+    const int previously_found = found;
     found = int(std::count_if(spots_.begin(), spots_.end(), [](const auto& s) { return s.found; }));
-    const bool at_rest = step_waves < kSettled && found <= before;
-    if (!strict && (at_rest || (step_waves < kSettled && found == int(spots_.size())))) break;
-    strict = strict && !at_rest && round < kStrictRounds;
+    const bool at_rest = step_waves < kConverged && found <= previously_found;
+    if (!strict && (at_rest || (step_waves < kConverged && found == int(spots_.size())))) break;
+    strict = strict && !at_rest && round < kMaxStrictRounds;
   }
-  place();
+  refine_positions();
   return found;
 }
 
 /// Final positions: each spot's local modes may differ only a little from the common wavefront, so
 /// that noise cannot move a long, faint spot far along itself.
-void ShapeFit::place() {
+void ShapeFit::refine_positions() {
   const double tilt =
-      kAsideError * model_.lambda_d_px / model_.cell_px() / model_.optics.cells_per_tilt();
+      kPredictionError * model_.lambda_d_px / model_.bin_px() / model_.optics.cells_per_tilt();
   Eigen::Matrix<double, SpotOptics::kLocal, 1> weights;
-  weights.setConstant(std::pow(kOwnWaves, -2));
+  weights.setConstant(std::pow(kLocalWaves, -2));
   weights.head<2>().setConstant(std::pow(tilt, -2));
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     if (!spots_[i].found) continue;
     add(int(i), -1.0);
-    const Information told = information(int(i));
+    const Information info = information(int(i));
     add(int(i), 1.0);
-    const Local normal = told.matrix + Local(weights.asDiagonal());
-    const auto own = normal.ldlt().solve(told.pull).eval();
-    const Vec2 aside{own(1), own(0)};
-    spots_[i].at_px = image_.to_px(middle_cells(int(i)) + model_.optics.cells_per_tilt() * aside);
+    const Local normal = info.matrix + Local(weights.asDiagonal());
+    const auto own = normal.ldlt().solve(info.gradient).eval();
+    const Vec2 offset{own(1), own(0)};
+    spots_[i].at_px = image_.to_px(predicted_bin(int(i)) + model_.optics.cells_per_tilt() * offset);
   }
 }
 
@@ -111,12 +111,12 @@ Eigen::VectorXd ShapeFit::prior_weights() const {
   return weights;
 }
 
-void ShapeFit::modes_from_places(std::span<const Vec2> starts_px) {
+void ShapeFit::fit_modes_to_positions(std::span<const Vec2> starts_px) {
   Eigen::MatrixXd normal = prior_weights().asDiagonal();
   Eigen::VectorXd right_side = Eigen::VectorXd::Zero(waves_.size());
-  const double weight = std::pow(kPlaceError * model_.lambda_d_px, -2);
+  const double weight = std::pow(kStartError * model_.lambda_d_px, -2);
   for (std::size_t i = 0; i < starts_px.size(); ++i) {
-    if (!known(starts_px[i])) continue;
+    if (!is_known(starts_px[i])) continue;
     const Vec2 moved = starts_px[i] - model_.reference_px[i];
     const auto rows = model_.slopes.middleRows(Eigen::Index(2 * i), 2);
     normal += weight * rows.transpose() * rows;
@@ -125,19 +125,19 @@ void ShapeFit::modes_from_places(std::span<const Vec2> starts_px) {
   waves_ = normal.ldlt().solve(right_side);
 }
 
-Vec2 ShapeFit::middle_cells(int spot) const {
+Vec2 ShapeFit::predicted_bin(int spot) const {
   const Eigen::Vector2d moved = model_.slopes.middleRows(2 * Eigen::Index(spot), 2) * waves_;
   return image_.to_cells(model_.reference_px[std::size_t(spot)] + Vec2{moved.x(), moved.y()});
 }
 
-void ShapeFit::lay(int spot) {
-  Laid& laid = laid_[std::size_t(spot)];
-  const Vec2 at = middle_cells(spot) + laid.aside;
+void ShapeFit::render(int spot) {
+  Rendered& rendered = rendered_[std::size_t(spot)];
+  const Vec2 at = predicted_bin(spot) + rendered.offset;
   const double column = std::round(at.x), row = std::round(at.y);
   const int half = model_.optics.half_cells();
-  laid.light = model_.optics.light(spot, waves_, {at.x - column, at.y - row});
-  laid.column = int(column) - half;
-  laid.row = int(row) - half;
+  rendered.light = model_.optics.light(spot, waves_, {at.x - column, at.y - row});
+  rendered.column = int(column) - half;
+  rendered.row = int(row) - half;
 }
 
 /// Calls `cell(y, x, intensity)` for the bins of a computed spot that lie inside the image.
@@ -154,24 +154,24 @@ void each_cell(const Eigen::MatrixXf& picture, int row, int column, Eigen::Index
 }
 
 void ShapeFit::add(int spot, double sign) {
-  const Laid& laid = laid_[std::size_t(spot)];
+  const Rendered& rendered = rendered_[std::size_t(spot)];
   const auto amplitude = float(sign * spots_[std::size_t(spot)].amplitude);
-  each_cell(laid.light, laid.row, laid.column, others_.rows(), others_.cols(),
+  each_cell(rendered.light, rendered.row, rendered.column, others_.rows(), others_.cols(),
             [&](int y, int x, float light) { others_(y, x) += amplitude * light; });
 }
 
 ShapeFit::Match ShapeFit::match(int spot, int right, int down) const {
-  const Laid& laid = laid_[std::size_t(spot)];
-  const float least = float(kSeen) * laid.light.maxCoeff();
+  const Rendered& rendered = rendered_[std::size_t(spot)];
+  const float threshold = float(kMinIntensity) * rendered.light.maxCoeff();
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  each_cell(laid.light, laid.row + down, laid.column + right, image_.light.rows(),
+  each_cell(rendered.light, rendered.row + down, rendered.column + right, image_.light.rows(),
             image_.light.cols(), [&](int row, int column, float light) {
-              if (light < least) return;
+              if (light < threshold) return;
               const float over = others_.size() > 0 ? others_(row, column) : 0.0F;
               const auto t = double(light), v = double(image_.light(row, column) - over);
               n += 1.0, x += t, y += v, xx += t * t, xy += t * v, yy += v * v;
             });
-  if (n < kFewestCells) return {};
+  if (n < kMinBins) return {};
   const double txx = xx - x * x / n, txy = xy - x * y / n, tyy = yy - y * y / n;
   Match m;
   m.amplitude = txy / txx;
@@ -201,20 +201,20 @@ double ShapeFit::usual_amplitude(int spot) const {
 
 bool ShapeFit::accepted(int spot, const Match& match, const Rules& rules) const {
   const double usual = usual_amplitude(spot);
-  return match.significance > kLeastSignificance && match.unexplained < rules.most_unexplained &&
-         match.amplitude > rules.least_amplitude * usual &&
-         match.amplitude < kMostAmplitude * usual &&
-         norm(laid_[std::size_t(spot)].aside) * model_.cell_px() <
-             rules.most_aside * model_.lambda_d_px;
+  return match.significance > kMinSignificance && match.unexplained < rules.max_unexplained &&
+         match.amplitude > rules.min_amplitude * usual && match.amplitude < kMaxAmplitude * usual &&
+         norm(rendered_[std::size_t(spot)].offset) * model_.bin_px() <
+             rules.max_offset * model_.lambda_d_px;
 }
 
-void ShapeFit::seek(int spot, const Rules& rules) {
-  constexpr double kFollow = 0.4;  // lambda/d: search radius around a found spot
+void ShapeFit::search(int spot, const Rules& rules) {
+  constexpr double kFollowRadius = 0.4;  // lambda/d: search radius around a found spot
   ShapedSpot& s = spots_[std::size_t(spot)];
-  Laid& laid = laid_[std::size_t(spot)];
-  const double reach = (s.found ? kFollow : rules.reach) * model_.lambda_d_px / model_.cell_px();
-  laid.aside = {};
-  lay(spot);
+  Rendered& rendered = rendered_[std::size_t(spot)];
+  const double reach =
+      (s.found ? kFollowRadius : rules.reach) * model_.lambda_d_px / model_.bin_px();
+  rendered.offset = {};
+  render(spot);
   Match best;
   int right = 0, down = 0;
   for (int dy = -int(reach); dy <= int(reach); ++dy) {
@@ -228,26 +228,27 @@ void ShapeFit::seek(int spot, const Rules& rules) {
   const auto explained = [&](int dx, int dy) {
     return match(spot, right + dx, down + dy).explained;
   };
-  laid.aside = {right + vertex(explained(-1, 0), best.explained, explained(1, 0)),
-                down + vertex(explained(0, -1), best.explained, explained(0, 1))};
-  lay(spot);
+  rendered.offset = {right + vertex(explained(-1, 0), best.explained, explained(1, 0)),
+                     down + vertex(explained(0, -1), best.explained, explained(0, 1))};
+  render(spot);
   best = match(spot, 0, 0);
   const bool found = accepted(spot, best, rules);
-  if (!found) laid.aside = {};
-  s = {found, image_.to_px(middle_cells(spot) + laid.aside), best.amplitude, best.unexplained};
+  if (!found) rendered.offset = {};
+  s = {found, image_.to_px(predicted_bin(spot) + rendered.offset), best.amplitude,
+       best.unexplained};
 }
 
-void ShapeFit::look(const Rules& rules) {
+void ShapeFit::update_spots(const Rules& rules) {
   others_.setZero(image_.light.rows(), image_.light.cols());
   for (std::size_t i = 0; i < spots_.size(); ++i) {
-    laid_[i].aside =
-        spots_[i].found ? image_.to_cells(spots_[i].at_px) - middle_cells(int(i)) : Vec2{};
-    lay(int(i));
+    rendered_[i].offset =
+        spots_[i].found ? image_.to_cells(spots_[i].at_px) - predicted_bin(int(i)) : Vec2{};
+    render(int(i));
     if (spots_[i].found) add(int(i), 1.0);
   }
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     if (spots_[i].found) add(int(i), -1.0);
-    seek(int(i), rules);
+    search(int(i), rules);
     if (spots_[i].found) add(int(i), 1.0);
   }
 }
@@ -256,20 +257,20 @@ void ShapeFit::look(const Rules& rules) {
 /// background. The last two are eliminated (Schur complement).
 ShapeFit::Information ShapeFit::information(int spot) const {
   constexpr int kLocal = SpotOptics::kLocal, kAll = kLocal + 2;
-  const Laid& laid = laid_[std::size_t(spot)];
-  const Vec2 at = middle_cells(spot) + laid.aside;
+  const Rendered& rendered = rendered_[std::size_t(spot)];
+  const Vec2 at = predicted_bin(spot) + rendered.offset;
   const auto derived =
       model_.optics.derive(spot, waves_, {at.x - std::round(at.x), at.y - std::round(at.y)});
   const double amplitude = spots_[std::size_t(spot)].amplitude;
-  const float least = float(kSeen) * derived.light.maxCoeff();
+  const float threshold = float(kMinIntensity) * derived.light.maxCoeff();
   const double variance = std::pow(image_.noise, 2) + std::pow(kShapeError * amplitude, 2);
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(kAll, kAll);
-  Eigen::VectorXd pull = Eigen::VectorXd::Zero(kAll), row(kAll);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kAll), row(kAll);
   const int side = 2 * model_.optics.half_cells() + 1;
   for (int c = 0; c < side; ++c) {
     for (int r = 0; r < side; ++r) {
-      const int y = laid.row + r, x = laid.column + c;
-      if (derived.light(r, c) < least || y < 0 || x < 0 || y >= image_.light.rows() ||
+      const int y = rendered.row + r, x = rendered.column + c;
+      if (derived.light(r, c) < threshold || y < 0 || x < 0 || y >= image_.light.rows() ||
           x >= image_.light.cols()) {
         continue;
       }
@@ -278,41 +279,41 @@ ShapeFit::Information ShapeFit::information(int spot) const {
       row(kLocal + 1) = 1.0;
       const double off = double(image_.light(y, x) - others_(y, x)) - amplitude * row(kLocal);
       all.selfadjointView<Eigen::Lower>().rankUpdate(row, 1.0 / variance);
-      pull += off / variance * row;
+      gradient += off / variance * row;
     }
   }
   all = Eigen::MatrixXd(all.selfadjointView<Eigen::Lower>());
   const Eigen::MatrixXd cross =
       all.topRightCorner(kLocal, 2) * all.bottomRightCorner<2, 2>().inverse();
-  Information told{Local::Zero(), Eigen::Matrix<double, kLocal, 1>::Zero()};
-  if (!cross.allFinite()) return told;
-  told.matrix = all.topLeftCorner(kLocal, kLocal) - cross * all.bottomLeftCorner(2, kLocal);
-  told.pull = pull.head(kLocal) - cross * pull.tail(2);
-  told.pull += told.matrix.leftCols<2>() * tilts_aside(spot);
-  return told;
+  Information info{Local::Zero(), Eigen::Matrix<double, kLocal, 1>::Zero()};
+  if (!cross.allFinite()) return info;
+  info.matrix = all.topLeftCorner(kLocal, kLocal) - cross * all.bottomLeftCorner(2, kLocal);
+  info.gradient = gradient.head(kLocal) - cross * gradient.tail(2);
+  info.gradient += info.matrix.leftCols<2>() * offset_tilts(spot);
+  return info;
 }
 
 /// The spot's offset from the wavefront's prediction as local tilts, waves: y, then x (j = 1, 2).
-Eigen::Vector2d ShapeFit::tilts_aside(int spot) const {
-  const Vec2 aside = laid_[std::size_t(spot)].aside;
-  return Eigen::Vector2d(aside.y, aside.x) / model_.optics.cells_per_tilt();
+Eigen::Vector2d ShapeFit::offset_tilts(int spot) const {
+  const Vec2 offset = rendered_[std::size_t(spot)].offset;
+  return Eigen::Vector2d(offset.y, offset.x) / model_.optics.cells_per_tilt();
 }
 
-double ShapeFit::modes_from_shapes() {
+double ShapeFit::fit_modes_to_shapes() {
   Eigen::MatrixXd normal = prior_weights().asDiagonal();
   Eigen::VectorXd right_side = Eigen::VectorXd::Zero(waves_.size());
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     if (!spots_[i].found) continue;
     add(int(i), -1.0);
-    const Information told = information(int(i));
+    const Information info = information(int(i));
     add(int(i), 1.0);
     const Eigen::MatrixXd& local = model_.optics.local_modes(int(i));
-    normal += local.transpose() * told.matrix * local;
-    right_side += local.transpose() * (told.pull + told.matrix * local * waves_);
+    normal += local.transpose() * info.matrix * local;
+    right_side += local.transpose() * (info.gradient + info.matrix * local * waves_);
   }
   const Eigen::VectorXd step = normal.ldlt().solve(right_side) - waves_;
   if (!step.allFinite()) return 0.0;
-  waves_ += std::min(1.0, kLongestStep / std::max(1e-12, step.norm())) * step;
+  waves_ += std::min(1.0, kMaxStep / std::max(1e-12, step.norm())) * step;
   return step.norm();
 }
 

@@ -14,14 +14,14 @@ namespace ovws {
 
 /// The sensor model, which does not depend on the image.
 struct ShapeModel {
-  SpotOptics optics;  ///< its images have bins of cell_px() camera pixels
+  SpotOptics optics;  ///< its images have bins of bin_px() camera pixels
   PixelLattice lit;   ///< the colour plane that is binned
   int bin = 1;        ///< pixels of the plane per side of a bin
   double lambda_d_px = 12.55;
   Eigen::MatrixXd slopes;  ///< as of slope_matrix, for the modes of `optics`
   std::vector<Vec2> reference_px;
 
-  double cell_px() const { return double(bin) * lit.step; }
+  double bin_px() const { return double(bin) * lit.step; }
 };
 
 /// One spot in one image.
@@ -54,10 +54,10 @@ class ShapeFit {
 
  private:
   /// A spot's computed image, aligned with the bins of the camera's image.
-  struct Laid {
+  struct Rendered {
     SpotOptics::Picture light;
     int row = 0, column = 0;  ///< of its first bin
-    Vec2 aside;               ///< bins, from where the wavefront puts it
+    Vec2 offset;              ///< bins, from where the wavefront puts it
   };
   struct Match {
     double amplitude = 0.0, explained = 0.0, unexplained = 1.0, significance = 0.0;
@@ -66,32 +66,32 @@ class ShapeFit {
   /// Normal equations of one spot's local modes, relative to those of the wavefront.
   struct Information {
     Local matrix;
-    Eigen::Matrix<double, SpotOptics::kLocal, 1> pull;
+    Eigen::Matrix<double, SpotOptics::kLocal, 1> gradient;
   };
   struct Rules {
-    double reach, most_unexplained, least_amplitude, most_aside;
+    double reach, max_unexplained, min_amplitude, max_offset;
   };
 
   Eigen::VectorXd prior_weights() const;
-  void modes_from_places(std::span<const Vec2> starts_px);
-  double modes_from_shapes();  ///< returns the length of the step, waves RMS
-  Vec2 middle_cells(int spot) const;
-  void lay(int spot);
+  void fit_modes_to_positions(std::span<const Vec2> starts_px);
+  double fit_modes_to_shapes();  ///< returns the length of the step, waves RMS
+  Vec2 predicted_bin(int spot) const;
+  void render(int spot);
   void add(int spot, double sign);
   Match match(int spot, int right, int down) const;
-  void seek(int spot, const Rules& rules);
+  void search(int spot, const Rules& rules);
   bool accepted(int spot, const Match& match, const Rules& rules) const;
   double usual_amplitude(int spot) const;
-  void look(const Rules& rules);
+  void update_spots(const Rules& rules);
   Information information(int spot) const;
-  Eigen::Vector2d tilts_aside(int spot) const;
-  void place();
+  Eigen::Vector2d offset_tilts(int spot) const;
+  void refine_positions();
 
   const ShapeModel& model_;
   const CellImage& image_;
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> spots_;
-  std::vector<Laid> laid_;
+  std::vector<Rendered> rendered_;
   Eigen::MatrixXf others_;  ///< computed intensity of all found spots
 };
 

@@ -8,27 +8,27 @@
 namespace ovws {
 namespace {
 
-constexpr double kCellsPerLambdaD = 49.0;  // as fine as the shifts of a TemplateBank
+constexpr double kBinsPerLambdaD = 49.0;  // as fine as the shifts of a TemplateBank
 
-int cells_per_px(const SpotModel& spots) {
-  return std::max(1, int(std::ceil(kCellsPerLambdaD / spots.lambda_d_px)));
+int bins_per_px(const SpotModel& spots) {
+  return std::max(1, int(std::ceil(kBinsPerLambdaD / spots.lambda_d_px)));
 }
 
 /// A spot's image from SpotOptics, interpolated bilinearly, with its brightest bin made 1.
-class PictureShape final : public SpotShape {
+class RenderedShape final : public SpotShape {
  public:
-  PictureShape(SpotOptics::Picture picture, double cells_per_px)
-      : picture_(std::move(picture)), cells_per_px_(cells_per_px) {
+  RenderedShape(SpotOptics::Picture picture, double bins_per_px)
+      : picture_(std::move(picture)), bins_per_px_(bins_per_px) {
     picture_ /= picture_.maxCoeff();
   }
 
   ShapeSample at(Vec2 from_centre) const override {
     const double middle = 0.5 * double(picture_.rows() - 1);
-    const double x = middle + cells_per_px_ * from_centre.x;
-    const double y = middle + cells_per_px_ * from_centre.y;
+    const double x = middle + bins_per_px_ * from_centre.x;
+    const double y = middle + bins_per_px_ * from_centre.y;
     // Central differences over two bins err by less than 1 % at 49 bins per lambda/d.
-    return {value(x, y), 0.5 * cells_per_px_ * (value(x + 1.0, y) - value(x - 1.0, y)),
-            0.5 * cells_per_px_ * (value(x, y + 1.0) - value(x, y - 1.0))};
+    return {value(x, y), 0.5 * bins_per_px_ * (value(x + 1.0, y) - value(x - 1.0, y)),
+            0.5 * bins_per_px_ * (value(x, y + 1.0) - value(x, y - 1.0))};
   }
 
  private:
@@ -45,7 +45,7 @@ class PictureShape final : public SpotShape {
   }
 
   SpotOptics::Picture picture_;
-  double cells_per_px_;
+  double bins_per_px_;
 };
 
 }  // namespace
@@ -53,7 +53,7 @@ class PictureShape final : public SpotShape {
 SpotOptics template_optics(const Lattice& lattice, const SensorConfig& sensor,
                            const std::vector<int>& modes_j, const PxPerCycle& px_per_cycle,
                            const SpotModel& spots) {
-  const int cells = cells_per_px(spots);
+  const int cells = bins_per_px(spots);
   const double reach_px = matched_window(spots.charge) * spots.lambda_d_px + 3.0;
   return {lattice, sensor, modes_j, px_per_cycle / (1.0 / cells), int(std::ceil(reach_px * cells))};
 }
@@ -65,7 +65,7 @@ std::vector<std::shared_ptr<const TemplateBank>> shape_templates(const SpotOptic
   std::vector<std::shared_ptr<const TemplateBank>> templates(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i]) continue;
-    const PictureShape shape(optics.light(int(i), waves, {}), cells_per_px(spots));
+    const RenderedShape shape(optics.light(int(i), waves, {}), bins_per_px(spots));
     auto bank = std::make_shared<TemplateBank>(spots, shape);
     if (bank->regular()) templates[i] = std::move(bank);
   }

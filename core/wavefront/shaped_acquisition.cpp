@@ -9,13 +9,13 @@
 namespace ovws {
 namespace {
 
-constexpr double kCellsPerLambdaD = 6.0;
-constexpr double kPictureHalf = 3.0;  // lambda/d: extent of a split spot
-constexpr float kSure = 0.6F;         // quality: below, the fix may be one half of a split spot
-constexpr double kSame = 0.25;        // lambda/d
+constexpr double kBinsPerLambdaD = 6.0;
+constexpr double kSpotHalf = 3.0;       // lambda/d: extent of a split spot
+constexpr float kMinConfidence = 0.6F;  // quality: below, the fix may be one half of a split spot
+constexpr double kAgree = 0.25;         // lambda/d
 
-constexpr double kNear = 0.6;      // of the pitch: largest shift of a start from few spots
-constexpr double kFewSpots = 0.3;  // of the lattice: enough spots for such a start
+constexpr double kMaxStartShift = 0.6;  // of the pitch: largest shift of a start from few spots
+constexpr double kMinStartShare = 0.3;  // of the lattice: enough spots for such a start
 constexpr Vec2 kNowhere{std::numeric_limits<double>::quiet_NaN(),
                         std::numeric_limits<double>::quiet_NaN()};
 
@@ -33,10 +33,10 @@ ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const Sp
                     const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px) {
   const PixelLattice& lit = spots.lit.lattice;
-  const int bin = std::max(1, int(spots.on_lattice().lambda_d_px / kCellsPerLambdaD));
-  const int cell_px = bin * lit.step;
-  const int half = int(std::ceil(kPictureHalf * spots.lambda_d_px / cell_px));
-  return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / cell_px, half),
+  const int bin = std::max(1, int(spots.on_lattice().lambda_d_px / kBinsPerLambdaD));
+  const int bin_px = bin * lit.step;
+  const int half = int(std::ceil(kSpotHalf * spots.lambda_d_px / bin_px));
+  return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / bin_px, half),
           lit,
           bin,
           spots.lambda_d_px,
@@ -59,37 +59,38 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
       }) {}
 
 int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracker,
-                               TrackScratch& scratch, std::span<SpotFix> out, bool believe_sure,
+                               TrackScratch& scratch, std::span<SpotFix> out, bool trust_tracker,
                                const std::vector<Vec2>& followed) {
   shapes_.clear();
-  torn_.assign(out.size(), false);
+  split_.assign(out.size(), false);
   const int found = plain_.acquire(image, tracker, scratch, out);
-  const bool all_sure = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
-    return fix.found() && fix.quality > kSure;
+  const bool all_confident = std::all_of(out.begin(), out.end(), [](const SpotFix& fix) {
+    return fix.found() && fix.quality > kMinConfidence;
   });
-  if ((all_sure && believe_sure) || plain_.seen().empty()) return found;
+  if ((all_confident && trust_tracker) || plain_.seen().empty()) return found;
   if (!model_) model_.emplace(make_model_());
   const CellImage cells = average_cells(image, model_->lit, model_->bin);
-  int most = (3 * int(out.size()) - 1) / 4;
+  int most_explained = (3 * int(out.size()) - 1) / 4;
   // Several starts: the whole lattice may be assigned one pitch off, with one row unexplained.
   for (const auto& starts :
-       {starts_of_seen({}), starts_of_seen({kFewSpots, kNear * consensus_.pitch_px()}),
-        starts_of(out), followed}) {
+       {starts_of_seen({}),
+        starts_of_seen({kMinStartShare, kMaxStartShift * consensus_.pitch_px()}), starts_of(out),
+        followed}) {
     if (starts.size() != out.size()) continue;
     ShapeFit fit(*model_, cells);
     const int explained = fit.run(starts);
-    if (explained <= most) continue;
-    most = explained;
+    if (explained <= most_explained) continue;
+    most_explained = explained;
     shapes_ = fit.spots();
     waves_ = fit.waves();
-    if (most == int(out.size())) break;
+    if (most_explained == int(out.size())) break;
   }
-  for (std::size_t i = 0; i < shapes_.size(); ++i) torn_[i] = take(image, shapes_[i], out[i]);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) split_[i] = apply(image, shapes_[i], out[i]);
   return int(std::count_if(out.begin(), out.end(), [](const SpotFix& s) { return s.found(); }));
 }
 
 std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rules) {
-  std::vector<Vec2> starts(torn_.size(), kNowhere);
+  std::vector<Vec2> starts(split_.size(), kNowhere);
   const std::vector<Vec2> seen = plain_.seen();
   const std::span<const int> owned = consensus_.match(seen, rules);
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -99,9 +100,10 @@ std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rule
 }
 
 /// Applies the fit to one fix. True if the fit found the spot, but the tracker did not there.
-bool ShapedAcquisition::take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const {
+bool ShapedAcquisition::apply(const ImageView& image, const ShapedSpot& shaped,
+                              SpotFix& fix) const {
   const Vec2 at{double(fix.x), double(fix.y)};
-  if (fix.found() && norm(at - shaped.at_px) < kSame * lambda_d_px_) return false;
+  if (fix.found() && norm(at - shaped.at_px) < kAgree * lambda_d_px_) return false;
   fix = {};
   fix.peak = brightest_pixel(image, shaped.at_px, int(lambda_d_px_));
   if (!shaped.found) return false;

@@ -31,12 +31,12 @@ class ShapedAcquisition {
   /// an image of another size has none. Takes at most half a second on the default bench and
   /// allocates: not for the frame path.
   ///
-  /// If `believe_sure` is false, ShapeFit runs even if the tracker is confident of every spot: it
+  /// If `trust_tracker` is false, ShapeFit runs even if the tracker is confident of every spot: it
   /// may have found only one half of a split spot. `followed`: current positions of spots that were
   /// found earlier and tracked since, NaN: unknown. From this start a wavefront that grew slowly is
   /// explained however strong it is.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
-              std::span<SpotFix> out, bool believe_sure = true,
+              std::span<SpotFix> out, bool trust_tracker = true,
               const std::vector<Vec2>& followed = {});
 
   // Results of ShapeFit for the last image, valid until the next call:
@@ -46,11 +46,11 @@ class ShapedAcquisition {
   /// Position of each spot, and which were found. Empty if ShapeFit was not needed or failed.
   const std::vector<ShapedSpot>& shapes() const { return shapes_; }
   /// Split spots: those found by ShapeFit, but not there by the tracker.
-  const std::vector<bool>& torn() const { return torn_; }
+  const std::vector<bool>& torn() const { return split_; }
 
  private:
   std::vector<Vec2> starts_of_seen(const Consensus::Rules& rules);
-  bool take(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
+  bool apply(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
 
   Acquisition plain_;
   Consensus consensus_;
@@ -59,7 +59,7 @@ class ShapedAcquisition {
   std::optional<ShapeModel> model_;  ///< made on first use: it is expensive for large lattices
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> shapes_;
-  std::vector<bool> torn_;
+  std::vector<bool> split_;
 };
 
 }  // namespace ovws

@@ -18,7 +18,7 @@ constexpr int kModes = kOrder * (kOrder + 3) / 2;
 // result is insensitive to it: a third of it changes a mode by 0.001 waves of 0.3.
 constexpr double kPrior = 1e-3;
 constexpr double kPriorOrder = 4.0;
-constexpr double kLeastFound = 0.9;
+constexpr double kMinFoundShare = 0.9;
 
 Lattice lattice_of(const ScanGrid& grid) {
   Lattice lattice;
@@ -74,7 +74,7 @@ Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_p
     sum = sum + *at;
     ++found;
   }
-  if (found < kLeastFound * double(spots)) {
+  if (found < kMinFoundShare * double(spots)) {
     return fail(
         Errc::refused, "",
         std::to_string(spots - found) + " of " + std::to_string(spots) +
@@ -95,17 +95,19 @@ Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_p
     moved[2 * i + 1] = at->y - mean.y;
   }
   const auto on_top = Eigen::Map<const Eigen::VectorXd>(shown.data(), Eigen::Index(shown.size()));
-  const Eigen::VectorXd without = moved - slopes * on_top;
+  const Eigen::VectorXd displacements = moved - slopes * on_top;
   Eigen::MatrixXd normal = slopes.transpose() * slopes;
   normal.diagonal() += prior(modes_j_, slopes);
   const Eigen::MatrixXd inverse = normal.ldlt().solve(slopes.transpose());
-  const Eigen::VectorXd waves = inverse * without;
-  const double left = (without - slopes * waves).norm();
+  const Eigen::VectorXd waves = inverse * displacements;
+  const double residual = (displacements - slopes * waves).norm();
   // Degrees of freedom: coordinates measured minus those used by the modes and the mean position.
-  const double free = 2.0 * found - 2.0 - (inverse * slopes).trace();
-  const Eigen::VectorXd errors = left / std::sqrt(free) * inverse.rowwise().norm();
-  return Found{
-      {waves.begin(), waves.end()}, {errors.begin(), errors.end()}, left / std::sqrt(2.0 * found)};
+  const double degrees_of_freedom = 2.0 * found - 2.0 - (inverse * slopes).trace();
+  const Eigen::VectorXd errors =
+      residual / std::sqrt(degrees_of_freedom) * inverse.rowwise().norm();
+  return Found{{waves.begin(), waves.end()},
+               {errors.begin(), errors.end()},
+               residual / std::sqrt(2.0 * found)};
 }
 
 }  // namespace ovws
