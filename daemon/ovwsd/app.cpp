@@ -37,11 +37,11 @@
 namespace ovws {
 namespace {
 
-constexpr int kMeasurementQueue = 1000;  ///< messages a subscriber may lag behind; some kB each
+constexpr int kMeasurementQueue = 1000;  ///< messages per subscriber; some kB each
 constexpr double kStopPatienceS = 1.2;
-constexpr double kRecordingPatienceS = 10.0;  ///< with a disk that writes nothing of a recording
+constexpr double kRecordingPatienceS = 10.0;  ///< without progress, while a recording ends
 constexpr double kDiskLookS = 0.2;
-constexpr int kImageQueue = 4;  ///< an image is a MiB or more
+constexpr int kImageQueue = 4;  ///< images per subscriber; 1 MiB or more each
 constexpr double kLastPatienceS = 1.8;
 
 std::atomic<int> exit_status{0};
@@ -53,8 +53,8 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it"
   std::_Exit(exit_status.load());
 }
 
-/// A display that no longer answers may hold the main thread when no other is left to end without
-/// it.
+/// Ends the process by SIGALRM after `patience_s`. A display that no longer answers may block the
+/// main thread when no other thread is left to end the process.
 void end_whatever_holds_after(double patience_s) {
   std::signal(SIGALRM, [](int /*signal*/) {
     static constexpr char kWords[] = "<4>the display does not let go: ending without it\n";
@@ -68,7 +68,7 @@ void end_whatever_holds_after(double patience_s) {
 
 }  // namespace
 
-/// In the order in which each needs the ones before; destroyed in reverse.
+/// In the order of construction, dependencies first; destroyed in reverse.
 struct App::Parts {
   Config config;
   Guarded<LoadedConfig> loaded;
@@ -228,7 +228,7 @@ Result<void> App::Parts::bind_control() {
   return {};
 }
 
-/// Consumers first, so that what a thread makes finds its taker; they are stopped in the reverse
+/// Starts consumers before producers, so that no output is lost; stop_all joins in the reverse
 /// order.
 Result<void> App::Parts::start_threads() {
   if (auto locked = threads.prepare_process(); !locked) return locked;
@@ -236,7 +236,7 @@ Result<void> App::Parts::start_threads() {
     ThreadRole role;
     Agent& agent;
   };
-  // A fit ends within a fraction of a second: who refines is waited for when all others have ended.
+  // Started first, so joined last: a fit takes a fraction of a second to end.
   std::vector<Start> starts{{ThreadRole::refine, *refiner},
                             {ThreadRole::search, *finder},
                             {ThreadRole::model, operators},
@@ -257,7 +257,7 @@ Result<void> App::Parts::start_threads() {
   starts.push_back({ThreadRole::camera, camera});
   starts.push_back({ThreadRole::procedure, *procedures});
   starts.push_back({ThreadRole::loop, *loop});
-  disk.begin();  // before any thread that could hand it something
+  disk.begin();  // before any thread that could post to it
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }
@@ -294,8 +294,9 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   return parts_->stop();
 }
 
-/// The end of a recording comes to the disk, however long that takes, as long as something does.
-/// Errors: what is lost.
+/// Writes the end of a recording and the queued state items for as long as the disk makes progress.
+/// Gives up after kRecordingPatienceS (with a recording) or kStopPatienceS without any. Errors say
+/// what is lost.
 Result<void> App::Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";
@@ -324,7 +325,8 @@ Result<void> App::Parts::end_disk_work() {
                           recorder.lost_at_stop(), recorder.report().file.value_or("")));
 }
 
-/// What the disk refused was reported when it did.
+/// Reports state items that were not written. An item that the disk refused was reported then, so
+/// only a disk that did not answer is an error here.
 Result<void> App::Parts::check_kept() {
   const int items = store.queued();
   if (items == 0) return {};
@@ -344,11 +346,11 @@ void App::Parts::end_without_display() {
   end_at_once("the display does not let go", end_disk_work());
 }
 
-/// First who needs the others to end: procedures and the loop the camera, which needs the frame
-/// path. Camera and sensor answer what waits for them before control ends. Then the disk, which all
-/// of these may have given work; then all others at once.
+/// Stops the parts in order of dependency. Procedures and the loop need the camera, which needs the
+/// frame path. Camera and sensor answer their pending requests before the control thread ends. Then
+/// the disk thread finishes the work of all of these, and the other threads end at once.
 Result<void> App::Parts::stop() {
-  while (ending.exchange(true)) ::pause();  // the status thread ends without us
+  while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();
   state.take(DaemonEvent::stop_requested);
   procedures->end_soon();

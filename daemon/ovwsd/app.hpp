@@ -1,5 +1,5 @@
-/// The composition root: makes every part, gives each what it needs, and runs them until told to
-/// stop.
+/// The composition root: creates every part of the daemon, connects the parts, and runs them until
+/// a stop is requested.
 #pragma once
 
 #include <atomic>
@@ -10,20 +10,22 @@
 
 namespace ovws {
 
-/// Main thread only, but for what says otherwise.
+/// Main thread only, unless stated otherwise.
 class App {
  public:
-  /// Errors say what at start-up waiting cannot repair: a configuration that makes no sensor, a
-  /// port or a state folder in use, a missing privilege under `"realtime": "enforce"`. A camera or
-  /// a display that is absent is no error.
+  /// Errors are those that waiting cannot repair: a configuration that makes no usable sensor, or a
+  /// port or state folder in use. An absent camera or display is not an error.
   static Result<std::unique_ptr<App>> make(const LoadedConfig& loaded);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Shows holograms until `stop` is set, then stops everything in order.
+  /// Starts the threads, shows holograms until `stop` is set, then stops everything in order.
+  /// Errors: a missing privilege under `"realtime": "enforce"`, the failure of a thread that ends
+  /// the daemon, or data that could not be written at the stop.
   Result<void> run(const std::atomic<bool>& stop);
-  /// Any thread, also a signal handler's: the configuration's file is read again while `run` lasts.
+  /// Any thread, also a signal handler's: requests a reload of the configuration file while `run`
+  /// lasts.
   void reload();
 
  private:

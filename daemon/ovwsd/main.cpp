@@ -43,8 +43,9 @@ int complain(const ovws::Error& error) {
   return 1;
 }
 
-/// The first three descriptors are the log's and nobody else's; all others may be as many as the
-/// system lets us have: every client costs one.
+/// Reserves the file descriptors 0 to 2 for standard input, output and the log, opening /dev/null
+/// where one is closed. Raises the limit of open files (RLIMIT_NOFILE) to its maximum, since each
+/// client costs a descriptor.
 void prepare_descriptors() {
   int fd = ::open("/dev/null", O_RDWR);
   while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
@@ -55,25 +56,26 @@ void prepare_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-/// Memory is locked, and glibc cannot give back what is locked: its arenas, one for each of many
-/// threads, only grow, to the sum of what each thread ever held at once (150 MiB after some minutes
-/// of mixed commands). So all but small blocks are mapped one by one, and go back to the system
-/// when they are freed; the arenas then stay below 20 MiB. Once, before any thread is made.
+/// Fixes malloc's mmap threshold, so that freed large blocks return to the system. Memory is locked
+/// (mlockall), so glibc's per-thread arenas only grow: to 150 MiB after some minutes of mixed
+/// commands. With all but small blocks mapped one by one they stay below 20 MiB. Call once, before
+/// any thread is created.
 void give_large_blocks_back() {
-  constexpr int kLargeBytes = 128 << 10;  // glibc's first value, which it raises if left alone
+  constexpr int kLargeBytes = 128 << 10;  // glibc's initial value, which then no longer adapts
   constexpr int kSpareBytes = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
   mallopt(M_TRIM_THRESHOLD, kSpareBytes);
 }
 
-/// Which saved values are active; a warning if they cannot be used.
+/// Logs which saved values are active; warns if they cannot be used.
 void report_saved(const ovws::LoadedConfig& loaded) {
   const std::string saved = ovws::describe_saved(loaded);
   if (saved.empty()) return;
   spdlog::log(loaded.unused_reason.empty() ? spdlog::level::info : spdlog::level::warn, saved);
 }
 
-/// False: no daemon could use the files of `security`. A warning where this user may not look.
+/// Checks the files of `security`; false if the daemon could not use them. Warns if this user may
+/// not read the secret key.
 bool check_key_files(const std::string& path, const ovws::Config& config) {
   const ovws::KeyCheck keys = ovws::check_keys(path, config);
   if (keys.error) {
@@ -125,7 +127,7 @@ int main(int argc, char** argv) {
   ovws::keep_stacks_small();
   give_large_blocks_back();
   prepare_descriptors();
-  ::umask(::umask(0) | S_IWOTH);  // a socket's file is nobody else's at any moment
+  ::umask(::umask(0) | S_IWOTH);  // no socket file is ever writable by other users
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;
