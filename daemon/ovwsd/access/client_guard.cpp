@@ -136,7 +136,7 @@ void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& 
                {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
 }
 
-/// The stamp is that of before: what is written meanwhile is read once more.
+/// Takes the stamp before it reads: a file that is written meanwhile is read once more.
 Result<void> ClientGuard::read_list() {
   stamp_ = stamp_of(*config_.clients);
   auto read = named(load_client_list(*config_.clients), kClientsField);
@@ -152,7 +152,7 @@ Result<void> ClientGuard::read_list() {
   return {};
 }
 
-/// Returns the number of the look.
+/// Requests a check of the client file, and returns the number of the request.
 std::uint64_t ClientGuard::ask_to_look() {
   std::uint64_t number = 0;
   {
@@ -163,7 +163,7 @@ std::uint64_t ClientGuard::ask_to_look() {
   return number;
 }
 
-/// Control thread.
+/// Waits until the client file was checked, for kLookPatience at most.
 void ClientGuard::look_first() {
   {
     const std::lock_guard lock(looking_);
@@ -174,7 +174,7 @@ void ClientGuard::look_first() {
   late_ = !looked_.wait_for(lock, kLookPatience, [&] { return looks_done_ >= number; });
 }
 
-/// Disk thread.
+/// Disk thread: checks the client file, and answers all requests made so far.
 void ClientGuard::look() {
   std::uint64_t number = 0;
   {

@@ -1,4 +1,5 @@
-/// Lets clients in by their keys, and says what each may: the gate's memory.
+/// Client authentication and authorisation: decides by public key who may connect, and with which
+/// role.
 #pragma once
 
 #include <condition_variable>
@@ -17,40 +18,40 @@
 
 namespace ovws {
 
-/// Errors as the daemon's start would give them: an endpoint that other machines reach without
-/// keys, a file of keys or clients that cannot be used. The field is the configuration's key.
+/// The security check of the daemon's start. Errors: an endpoint that other machines can reach
+/// without keys, or a key or client file that cannot be used. The field is the configuration key.
 Result<void> check_security(const Config& config);
-/// The part of check_security that is about the file of clients.
+/// The part of check_security that checks the client file.
 Result<void> check_clients(const std::string& path);
 
-/// Every question has the disk thread look first whether the clients' file has changed, and read it
-/// again; it waits a tenth of a second at most, and while the disk has not answered not at all:
-/// then who could connect before still can. A key that is no longer there is refused from then on,
-/// and all streams end, so that every client has to show its key again. A file that cannot be used
-/// changes nothing, and an event says so.
+/// Reloads the client list when its file changes. Each authentication first asks the disk thread to
+/// check the file (stat), and waits for that for 100 ms at most; while an earlier check is late it
+/// does not wait. Until the disk answers, the previous list stays active. A key that was removed
+/// from the file is refused from then on, and all streams are closed so that every client
+/// authenticates again. A file that cannot be used changes nothing; an event reports it.
 class ClientGuard {
  public:
-  /// Without keys in the configuration it has no gate, and everybody may everything. Errors as of
-  /// check_security.
+  /// Without keys in the configuration there is no gate, and every client has the role `control`.
+  /// Errors: see check_security.
   static Result<std::unique_ptr<ClientGuard>> make(const SecurityConfig& config, Counters& counters,
                                                    Events& events, Disk& disk);
   ClientGuard(const ClientGuard&) = delete;
   ClientGuard& operator=(const ClientGuard&) = delete;
 
-  /// None without keys.
+  /// Null without keys.
   Gate* gate() { return gate_.get(); }
-  /// The daemon's own, for clients; empty without keys.
+  /// The daemon's public key, which its clients need; empty without keys.
   const std::string& public_key() const { return public_key_; }
 
-  /// Thread-safe: what the client with this key may; refused (Errc::refused) and counted if the key
-  /// was withdrawn, be it just now.
+  /// Thread-safe: the role of the client with this key. Errc::refused, and counted as a rejection,
+  /// if the key was withdrawn, even a moment ago.
   Result<Role> role_of(const std::string& key);
-  /// Status thread, each turn: tells who was not let in, seldom enough that nobody can flood the
-  /// log, and has the disk thread look at the file once a second.
+  /// Status thread, each turn: has the disk thread check the client file once a second, and reports
+  /// rejected clients in one event per 10 s, so that nobody can flood the log.
   void turn();
 
  private:
-  /// What tells one state of a file from another.
+  /// Identifies one version of a file.
   struct Stamp {
     std::int64_t modified_ns = 0, changed_ns = 0, size = 0;
     std::uint64_t inode = 0;
@@ -58,7 +59,7 @@ class ClientGuard {
   };
   struct Rejected {
     std::uint64_t count = 0;
-    std::string why;  ///< of the last one
+    std::string why;  ///< of the last rejection
   };
   ClientGuard(SecurityConfig config, Counters& counters, Events& events, Disk& disk);
   static Stamp stamp_of(const std::string& path);

@@ -1,4 +1,5 @@
-/// Who may connect, and what each may: the file of `security.clients`.
+/// The client list: which public keys may connect, and with which role (the file of
+/// `security.clients`).
 #pragma once
 
 #include <map>
@@ -14,12 +15,12 @@ struct KnownClient {
   Role role = Role::read;
 };
 
-/// By public key.
+/// Keyed by public key.
 using ClientList = std::map<std::string, KnownClient>;
 
-/// Strict, whole or not at all. Errors name the client at fault.
+/// Strict JSON with comments; all or nothing. Errors name the client and the field at fault.
 Result<ClientList> parse_client_list(const std::string& json_text);
-/// Errors name the file; one that others can change is refused.
+/// Errors name the file. A file that other users can write is refused.
 Result<ClientList> load_client_list(const std::string& path);
 
 }  // namespace ovws

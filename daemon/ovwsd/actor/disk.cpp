@@ -21,7 +21,7 @@ Result<void> Disk::request(Task task) {
     return fail(Errc::unavailable, "",
                 "too many requests wait for the disk already: see system.status, store");
   }
-  // Counted until it is carried out, or forgotten at the end.
+  // Counted until the task has run, or was dropped at the end.
   std::shared_ptr<void> counted(nullptr, [this](void*) { requests_.fetch_sub(1); });
   post([task = std::move(task), counted = std::move(counted)] { task(); });
   return {};

@@ -1,4 +1,4 @@
-/// The disk thread's agent: other threads hand it what has to wait for a disk, and go on.
+/// The disk thread's agent: runs blocking disk work for the other threads.
 #pragma once
 
 #include <atomic>
@@ -14,21 +14,21 @@ namespace ovws {
 class Disk : public Agent {
  public:
   using Task = std::function<void()>;
-  /// Requests of clients that may wait at once: a disk that stands still must not fill the memory.
+  /// Limit of queued client requests: a disk that does not answer must not fill the memory.
   static constexpr int kMaxRequests = 64;
 
-  /// From now on tasks wait for the disk thread, which is about to be made.
+  /// From now on tasks are queued for the disk thread, which is started next.
   void begin() { begun_.store(true); }
-  /// Thread-safe, never waits for the disk. Tasks are carried out in order, in the disk thread;
-  /// before begin (at the start, and in tests) at once, in the calling thread.
+  /// Thread-safe. The disk thread runs tasks in order, and the caller does not wait. Before begin
+  /// (at start-up, and in tests) a task runs at once, in the calling thread.
   void post(Task task);
-  /// The same for a client's request. Errc::unavailable if too many wait already.
+  /// The same for a client's request. Errc::unavailable if kMaxRequests are queued already.
   Result<void> request(Task task);
-  /// Before the thread begins: `work` is called each turn, and again at once while it returns true.
+  /// Call before the thread starts: `work` runs each turn, and again at once while it returns true.
   void each_turn(std::function<bool()> work) { work_ = std::move(work); }
 
   bool do_work() override;
-  /// Carries out what was posted by then.
+  /// Runs all tasks posted so far; later ones are dropped.
   void on_close() override;
 
  private:

@@ -8,7 +8,7 @@
 namespace ovws {
 namespace {
 
-/// A text may quote what a device or a client said.
+/// Limit of an event's text, which may quote a device or a client.
 constexpr std::size_t kMaxTextBytes = 2000;
 
 spdlog::level::level_enum log_level(Severity severity) {

@@ -1,5 +1,4 @@
-/// What happened, told once: to the log, to the `event` stream, and to who waits for a change of
-/// status.
+/// Events: each goes to the log and to the `event` stream, and requests a status message.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,12 +13,12 @@ class Events {
  public:
   explicit Events(StreamQueue& queue) : queue_(queue) {}
 
-  /// Thread-safe. `kind` as in the `event` message, `text` one sentence for a person, `data` for a
-  /// program.
+  /// Thread-safe. `kind` as in the `event` message, `text` one sentence for a person, `data` fields
+  /// for a program.
   void emit(std::string kind, Severity severity, std::string text,
             nlohmann::json data = nlohmann::json::object());
 
-  /// Thread-safe: what `status` tells has changed, without being an event; it is published at once.
+  /// Thread-safe: requests a status message at once, for a change that is no event.
   void status_changed() { queue_.ask_for_status(); }
 
  private:

@@ -35,7 +35,7 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
   return id;
 }
 
-/// Never one that runs: somebody waits for its end.
+/// Never drops a running job: a client waits for its end.
 void Jobs::forget_oldest() {
   if (jobs_.size() <= kMostRemembered) return;
   const auto ended = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& one) {
@@ -49,7 +49,8 @@ void Jobs::tell_progress(int id) {
   const auto now = get(id);
   if (!now || now->state != JobState::running) return;
   const int quarters = int(now->progress * kQuarters);
-  const std::lock_guard lock(mutex_);  // also while it is told: no end comes before
+  const std::lock_guard lock(
+      mutex_);  // held while the event is emitted, so that the job's end cannot come first
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return;
   if (quarters >= kQuarters) return;
@@ -101,7 +102,7 @@ std::optional<StatusMessage::FailedJob> Jobs::last_failed() const {
   return failed_.empty() ? std::nullopt : std::optional(failed_.back());
 }
 
-/// A cancelled job says nothing about the failure before it.
+/// A cancelled job leaves the previous failure of its kind in place.
 void Jobs::note_end(const JobReport& job) {
   if (job.state == JobState::cancelled) return;
   std::erase_if(failed_, [&job](const auto& one) { return one.kind == job.kind; });

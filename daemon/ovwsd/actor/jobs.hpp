@@ -1,4 +1,4 @@
-/// Long commands: each has a number, a progress, and an end that is told.
+/// Jobs: long commands, each with a number, a progress, and a reported end.
 #pragma once
 
 #include <functional>
@@ -16,23 +16,23 @@
 
 namespace ovws {
 
-/// Thread-safe. One job runs at a time; the last 100 are remembered.
+/// Thread-safe. One job runs at a time; the last 100 jobs are remembered.
 class Jobs {
  public:
   explicit Jobs(Events& events) : events_(events) {}
 
-  /// `cancel` is called by `cancel(id)`, `progress` by `get`; both from any thread, without our
-  /// lock held.
+  /// Registers a running job and returns its number. `cancel(id)` calls `cancel` and `get` calls
+  /// `progress`, from any thread and without our lock.
   int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
-  /// An event when a running job has come past the next quarter.
+  /// Emits an event when a running job has passed the next quarter.
   void tell_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
-  /// Errc::invalid if there is no such job; a job that has ended stays as it is.
+  /// Errc::invalid if there is no such job. A job that has ended stays as it is.
   Result<JobReport> cancel(int id);
   Result<JobReport> get(int id) const;
-  /// The one that failed last since the start, also if it is not remembered any more. A failure is
-  /// forgotten when a job of the same kind is done.
+  /// The latest failure since the daemon's start, kept longer than the job itself. A job of the
+  /// same kind that succeeds clears it.
   std::optional<StatusMessage::FailedJob> last_failed() const;
   bool runs(int id) const;  ///< false once it was finished, failed or cancelled
 
@@ -51,7 +51,7 @@ class Jobs {
   Events& events_;
   mutable std::mutex mutex_;
   std::map<int, Entry> jobs_;
-  std::vector<StatusMessage::FailedJob> failed_;  ///< at most one of a kind, the latest at the end
+  std::vector<StatusMessage::FailedJob> failed_;  ///< at most one per kind, the latest last
   int next_id_ = 1;
 };
 

@@ -1,5 +1,4 @@
-/// A queue of tasks that one thread carries out in order: how other threads ask an actor for
-/// something.
+/// An actor's mailbox: a queue of tasks from other threads that one thread runs in order.
 #pragma once
 
 #include <chrono>
@@ -25,15 +24,16 @@ class Mailbox {
     ready_.notify_one();
   }
 
-  /// The owner's thread: forgets what waits, and takes nothing more.
+  /// Owner's thread: drops the queued tasks, and refuses new ones.
   void close() {
-    std::deque<Task> forgotten;  // destroyed without the lock: a task may tell who asked for it
+    std::deque<Task>
+        forgotten;  // destroyed without the lock: a task's destructor may notify its sender
     const std::lock_guard lock(mutex_);
     closed_ = true;
     forgotten.swap(tasks_);
   }
 
-  /// The owner's thread: runs one task; waits for it at most `timeout`. False if there was none.
+  /// Owner's thread: runs one task, and waits for it at most `timeout`. False if there was none.
   bool run_one(std::chrono::milliseconds timeout) {
     Task task;
     {

@@ -27,7 +27,7 @@ std::optional<std::string> StateKeeper::fault() const {
   return text;
 }
 
-/// Under the lock, so that the events of two threads cannot cross.
+/// Call with mutex_ locked, so that the events of two threads keep their order.
 void StateKeeper::move(DaemonEvent event) {
   const DaemonState before = state_of(conditions_);
   conditions_ = after(conditions_, event);

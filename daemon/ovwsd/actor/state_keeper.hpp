@@ -1,4 +1,4 @@
-/// The daemon's state: hears what came and went, and says what may be done now.
+/// The daemon's state machine: takes device and job events, and decides which actions are allowed.
 #pragma once
 
 #include <map>
@@ -18,11 +18,12 @@ class StateKeeper {
   explicit StateKeeper(Events& events) : events_(events) {}
 
   void take(DaemonEvent event);
-  /// `device` is there and cannot be used until somebody mends `cause`; an empty cause: no longer.
+  /// Sets the fault of `device`, which is present and cannot be used until a person fixes `cause`.
+  /// An empty cause clears it.
   void set_fault(const std::string& device, const std::string& cause);
-  /// Every cause, with its device; none if there is no fault.
+  /// All faults, each with its device; none if there is no fault.
   std::optional<std::string> fault() const;
-  /// See `permit`.
+  /// Whether the present state allows `action`; see `permit`.
   Result<void> check(Action action) const;
   std::string name() const;
 
@@ -32,7 +33,7 @@ class StateKeeper {
   Events& events_;
   mutable std::mutex mutex_;
   Conditions conditions_;
-  std::map<std::string, std::string> causes_;  ///< of faults, by device
+  std::map<std::string, std::string> causes_;  ///< of the faults, by device
 };
 
 }  // namespace ovws

@@ -1,4 +1,5 @@
-/// Messages of the measurement stream that do not come from frames: the publish thread sends them.
+/// Queue of the measurement stream's messages that do not come from frames: event, status, refined.
+/// The publish thread sends them.
 #pragma once
 
 #include <array>
@@ -15,8 +16,8 @@
 
 namespace ovws {
 
-/// Thread-safe. Numbers the messages of each topic as they come. The oldest are dropped while they
-/// are not sent, counted, and missing in `seq`.
+/// Thread-safe, bounded. Numbers the messages of each topic (`seq`) in order of arrival. When it is
+/// full the oldest message is dropped and counted; receivers see a gap in `seq`.
 class StreamQueue {
  public:
   using Message = std::variant<EventMessage, StatusMessage, RefinedMessage>;
@@ -45,7 +46,7 @@ class StreamQueue {
     return std::exchange(dropped_, 0);
   }
 
-  /// Something changed that `status` tells: the status thread publishes it at once.
+  /// Requests a status message: the status thread publishes it at once.
   void ask_for_status() { status_wanted_.store(true); }
   bool take_status_request() { return status_wanted_.exchange(false); }
 
