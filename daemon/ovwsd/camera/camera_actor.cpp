@@ -17,7 +17,7 @@ constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
-/// Why no frame can be used, and what to do.
+/// A reason why no frame can be used, and the remedy.
 struct Useless {
   Counter counter;
   const char* text;
@@ -31,7 +31,7 @@ constexpr std::array<Useless, 3> kUseless{
      {Counter::frames_out_of_order,
       "every frame arrives after a later one; check that one way only leads from it to here"}}};
 
-/// A driver names settings as the configuration does, a client as the method's params do.
+/// Removes "camera." from the error's field: drivers name configuration keys, clients know params.
 Error in_params(Error error) {
   constexpr std::string_view kRoom = "camera.";
   if (error.field.starts_with(kRoom)) error.field.erase(0, kRoom.size());
@@ -70,12 +70,12 @@ bool CameraActor::do_work() {
 
 void CameraActor::on_close() {
   mailbox_.close();
-  // A frame path that does not let go keeps pointers into the camera: better leaked than dangling.
+  // The frame path may still hold pointers into the camera: better leaked than dangling.
   if (camera_ && !give_up_camera()) (void)camera_.release();
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
-  // The camera thread may be busy for seconds with one that does not answer.
+  // Answered here: a camera that does not answer may block the camera thread for seconds.
   const CameraSnapshot now = snapshot_.get();
   if (!now.connected && !now.at_fault) return done(not_connected(now));
   if (change.gives(&CameraSettings::gain_db) && now.limits && now.limits->gain_raw)
@@ -107,7 +107,7 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
     change.put(&CameraSettings::gain_db, gain_db);
     carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
       if (applied) return;
-      settings_.gain_db = gain_db;  // what the next connection or camera.set asks for
+      settings_.gain_db = gain_db;  // requested at the next connection or camera.set
       keep_asked(change);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
@@ -128,7 +128,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp());
   if (!wanted) return done(fail(wanted.error()));
   if (const auto applied = apply(*wanted); !applied) {
-    // Its settings are not known any more: it was reset, or does not answer.
+    // Its settings are unknown: it was reset, or does not answer.
     if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
     if (!camera_ && !needs_a_person(applied.error())) return mend(change, done);
     return done(fail(in_params(applied.error())));
@@ -139,7 +139,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   done(snapshot_.get());
 }
 
-/// Opens the camera with what is asked: it refused other settings, or has forgotten its own.
+/// Reopens the camera with the change: it refused its previous settings, or has lost them.
 void CameraActor::mend(const CameraSet& change, const Applied& done) {
   open_with(change);
   const CameraSnapshot now = snapshot_.get();
@@ -149,7 +149,7 @@ void CameraActor::mend(const CameraSet& change, const Applied& done) {
       fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
 }
 
-/// The settings become ours only if the camera takes them.
+/// Opens the camera with `change` applied; settings_ changes only if the camera accepts it.
 void CameraActor::open_with(const CameraSet& change) {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_camera(config_);
@@ -175,13 +175,13 @@ void CameraActor::open_with(const CameraSet& change) {
   publish_connected();
 }
 
-/// Once they were taken, with the limits that they were held against.
+/// Remembers an accepted request; if it was clamped, as clamped by the present limits.
 void CameraActor::keep_asked(const CameraSet& change) {
   asked_ = change.applied_to(asked_);
   if (change.clamp() && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
 }
 
-/// Applies, starts, and lends the camera to the frame path.
+/// Applies the settings, starts the stream, and attaches the camera to the frame path.
 Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   const auto applied = camera_->apply(wanted);
   if (!applied) return fail(applied.error());
@@ -196,7 +196,7 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   return deps_.pipeline.attach(*camera_);
 }
 
-/// It will be opened anew, as new objects.
+/// Disconnects the camera, which is then reopened as a new object.
 void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();
@@ -204,7 +204,7 @@ void CameraActor::lose(const Error& why) {
   give_up_camera();
 }
 
-/// False if the frame path still holds frames of it: to be tried again.
+/// Destroys the camera. False if the frame path still holds frames of it: try again later.
 bool CameraActor::give_up_camera() {
   if (!deps_.pipeline.detach()) return false;
   camera_->stop();
@@ -213,7 +213,8 @@ bool CameraActor::give_up_camera() {
   return true;
 }
 
-/// Our own watchdog: Aravis notices a dead camera only after about 5 s.
+/// Frame watchdog: disconnects a silent camera, which Aravis notices only after about 5 s, and
+/// reports a camera whose frames are all unusable.
 void CameraActor::watch_frames() {
   if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s()) {
     return lose({Errc::device, "camera", "the camera sends no frames"});
@@ -231,7 +232,8 @@ CameraActor::UselessFrames CameraActor::count_useless() const {
   return counts;
 }
 
-/// With what most of the frames have been since the last one that could be used. False: none came.
+/// Emits an event with the most frequent reason why frames were unusable since the last usable one.
+/// False if no frame came.
 bool CameraActor::tell_useless() {
   UselessFrames since = count_useless();
   for (std::size_t k = 0; k < since.size(); ++k) since[k] -= useless_before_[k];
@@ -243,7 +245,9 @@ bool CameraActor::tell_useless() {
   return true;
 }
 
-/// Until the first frame after a change the camera may still be at one of before.
+/// How long the camera may send nothing: three frame periods or the exposure and a second,
+/// whichever is longer. Until the first frame after a change it may still use the previous
+/// settings.
 double CameraActor::patience_s() const {
   const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
   const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
@@ -251,13 +255,13 @@ double CameraActor::patience_s() const {
   return changed ? now_s : std::max(now_s, patience_before_s_);
 }
 
-/// Since then, or since the stream began.
+/// Seconds since `last_ns`, or since the stream began if that is later.
 double CameraActor::silent_s(std::int64_t last_ns) const {
   return 1e-9 * double(monotonic_ns() - std::max(attached_ns_, last_ns));
 }
 
-/// A camera's limits depend on its settings: the longest exposure on the rate, the rate on the
-/// region.
+/// Reads the limits again, because they depend on the settings: the longest exposure on the rate,
+/// the rate on the region.
 void CameraActor::refresh_limits() {
   if (auto limits = camera_->limits()) limits_ = *limits;
 }
@@ -270,10 +274,10 @@ Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
 
 Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   const std::int64_t t_begin_ns = monotonic_ns();
-  // Frames that are exposed while the registers are written belong to neither.
+  // A frame that is exposed while the registers are written belongs to neither setting.
   tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
-  // Until it is open again the settings of no frame are known.
+  // Until the camera is open again, the settings of no frame are known.
   if (!applied && !camera_->alive()) return applied;
   const std::int64_t t_end_ns = monotonic_ns();
   tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
@@ -284,7 +288,7 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   return applied;
 }
 
-/// The image's size or format changes: one transaction, rolled back if the camera does not take it.
+/// Changes the image's size or format: one transaction, rolled back if the camera refuses it.
 Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
   const CameraSettings before = settings_;
   if (auto detached = deps_.pipeline.detach(); !detached) {
@@ -336,7 +340,7 @@ void CameraActor::publish_absent(const Error& why) {
   publish(std::move(now));
 }
 
-/// Tells everybody, and the log if something new happened.
+/// Publishes the camera's state; a new fault is an event.
 void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
   now.asked = asked_;

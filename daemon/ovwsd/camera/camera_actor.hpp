@@ -1,5 +1,5 @@
-/// The camera's keeper: opens it, applies settings, watches that frames flow, and opens it anew
-/// when they do not.
+/// The camera actor: opens the camera, applies settings, supervises the frame stream, and
+/// reconnects when frames stop.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@
 
 namespace ovws {
 
-/// What others may know of the camera at any time.
+/// The state of the camera, copied for other threads.
 struct CameraSnapshot {
   bool connected = false;
   std::optional<CameraInfo> info;
-  CameraSettings settings;  ///< as read back; while not connected, as wanted
-  CameraSettings asked;     ///< what the camera made `settings` of: it may round
+  CameraSettings settings;  ///< as read back; while not connected, as requested
+  CameraSettings asked;     ///< as requested; the camera may have rounded it to `settings`
   std::optional<CameraLimits> limits;
   std::string fault;      ///< why it is not connected; empty if it is
-  bool at_fault = false;  ///< it is there, and cannot be used until somebody mends that
+  bool at_fault = false;  ///< it is present, but cannot be used until a person fixes the fault
 };
 
 struct CameraActorDeps {
@@ -36,10 +36,10 @@ struct CameraActorDeps {
   LatestValue<AppliedSettings>& settings;
   Counters& counters;
   Events& events;
-  /// Whether settings may be changed now; asked in the camera thread, when a change is carried out.
+  /// Whether settings may be changed now; called in the camera thread when a change is applied.
   std::function<Result<void>()> may_change;
-  /// Called in the camera thread after the image's size or format may have changed, and when the
-  /// camera came or went.
+  /// Called in the camera thread after each published change: of settings, which may change the
+  /// image's size or format, of the connection, or of the fault.
   std::function<void(const CameraSnapshot&)> on_change;
 };
 
@@ -54,21 +54,21 @@ class CameraActor : public Agent {
   bool do_work() override;
   void on_close() override;
 
-  /// Thread-safe: carried out in the camera thread, `done` is called there with what the camera
-  /// uses now. A camera at fault is tried anew with the change. Without a camera `done` is called
-  /// at once, in the caller's thread.
+  /// Thread-safe: applies the change in the camera thread, and calls `done` there with the settings
+  /// then in use. A camera at fault is reopened with the change. Without a camera, and for a gain
+  /// in dB that the camera does not have, `done` is called at once in the caller's thread.
   void change(CameraSet change, Applied done);
-  /// The same for the job that runs, which does not ask whether it may.
+  /// The same for the running job, without may_change.
   void change_for_job(CameraSet change, Applied done);
-  /// As `change`; while no camera is connected, this is what the next connection asks for.
+  /// As `change`; while no camera is connected, the settings are kept for the next connection.
   void change_or_want(CameraSet change, Applied done);
-  /// Thread-safe: `gain_db` again after a job, now or, if no camera is connected, when one is.
-  /// `then` is called in the camera thread, or destroyed if that has ended.
+  /// Thread-safe: restores `gain_db` after a job, now or at the next connection. `then` is called
+  /// in the camera thread, or destroyed if that has ended.
   void put_back_gain(double gain_db, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
-  using UselessFrames = std::array<std::uint64_t, 3>;  ///< by why
+  using UselessFrames = std::array<std::uint64_t, 3>;  ///< in the order of kUseless
 
   void carry_out(const CameraSet& change, const Applied& done);
   void mend(const CameraSet& change, const Applied& done);
@@ -96,18 +96,18 @@ class CameraActor : public Agent {
   CameraActorDeps deps_;
   Mailbox mailbox_;
   std::unique_ptr<Camera> camera_;
-  bool lost_ = false;  ///< camera_ is to be given up as soon as the frame path has let go of it
-  CameraSettings settings_;             ///< last verified; wanted again after a reconnection
-  CameraSettings asked_;                ///< what they came of
-  std::int64_t settings_since_ns_ = 0;  ///< when the write of settings_ had ended
-  double patience_before_s_ = 0.0;      ///< with a silent camera, by the settings before those
+  bool lost_ = false;        ///< camera_ is destroyed as soon as the frame path has let go of it
+  CameraSettings settings_;  ///< last read back; requested again after a reconnection
+  CameraSettings asked_;     ///< the request that settings_ result from
+  std::int64_t settings_since_ns_ = 0;  ///< when settings_ had been written
+  double patience_before_s_ = 0.0;      ///< patience_s with the previous settings
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;
   bool ever_connected_ = false;
-  std::int64_t last_frame_ns_ = 0;  ///< that could be used, as last seen
-  UselessFrames useless_before_{};  ///< counted until then
-  bool useless_told_ = false;       ///< frames arrive, and none that can be used
+  std::int64_t last_frame_ns_ = 0;  ///< the last usable frame that watch_frames saw
+  UselessFrames useless_before_{};  ///< the counts at that frame
+  bool useless_told_ = false;       ///< an event has said that frames arrive, none of them usable
   Guarded<CameraSnapshot> snapshot_;
 };
 

@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-/// Brings values into range one by one and keeps the first refusal.
+/// Checks values against their ranges, or clamps them, and keeps the first error.
 class Judge {
  public:
   explicit Judge(bool clamp) : clamp_(clamp) {}
@@ -29,7 +29,7 @@ class Judge {
     }
   }
 
-  /// Only in the camera's unit.
+  /// Accepts the gain only in the camera's own unit.
   void gain(CameraSettings& settings, const CameraLimits& limits) {
     const bool in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
     if (limits.gain_raw) {

@@ -1,4 +1,5 @@
-/// Which drivers there are: name -> how to open one. A new driver is a folder and one row here.
+/// The driver table: from a driver's name to the function that opens its device. A new driver is a
+/// folder and one row here.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-/// What is running: our version and those of the libraries that matter on a bench.
+/// The versions of ovws and of its numerical library, Eigen, by name.
 #pragma once
 
 #include <string>
