@@ -1,4 +1,5 @@
-/// registration.* and calibration.*: what the bench measures of itself.
+/// Methods registration.* and calibration.*: registration of the camera, and the measured
+/// interaction (poke) matrix.
 #include "daemon/ovwsd/procedures/calibration.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -46,7 +47,7 @@ KnownCalibration calibration_of(const SensorSnapshot& sensor) {
                             {*c.origin}}};
 }
 
-/// A calibration that lacks spots or modes is usable, and a person must know.
+/// Warns of a calibration without some spots or modes: it is usable, but a person must know.
 void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
   std::vector<int> dropped_j;
   for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);

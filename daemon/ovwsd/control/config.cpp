@@ -11,7 +11,7 @@ Config in_use(const Services& services) {
 }
 
 void get(Services& services, Reply<Config> reply) {
-  // As the file has it: 0 for a gain in dB that the camera does not have.
+  // In the format of the file: 0 for a gain in dB that the camera does not have.
   reply(JsonOf<Config>{Json::parse(dump_config(in_use(services)))});
 }
 

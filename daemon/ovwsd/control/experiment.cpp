@@ -1,4 +1,4 @@
-/// experiment.*: the paper's comparison of sensors against the camera's gain.
+/// Methods experiment.*: the paper's gain sweep, which compares sensors at several camera gains.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 namespace ovws {
 namespace {
 
-/// Gains that the camera has not are an error, or left out.
+/// Checks the sweep's gains against the camera's range. Gains outside it are an error, or with
+/// `clamp` are removed.
 Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   GainSweep& sweep = run.sweep;
   if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
@@ -60,7 +61,8 @@ void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>&
                             });
 }
 
-/// Who asks for the run that is being measured is given its job.
+/// Starts a gain sweep. A request for the run that is being measured already returns that run's
+/// job.
 void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) {
   if (const auto limits = services.camera.snapshot().limits) {
     auto possible = within(std::move(asked), *limits);

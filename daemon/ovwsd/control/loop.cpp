@@ -1,4 +1,4 @@
-/// loop.* and correction.*: what is subtracted from the hologram, by the loop or by a person.
+/// Methods loop.* and correction.*: the closed loop, and the modes that it or a client corrects.
 #include "daemon/ovwsd/control/methods.hpp"
 
 namespace ovws {

@@ -1,5 +1,6 @@
-/// What answers each method of the control socket: its row says who may call it, what it needs of
-/// the daemon's state, and the function. Names and types are in proto/methods.hpp.
+/// The method table of the control socket (JSON-RPC). Each row holds the role that a caller needs,
+/// the action that the daemon's state must allow, and the handler. Names and types are in
+/// proto/methods.hpp.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,12 +15,13 @@
 
 namespace ovws {
 
-/// The same error, as the failure of a call.
+/// Converts an error to the failure of a call.
 inline RpcAnswer failed(const Error& error) {
   return tl::make_unexpected(rpc_failure(error));
 }
 
-/// Answers one call with an R or an error, exactly once, from any thread. Copies answer the same.
+/// The reply to one call: an R or an error, exactly once, from any thread. Copies answer the same
+/// call.
 template <class R>
 class Reply {
  public:
@@ -38,7 +40,7 @@ class Reply {
   RpcReply reply_;
 };
 
-/// Answers jobs that start with their number.
+/// Replies with the number of the job that has started.
 inline auto with_number(Reply<JobNumber> reply) {
   return [reply = std::move(reply)](Result<int> job) {
     if (!job) return reply(job.error());
@@ -48,16 +50,16 @@ inline auto with_number(Reply<JobNumber> reply) {
 
 struct MethodRow {
   const char* name;
-  Role role;  ///< that a client must have at least
+  Role role;  ///< the client needs at least this role
   Action action;
-  /// Decodes the params, asks whether the daemon's state allows the action, and calls the function.
+  /// Decodes the params, checks that the daemon's state allows the action, and calls the handler.
   void (*call)(const MethodRow& row, Services& services, const nlohmann::json& params,
                RpcReply reply);
 };
 
-/// The row of one of proto/methods.hpp. `answer(services, params, Reply<R>)` is called in the
-/// control thread and must not wait; it answers now or later. Of a method without params:
-/// `answer(services, Reply<R>)`.
+/// Makes the row of a method in proto/methods.hpp. Its handler `answer(services, params,
+/// Reply<R>)`, or without params `answer(services, Reply<R>)`, is called in the control thread and
+/// must not block; it replies at once or later.
 template <const auto& method, auto answer>
 constexpr MethodRow row(Role role, Action action) {
   using M = std::remove_cvref_t<decltype(method)>;
@@ -79,7 +81,7 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// One table a room; a new method is one function and one row.
+// One table per room; a new method is one function and one row.
 std::span<const MethodRow> system_methods();
 std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> sensor_methods();
@@ -92,10 +94,9 @@ std::span<const MethodRow> record_methods();
 std::span<const MethodRow> config_methods();
 std::span<const MethodRow> experiment_methods();
 
-/// Finds the method and calls it if the client's key (empty where none is asked for) permits it,
-/// the params are valid and the daemon's state allows it, asked in this order: a typo is reported
-/// also when the state does not allow the call. An unknown method is answered with the nearest
-/// known one.
+/// Calls a method for a client. Checks the client's key (empty without `security`) and role, then
+/// the params, then the daemon's state: a typo is reported even if the state does not allow the
+/// call. The error for an unknown method names the nearest known one.
 void dispatch(Services& services, const std::string& key, const std::string& method,
               const nlohmann::json& params, RpcReply reply);
 std::vector<std::string> method_names();

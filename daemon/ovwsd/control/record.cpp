@@ -1,4 +1,4 @@
-/// record.*: what the pipeline measures, into a file.
+/// Methods record.*: recordings of all measured frames in a file.
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
 

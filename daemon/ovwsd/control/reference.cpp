@@ -1,4 +1,4 @@
-/// reference.* and job.*: what takes time.
+/// Methods reference.* and job.*: the reference, and the state of long commands.
 #include "daemon/ovwsd/procedures/reference.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 
@@ -56,7 +56,7 @@ void cancel_job(Services& services, const JobNumber& which, Reply<JobReport> rep
   const bool ran = services.jobs.runs(which.job);
   const auto cancelled = services.jobs.cancel(which.job);
   if (!ran) return reply(cancelled);
-  // Answered when the sensor is free again: the next request may be the next job.
+  // Replies when the sensor is free again, so that the client can start the next job at once.
   services.procedures.when_free([&services, reply, cancelled] {
     services.keeper.after_changes([reply, cancelled] { reply(cancelled); });
   });

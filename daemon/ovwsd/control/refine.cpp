@@ -1,4 +1,5 @@
-/// refine.*: the refinement of frames beside the fast estimate.
+/// Methods refine.*: settings of the maximum-likelihood refinement, which runs beside the fast
+/// estimate.
 #include "daemon/ovwsd/control/methods.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-/// sensor.*, aberration.* and slm.show: all that changes the hologram.
+/// Methods sensor.*, aberration.* and slm.show: changes of the hologram.
 #include "daemon/ovwsd/control/methods.hpp"
 
 namespace ovws {
@@ -14,7 +14,8 @@ void get(Services& services, Reply<SensorReport> reply) {
                      sensor->hologram_id});
 }
 
-/// The core names settings as the configuration does, a client as the method's params do.
+/// Removes "sensor." and "tracking." from the error's field: the core names configuration keys,
+/// clients know params.
 Error in_params(Error error) {
   for (const std::string_view room : {"sensor.", "tracking."}) {
     if (error.field.starts_with(room)) error.field.erase(0, room.size());
@@ -42,7 +43,7 @@ void get_aberration(Services& services, Reply<ModesReport> reply) {
   with_aberration(reply)(services.keeper.snapshot());
 }
 
-// With the loop closed, too: it then takes the aberration away.
+// Allowed with the loop closed, too: the loop then corrects the aberration.
 void introduce(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
   services.keeper.edit(Hold::of_loop(), set_aberration(set.modes), with_aberration(reply));
 }

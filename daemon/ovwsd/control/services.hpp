@@ -1,4 +1,4 @@
-/// What the handlers of the control socket may use.
+/// The parts of the daemon that the handlers of the control socket use.
 #pragma once
 
 #include "config/config.hpp"

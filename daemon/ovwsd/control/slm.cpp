@@ -1,4 +1,4 @@
-/// lut.*, flatness.*, slm.settle and slm.verify: what the instrument finds out about its own SLM.
+/// Methods lut.*, flatness.*, slm.settle and slm.verify: measurements of the SLM itself.
 #include <array>
 
 #include "daemon/ovwsd/control/methods.hpp"

@@ -1,4 +1,4 @@
-/// Says how the daemon is: the status message, systemd's status line, and the watchdog's food.
+/// The status reporter: status messages, systemd's status line, and the systemd watchdog.
 #pragma once
 
 #include <cstdint>
@@ -48,11 +48,12 @@ struct StatusDeps {
   ThreadPlan& threads;
   Reloader& reloader;
   ClientGuard& clients;
-  /// The stop has been asked for, and the display holds the main thread: does not return.
+  /// Ends the process after a stop request if the display blocks the main thread. Returns only if
+  /// the main thread has begun to stop by itself.
   std::function<void()> end_without_display;
 };
 
-/// The status thread's agent: once a second, and at once when something changed.
+/// The status thread's agent: publishes a status message once a second, and at once after a change.
 class StatusReporter : public Agent {
  public:
   explicit StatusReporter(StatusDeps deps);
@@ -78,7 +79,7 @@ class StatusReporter : public Agent {
   std::int64_t started_ns_;
   std::int64_t next_ns_ = 0;
   std::int64_t next_food_ns_ = 0;
-  std::set<const ThreadRow*> hung_;  ///< and said so
+  std::set<const ThreadRow*> hung_;  ///< and reported as such
   Marks marks_;
   Guarded<Measured> measured_;
 };

@@ -1,4 +1,4 @@
-/// Whether a configuration that reads well also makes a sensor.
+/// Checks whether a configuration that was read without errors also describes a usable sensor.
 #pragma once
 
 #include "config/config.hpp"
@@ -6,11 +6,11 @@
 
 namespace ovws {
 
-/// Errors as the daemon's start would give them: drivers that do not exist, LUT and flatness files,
-/// lattice, tracker. Endpoints and keys are check_security's. Opens no device.
+/// The check of the daemon's start: drivers, processors, LUT and flatness files, lattice, tracker.
+/// Endpoints and keys are checked by check_security. Opens no device.
 Result<void> check_usable(const Config& config);
-/// Errc::invalid (field "sensor.spacing" or "camera.roi") if the camera region cannot see the
-/// spots, or the tracker cannot tell them apart, by this configuration alone; see spot_layout.hpp.
+/// Errc::invalid (field "sensor.spacing" or "camera.roi") if, by this configuration alone, the
+/// spots fall outside the camera's region or are too close for the tracker; see spot_layout.hpp.
 Result<void> check_sees_spots(const Config& config);
 
 }  // namespace ovws

@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-/// What begins so, and is not among the fixed ones, changes live.
+/// Prefixes of the keys that can change at run time; kFixed are the exceptions.
 constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
                                                  "camera.exposure_us",
                                                  "camera.gain_db",
@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
                                                  "log.level"};
 constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
 
-/// `rule` of each setting that a camera may round.
+/// Applies `rule` to each setting that a camera may round.
 template <class Rule>
 void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraSettings& b,
                       Rule rule) {
@@ -59,7 +59,7 @@ ConfigDifference difference(const Config& before, const Config& after) {
     }
   };
   look_at(wanted, now, true);
-  look_at(now, wanted, false);  // a list became null
+  look_at(now, wanted, false);  // keys that `after` has not: a list became null
   return keys;
 }
 

@@ -1,4 +1,4 @@
-/// What a configuration's file asks for beyond what is in use.
+/// Differences between a configuration file and the configuration in use.
 #pragma once
 
 #include <string>
@@ -12,21 +12,22 @@ namespace ovws {
 
 /// Dotted keys whose values differ.
 struct ConfigDifference {
-  std::vector<std::string> live;     ///< that can change while the daemon runs
-  std::vector<std::string> restart;  ///< that wait for a restart
+  std::vector<std::string> live;     ///< that can change at run time
+  std::vector<std::string> restart;  ///< that need a restart
 };
 
-/// Whether this dotted key can change while the daemon runs.
+/// Whether this dotted key can change at run time.
 bool changes_live(std::string_view key);
 
-/// A list of which `after` has other entries is named by each entry that differs.
+/// Compares two configurations key by key. Each entry of a list has a key of its own.
 ConfigDifference difference(const Config& before, const Config& after);
 
-/// A camera rounds: a file with what it made of a value asks for the value that it made it of.
+/// Undoes the camera's rounding: a value of `file` that equals the value in use becomes the value
+/// that was requested when the camera rounded to it.
 CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now);
 
-/// `in_use`, but with the file's value where the camera was asked for that one: rounding is no
-/// change of the file.
+/// `in_use`, but with the file's value where exactly that was requested of the camera: a rounded
+/// value does not count as a change.
 CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
                           const CameraSettings& file);
 

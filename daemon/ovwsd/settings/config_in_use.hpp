@@ -1,4 +1,4 @@
-/// The configuration that a restart would need to come back as things are now.
+/// The configuration in use: with it as its file, a restarted daemon would come back as it is now.
 #pragma once
 
 #include "daemon/ovwsd/camera/camera_actor.hpp"
@@ -8,8 +8,8 @@
 
 namespace ovws {
 
-/// Thread-safe: `started` with what was reloaded of streams and log, and with what camera, sensor
-/// and refinement use now.
+/// Thread-safe: `started`, with the reloaded stream and log settings, and with the settings that
+/// camera, sensor and refinement use now.
 Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
                      const SensorKeeper& keeper, const LiveRefiner& refiner);
 

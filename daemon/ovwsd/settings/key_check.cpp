@@ -41,7 +41,7 @@ User daemons_user(const std::string& config_path, const std::string& secret) {
   return user_of(owned ? about.st_uid : ::geteuid());
 }
 
-/// Another user's rights to files, which root takes until the end of the scope.
+/// Scoped switch of root's effective user, group and supplementary groups to another user's.
 class RightsOf {
  public:
   explicit RightsOf(const User& user) {
@@ -60,7 +60,7 @@ class RightsOf {
     if (!taken_) return;
     const bool back = ::seteuid(0) == 0 && ::setegid(group_) == 0 &&
                       ::setgroups(groups_.size(), groups_.data()) == 0;
-    if (!back) std::abort();  // whatever followed would run as another user than it should
+    if (!back) std::abort();  // all that follows would run as the wrong user
   }
   RightsOf(const RightsOf&) = delete;
   RightsOf& operator=(const RightsOf&) = delete;
@@ -80,7 +80,7 @@ bool is_missing(const std::string& path) {
   return ::access(path.c_str(), F_OK) != 0 && errno == ENOENT;
 }
 
-/// Shows which folder on the way to the file is closed.
+/// The command that shows which folder on the path denies access.
 std::string way_to(const std::string& path) {
   return "namei -l " + path;
 }
@@ -114,7 +114,8 @@ std::string fix_of_clients(const std::string& path, bool readable, const User& u
   return readable ? "sudoedit " + path : way_to(path);
 }
 
-/// Root's file is right for every reader.
+/// Whether a check by this user also holds for the daemon's: root owns the file, and this user can
+/// read it.
 bool may_judge(const std::string& clients) {
   struct stat about {};
   return ::stat(clients.c_str(), &about) == 0 && about.st_uid == 0 && can_read(clients);

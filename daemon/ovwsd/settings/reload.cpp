@@ -14,8 +14,9 @@
 namespace ovws {
 namespace {
 
-/// The parts name their keys as their methods do, a file's reader knows them with their room. A
-/// saved value is not in the file, where a person would look for it.
+/// Completes the error's field to a configuration key: control methods report it without its
+/// section. For a saved value adds where it is kept, since a person would look in the configuration
+/// file.
 Error in_room(std::string room, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator"}) {
     if (error.field == key) room = "tracking";
@@ -33,7 +34,8 @@ std::string listed(const std::vector<std::string>& keys) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 
-/// An exception would leave the sensor held for ever.
+/// Reads and checks the configuration. Catches exceptions, which would leave the sensor held for
+/// ever.
 Result<LoadedConfig> read_again(const std::string& path) {
   try {
     auto read = load_with_saved(path);
@@ -110,7 +112,7 @@ void Reloader::change_sensor(const Reload& reload) {
       after{reload.after.sensor, reload.after.tracking};
   SensorSet change = SensorSet::whole(after);
   if (after.tracking.mode_operator == before.tracking.mode_operator) {
-    // It stays also where it could not be asked for again.
+    // The operator stays as it is: a request for it could be refused now.
     change.forget(&TrackingSettings::mode_operator);
   }
   const bool same = to_json(after) == to_json(before);
@@ -124,7 +126,7 @@ void Reloader::change_sensor(const Reload& reload) {
                     });
 }
 
-/// The sensor comes last: of what was changed only refinement and camera go back.
+/// Rolls back refinement and camera. The sensor, which comes last, has not changed.
 void Reloader::put_back(const Reload& reload, const Error& why) {
   if (!(reload.after.refine == reload.before.refine)) {
     (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
@@ -178,7 +180,8 @@ void Reloader::refuse(const Error& why, const char* what_stays) {
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
-/// The sensor is free before anybody hears of the end: who hears may ask for a job.
+/// Releases the sensor before the event is published: a client that sees it may start a job at
+/// once.
 void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
   deps_.keeper.release(Hold::of_reload(),
                        [this, severity, text = std::move(text), data = std::move(data)]() mutable {

@@ -1,5 +1,5 @@
-/// SIGHUP: reads the configuration file and the saved values again and applies what can change
-/// while the daemon runs.
+/// Configuration reload (SIGHUP): reads the configuration file and the saved values again, and
+/// applies what can change at run time.
 #pragma once
 
 #include <atomic>
@@ -31,17 +31,17 @@ struct ReloadDeps {
   Disk& disk;
 };
 
-/// One reload at a time, whole or not at all: camera, then refinement, then sensor, each as by its
-/// method of the control socket; what was changed before a part refuses is put back. Meanwhile no
-/// job begins and nobody else changes the sensor. Keys that only a restart can change are named and
-/// left. Its end is an event of kind `config`.
+/// One reload at a time, all or nothing: camera, refinement, then sensor, each as by its method of
+/// the control socket. If a part refuses, the earlier changes are rolled back. Meanwhile no job
+/// starts and nothing else changes the sensor. Keys that need a restart are reported, and not
+/// applied. The outcome is an event of kind `config`.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
 
   /// Async-signal-safe.
   void request() { requested_.store(true); }
-  /// Status thread: begins what was requested, in the prepare thread. Does not wait.
+  /// Status thread: starts a requested reload in the prepare thread, and does not wait for it.
   void look();
 
  private:

@@ -34,8 +34,8 @@ constexpr int kMaxDepth = 8;
 
 using Group = std::vector<std::string>;
 
-/// Keys whose values mean something together only: one that is edited in the file makes the file
-/// count for all of them.
+/// Groups of keys whose values belong together: if one of them was edited in the file, the file's
+/// values are used for the whole group.
 const std::array<Group, 3>& groups() {
   static const std::array<Group, 3> all{
       {{"camera.gain_db", "camera.gain_raw"},
@@ -61,7 +61,7 @@ std::string pointer_of(std::string key) {
   return "/" + key;
 }
 
-/// null: the daemon was started without a file.
+/// The configuration file that an overlay belongs to; null: the daemon was started without one.
 json owner_of(const std::string& path) {
   if (path.empty()) return nullptr;
   std::error_code unknown;
@@ -69,7 +69,7 @@ json owner_of(const std::string& path) {
   return (unknown ? fs::path(path) : whole).lexically_normal().string();
 }
 
-/// However the two paths are spelled, and through links.
+/// Compares the two paths in canonical form, links resolved.
 bool is_same_file(const std::string& one, const std::string& other) {
   const auto canonical = [](const std::string& path) {
     std::error_code unknown;
@@ -127,7 +127,8 @@ Result<Overlay> parse_overlay(const std::string& text) {
   return overlay;
 }
 
-/// Only what `config.save` can write: endpoints, keys and folders are the file's alone.
+/// Accepts only keys that `config.save` can write: endpoints, keys and folders come from the
+/// configuration file alone.
 Result<void> check_keys(const Overlay& overlay, const json& file) {
   for (const auto& [key, entry] : overlay.saved) {
     if (!changes_live(key) || !file.contains(pointer_of(key))) {
@@ -191,7 +192,8 @@ void read_overlay(LoadedConfig& loaded) {
   if (const auto laid = lay_over(loaded, *overlay); !laid) reject(laid.error());
 }
 
-/// Another configuration file's saved values stay: its daemon comes back to them.
+/// Refuses to overwrite the saved values of another configuration file: its daemon still needs
+/// them.
 Result<void> check_ours(const std::string& overlay, const json& owner) {
   const auto text = read_text(overlay);
   if (!text || !*text) return {};
