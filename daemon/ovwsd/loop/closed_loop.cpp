@@ -38,8 +38,8 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   return "";
 }
 
-/// That there is something to steer by, and that the loop begins from within its limits and
-/// corrects what is measured.
+/// Checks that the sensor is shown, that there is a reference, that each mode to correct is
+/// measured, and that the present correction is within the limit.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
   if (sensor.pattern != HologramKind::sensor) {
     return fail(Errc::refused, "",
@@ -72,7 +72,7 @@ double rms_of(const std::vector<Mode>& modes) {
   return std::sqrt(squares);
 }
 
-/// Whether the modes of a frame that is not valid lead the right way.
+/// Whether an invalid frame is good enough to steer by: few lost spots, and a small fit residual.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
   return record.settled && record.plan->referenced() && found.determined &&
@@ -118,7 +118,8 @@ bool ClosedLoop::do_work() {
   return asked;
 }
 
-/// A frame of an older hologram still shows the error that has been corrected since.
+/// Waits for a sample. False if none came, or if it shows an older hologram, whose error has been
+/// corrected since.
 bool ClosedLoop::take_sample() {
   std::unique_lock lock(mutex_);
   if (!filled_.wait_for(lock, kTurn, [this] { return filled_once_; })) return false;
@@ -142,13 +143,14 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   report_.set(report);
   {
     const std::lock_guard lock(mutex_);
-    filled_once_ = false;  // what was seen before may be against another reference
+    filled_once_ = false;  // an earlier sample may be relative to another reference
   }
   set_closed(true, "", Severity::info);
   return this->report();
 }
 
-/// The loop steers by what is in force now.
+/// Prepare thread: checks the settings against the present sensor, and holds the sensor for the
+/// loop.
 Result<SensorView> ClosedLoop::hold(const LoopSettings& settings) {
   if (auto free = deps_.keeper.may_hold(); !free) return fail(free.error());
   SensorView sensor = deps_.keeper.snapshot();
@@ -188,7 +190,7 @@ Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
   return {};
 }
 
-/// What the prepare thread answers.
+/// Asks the prepare thread, and blocks until it has answered.
 Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>& what) {
   auto promise = std::make_shared<std::promise<Result<SensorView>>>();
   auto answer = promise->get_future();

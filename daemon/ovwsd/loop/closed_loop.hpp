@@ -1,5 +1,5 @@
-/// The closed loop: takes the wavefront of each usable frame, steps the integrator, and has the
-/// correction shown.
+/// The closed loop: steps the integrator with each usable frame's coefficients, and shows the new
+/// correction on the SLM.
 #pragma once
 
 #include <atomic>
@@ -25,17 +25,17 @@ namespace ovws {
 struct ClosedLoopDeps {
   SensorKeeper& keeper;
   Events& events;
-  /// Loop thread: the loop was closed (true) or opened (false).
+  /// Loop thread: called after the loop was closed (true) or opened (false).
   std::function<void(bool)> on_change;
-  /// Loop thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.
+  /// Loop thread: CLOCK_MONOTONIC time of the last search that found lost spots; 0: none did.
   std::function<std::int64_t()> spots_found_ns;
 };
 
-/// The agent of the loop thread. One step a hologram: a frame counts only if it was exposed while
-/// the newest hologram stood still and is valid. Where no frame has been valid for 0.3 s, one of
-/// which up to a third of the spots is lost counts as well: its modes may be wrong, which the next
-/// step corrects, and spots that overlap come apart. Its patience begins again when a search finds
-/// lost spots.
+/// The agent of the loop thread. Makes one step per hologram: a frame counts only if it is valid
+/// and was exposed while the newest hologram stood still. After 0.3 s without a valid frame, a
+/// frame counts as well if up to a third of its spots are lost and its fit residual is small: the
+/// next step corrects errors of its modes, and overlapping spots separate. The integrator's
+/// patience begins again when a search finds lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -46,15 +46,17 @@ class ClosedLoop : public Agent {
   void on_close() override { mailbox_.close(); }
 
   // Thread-safe; `done` is called in the loop thread.
-  /// Goes on from the correction that is shown. Errc::refused if it is closed, or if there is
-  /// nothing to steer by: no reference, or the sensor is not shown.
+  /// Closes the loop, from the present correction on. Errc::refused: the loop is closed already,
+  /// the sensor is not shown, there is no reference, or the correction exceeds the limit.
+  /// Errc::invalid: bad settings, or a mode that is not measured.
   void close(const LoopSettings& settings, Done done);
-  /// Unless it is kept, the correction is cleared first: if it cannot be, nothing changes.
+  /// Opens the loop. Without `keep` the correction is cleared first; if that fails, nothing
+  /// changes.
   void open(bool keep, Done done);
   LoopReport report() const;
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
 
-  /// Publish thread.
+  /// Publish thread: offers a measured frame to the loop.
   void saw(const FrameRecord& record);
 
  private:
@@ -81,7 +83,7 @@ class ClosedLoop : public Agent {
   std::condition_variable filled_;
   Sample newest_;
   std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC, of the last valid frame; publish thread
-  bool filled_once_ = false;   ///< newest_ was not taken yet
+  bool filled_once_ = false;   ///< newest_ has not been taken yet
   Guarded<LoopReport> report_;
 
   // The loop thread only.

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr double kMostRad = 1000.0;
 
-/// What both have.
+/// Reads the fields that both kinds have.
 template <class T>
 void read_common(ObjectReader& r, T& measured) {
   for (const char* key : {"t_taken_ns", "frames", "origin"}) r.require(key);
@@ -30,7 +30,8 @@ void read_common(ObjectReader& r, T& measured) {
   if (origin != nullptr && origin->is_object()) measured.origin = *origin;
 }
 
-/// Why what was measured with this says nothing of the SLM that is configured; empty: it does.
+/// Why something that was measured with `origin` cannot be used with the configured SLM; empty: it
+/// can.
 std::string other_slm(const json& origin, const Config& config) {
   const json slm = origin.value("slm", json::object());
   const json optics = origin.value("optics", json::object());
@@ -141,7 +142,7 @@ std::string FlatnessKind::title(const MeasuredFlatness& flatness) const {
   return "the flatness of " + utc_text(flatness.t_taken_ns);
 }
 
-/// It is the SLM's and the optics', and counts from the file's map.
+/// Compares the SLM, the optics, and the map of slm.flatness that the measurement is added to.
 std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
   if (auto other = other_slm(flatness.origin, config); !other.empty()) return other;
   if (flatness.configured_sha256 != configured_sha256) {

@@ -1,4 +1,4 @@
-/// What was measured of the SLM, as files.
+/// Stored measurements of the SLM: its look-up table (LUT) and its flatness, as kinds of Kept.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 
 namespace ovws {
 
-/// The look-up table of an SLM of this size and pitch at this wavelength. See Kept.
+/// A measured LUT. It can be used with an SLM of the same size and pitch at the same wavelength.
 struct LutKind {
   using Item = MeasuredLut;
   static constexpr const char *kKind = "lut", *kEvent = "slm";
@@ -25,12 +25,13 @@ struct LutKind {
   bool fits_slm(const Item&) const { return false; }
 };
 
-/// Its flatness, of the same optics, and added to the same file's map. See Kept.
+/// A measured flatness. It can be used with the same SLM and optics, and with the same configured
+/// flatness map, to which it is added.
 struct FlatnessKind {
   using Item = MeasuredFlatness;
   static constexpr const char *kKind = "flatness", *kEvent = "slm";
   Config config;
-  nlohmann::json configured_sha256;  ///< of the file's map; null: there is none
+  nlohmann::json configured_sha256;  ///< of the map of slm.flatness; null: there is none
 
   std::string title(const Item& flatness) const;
   std::string name(const Item&) const { return "slm"; }

@@ -42,7 +42,7 @@ bool SlmLoop::do_work() {
   }
   if (asked.job) carry_out(*asked.job);
   if (!asked.verify.empty()) {
-    const auto verdict = look();  // one look answers all who asked
+    const auto verdict = look();  // one comparison answers all requests
     for (const auto& done : asked.verify) done(verdict);
   }
   if (display_ && monotonic_ns() >= next_check_ns_) {
@@ -61,7 +61,8 @@ void SlmLoop::carry_out(Job& job) {
     abandoned = job.abandoned;
     job.done.set_value(done);
   }
-  // Its caller was told that it failed: what he believes to be shown is to be shown.
+  // Its caller was told that it timed out and takes the previous hologram for the one shown: show
+  // that.
   if (abandoned && done && before) (void)present(*before);
 }
 
@@ -187,7 +188,8 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   return {};
 }
 
-/// From now on nothing is known to be shown; the display is opened anew, as a new object.
+/// Closes the display after a fault. Nothing is known to be shown until try_open has made a new
+/// one.
 void SlmLoop::fault(const Error& why) {
   display_.reset();
   shown_ = ShownHologram{};

@@ -1,5 +1,5 @@
-/// The SLM's keeper, on the main thread: shows holograms, checks the output, and opens it anew
-/// after a fault.
+/// The SLM loop, on the main thread: presents holograms, checks the display's output, and reopens
+/// the display after a fault.
 #pragma once
 
 #include <condition_variable>
@@ -23,10 +23,10 @@
 
 namespace ovws {
 
-/// One picture to show, with what the frame path must know of it.
+/// A hologram to present, with what the frame path must know of it.
 struct HologramRequest {
   std::uint64_t hologram_id = 0;
-  std::uint64_t sensor_epoch = 0;  ///< 0: nothing to measure with this picture
+  std::uint64_t sensor_epoch = 0;  ///< 0: not a sensor hologram, nothing to measure
   HologramKind kind = HologramKind::sensor;
   std::shared_ptr<const Image<std::uint8_t>> grey;
 };
@@ -39,16 +39,16 @@ struct SlmSnapshot {
   std::int64_t t_presented_ns = 0;  ///< UNIX epoch UTC
   std::int64_t t_presented_mono_ns = 0;
   std::int64_t t_settled_mono_ns = 0;
-  double present_ms = 0.0;  ///< how long the last call to show a picture took
+  double present_ms = 0.0;  ///< how long the last call that presents took
   std::string fault;        ///< why it is not healthy; empty if it is
-  bool at_fault = false;    ///< it is there, and cannot be used until somebody mends that
+  bool at_fault = false;    ///< it is present, but cannot be used until a person fixes the fault
 };
 
-/// What the display's buffer held, against what it was given.
+/// Comparison of the display's buffer, read back, with the hologram presented.
 struct SlmVerdict {
   std::uint64_t hologram_id = 0;
-  std::uint32_t crc32 = 0;        ///< of the grey levels given, row by row
-  std::uint32_t crc32_shown = 0;  ///< of those found there
+  std::uint32_t crc32 = 0;        ///< of the grey levels presented, row by row
+  std::uint32_t crc32_shown = 0;  ///< of the grey levels read back
   int differing_pixels = 0;
 };
 
@@ -65,21 +65,21 @@ class SlmLoop : public Agent {
   SlmLoop(SlmConfig config, SlmLoopDeps deps);
   ~SlmLoop() override;
 
-  /// Main thread: one turn, at most 20 ms when there is nothing to do.
+  /// Main thread: one turn; waits 20 ms at most for work.
   bool do_work() override;
-  /// Main thread: no more turns will come; whoever waits in `show` is answered, and later calls are
+  /// Main thread, after the last turn: pending calls of `show` and `verify` fail, later ones are
   /// refused.
   void close();
 
-  /// Thread-safe, any other thread: shows the picture and returns when the display took it, with an
-  /// error if it did not within 2 s; the picture shown before then stays the wanted one.
+  /// Any thread but the main one: presents the hologram, and returns when the display has accepted
+  /// it. Fails after 2 s; the previous hologram then remains the one to show.
   Result<void> show(HologramRequest request);
-  /// Thread-safe: to be shown as soon as there is a display, before what `show` asks for later.
+  /// Thread-safe: presents the hologram as soon as there is a display, before any later `show`.
   void show_when_possible(HologramRequest request);
 
-  /// Thread-safe: reads back what the display shows of the hologram presented last; `done` is
-  /// called in the main thread. A difference is an event. Errors: there is no display or no
-  /// hologram, or the display system lets nobody read it.
+  /// Thread-safe: reads back the display's buffer and compares it with the hologram presented last.
+  /// `done` is called in the main thread. A difference is an event. Errors: there is no display or
+  /// no hologram, or the display system does not allow reading.
   void verify(std::function<void(Result<SlmVerdict>)> done);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }

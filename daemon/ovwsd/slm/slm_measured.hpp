@@ -1,4 +1,4 @@
-/// What the instrument measured of its own SLM, and the hologram's ingredients that follow.
+/// Measured LUT and flatness of the SLM, and the hologram settings that follow from them.
 #pragma once
 
 #include <cstdint>
@@ -13,46 +13,50 @@
 
 namespace ovws {
 
-/// What lut.run measured.
+/// Result of lut.run: the SLM's phase response.
 struct MeasuredLut {
   std::int64_t t_taken_ns = 0;
-  int frames = 0;  ///< of each picture
+  int frames = 0;  ///< averaged for each hologram
   PhaseResponse response;
-  PhaseTable table;       ///< that makes it linear
-  nlohmann::json origin;  ///< see ReferenceBench: what it was measured with
-  std::string sha256;     ///< of the file that keeps it; empty: none does
+  PhaseTable table;       ///< the LUT that makes the response linear
+  nlohmann::json origin;  ///< what it was measured with; see ReferenceBench
+  std::string sha256;     ///< of its file in the state store; empty: it is not stored
 };
 
-/// What flatness.run measured: the error, of which the hologram shows the opposite.
+/// Result of flatness.run: the phase error, whose opposite is added to the hologram.
 struct MeasuredFlatness {
   std::int64_t t_taken_ns = 0;
-  int frames = 0;                            ///< of each place
-  int iterations = 0;                        ///< scans until nothing changed
-  double pupil_diameter_px = 0.0;            ///< of the circle that the modes are of
+  int frames = 0;                            ///< averaged at each place of the scan
+  int iterations = 0;                        ///< number of scans
+  double pupil_diameter_px = 0.0;            ///< of the circle on which the modes are defined
   std::vector<Mode> modes;                   ///< j >= 3, RMS-normalised waves
-  std::vector<double> standard_error_waves;  ///< of each of them
-  double residual_rms_waves = 0.0;           ///< what the last scan changed
-  nlohmann::json configured_sha256;          ///< of the file's map that it is added to; null: none
-  nlohmann::json origin;                     ///< as of MeasuredLut
+  std::vector<double> standard_error_waves;  ///< of each mode
+  double residual_rms_waves = 0.0;           ///< RMS change of the modes in the last scan
+  nlohmann::json configured_sha256;  ///< of the map of slm.flatness that it is added to; null: none
+  nlohmann::json origin;             ///< as in MeasuredLut
   std::string sha256;
 };
 
-/// Immutable. What is null was not measured, and is as configured.
+/// The SLM data in use; immutable. A null measurement means that the configuration's file is used,
+/// if there is one.
 struct SlmInForce {
   std::shared_ptr<const MeasuredLut> lut;
   std::shared_ptr<const MeasuredFlatness> flatness;
-  HologramConfig hologram;  ///< its sensor means nothing
-  nlohmann::json identity;  ///< geometry and checksums: pictures of another one are other pictures
+  HologramConfig hologram;  ///< its sensor settings are not used
+  /// Geometry and checksums; images that were taken with another identity cannot be compared.
+  nlohmann::json identity;
 };
 
-/// Of a map as in slm_identity; null: there is none.
+/// Checksum of the hologram's flatness map, as in slm_identity; null: there is no map.
 nlohmann::json flatness_sha256(const HologramConfig& hologram);
 
-/// An SlmIdentity; a checksum is null where there is neither a file nor a measurement.
+/// The SLM's identity (SlmIdentity) as JSON. A checksum is null if there is neither a file nor a
+/// measurement.
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 
-/// `configured`: with the files of the configuration. A measured LUT takes the place of a file's; a
-/// measured flatness is added to a file's, since it was measured with that in force.
+/// Combines measurements with `configured`, which holds the files of the configuration. A measured
+/// LUT replaces the file's; a measured flatness is added to the file's, which was active when it
+/// was measured.
 std::shared_ptr<const SlmInForce> slm_in_force(const Config& config,
                                                const HologramConfig& configured,
                                                std::shared_ptr<const MeasuredLut> lut,

@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kTurnNs = 50'000'000;
-constexpr std::int64_t kPauseNs = 10'000'000;  // until somebody is asked again what is wanted
+constexpr std::int64_t kPauseNs = 10'000'000;  // between two looks at what the takers want
 
 }  // namespace
 
@@ -56,8 +56,7 @@ void ImagePublisher::serve(const FrameRecord& record) {
   try {
     frames_.serve_pixels(record);
   } catch (const std::bad_alloc&) {
-    counters_.add(
-        Counter::messages_dropped);  // the request is open; the next frame may find memory
+    counters_.add(Counter::messages_dropped);  // the request stays open
   }
 }
 

@@ -1,5 +1,5 @@
-/// Borrows frames with their pixels: sends pictures at a rate for eyes, the camera's image and the
-/// wavefront over the pupil, and hands frames on to who else wants some.
+/// The image publisher: sends camera images and phase maps at a display rate, and lends frames with
+/// their pixels to other consumers (FrameTaker).
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@
 namespace ovws {
 
 struct ImagePublisherConfig {
-  double rate_hz = 10.0;  ///< 0: none are sent
+  double rate_hz = 10.0;  ///< 0: nothing is sent
   double wavelength_nm = 632.0;
   int phase_size_px = 128;
 };
@@ -33,7 +33,7 @@ class ImagePublisher : public Agent {
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
-  /// Thread-safe: pictures are sent at this rate from now on; 0: none.
+  /// Thread-safe: sets the rate of images and phase maps; 0: none.
   void set_rate(double rate_hz) {
     rate_hz_.store(rate_hz);
     next_ns_.store(0);

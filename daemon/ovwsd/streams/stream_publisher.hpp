@@ -1,5 +1,5 @@
-/// Sends what the pipeline measured, and what the rest of the daemon has to say, on the measurement
-/// stream.
+/// The publisher of the measurement stream: sends wavefront and spots of each frame, and the queued
+/// event, status and refined messages.
 #pragma once
 
 #include <cstdint>
@@ -29,17 +29,16 @@ struct StreamPublisherDeps {
   LatencyHistogram& published_latency;
 };
 
-/// What `wavefront` and `spots` say of the frame that they were measured in; seq and publish times
-/// apart.
+/// The fields that `wavefront` and `spots` share, but for `seq` and the publish times.
 FrameMessage frame_message(const FrameRecord& record, double wavelength_nm);
 
-/// The publish thread's agent; owns the socket's use.
+/// The publish thread's agent, which alone uses the socket.
 class StreamPublisher : public Agent {
  public:
   StreamPublisher(Publisher socket, double wavelength_nm, StreamPublisherDeps deps);
 
   bool do_work() override;
-  /// Sends what is still waiting, so that the last events are not lost.
+  /// Sends the messages still queued, so that the last events are not lost.
   void on_close() override;
 
  private:
