@@ -100,8 +100,8 @@ void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>
   }
 }
 
-/// The items of its kind and name but the one that is being tried, of which turn() says what
-/// becomes of it.
+/// Removes the queued items of the same kind and name, and returns them without the one that is
+/// being written, whose result turn() reports.
 std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
   std::list<Item> taken;
   for (auto at = items_.begin(); at != items_.end();) {
@@ -116,8 +116,8 @@ std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
   return taken;
 }
 
-/// Of one kind and name only the newest is to be on the disk. Of one that is too much for the queue
-/// what remains to be done is that the outdated one goes.
+/// Queues an item in place of older ones of the same kind and name. An item beyond the memory limit
+/// is refused; what remains to be done is to set the outdated file aside.
 void DaemonStore::queue(Item item) {
   std::list<Item> displaced;
   Tried refused;
@@ -139,7 +139,7 @@ void DaemonStore::queue(Item item) {
     }
   }
   for (const Item& one : displaced) {
-    if (one.why) continue;  // it was told already
+    if (one.why) continue;  // its failure was reported before
     one.tried(fail(Errc::refused, "", "a newer one took its place before it was written"));
   }
   if (refused) {
@@ -187,7 +187,7 @@ bool DaemonStore::turn() {
   return more;
 }
 
-/// An exception is one more reason not to be kept: the item is tried again.
+/// Turns an exception into an error, so that the item is retried.
 Result<std::string> DaemonStore::carry_out(const Item& item) {
   try {
     return write(item);
@@ -218,14 +218,15 @@ Result<std::string> DaemonStore::write(const Item& item) {
   return kept;
 }
 
-/// A drop is tried once: who asked for it undoes what belongs to it.
+/// Removes an item that is done from the queue, or marks it for a retry. A drop is tried once: its
+/// caller undoes the change that it belongs to.
 void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
   const auto now = std::find_if(items_.begin(), items_.end(),
                                 [&](const Item& one) { return one.number == item.number; });
   if (done && item.text) why_read_only_.reset();
-  if (done && item.why) make_all_due();  // there is room again
+  if (done && item.why) make_all_due();  // the disk has room again
   if (!done) next_try_ns_ = monotonic_ns() + kTryAgainNs;
-  if (now == items_.end()) return;  // a newer one took its place
+  if (now == items_.end()) return;  // a newer one has taken its place
   if (!done && item.text) {
     if (!now->why) ++refused_;
     now->why = done.error().reason;
@@ -299,7 +300,7 @@ Result<void> DaemonStore::request(Disk::Task task) {
   return {};
 }
 
-/// Who is asked may end before it answers.
+/// Calls `ask`, and blocks until its callback has answered or the daemon stops.
 template <class T>
 Result<T> DaemonStore::wait_for(
     const std::function<void(std::function<void(const Result<T>&)>)>& ask) {

@@ -1,4 +1,5 @@
-/// The daemon's store: where it is, or why there is none, and what could not be kept yet.
+/// The daemon's state store: a write queue in front of the state files, which reports what cannot
+/// be written.
 #pragma once
 
 #include <condition_variable>
@@ -21,79 +22,81 @@
 
 namespace ovws {
 
-/// `config.directory`, or the first of $STATE_DIRECTORY; none: neither is set.
+/// `config.directory`, or the first folder of $STATE_DIRECTORY; none: neither is set.
 std::optional<std::string> state_directory_of(const StateConfig& config);
 
-/// A queue of items to write, which the disk thread works off. An item that the disk refuses stays
-/// in the queue and is tried again every two seconds; of each kind and name only the newest is
-/// queued. Thread-safe. Without a store the daemon runs all the same.
+/// Write-behind queue of state items, which the disk thread writes. An item whose write fails stays
+/// queued and is retried every two seconds. Only the newest item of a kind and name is queued.
+/// Thread-safe. Without a store the daemon works all the same, and keeps nothing.
 class DaemonStore {
  public:
-  /// What became of an item: its checksum, or why it is not kept (yet). Called in the disk thread
-  /// after the first try, and again if a later one succeeds; in the caller's if nothing is tried.
+  /// The result of a write: the item's checksum, or why it is not stored (yet). Called in the disk
+  /// thread after the first attempt, and again if a later one succeeds; in the caller's thread if
+  /// there is no attempt.
   using Tried = std::function<void(const Result<std::string>& kept)>;
   using Dropped = std::function<void(const Result<void>& dropped)>;
-  /// What happens to the older item of that name on the disk while the new one cannot be written.
+  /// What happens to the item of the same name on the disk while the new one cannot be written.
   enum class Older {
     stays,
-    set_aside,  ///< it is outdated: a restart must not load it
+    set_aside,  ///< renamed: it is outdated, and a restart must not load it
   };
-  /// Queued items hold at most so much memory; what comes beyond is not kept.
+  /// Limit of the memory of queued items; an item beyond it is not stored.
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{128} << 20;
 
-  /// In state_directory_of; waits for the disk. A store that cannot be used or written, or none, is
-  /// reported here, once; what is in one that can only be read is read. Without `disk` everything
-  /// is done at once, in the calling thread.
+  /// Opens the store in state_directory_of; blocks on the disk. An event reports a store that is
+  /// missing, cannot be used, or cannot be written; items of one that can only be read are read.
+  /// Without `disk` every operation is done at once, in the calling thread.
   DaemonStore(const StateConfig& config, Events& events, Disk* disk = nullptr);
 
-  // Any thread; these never wait for the disk.
-  /// Errors: Errc::unavailable (there is no store, too much is queued, or as of replace_file).
+  // Any thread; these never block on the disk.
+  /// Queues the write of an item. Errors: Errc::unavailable (no store, too much queued), or as of
+  /// replace_file; Errc::refused: a newer item replaced it in the queue.
   void put(std::string_view kind, std::string_view name, const nlohmann::json& content, Older older,
            Tried tried);
-  /// Tried once, also an item that is still queued. Errors as of remove_file; without a store there
-  /// is nothing to drop.
+  /// Deletes an item, queued or on the disk, in one attempt. Errors: see remove_file; without a
+  /// store there is nothing to delete.
   void drop(std::string_view kind, std::string_view name, Dropped dropped);
-  /// The same of several: `dropped` once, with the first error.
+  /// Deletes several items; `dropped` is called once, with the first error.
   void drop_all(std::string_view kind, const std::vector<std::string>& names, Dropped dropped);
-  /// The events of kind `kind` about `title`, which belong to every put; then `then` with the
-  /// checksum, empty if it is not kept.
+  /// The callback for `put` that reports the result as an event of kind `kind` about `title`, then
+  /// calls `then` with the checksum; empty: the item is not stored.
   Tried reporting(std::string kind, std::string title, std::int64_t t_taken_ns,
                   std::function<void(const std::string& sha256)> then);
-  /// Why an item of this kind is still queued; none: none was refused.
+  /// Why the write of an item of this kind failed; none: no failed one is queued.
   std::optional<std::string> why_queued(std::string_view kind) const;
   bool is_queued(std::string_view kind, std::string_view name) const;
   StatusMessage::StorePart report() const;
-  /// `task` is carried out in the disk thread, after what was asked for before.
+  /// Runs `task` in the disk thread, after what was queued there before. Errors: see Disk::request.
   Result<void> request(Disk::Task task);
 
-  // Threads that may wait for the disk; an older item stays.
+  // Threads that may block on the disk; an older item stays.
   Result<std::string> put_and_wait(std::string_view kind, std::string_view name,
                                    const nlohmann::json& content);
   Result<void> drop_and_wait(std::string_view kind, std::string_view name);
-  /// Until everything that is queued was tried once more.
+  /// Returns when everything queued has been tried once more.
   void try_again_and_wait();
-  /// The queued item, or else that on the disk.
+  /// The queued item, or else the one on the disk.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
-  /// The same of all of a kind, as of StateStore::load; of every file that is not whole an event
-  /// says why it is not used.
+  /// The same for all items of a kind; see StateStore::load. An event reports each damaged file,
+  /// which is not used.
   void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
 
-  /// Disk thread, each turn: tries one item. Returns whether another one is due.
+  /// Disk thread, each turn: tries one item. True if another one is due.
   bool turn();
-  /// Nobody waits from now on: the daemon stops.
+  /// The daemon stops: calls that wait return with Errc::unavailable from now on.
   void end_soon();
-  /// Items that are not on the disk.
+  /// Number of items that are not on the disk yet.
   int queued() const;
 
  private:
   struct Item {
     std::string kind, name;
-    std::shared_ptr<const std::string> text;  ///< null: to be dropped, or set aside
+    std::shared_ptr<const std::string> text;  ///< null: delete the item, or set it aside
     Older older = Older::stays;
     Tried tried;
-    std::uint64_t number = 0;          ///< of the order in which they were asked for
-    bool due = true;                   ///< to be tried in the next turn
-    std::optional<std::string> why{};  ///< it was refused for
+    std::uint64_t number = 0;          ///< in the order of the requests
+    bool due = true;                   ///< try it in the next turn
+    std::optional<std::string> why{};  ///< why the last attempt failed
   };
   void queue(Item item);
   std::list<Item> take_out(const Item& newer);  // call with mutex_ locked
@@ -118,8 +121,8 @@ class DaemonStore {
   std::optional<std::uint64_t> trying_;  ///< its number
   std::uint64_t last_number_ = 0;
   std::int64_t next_try_ns_ = 0;
-  int refused_ = 0;                           ///< items since all was written
-  std::optional<std::string> why_read_only_;  ///< at the start, and until something is kept
+  int refused_ = 0;                           ///< items whose write failed since all was written
+  std::optional<std::string> why_read_only_;  ///< until a write succeeds
   bool ending_ = false;
 };
 

@@ -1,4 +1,5 @@
-/// What was measured and outlives a restart: the files of one kind.
+/// Measured items of one kind (references, calibrations, LUT, flatness) in the state store, loaded
+/// again after a restart.
 #pragma once
 
 #include <spdlog/fmt/fmt.h>
@@ -18,14 +19,14 @@
 
 namespace ovws {
 
-/// `Kind` says of its items (which have `t_taken_ns`, and `sha256`, the checksum of the file):
+/// `Kind` describes its items, which have `t_taken_ns`, and `sha256`, the checksum of their file:
 ///
 ///     using Item = …;
 ///     static constexpr const char *kKind = …, *kEvent = …;  // of the files, of the events
 ///     std::string title(const Item&) const;                 // "the reference of 2026-01-31T…"
 ///     std::string name(const Item&) const;                  // of its file, [a-z0-9_-]
 ///     nlohmann::json content(const Item&) const;            // of its file
-///     Result<Item> read(const nlohmann::json&) const;       // errors: what does not fit together
+///     Result<Item> read(const nlohmann::json&) const;       // errors: what is inconsistent
 ///     // Why this bench cannot use the item; empty: it can. May complete the item.
 ///     std::string obstacle(Item&) const;
 ///     // The obstacle is another LUT or flatness, and nothing else.
@@ -33,21 +34,22 @@ namespace ovws {
 ///     // It was measured with the LUT and flatness that are active.
 ///     bool fits_slm(const Item&) const;
 ///
-/// One thread at a time. Only `load` waits for the disk.
+/// One thread at a time. Only `load` blocks on the disk.
 template <class Kind>
 class Kept {
  public:
   using Item = typename Kind::Item;
   using Items = std::vector<std::shared_ptr<const Item>>;  ///< oldest first
   using Told = std::function<void(const std::string& sha256)>;
-  /// As many are kept, of whatever sensor and bench; the oldest goes first.
+  /// Limit of stored items of a kind, whatever sensor and bench they belong to; the oldest is
+  /// deleted first.
   static constexpr std::size_t kMax = 16;
 
   Kept(Kind kind, DaemonStore& store, Events& events)
       : kind_(std::move(kind)), store_(store), events_(events) {}
 
-  /// Those that can be used. An event says of each file when its item was taken and its checksum,
-  /// and why, if it is not used; then it stays on the disk.
+  /// Loads the items that can be used. An event names each file with its checksum and the time of
+  /// its measurement, and why it is not used; such a file stays on the disk.
   Items load() {
     Items usable;
     store_.load(Kind::kKind, [&](const StateItem& item) {
@@ -56,8 +58,8 @@ class Kept {
     return by_age(std::move(usable));
   }
 
-  /// Of those that were not used for the LUT or the flatness alone the ones that can be used now,
-  /// each once.
+  /// The items that only another LUT or flatness had ruled out, and that can be used now; each
+  /// once.
   Items load_again() {
     Items usable;
     for (auto& [name, found] : std::exchange(waiting_for_slm_, {})) {
@@ -70,9 +72,9 @@ class Kept {
     return by_age(std::move(usable));
   }
 
-  /// In place of those of the names `replaced`, which are dropped when it is kept. `told` in the
-  /// disk thread: its checksum, empty if it could not be kept, which an event says; then again, if
-  /// it is kept after all.
+  /// Stores an item. The items `replaced` are deleted once it is stored. `told` is called in the
+  /// disk thread with the checksum; it is empty if the item could not be stored, which an event
+  /// reports. A later success calls it again.
   void keep(const Item& item, const std::vector<std::string>& replaced = {}, Told told = nullptr) {
     const std::string name = kind_.name(item);
     for (const std::string& other : replaced) forget(other);
@@ -88,7 +90,8 @@ class Kept {
     drop_oldest();
   }
 
-  /// Files of these names. `told` in the disk thread; an error: some are still on the disk.
+  /// Deletes the items of these names. `told` is called in the disk thread; an error: some files
+  /// are still on the disk.
   void drop(const std::vector<std::string>& names, DaemonStore::Dropped told) {
     for (const std::string& name : names) forget(name);
     store_.drop_all(Kind::kKind, names, std::move(told));
@@ -135,7 +138,8 @@ class Kept {
     return use({file.name, file.path, std::move(*item)});
   }
 
-  /// Null: it cannot be used, now or at all.
+  /// Null: the item cannot be used now. It is remembered if another LUT or flatness would change
+  /// that.
   std::shared_ptr<const Item> use(Found found) {
     Item& item = found.item;
     const std::string obstacle = found.name == kind_.name(item)
@@ -163,7 +167,7 @@ class Kept {
 
   void drop_oldest() {
     while (files_.size() > kMax) {
-      // But the newest: the time of day may have been set back.
+      // The newest file stays even if the clock was set back.
       const auto oldest = std::min_element(
           files_.begin(), std::prev(files_.end()),
           [](const File& a, const File& b) { return a.t_taken_ns < b.t_taken_ns; });
@@ -176,7 +180,7 @@ class Kept {
   Kind kind_;
   DaemonStore& store_;
   Events& events_;
-  std::vector<File> files_;                       ///< whole ones, used or not
+  std::vector<File> files_;                       ///< undamaged ones, used or not
   std::map<std::string, Found> waiting_for_slm_;  ///< by name
 };
 

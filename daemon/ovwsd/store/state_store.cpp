@@ -31,7 +31,7 @@ tl::unexpected<Error> damaged(const std::string& reason) {
   return fail(Errc::invalid, "", reason);
 }
 
-/// Empty, and `reason` is set, if it cannot be read.
+/// Reads a file; if that fails, returns an empty text and sets `reason`.
 std::string read_text(const fs::path& path, std::string& reason) {
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(path, unknown);
@@ -104,10 +104,10 @@ Result<StateStore> StateStore::open(const std::string& directory) {
                 directory + " cannot be read: " + failed.message());
   }
   StateStore store(directory);
-  // First: they may be what fills the disk.
+  // Done first: the leftovers may be what fills the disk.
   store.leftovers_ = remove_leftovers(directory);
-  // Asked of the disk, not of the permissions: what matters is whether a file can be written. A
-  // full disk takes an empty one.
+  // Tests with a real write, because permissions do not tell whether one succeeds. A full disk
+  // would still take an empty file.
   constexpr std::size_t kProbeBytes = 4096;
   const std::string probe = directory + "/.write-test";
   auto writable = replace_file(probe, std::string(kProbeBytes, '\n'));
