@@ -66,7 +66,7 @@ cpu_set_t set_of(const std::vector<int>& cpus) {
 Result<void> check_cpus(const std::vector<int>& cpus) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
-  // More processors than a cpu_set_t names: the start of the threads will tell.
+  // With more processors than a cpu_set_t holds, pinning reports the error when the threads start.
   if (cpus.empty() || sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return {};
   std::vector<int> known;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
@@ -180,8 +180,8 @@ Result<void> ThreadPlan::pin(Running& running) const {
 }
 
 void ThreadPlan::run(Running& running) {
-  // Linux keeps the nice value by thread, and giving way is always allowed; never back, if the
-  // whole process was told to give more.
+  // Linux has a nice value per thread. Raising it is always allowed. It is not lowered where the
+  // whole process runs at a higher one.
   const int ours = getpriority(PRIO_PROCESS, 0);
   if (running.row->nice > ours) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
   bool whole = true;
@@ -195,7 +195,7 @@ void ThreadPlan::run(Running& running) {
   running.ending.set_value();
 }
 
-/// False: an exception left `work`, and was reported.
+/// Runs `work`; false if an exception left it, which is then reported.
 bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work) {
   try {
     work();
@@ -208,7 +208,8 @@ bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work
   return false;
 }
 
-/// So that a turn that always fails is reported once a second, and costs nothing else.
+/// Waits a second, so that a turn that always fails is reported once a second and uses no processor
+/// time.
 void ThreadPlan::pause(const Running& running) {
   constexpr std::int64_t kPauseNs = 1'000'000'000;
   constexpr std::chrono::milliseconds kStep(20);
@@ -227,7 +228,7 @@ void ThreadPlan::report(const ThreadRow& row, const std::string& what) {
     }
     if (on_failure_) return on_failure_({&row, what});
     spdlog::error("thread {} failed: {}", row.name, what);
-  } catch (const std::exception&) {  // no memory for the words: the decision stands without them
+  } catch (const std::exception&) {  // no memory for the text: the decision stands without it
   }
 }
 
@@ -260,7 +261,7 @@ void ThreadPlan::end_soon(const std::vector<ThreadRole>& roles) {
 }
 
 std::string ThreadPlan::wait_for_end(const std::vector<ThreadRole>& roles, double patience_s) {
-  constexpr std::chrono::milliseconds kLeast(200);  // even behind one that is held
+  constexpr std::chrono::milliseconds kLeast(200);  // also after a thread that did not end
   std::string held;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {

@@ -1,5 +1,5 @@
-/// The one table of threads: who runs, how it is scheduled, what it may wait for. Nothing else
-/// creates a thread.
+/// The thread table: which threads the daemon has, how they are scheduled, and what they may wait
+/// for. No other code creates threads.
 #pragma once
 
 #include <array>
@@ -40,13 +40,13 @@ enum class ThreadRole {
   display,
 };
 
-/// What a turn that takes too long calls for.
+/// The reaction to a turn that takes too long.
 enum class OnHang {
-  restart,  ///< our own fault: the watchdog is no longer fed
-  report,   ///< a device or long work holds the thread, and would hold that of a new process
+  restart,  ///< our own fault: the systemd watchdog is no longer fed
+  report,   ///< a device or long work blocks the thread, and would block that of a new process
 };
 
-/// What an exception that leaves a turn calls for.
+/// The reaction to an exception that leaves a turn.
 enum class OnException {
   go_on,    ///< the turn is lost, the next one begins after a second
   restart,  ///< frames or holograms may be left half done: the process ends, systemd restarts it
@@ -97,11 +97,13 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
      OnException::restart},  // made by the system
 }};
 
-/// Once, before any thread is made, those of libraries included: locked memory holds stacks whole,
-/// and at the system's 8 MiB each those of twenty threads are 160 MB.
+/// Reduces the default stack size to 1 MiB, for threads of libraries, too. Locked memory (mlockall)
+/// holds whole stacks, and twenty of the system's 8 MiB are 160 MB. Call once, before any thread is
+/// created.
 void keep_stacks_small();
 
-/// Errc::invalid, field pipeline.cpus: this process may not run on one of these processors.
+/// Checks that this process may run on these processors; if not, Errc::invalid, field
+/// pipeline.cpus.
 Result<void> check_cpus(const std::vector<int>& cpus);
 
 struct HungThread {
@@ -109,7 +111,7 @@ struct HungThread {
   double turn_s = 0.0;  ///< so far
 };
 
-/// An exception left a turn of this thread.
+/// Report of an exception that left a turn of this thread.
 struct ThreadFailure {
   const ThreadRow* row = nullptr;
   std::string what;
@@ -117,45 +119,45 @@ struct ThreadFailure {
 /// Called in the thread that failed.
 using OnThreadFailure = std::function<void(const ThreadFailure&)>;
 
-/// Starts agents on threads, watches that they turn, and stops them. Main thread only, but for what
-/// says otherwise.
+/// Starts agents on threads, detects hung threads, and stops them. Main thread only, unless stated
+/// otherwise.
 class ThreadPlan {
  public:
-  /// Threads of the frame path (those with a SCHED_FIFO priority) keep to `frame_path_cpus`, of
-  /// which check_cpus has nothing to say; empty: they run anywhere. Exceptions that leave a turn
-  /// are given to `on_failure`, or logged if there is none.
+  /// Threads of the frame path (those with a SCHED_FIFO priority) are pinned to `frame_path_cpus`,
+  /// which check_cpus has accepted; empty: they run on any processor. Exceptions that leave a turn
+  /// are passed to `on_failure`, or logged if there is none.
   explicit ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus = {},
                       OnThreadFailure on_failure = {});
   ~ThreadPlan();
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
 
-  /// Locks the process's memory, and keeps the processor out of sleep that takes long to wake from,
-  /// if the system lets it. With `enforce`, what is missing is an error.
+  /// Locks the process's memory (mlockall), and keeps the processor out of deep idle states
+  /// (/dev/cpu_dma_latency). What the system refuses is a warning, with `enforce` an error.
   Result<void> prepare_process();
-  /// `agent` is turned until stop_all. Processors that cannot be had are an error; with `enforce`,
-  /// a priority that cannot be had is one, too.
+  /// Runs `agent` in a new thread until stop_all. Processors that it cannot be pinned to are an
+  /// error; with `enforce`, a refused priority is one, too.
   Result<void> start(ThreadRole role, Agent& agent);
-  /// Turns `agent` in the calling thread until `stop` is set, or until an exception left a turn of
+  /// Runs `agent` in the calling thread until `stop` is set, or until an exception leaves a turn of
   /// a thread whose row then ends the process.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
-  /// Asks these to end with their turn; waits for nothing. Any thread.
+  /// Asks these threads to end after their turn, and does not wait. Any thread.
   void end_soon(const std::vector<ThreadRole>& roles);
-  /// Waits for these, last started first, for `patience_s` in all. A thread may be held by a device
-  /// that no longer answers, or by work that cannot be broken off: then its name is returned, and
-  /// the process is to end without destroying what that thread uses. Empty: all ended. One thread
-  /// at a time.
+  /// Joins these threads, last started first, within `patience_s` in all. A thread may be blocked
+  /// by a device that no longer answers, or by work that cannot be interrupted: then its name is
+  /// returned, and the process must end without destroying what that thread uses. Empty: all ended.
+  /// One caller at a time.
   std::string wait_for_end(const std::vector<ThreadRole>& roles, double patience_s);
-  /// Both, of all that have not ended yet.
+  /// end_soon and wait_for_end for all threads that have not ended yet.
   std::string stop_all(double patience_s);
 
-  /// Thread-safe: why the process is to end and be started again; empty: there is no reason.
+  /// Thread-safe: why the process must end and be restarted; empty: there is no reason.
   std::string fatal_failure() const;
 
-  /// Thread-safe: those whose turn takes too long.
+  /// Thread-safe: the threads whose turn takes longer than their row allows.
   std::vector<HungThread> hung_threads() const;
-  /// Status thread: `stop` of run_here has been seen set for `patience_s`, and the turn still
-  /// lasts.
+  /// Status thread: whether `stop` of run_here has been seen set for `patience_s` while the turn
+  /// still lasts.
   bool stop_overdue(double patience_s);
 
  private:
@@ -173,8 +175,9 @@ class ThreadPlan {
   OnThreadFailure on_failure_;
   std::atomic<bool> has_fatal_failure_{false};
   std::string fatal_failure_;
-  int dma_latency_fd_ = -1;   ///< what was asked for holds while it is open; -1: not asked
-  mutable std::mutex mutex_;  ///< of the list, which the status thread reads, and of fatal_failure_
+  int dma_latency_fd_ = -1;  ///< the request holds while it is open; -1: none
+  /// Guards threads_, which the status thread reads, and fatal_failure_.
+  mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Running>> threads_;
   std::unique_ptr<Running> here_;
   const std::atomic<bool>* stop_here_ = nullptr;
