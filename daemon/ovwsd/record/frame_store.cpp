@@ -76,13 +76,13 @@ void FrameStore::take(const FrameRecord& record, bool with_picture) {
   if (with_picture) copy_picture(record.frame.image, *frame);
   frame->row.picture_dropped =
       record.pixels_missed || (with_picture && frame->pixels.empty()) ? 1 : 0;
-  (void)full_.try_push(frame);  // as large as there are frames
+  (void)full_.try_push(frame);  // has room for all frames
 }
 
 void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
   const std::size_t bytes = row_bytes(image.format, image.width);
   std::byte* picture = nullptr;
-  if (bytes * std::size_t(image.height) != picture_bytes_) return;  // it does not fit the file
+  if (bytes * std::size_t(image.height) != picture_bytes_) return;  // not the file's size
   if (!free_pictures_.try_pop(picture)) return;
   to.pixels = {picture, picture_bytes_};
   for (int y = 0; y < image.height; ++y) {

@@ -1,4 +1,5 @@
-/// Frames on their way from the pipeline to the file: copies in memory that is taken once.
+/// The frame buffer of a recording: copies of frames between pipeline and file, in memory allocated
+/// once.
 #pragma once
 
 #include <atomic>
@@ -16,29 +17,31 @@
 namespace ovws {
 
 struct TakenFrame {
-  RecordedFrame row;  ///< but for where its parts are in the file
+  RecordedFrame row;  ///< without the positions of its parts in the file
   std::uint64_t number = 0;
   std::vector<RecordedSpot> spots;
   std::vector<float> coefficients;
-  std::span<std::byte> pixels;  ///< without padding; empty: no picture
+  std::span<std::byte> pixels;  ///< without padding; empty: no image
 };
 
-/// One taking thread and one writing thread.
+/// A pair of SPSC ring buffers, for full and for free frames: one thread takes frames, one writes
+/// them.
 class FrameStore {
  public:
-  /// Room for `pictures` pictures of so many bytes, and for four thousand frames without.
+  /// Allocates room for `pictures` images of `picture_bytes` each, and for 4096 frames without
+  /// their images.
   FrameStore(std::size_t pictures, std::size_t picture_bytes);
 
-  /// Taking thread, frames in the order of their numbers. A frame that finds no room is left out,
-  /// or its picture is.
+  /// Taking thread, frames in the order of their numbers: copies a frame. Without room for it the
+  /// frame is dropped, or only its image.
   void take(const FrameRecord& record, bool with_picture);
 
   // Writing thread.
   TakenFrame* next(int timeout_us);  ///< nullptr: none came
   void give_back(TakenFrame* frame);
-  /// How many frames came after the one of that number, taken or left out; 0: of all.
+  /// Number of frames that came after the one of that number, taken or dropped; 0: all.
   std::uint64_t taken_after(std::uint64_t number) const;
-  /// Whether pictures come faster than they are written.
+  /// Whether images come faster than they are written: less than half of their room is free.
   bool behind() const { return free_pictures_.size_approx() < pictures_ / 2; }
 
  private:

@@ -12,7 +12,8 @@ namespace ovws {
 namespace {
 
 constexpr std::size_t kStepBytes = 1 << 20;
-constexpr std::chrono::microseconds kPause(100);  // in which others take the lock
+/// Lets page faults of other threads have the kernel's memory lock.
+constexpr std::chrono::microseconds kPause(100);
 
 }  // namespace
 
@@ -30,7 +31,7 @@ PictureMemory::PictureMemory(std::size_t bytes) : bytes_(bytes) {
       ::munmap(room, bytes);
       throw std::bad_alloc();
     }
-    std::memset(taken, 0, step);  // where memory is not locked, too, a picture finds its pages
+    std::memset(taken, 0, step);  // touches the pages, also where memory is not locked
     std::this_thread::sleep_for(kPause);
   }
 }

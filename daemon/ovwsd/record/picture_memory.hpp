@@ -1,15 +1,15 @@
-/// Memory for pictures that wait to be written.
+/// Memory for the images of a recording that wait to be written.
 #pragma once
 
 #include <cstddef>
 
 namespace ovws {
 
-/// Taken and given back a megabyte at a time: the process's memory is locked, so whatever is taken
-/// at once is filled at once, and until it is, other threads' page faults wait for it.
+/// Allocates and frees 1 MiB at a time. The process's memory is locked, so the kernel fills a
+/// mapping at once, and page faults of other threads wait until it is full.
 class PictureMemory {
  public:
-  /// Zeroes. Throws std::bad_alloc.
+  /// Filled with zeros. Throws std::bad_alloc.
   explicit PictureMemory(std::size_t bytes);
   ~PictureMemory();
   PictureMemory(const PictureMemory&) = delete;

@@ -117,14 +117,15 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       nuisance(plan.reconstructor->nuisance()) {}
 
 Document make_document(std::string kind, const json& content) {
-  // A camera's name may hold bytes that are no UTF-8.
+  // A camera's name may hold bytes that are not UTF-8.
   Document document{
       std::move(kind), content.dump(-1, ' ', false, json::error_handler_t::replace), {}};
   document.sha256 = sha256_hex(document.text);
   return document;
 }
 
-/// A closed loop makes ten plans a second of one reference, whose picture is a megabyte.
+/// Adds a reference only if it is not the last one added: a closed loop makes ten plans a second
+/// with the same reference, whose image has a megabyte.
 const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Reference>& reference,
                                                std::vector<Document>& all) {
   const bool same = reference_ && reference_->t_taken_ns == reference->t_taken_ns &&

@@ -1,5 +1,5 @@
-/// What a frame's numbers depend on, as it is written beside them: one JSON text a thing, told
-/// apart by its checksum.
+/// The documents of a recording: the plan, reference, operator, calibration and SLM that a frame
+/// was measured with. Each is one JSON text, identified by its checksum.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace ovws {
 
-/// Of one plan: copies, for the plan itself may be gone when they are written.
+/// The part of a plan that is recorded, copied because the plan may be gone when it is written.
 struct PlanFacts {
   PlanFacts(const MeasurementPlan& plan, SensorView view);
 
@@ -40,11 +40,11 @@ struct Document {
 };
 Document make_document(std::string kind, const nlohmann::json& content);
 
-/// Of one recording. One thread.
+/// Makes the documents of one recording. One thread.
 class PlanDocuments {
  public:
-  /// Those that were not given before, the plan's own last; it refers to the others by their
-  /// checksums. The first with a reference's picture takes a tenth of a second.
+  /// The documents that were not returned before, the plan's own last, which names the others by
+  /// their checksums. The first one with a reference's image takes a tenth of a second.
   std::vector<Document> of(const PlanFacts& facts);
 
  private:
@@ -52,7 +52,7 @@ class PlanDocuments {
                                   std::vector<Document>& all);
 
   std::set<std::string> given_;
-  std::shared_ptr<const Reference> reference_;  ///< that was written last
+  std::shared_ptr<const Reference> reference_;  ///< the reference written last
   std::string reference_sha256_;
 };
 

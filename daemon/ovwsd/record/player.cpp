@@ -1,5 +1,5 @@
-/// A frame's measurement depends on its pixels, its plan, where its spots were looked for, and what
-/// was known of its hologram and settings: all of that stands in the file.
+/// A frame's measurement depends on its pixels, its plan, the start positions of its spots, and
+/// what was known about hologram and settings. The file holds all of these, so the replay is exact.
 #include "daemon/ovwsd/record/player.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
 constexpr int kPatienceUs = 5'000'000;
 
-/// Gives one frame when it is told to.
+/// A camera that delivers one recorded frame per call of `give`.
 class SteppedCamera final : public Camera {
  public:
   explicit SteppedCamera(RecordingReader& reader)
@@ -52,7 +52,7 @@ class SteppedCamera final : public Camera {
                  header_.height, std::ptrdiff_t(row_bytes(header_.format, header_.width)),
                  header_.format, next_->left_justified_bits};
     out.justification_known = true;
-    // Counted anew: a camera that has been opened again may count from 0.
+    // Numbered again from 1: a camera that was reopened may have started from 0.
     out.frame_id = ++count_;
     out.t_device_ns = 0;
     out.t_arrival_ns = next_->t_arrival_ns;
@@ -93,7 +93,7 @@ bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
          same_bits(now.reconstruction.rms_waves, then.rms_waves);
 }
 
-/// Why pictures of this recording are none that the plan measures; empty: they are.
+/// Why the plan cannot measure images of this recording; empty: it can.
 std::string other_image(const RecordingHeader& header, const MeasurementPlan& plan) {
   if (header.width == plan.roi.width && header.height == plan.roi.height &&
       header.format == plan.format) {
@@ -125,9 +125,10 @@ struct Player::Impl {
   LatestValue<AppliedSettings> settings;
   Pipeline pipeline{{0, 8}, {counters, shown, settings}};
   ThreadPlan threads{RealtimePolicy::ignore};
-  std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;  ///< by the recording's number
-  const MeasurementPlan* plan = nullptr;                           ///< in use
-  std::uint64_t plan_id = 0;                                       ///< its number in the recording
+  /// By their number in the replay.
+  std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;
+  const MeasurementPlan* plan = nullptr;  ///< in use
+  std::uint64_t plan_id = 0;              ///< its number in the recording
   std::uint64_t next_plan_id = 1;
   std::string why_no_plan;
   std::size_t next = 0;
@@ -140,7 +141,8 @@ struct Player::Impl {
   Result<void> measure(PlayedFrame& frame);
 };
 
-/// A loop goes from plan to plan: the pipeline wants numbers that rise, so none is used twice.
+/// Makes a recorded plan the pipeline's. The pipeline needs rising plan numbers, but a recorded
+/// loop returns to earlier plans, so each use gets a new number.
 void Player::Impl::use_plan(std::uint64_t id) {
   if (plan != nullptr && id == plan_id) return;
   auto built = plans.make(id);
@@ -160,7 +162,7 @@ void Player::Impl::use_plan(std::uint64_t id) {
   });
 }
 
-/// The frame path's own rules come to the verdicts that stand in the file.
+/// Sets hologram and settings such that the frame path reaches the recorded verdicts.
 void Player::Impl::tell(const RecordedFrame& frame) {
   AppliedSettings applied;
   applied.gain_db = applied.previous_gain_db = frame.gain_db;
@@ -191,7 +193,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     return {};
   }
   if (const std::string other = other_image(reader->header(), *plan); !other.empty()) {
-    frame.reason = other;  // the pipeline would drop it, and nothing would come
+    frame.reason = other;  // the pipeline would drop the frame, and next() would time out
     return {};
   }
   std::vector<SpotStart> starts;

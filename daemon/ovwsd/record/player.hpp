@@ -1,4 +1,5 @@
-/// Plays a recording through the pipeline, frame by frame, each under the verdicts of its time.
+/// Replays a recording through the pipeline, frame by frame, with the plan, hologram and settings
+/// recorded for each frame.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +17,23 @@ struct PlayedFrame {
   RecordedFrame recorded;
   bool replayed = false;  ///< else `reason` says why not
   std::string reason;
-  bool same = false;  ///< every spot, every coefficient and what is said of them, bit for bit
+  bool same = false;  ///< spots, coefficients and verdicts equal the recorded ones bit by bit
   bool valid = false;
   std::vector<int> modes_j;
-  std::vector<float> coefficients;  ///< waves, as measured now
+  std::vector<float> coefficients;  ///< waves, as measured in the replay
 };
 
-/// One thread, and the pipeline's own, which it starts.
+/// Called by one thread; starts the pipeline's acquisition thread itself.
 class Player {
  public:
-  /// Errors as of RecordingReader::open and RecordedPlans::of.
+  /// Errors: see RecordingReader::open and RecordedPlans::of.
   static Result<std::unique_ptr<Player>> open(const std::string& path);
   ~Player();
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
 
   RecordingReader& reader();
-  /// The next frame of the recording; none: it was the last. An error: the file is damaged.
+  /// Replays the next frame; none: there is no further one. An error: the file is damaged.
   Result<std::optional<PlayedFrame>> step();
 
  private:

@@ -18,7 +18,7 @@ tl::unexpected<Error> unfit(const std::string& reason) {
   return fail(Errc::invalid, "path", "a plan of the recording " + reason);
 }
 
-/// Null: not known.
+/// Points from JSON; null is an unknown coordinate, NaN.
 std::vector<Vec2> points(const json& all) {
   const auto value = [](const json& number) {
     return number.is_null() ? NAN : number.get<double>();
@@ -46,7 +46,7 @@ SpotModel spot_model(const json& plan) {
            lit.at("diagonal").get<bool>()}};
 }
 
-/// What the parts must have in common, and what later code relies on.
+/// Checks that the parts are consistent, and within the limits that later code relies on.
 Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vector<int>& modes_j) {
   const std::size_t spots = plan.predicted_px.size();
   const auto as_many = [&](const std::vector<Vec2>& all) {
@@ -94,7 +94,8 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
   return plans;
 }
 
-/// A loop goes from plan to plan with the same reference, and its templates take a second.
+/// The templates of the recorded reference, kept from plan to plan: plans of a closed loop share
+/// one reference, and its templates take a second.
 Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::templates(
     const json& from, TrackingSettings& tracking, const SpotModel& spots) {
   if (from.at("own_templates").get<int>() <= 0) return {};
@@ -109,7 +110,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
   return shelf_.of(tracking, spots, reference_ ? &*reference_ : nullptr).banks;
 }
 
-/// Strictly what plan_facts.cpp writes: anything else ends in an exception of the JSON library.
+/// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   if (!from.at("torn").empty()) {
     return fail(Errc::refused, "path", "the shapes of torn spots are not in a recording");
@@ -156,7 +157,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_
   if (found == plans_.end()) return unfit("is not in it: " + std::to_string(plan_id));
   try {
     return read(json::parse(found->second));
-  } catch (const std::exception& error) {  // of the JSON library, or of a map without the document
+  } catch (const std::exception& error) {  // of the JSON library, or for a missing document
     return unfit(std::string("cannot be read: ") + error.what());
   }
 }

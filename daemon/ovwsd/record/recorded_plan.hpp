@@ -1,4 +1,4 @@
-/// From what a recording says of a plan to the plan.
+/// Rebuilds measurement plans from the documents of a recording.
 #pragma once
 
 #include <map>
@@ -16,14 +16,15 @@
 
 namespace ovws {
 
-/// Plans of one recording, made when they are asked for. One thread at a time.
+/// The plans of one recording, made on request. One thread at a time.
 class RecordedPlans {
  public:
-  /// Errc::invalid: a document is not the one of its checksum, or no JSON.
+  /// Errc::invalid: a document does not match its checksum, or a plan has no number.
   static Result<RecordedPlans> of(RecordingReader& reader);
 
-  /// Errors (Errc::invalid): there is none of that number, or it does not fit together;
-  /// (Errc::refused): it had templates of torn spots, which a recording does not hold.
+  /// Makes the plan of that number. Errors: Errc::invalid if there is none, or its parts are
+  /// inconsistent; Errc::refused if it used templates of split spots, which a recording does not
+  /// hold.
   Result<std::unique_ptr<MeasurementPlan>> make(std::uint64_t plan_id);
 
  private:
@@ -34,7 +35,7 @@ class RecordedPlans {
 
   std::map<std::uint64_t, std::string> plans_;    ///< text by number
   std::map<std::string, std::string> documents_;  ///< text by checksum
-  std::optional<Reference> reference_;            ///< that was read last
+  std::optional<Reference> reference_;            ///< the reference read last
   std::string reference_sha256_;
   TemplateShelf shelf_;
 };

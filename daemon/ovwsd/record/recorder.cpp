@@ -22,13 +22,14 @@ namespace fs = std::filesystem;
 constexpr int kTurnUs = 20'000;
 constexpr std::chrono::milliseconds kIdle{50};
 constexpr std::int64_t kFlushNs = 250'000'000;
-// Of plans: a reference's picture may hang on each, so no more than frames under way can be of.
+// Limits of remembered plans. Each may hold a reference's image, so while nothing is recorded only
+// plans of frames in flight are kept.
 constexpr std::size_t kIdleFacts = 4;
-constexpr std::size_t kMostFacts = 256;         // while it records: what it can be behind, and more
-constexpr std::uint64_t kRoomBytes = 64 << 20;  // that a recording leaves on the disk
+constexpr std::size_t kMostFacts = 256;  // while recording: more than the writer can be behind
+constexpr std::uint64_t kRoomBytes = 64 << 20;  // free disk space that a recording leaves
 
 constexpr const char* kGone = "its file was removed or moved while it was written";
-constexpr std::int64_t kStopRestNs = 120'000'000'000;  // for what waits when the daemon stops
+constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write the rest when the daemon stops
 constexpr const char* kTooSlow = "the disk was too slow for the rest";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
 
@@ -76,7 +77,7 @@ Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
                           bytes >> 20, kMostRecordedPictureBytes >> 20));
 }
 
-/// Takes up to a second.
+/// Allocates the frame buffer, which takes up to a second.
 Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t picture_bytes) {
   try {
     return std::make_unique<FrameStore>(pictures, picture_bytes);
@@ -121,11 +122,12 @@ struct Recorder::Running {
   RecordingHeader header;
   std::unique_ptr<RecordFile> file;
   PlanDocuments documents;
-  std::deque<std::pair<std::int64_t, Document>> camera_documents;  ///< that frames are behind of
+  /// Camera settings whose frames have not come yet, with the time of their change.
+  std::deque<std::pair<std::int64_t, Document>> camera_documents;
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
   std::uint64_t last_number = 0;   ///< 0: no frame yet
-  std::uint64_t frames_begun = 0;  ///< that were to be written
+  std::uint64_t frames_begun = 0;  ///< frames taken from the buffer, written or not
   std::uint64_t last_plan_id = 0;
   std::uint64_t frames_dropped = 0, pictures_dropped = 0;
 };
@@ -236,7 +238,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   running->file = std::move(*file);
   if (auto added = add_first_documents(*running->file, begin); !added) {
     running->file.reset();
-    ::unlink(path->c_str());  // or its name would be taken when there is room again
+    ::unlink(path->c_str());  // else its name would be taken at the next attempt
     return added;
   }
   taker_.exchange(std::move(*store));
@@ -309,10 +311,11 @@ std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   return std::nullopt;
 }
 
-/// Every frame is of its plan's image, the one with a picture and the one without.
+/// Writes the documents of a plan. Ends the recording if the plan is for another image, with which
+/// all its frames come, recorded with their image or without.
 std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
   const auto facts = facts_of(plan_id);
-  if (!facts) return std::nullopt;  // a reader sees that the plan is missing
+  if (!facts) return std::nullopt;  // a reader notices that the plan is missing
   const RecordingHeader& header = running_->header;
   const Roi& roi = facts->roi;
   const Roi recorded{header.x, header.y, header.width, header.height};
@@ -345,7 +348,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   return {};
 }
 
-/// Returns what came in between; empty: nothing.
+/// Writes the frames that are left. Returns why it could not finish; empty: it did.
 std::string Recorder::write_rest(std::int64_t until_ns) {
   Running& r = *running_;
   while (TakenFrame* const frame = taker_.store()->next(0)) {

@@ -1,5 +1,5 @@
-/// Recordings: every frame that leaves the pipeline, with all that its numbers depend on, into one
-/// file. The pipeline never waits for it.
+/// The recorder: writes every frame that leaves the pipeline, with all that its measurement depends
+/// on, to one HDF5 file. The pipeline never waits for it.
 #pragma once
 
 #include <atomic>
@@ -24,16 +24,17 @@
 
 namespace ovws {
 
-/// The record thread's agent: copies what the pipeline lends, and gives it back at once.
+/// The record thread's agent: copies the frames that the pipeline lends, and returns them at once.
 class RecordTaker : public Agent {
  public:
   explicit RecordTaker(Pipeline& pipeline) : pipeline_(pipeline) {}
 
   bool do_work() override;
 
-  /// From now on frames go there; nullptr: nowhere. Returns what was before. Thread-safe.
+  /// From now on frames are copied to `store`; nullptr: they are not copied. Returns the previous
+  /// store. Thread-safe.
   std::unique_ptr<FrameStore> exchange(std::unique_ptr<FrameStore> store);
-  /// Writing thread, which is the only one to exchange it.
+  /// Write thread, which alone exchanges it.
   FrameStore* store() const { return store_.get(); }
 
  private:
@@ -46,10 +47,10 @@ class RecordTaker : public Agent {
 class Recorder : public Agent {
  public:
   using Done = std::function<void(Result<RecordReport>)>;
-  /// What was in force when it was asked for.
+  /// The state of the daemon when the recording was requested.
   struct Begin {
     RecordStart asked;
-    std::string config;  ///< in use, as its file would be
+    std::string config;  ///< the configuration in use, as file text
     CameraSettings camera;
     std::optional<CameraInfo> camera_info;
     std::string program;  ///< name and version
@@ -59,34 +60,36 @@ class Recorder : public Agent {
   ~Recorder() override;
 
   bool do_work() override;
-  /// Ends the recording: what waits is written, for two minutes at most; what remains is counted.
+  /// Ends the recording. Writes the frames still in memory, for two minutes at most, and counts the
+  /// rest.
   void on_close() override;
   Agent& taker() { return taker_; }
 
-  // Any thread; `done` is called in the write thread. Errors of `start`: Errc::refused (one is on,
-  // there is no folder, or the file is there already), Errc::unavailable (the disk).
+  // Any thread; `done` is called in the write thread. Errors of `start`: Errc::refused (a recording
+  // runs, there is no folder, the file exists, the image is too large), Errc::unavailable (disk or
+  // memory).
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
-  /// How many frames of a recording that the daemon's stop ended are not in its file.
+  /// Number of frames that are missing in the file of a recording that the daemon's stop ended.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
-  /// Any thread, before a frame can be measured with the plan.
+  /// Any thread, before a frame can be measured with the plan: announces the plan.
   void know(const MeasurementPlan& plan, SensorView sensor);
-  /// Any thread.
+  /// Any thread: announces new camera settings or another camera.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
 
  private:
   struct Running;
-  /// Of frames that still wait in memory when a recording ends.
+  /// What to do with frames that still wait in memory when a recording ends.
   enum class Rest {
-    write,  ///< they belong into it
-    drop,   ///< they do, and cannot be written
-    after,  ///< they came after its end
+    write,  ///< write them: they belong to the recording
+    drop,   ///< drop and count them: they belong to it, but cannot be written
+    after,  ///< ignore them: they came after its end
   };
   struct Ending {
     std::string reason;
     Rest rest = Rest::drop;
-    bool at_stop = false;  ///< of the daemon
+    bool at_stop = false;  ///< ended by the daemon's stop
   };
   Result<std::string> path_of(const std::string& name) const;
   Result<void> begin(const Begin& begin);

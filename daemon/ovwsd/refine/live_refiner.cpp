@@ -14,9 +14,9 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
-constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is waited for
+constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is missing
 
-/// Of two numbers that do not go together the one that was given is at fault.
+/// If black level and saturation contradict each other, blames the one that the client has set.
 Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
   const bool black_stands =
       error.field == "black_level_dn" && !change.gives(&RefineSetup::black_level_dn);
@@ -65,7 +65,7 @@ bool LiveRefiner::do_work() {
   waiting_since_ns_ = 0;
   const SensorView view = keeper_.snapshot();
   const SensorSnapshot& sensor = *view;
-  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
+  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since then
   last_begun_ns_ = monotonic_ns();
   refine(*frame, sensor, settings);
   return true;

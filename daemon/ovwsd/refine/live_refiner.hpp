@@ -1,4 +1,5 @@
-/// Refines frames beside the fast estimate, at a rate of its own, and publishes what it found.
+/// Live refinement: fits frames beside the fast estimate, at its own rate, and publishes the
+/// results (`refined`).
 #pragma once
 
 #include <atomic>
@@ -17,9 +18,9 @@
 
 namespace ovws {
 
-/// The refine thread's agent. A turn with a frame lasts as long as its fit: seconds. Whatever
-/// changes meanwhile, a frame is published with the hologram, the sensor and the reference that it
-/// was measured with.
+/// The refine thread's agent. A turn with a frame lasts as long as its fit: seconds. A result is
+/// published with the hologram, sensor and reference that its frame was measured with, whatever
+/// changes meanwhile.
 class LiveRefiner : public Agent {
  public:
   LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
@@ -28,12 +29,12 @@ class LiveRefiner : public Agent {
   bool do_work() override;
 
   // Thread-safe.
-  /// `format`: the camera's, whose DN the change is in. Errors as of check_refine; then nothing has
-  /// changed. What is being refined by other ones is not published.
+  /// Changes the settings; `format` is the camera's, and the change is in its DN. Errors: see
+  /// check_refine; then nothing has changed. A fit with the previous settings is not published.
   Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
   RefineSetup settings() const { return settings_.get(); }
   StatusMessage::RefinePart report() const { return report_.get(); }
-  /// Begins no more fits; the one that runs ends within an iteration or two.
+  /// Starts no more fits; the running one ends within an iteration or two.
   void end_soon() { ending_.store(true); }
 
  private:
@@ -46,12 +47,12 @@ class LiveRefiner : public Agent {
   const SensorKeeper& keeper_;
   StreamQueue& queue_;
   std::atomic<bool> ending_{false};
-  RefineModel model_;  ///< after ending_, which stops it
+  RefineModel model_;  ///< declared after ending_, which stops it
   FrameInbox inbox_;
   Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;
-  std::int64_t last_begun_ns_ = 0;     ///< of a fit; 0: none yet
-  std::int64_t waiting_since_ns_ = 0;  ///< for a frame; 0: not waiting
+  std::int64_t last_begun_ns_ = 0;     ///< start of the last fit; 0: none yet
+  std::int64_t waiting_since_ns_ = 0;  ///< waiting for a frame since then; 0: not waiting
 };
 
 }  // namespace ovws

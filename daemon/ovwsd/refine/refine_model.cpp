@@ -16,7 +16,8 @@ constexpr const char* kNoGainInDb =
 
 }  // namespace
 
-/// All that one sensor's images of one size need.
+/// The cache for one sensor and image size: refiner, and the linear estimate that gives its
+/// starting point.
 struct RefineModel::Bench {
   SensorConfig sensor;
   TrackingConfig tracking;
@@ -45,7 +46,7 @@ struct RefineModel::Bench {
 struct RefineModel::RefinedReference {
   std::shared_ptr<const ReferencePicture> picture;
   RefineSetup settings;
-  Result<RefinedModes> modes;  ///< a failure is kept, too: the same picture would fail again
+  Result<RefinedModes> modes;  ///< a failure is kept, too: the same image would fail again
 };
 
 RefineModel::RefineModel(const SlmGeometry& slm, const std::atomic<bool>& stop)

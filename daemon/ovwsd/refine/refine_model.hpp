@@ -1,5 +1,6 @@
-/// The refinement of one live frame: keeps what is dear to make, and makes it anew when the sensor,
-/// the image, the reference or what is known of the camera changed.
+/// Maximum-likelihood refinement of live frames. Caches the refiner and the refined reference,
+/// which are expensive, and rebuilds them when sensor, image, reference or camera parameters
+/// change.
 #pragma once
 
 #include <atomic>
@@ -17,21 +18,21 @@
 namespace ovws {
 
 struct RefinedFrame {
-  std::optional<RefinedModes> modes;  ///< minus the reference's; none: no minimum was found
-  std::string refusal;                ///< why it is not valid, for a person; empty: it is
-  bool against_reference = false;     ///< else against the model
+  std::optional<RefinedModes> modes;  ///< minus the reference's; none: the fit found no minimum
+  std::string refusal;                ///< why the result is not valid, for a person; empty: it is
+  bool against_reference = false;     ///< else relative to the model
   double duration_ms = 0.0;           ///< of this frame's fit
 };
 
 /// One thread at a time.
 class RefineModel {
  public:
-  /// Once `stop` is true a fit ends soon, refused; it must outlive this.
+  /// Once `stop` is true, a fit soon ends with a refusal; `stop` must outlive this object.
   RefineModel(const SlmGeometry& slm, const std::atomic<bool>& stop);
   ~RefineModel();
 
-  /// `sensor`: that which the frame was measured with. `settings` with electrons_per_dn. Takes
-  /// seconds; the first frame of a sensor and of a reference some more.
+  /// `sensor`: the one that the frame was measured with. `settings` must have electrons_per_dn.
+  /// Takes seconds, and longer for the first frame of a sensor or of a reference.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                       const RefineSetup& settings);
 
