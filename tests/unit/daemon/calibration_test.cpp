@@ -1,4 +1,4 @@
-/// Calibrations: what they belong to, and that they outlive the daemon.
+/// Calibrations: which sensor and bench they belong to, and that they survive a restart.
 #include "daemon/ovwsd/sensor/calibration.hpp"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class Calibrations : public testing::Test {
   Calibrations() { fs::remove_all(folder_); }
   ~Calibrations() override { fs::remove_all(folder_); }
 
-  /// As of a daemon that was just started with this configuration.
+  /// The part of a daemon, just started with this configuration, that keeps calibrations.
   struct Started {
     Started(const Config& configured, const std::string& folder)
         : config(configured),
@@ -61,7 +61,7 @@ class Calibrations : public testing::Test {
       }
       kept.keep(*known.calibrations.back(), names);
     }
-    /// The one taken last that belongs to `key`.
+    /// The latest calibration that belongs to `key`.
     std::shared_ptr<const Calibration> find(const CalibrationKey& key) const {
       std::shared_ptr<const Calibration> found;
       for (const auto& one : known.calibrations) {
@@ -94,7 +94,7 @@ class Calibrations : public testing::Test {
         config.slm.geometry, registration, camera_json(kCamera));
   }
 
-  /// The model's slopes, a little off.
+  /// A measured matrix that differs slightly from the model's slopes.
   static Calibration measured(const Started& daemon, const Config& config,
                               std::int64_t t_taken_ns = 5,
                               const std::optional<Registration>& registration = std::nullopt) {
@@ -152,12 +152,12 @@ TEST_F(Calibrations, BelongToAllThatMovesTheirSpots) {
   EXPECT_EQ(differences(key, key_of(config_, turned())), Names{"registration"});
   EXPECT_EQ(names([](Config& c) { c.camera.settings.roi.x += 16; }), Names{"roi"});
   Config moved = config_;
-  moved.camera.settings.roi.x += 16;  // the base spot is that of the registration: it stays
+  moved.camera.settings.roi.x += 16;  // the base spot stays: it is the registration's
   EXPECT_EQ(differences(key_of(config_, turned()), key_of(moved, turned())), Names{"roi"});
   CalibrationKey camera = key;
   camera.camera["serial"] = "TWIN0002";
   EXPECT_EQ(differences(key, camera), Names{"camera"});
-  camera.camera = nullptr;  // not known yet
+  camera.camera = nullptr;  // not yet known
   EXPECT_TRUE(differences(key, camera).empty());
 }
 
@@ -195,7 +195,7 @@ TEST_F(Calibrations, AreFoundAgainBitForBit) {
   EXPECT_NEAR(after->comparison.modes[3].factor, 1.01, 1e-4);
 }
 
-/// Of a sensor with this configuration.
+/// The state of a sensor with this configuration.
 SensorState state_of(const Config& config) {
   SensorState state;
   state.sensor = config.sensor;

@@ -1,5 +1,5 @@
-/// What the camera's keeper does with gains, and says of frames, by a camera that does as it is
-/// told by the test. This program has its own open_camera in place of the driver table's.
+/// The camera actor's handling of gains and of unusable frames, with a fake camera that the test
+/// controls. This program's own open_camera replaces the driver table's.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,12 +15,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What the test and the camera that the actor owns share.
+/// State shared by the test and the fake camera that the actor owns.
 struct Device {
   std::atomic<bool> alive{true};
   std::atomic<bool> refuses_gains{false};
   std::atomic<bool> rounds_gains{false};  ///< to whole dB
-  std::optional<CameraSettings> asked;    ///< last
+  std::optional<CameraSettings> asked;    ///< of the last call
   std::atomic<bool> loses_power{false};   ///< at the next set
   std::atomic<bool> absent{false};        ///< cannot be opened
   std::atomic<GrabStatus> sends{GrabStatus::incomplete};
@@ -57,7 +57,7 @@ class RefusingCamera final : public Camera {
   void stop() override {}
   bool alive() const override { return device->alive && !dead_; }
   int buffer_count() const override { return 1; }
-  /// A sign of life without a frame.
+  /// Reports that the camera is alive, without a usable frame.
   GrabStatus grab(GrabbedFrame& /*out*/, std::chrono::microseconds /*timeout*/) override {
     std::this_thread::sleep_for(2ms);
     return device->sends;
@@ -104,7 +104,7 @@ class CameraActorTest : public testing::Test {
     actor_->do_work();
     return told;
   }
-  /// Events whose data has this key.
+  /// Takes the queued events whose data has this key.
   std::vector<EventMessage> events_with(const char* key) {
     std::vector<EventMessage> found;
     while (auto message = queue_.take()) {
@@ -141,7 +141,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().field, "gain_db");
   EXPECT_EQ(refused.error().reason, "the register is locked");
-  EXPECT_TRUE(needs_a_person(refused.error()));  // a sweep does not try it again and again
+  EXPECT_TRUE(needs_a_person(refused.error()));  // so a sweep does not retry it
   EXPECT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
 }
@@ -236,7 +236,7 @@ TEST_F(CameraActorTest, CameraThatLostPowerAndIsNotBackRefusesASetAndKeepsTheSet
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().reason, "no camera is connected: there is no camera");
   EXPECT_FALSE(actor_->snapshot().connected);
-  settings_.update();  // in the frame path's place, which reads them when a frame comes
+  settings_.update();  // done by the frame path when a frame comes
   EXPECT_EQ(settings_.value().t_write_end_mono_ns, ShownHologram::kNever) << "its gain is unknown";
   device_.absent = false;
   for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
@@ -253,7 +253,7 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
   for (const auto& [sends, counter] : causes) {
     SCOPED_TRACE(counter);
     device_.sends = sends;
-    // A camera opened anew: nothing of what was told before holds.
+    // Reconnects the camera, so that earlier reports no longer count.
     device_.alive = false;
     actor_->do_work();
     device_.alive = true;

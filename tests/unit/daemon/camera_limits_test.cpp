@@ -49,7 +49,7 @@ TEST(CameraLimits, AGainIsTakenInTheUnitOfTheCameraOnly) {
   EXPECT_EQ(within_limits(wanted, raw, true)->gain_raw, 10.0);
   wanted.gain_raw = 5.0;
   EXPECT_EQ(within_limits(wanted, raw, false), wanted);
-  const auto other = within_limits(wanted, limits(), false);  // of a camera that has dB
+  const auto other = within_limits(wanted, limits(), false);  // of a camera with a gain in dB
   EXPECT_EQ(other.error().field, "gain_raw");
 }
 
@@ -72,7 +72,7 @@ TEST(CameraLimits, ClampEndsPackedRowsAtAWholeByte) {
   wanted.pixel_format = PixelFormat::mono10p;
   wanted.roi.width = 510;
   EXPECT_EQ(within_limits(wanted, packed, true)->roi.width, 508);
-  EXPECT_EQ(within_limits(wanted, packed, false)->roi.width, 510);  // the camera then says why not
+  EXPECT_EQ(within_limits(wanted, packed, false)->roi.width, 510);  // left to the camera to refuse
 }
 
 TEST(CameraLimits, ARegionMustLieOnTheSensor) {

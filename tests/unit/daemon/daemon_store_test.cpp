@@ -1,5 +1,5 @@
-/// What the disk refuses waits, is tried again, and says why; what the disk holds up holds up
-/// nobody.
+/// The store's write-behind queue: a failed write stays queued, is retried and reports why, and a
+/// disk that does not answer blocks only those that wait for it.
 #include "daemon/ovwsd/store/daemon_store.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ class Store : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   fs::path file(const std::string& name) const { return fs::path(folder_) / name; }
-  /// Nothing can be written under this name: a folder that is not empty has it.
+  /// Makes writes under this name fail: a folder that is not empty has it.
   void block(const std::string& name) const { fs::create_directories(file(name) / "full"); }
   void unblock(const std::string& name) const { fs::remove_all(file(name)); }
 
@@ -139,7 +139,7 @@ TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
   EXPECT_FALSE(store_.report().reason);
 }
 
-/// A folder that can only be read is not for root; a disk that is full, for no test of units.
+/// Not tested here: a read-only folder, which root can write to, and a full disk.
 TEST_F(Store, AFolderThatWasRemovedIsMadeAgain) {
   Answers a;
   fs::remove_all(folder_);
@@ -149,7 +149,7 @@ TEST_F(Store, AFolderThatWasRemovedIsMadeAgain) {
   EXPECT_FALSE(store_.report().reason);
 }
 
-/// No file of this process may grow beyond so many bytes.
+/// Limits the size of this process's files, so that writes beyond it fail.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) {
@@ -215,7 +215,7 @@ TEST_F(Store, WhatIsOutdatedIsNotLoadedAlsoIfTheNewIsTooMuch) {
   EXPECT_TRUE(fs::exists(file("kind.a.json.outdated")));
 }
 
-/// The disk thread, which waits for a disk until it is let go.
+/// The disk thread waits for a disk that does not answer until the test releases it.
 TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
   const std::string folder = own_folder("standing_disk");
   StreamQueue queue;

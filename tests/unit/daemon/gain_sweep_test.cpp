@@ -59,7 +59,7 @@ TEST(Levels, AreMediansOfFoundSpots) {
   EXPECT_TRUE(std::isnan(levels_of({}).level_dn));
 }
 
-/// Spots moved exactly as the model says leave what was not introduced, and nothing else.
+/// Spots that moved exactly as the model predicts leave only the error that was not introduced.
 TEST(JudgeFrames, TellsWhatIsLeft) {
   const SlmGeometry slm;
   const SensorConfig sensor;
@@ -105,7 +105,7 @@ TEST(SweepBench, IsTheSameUntilAPartOfItDiffers) {
   const json before{{"camera", {{"serial", "1"}}}, {"exposure_us", 2000.0}, {"kernel_radius", 0.3}};
   json now = before;
   EXPECT_TRUE(check_same_bench(before, now));
-  now["camera"] = nullptr;  // away
+  now["camera"] = nullptr;  // no camera connected
   now["exposure_us"] = 2001.0;
   EXPECT_TRUE(check_same_bench(before, now));
   now["camera"] = {{"serial", "2"}};
@@ -171,7 +171,7 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   }
   Started again(folder_);
   EXPECT_EQ(again.archive.result(), told);
-  ASSERT_TRUE(again.begin(run_of(10), false));  // asked for anew, at another time
+  ASSERT_TRUE(again.begin(run_of(10), false));  // requested again, at another time
   EXPECT_EQ(again.archive.result(), told);
   EXPECT_TRUE(again.archive.has_cell(3));
   EXPECT_FALSE(again.archive.has_cell(2));
@@ -244,7 +244,7 @@ TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
   EXPECT_TRUE(daemon.archive.result()["not_kept_reason"].is_string());
 }
 
-/// Who was told of a job never sees cells of another run, or of before.
+/// A client that knows a job's number never sees cells of another or an earlier run.
 TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
   Started daemon(folder_);
   ASSERT_TRUE(daemon.begin(run_of(10), false));
@@ -263,8 +263,8 @@ TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
   EXPECT_FALSE(cell_in(daemon.archive, 1));
 }
 
-/// A kill when nothing but the header of `anew` was written: what was measured before is there, and
-/// of another run.
+/// The state after a kill, when only the header of the repeated run had been written: the previous
+/// cells are there, and belong to another run.
 TEST_F(Experiments, MeasuredAnewAreNeverMixedWithThoseOfBefore) {
   const auto kept = [&](const char* what) {
     return fs::path(folder_) / ("experiment-" + run_of(10).name + "." + what + ".json");
@@ -297,7 +297,7 @@ TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
   for (int cell = 0; cell < 2; ++cell) daemon.archive.put_cell(cell, cell_of(run_of(10), cell));
   const fs::path file = folder_ + "/experiment-" + run_of(10).name + ".cell-00000.json";
   fs::remove(file);
-  fs::create_directory(file);  // which no unlink removes
+  fs::create_directory(file);  // unlink cannot remove a folder
   const auto opened = daemon.begin(run_of(10), true);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, Errc::unavailable);
@@ -305,7 +305,7 @@ TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
   EXPECT_FALSE(daemon.archive.has_cell(1));
   Started again(folder_);
   ASSERT_TRUE(again.begin(run_of(10), false));
-  EXPECT_FALSE(again.archive.has_cell(1));  // which is still there
+  EXPECT_FALSE(again.archive.has_cell(1));  // its file is still there
 }
 
 TEST_F(Experiments, GiveAPictureBackThatTheDiskHoldsOrMemoryIfThereIsNone) {

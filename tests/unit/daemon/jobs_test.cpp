@@ -24,7 +24,7 @@ class JobsTest : public testing::Test {
     jobs_.fail_job(begin(kind), Error{Errc::refused, "camera.exposure_us", reason});
   }
 
-  /// The progress that each event since the last call told.
+  /// The progress reported by each event since the last call.
   std::vector<double> told() {
     std::vector<double> all;
     while (const auto message = queue_.take()) {
@@ -75,7 +75,7 @@ TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobsOfOtherKinds) {
   fail("reference.take", "first");
   fail("reference.take", "second");
   for (int i = 0; i < 300; ++i)
-    jobs_.finish(begin("lut.run"), {});  // it is not remembered any more
+    jobs_.finish(begin("lut.run"), {});  // the failed job is no longer remembered
   begin();
   EXPECT_FALSE(jobs_.get(2));
   const auto failed = jobs_.last_failed();

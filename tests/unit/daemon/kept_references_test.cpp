@@ -41,7 +41,7 @@ class KeptReferencesTest : public testing::Test {
  protected:
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// As of a daemon that was just started with this configuration.
+  /// The part of a daemon, just started with this configuration, that keeps references.
   struct Started {
     Started(const Config& config, const std::string& folder, HologramConfig hologram)
         : store({folder}, events),

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uid_t kOther = 65534;  // nobody
+constexpr uid_t kOther = 65534;  // the user nobody
 
 /// A daemon's keys and clients, in a folder that every user may enter.
 class KeyChecks : public testing::Test {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder, and a name in it.
+/// A folder, and the path of a key file in it.
 class KeyFiles : public testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
@@ -81,7 +81,7 @@ TEST_F(KeyFiles, ThatAreThereStayUnlessTheyAreToBeReplaced) {
 TEST_F(KeyFiles, ReplaceTheOldOneWhateverItsModeWas) {
   put("old");
   fs::permissions(path_, fs::perms(0666));
-  const std::ifstream reader(path_);  // who has it open keeps the old one, whole
+  const std::ifstream reader(path_);  // an open reader keeps the complete old file
   ASSERT_TRUE(write_key_file(path_, keys_, true));
   EXPECT_EQ(mode(), 0600U);
   EXPECT_EQ(load_key_file(path_).value().pair.secret_key, keys_.pair.secret_key);

@@ -1,4 +1,4 @@
-/// The log against a reader of standard error that does not read.
+/// The log, when the reader of standard error does not read.
 #include "daemon/shared/log.hpp"
 
 #include <fcntl.h>
@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-/// Standard error is a pipe for as long as this lives.
+/// Redirects standard error to a pipe during its lifetime.
 class StderrPipe {
  public:
   StderrPipe() : before_(dup(STDERR_FILENO)) {
@@ -42,7 +42,7 @@ TEST(Log, AReaderThatDoesNotReadLosesLinesAndHoldsNobodyUp) {
   const StderrPipe pipe;
   start_log(LogLevel::info);
   for (int i = 0; i < 20'000; ++i)
-    spdlog::info("line {} of many", i);  // far more than a pipe holds
+    spdlog::info("line {} of many", i);  // much more than a pipe's buffer
   const std::string kept = pipe.read_all();
   EXPECT_NE(kept.find("line 0 of many\n"), std::string::npos);
   EXPECT_EQ(kept.back(), '\n');

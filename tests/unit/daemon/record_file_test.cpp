@@ -1,4 +1,4 @@
-/// A recording whose disk fails it, and frames that find no room.
+/// Recordings on a disk whose writes fail.
 #include "drivers/record/record_file.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ RecordingHeader small_header() {
   return header;
 }
 
-/// No file of this process may grow beyond it: writes fail as on a full disk.
+/// Limits the size of this process's files: writes beyond it fail as on a full disk.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -53,7 +53,7 @@ Result<void> add_one(RecordFile& file, int number) {
   return file.flush(0, 0);
 }
 
-/// Every row that a reader is given names parts that are there.
+/// Checks that all flushed frames can be read, with all their parts.
 void expect_readable(const std::string& path, int flushed) {
   auto reader = RecordingReader::open(path);
   ASSERT_TRUE(reader) << reader.error().reason;
@@ -70,7 +70,7 @@ void expect_readable(const std::string& path, int flushed) {
   }
 }
 
-/// At that many bytes another write is the one that fails.
+/// File size limits at which different writes fail, bytes.
 class RecordFileLimit : public ::testing::TestWithParam<int> {};
 
 std::size_t open_descriptors() {

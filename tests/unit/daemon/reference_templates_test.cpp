@@ -1,4 +1,5 @@
-/// Whose template finds a spot: what is said of it, and what the plan has.
+/// Own templates (from the reference's image) or the model's: the report, and the plan that
+/// results.
 #include "daemon/ovwsd/sensor/reference_templates.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace {
 const TrackingSettings kAsked{{TrackerKind::matched, 0.3}, TemplateKind::reference};
 const std::vector<Vec2> kAt{{80.25, 80.5}, {240.0, 79.75}};
 
-/// The model's spots, in one picture.
+/// An image of the model's spots.
 Reference reference_of(const SpotModel& spots) {
   const ModelShape shape(spots, 5.0);
   auto picture = std::make_shared<ReferencePicture>();
@@ -84,9 +85,9 @@ TEST(OwnTemplates, AreNotMadeOfAPictureThroughOtherFilters) {
   EXPECT_TRUE(plain.banks.empty());
   EXPECT_NE(plain.report.reason.find("BayerRG12"), std::string::npos);
   EXPECT_FALSE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
-  picture->format = PixelFormat::bayer_gr12;  // red is elsewhere
+  picture->format = PixelFormat::bayer_gr12;  // other pixels are red
   EXPECT_TRUE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
-  picture->format = PixelFormat::mono12;  // light is everywhere
+  picture->format = PixelFormat::mono12;  // all pixels have light
   EXPECT_FALSE(own_templates(kAsked, {1, 12.55, red}, &reference).banks.empty());
 }
 

@@ -63,7 +63,7 @@ TEST(SpectrumOfNoise, IntegratesToItsVariance) {
   const Recording recording{times(20000, 0.05), {noise(20000, 1)}};
   const Spectrum found = spectrum(recording, 10.0);
   EXPECT_NEAR(integral(found, 0.0, 11.0), 1.0, 0.03);
-  EXPECT_NEAR(integral(found, 2.0, 4.0), 0.2, 0.02);  // white: 1/10 a hertz
+  EXPECT_NEAR(integral(found, 2.0, 4.0), 0.2, 0.02);  // white noise: 1/10 per hertz
   EXPECT_NEAR(rms_waves(recording), 1.0, 0.03);
 }
 
@@ -86,7 +86,7 @@ TEST(SpectrumOfTooLittle, IsEmpty) {
   EXPECT_TRUE(octave_bands({}, {}, {}).empty());
 }
 
-/// White noise before and behind a loop that steps at every frame.
+/// White noise, with and without a loop that steps at every frame.
 class IntegratedNoise : public testing::TestWithParam<LoopLaw> {};
 
 TEST_P(IntegratedNoise, IsRejectedAsTheLawSays) {
@@ -107,7 +107,7 @@ TEST_P(IntegratedNoise, IsRejectedAsTheLawSays) {
   const auto found = rejection(before, after);
   ASSERT_EQ(found.size(), 198U);
   for (const RejectionPoint& point : found) {
-    if (point.hz < 0.02 * law.steps_hz) continue;  // there a third of an octave is a few numbers
+    if (point.hz < 0.02 * law.steps_hz) continue;  // there a third of an octave has few points
     EXPECT_NEAR(point.db, integrator_db(point.hz, law), 1.0) << point.hz;
   }
   for (const RejectionBand& band : octave_bands(before, after, law)) {

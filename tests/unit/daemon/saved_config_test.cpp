@@ -112,7 +112,7 @@ TEST_F(SavedConfig, ValuesThatBelongTogetherAreOfOnePlace) {
 
 TEST_F(SavedConfig, OnlyWhatChangesAtRunTimeIsSaved) {
   Config in_use = changed();
-  in_use.slm.settle_ms = 99.0;  // the file may wait for a restart
+  in_use.slm.settle_ms = 99.0;  // a change that needs a restart
   in_use.tracking.kernel_radius *= 1.1;
   EXPECT_EQ(save(in_use), (Keys{"camera.exposure_us", "tracking.tracker"}));
 }
@@ -143,7 +143,7 @@ TEST_F(SavedConfig, OfAnotherFileIsNotUsedAndLeft) {
       EXPECT_EQ(saved.error().field, "state.directory");
     }
   }
-  // The same file by another name of its path.
+  // The same file under another path.
   EXPECT_EQ(load_with_saved(folder_ + "/state/../ovwsd.json", folder_ + "/state")->saved.size(),
             2U);
 }

@@ -1,4 +1,4 @@
-/// When the image is searched again, by injected time.
+/// The schedule of image searches, tested with injected time.
 #include "daemon/ovwsd/sensor/search_policy.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// Searches of `ms` milliseconds whenever they are due, looked for every 10 ms.
+/// Runs the policy for `ms` milliseconds, polled every 10 ms; each search takes `takes_ms`.
 struct Clock {
   SearchPolicy policy;
   std::int64_t now_ns = 5000 * kMs;

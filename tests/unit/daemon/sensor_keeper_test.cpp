@@ -1,5 +1,5 @@
-/// What the sensor's keeper shows, and who may change it, with a display that the test plays. This
-/// program has its own open_display in place of the driver table's.
+/// SensorKeeper: which holograms it shows, and who may change the sensor, with a fake display. This
+/// program's own open_display replaces the driver table's.
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace ovws {
 namespace {
 
-/// What the test and the display that the SlmLoop owns share.
+/// State shared by the test and the fake display that the SlmLoop owns.
 struct Screen {
   std::atomic<bool> there{true};
   std::mutex mutex;
@@ -107,7 +107,7 @@ class Keeper : public testing::Test {
     parts_.reset();
   }
 
-  /// What the keeper answers; all that was asked for is carried out.
+  /// Makes a change, carries out all queued work, and returns the keeper's answer.
   Result<SensorView> edit(Hold as, SensorChange change) {
     std::optional<Result<SensorView>> answer;
     keeper_->edit(as, std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });

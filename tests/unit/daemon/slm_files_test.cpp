@@ -54,8 +54,8 @@ TEST_F(SlmFiles, ALutGoesThroughTheGreyLevelsOnce) {
     return load_lut(write(text));
   };
   EXPECT_TRUE(table([](int k) { return 255 - k; }));
-  EXPECT_TRUE(table([](int k) { return k < 245 ? k : 0; }));  // clipped at the nearer end
-  EXPECT_TRUE(table([](int k) { return (k + 100) % 256; }));  // begins anywhere in the turn
+  EXPECT_TRUE(table([](int k) { return k < 245 ? k : 0; }));  // the last levels are clipped to 0
+  EXPECT_TRUE(table([](int k) { return (k + 100) % 256; }));  // may start at any phase
   const auto damaged = table([](int k) { return k == 40 || k == 90 ? 0 : k; });
   ASSERT_FALSE(damaged);
   EXPECT_EQ(damaged.error().field, "slm.lut");

@@ -21,7 +21,7 @@ class Slm : public testing::Test {
   Slm() { config_.slm.geometry = {160, 96, 19.0}; }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// As of a daemon that was just started with this configuration.
+  /// The part of a daemon, just started with this configuration, that keeps LUT and flatness.
   struct Started {
     Started(const Config& config, const HologramConfig& configured, const std::string& folder)
         : store({folder}, events),

@@ -1,4 +1,4 @@
-/// Benches that see their spots, those that cannot, and that the values named in the refusal work.
+/// Benches whose camera can and cannot see the spots; values that a refusal recommends must work.
 #include "daemon/ovwsd/sensor/spot_layout.hpp"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(SpotLayout, SpotsThatATrackerCannotTellApartAreRefusedWithValuesThatWork) {
       EXPECT_FALSE(refusal(other).starts_with("sensor.spacing")) << refusal(other);
     }
     const double spacing = number_after(reason, "sensor.spacing to");
-    if (spacing == 0.0) continue;  // its region would see the undiffracted light
+    if (spacing == 0.0) continue;  // its region would contain the zeroth order
     config.sensor.spacing = spacing;
     if (reason.find("camera.roi") != std::string::npos) {
       EXPECT_TRUE(refusal(config).empty() || refusal(config).starts_with("camera.roi"));

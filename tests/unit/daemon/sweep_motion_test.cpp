@@ -13,7 +13,7 @@ SeriesFrame frame_at(const std::vector<Vec2>& places) {
   return frame;
 }
 
-/// Spots at `places` in each frame, to one side and the other by `scatter_px` along both axes.
+/// Frames of spots at `places`, displaced alternately by +-`scatter_px` along both axes.
 std::vector<SeriesFrame> scattered(std::vector<Vec2> places, int frames, double scatter_px) {
   std::vector<SeriesFrame> series;
   for (int k = 0; k < frames; ++k) {
@@ -45,7 +45,8 @@ TEST(SweepMotion, CountsWhatAllSpotsShareAndNamesTheFarthest) {
   EXPECT_TRUE(check_unmoved(motion, 3.01, "charge 1, lg"));
 }
 
-/// Of 16 frames that scatter by 0.2 px, and of 16 before: sqrt(16/15) * 0.2 * sqrt(2/16) px.
+/// Standard error for 16 frames with 0.2 px of scatter before and after: sqrt(16/15) * 0.2 *
+/// sqrt(2/16) px.
 TEST(SweepMotion, IsNotToldFromNoiseThatIsAsLarge) {
   const std::vector<Vec2> before{{10, 10}, {50, 10}};
   const SpotMotion still = spot_motion(before, 16, scattered(before, 16, 0.2));
@@ -56,7 +57,7 @@ TEST(SweepMotion, IsNotToldFromNoiseThatIsAsLarge) {
   const auto unknown = check_unmoved(still, 3.9 * error_px, "arm");
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().field, "reference_frames");
-  // What is larger than the noise has moved all the same.
+  // A displacement larger than the noise is still reported as motion.
   const SpotMotion moved = spot_motion(before, 16, scattered({{11, 10}, {50, 10}}, 16, 0.2));
   EXPECT_EQ(check_unmoved(moved, 3.9 * error_px, "arm").error().field, "anew");
 }

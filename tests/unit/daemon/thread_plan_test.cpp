@@ -1,4 +1,4 @@
-/// Threads that hang and threads that do not end, with agents that do so when told.
+/// ThreadPlan: threads that hang, fail or do not end, with agents that the test controls.
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Its second turn lasts until it is let go.
+/// An agent whose second turn lasts until the test releases it.
 class Sticky : public Agent {
  public:
   bool do_work() override {
@@ -48,7 +48,7 @@ std::string names(const std::vector<HungThread>& hung) {
 TEST(ThreadPlan, ATurnThatTakesTooLongIsNamedUntilItEnds) {
   Sticky agent;
   ThreadPlan plan(RealtimePolicy::ignore);
-  ASSERT_TRUE(plan.start(ThreadRole::track, agent));  // the shortest patience of the table
+  ASSERT_TRUE(plan.start(ThreadRole::track, agent));  // has the shortest longest_turn_s
   EXPECT_EQ(names(plan.hung_threads()), "");
   wait_for([&] { return names(plan.hung_threads()) == "track "; });
   agent.let_go();
@@ -83,7 +83,7 @@ TEST(ThreadPlan, AThreadThatDoesNotEndIsNamedAndTheOthersAreStopped) {
   agent.let_go();
 }
 
-/// Its first turn throws.
+/// An agent whose first turn throws.
 class Failing : public Agent {
  public:
   bool do_work() override {
@@ -97,7 +97,7 @@ class Failing : public Agent {
   std::atomic<bool> closed{false};
 };
 
-/// What a plan reports.
+/// Collects the failures that a plan reports.
 class Failures {
  public:
   OnThreadFailure sink() {
@@ -152,7 +152,7 @@ TEST(ThreadPlan, AnExceptionInTheCallersOwnTurnsEndsThem) {
   EXPECT_EQ(agent.turns, 1);
 }
 
-/// Else each takes its turn's time after the other, twelve times.
+/// Otherwise the threads' times to end would add up.
 TEST(ThreadPlan, AllAreToldToEndBeforeAnyIsWaitedFor) {
   class Ending : public Agent {
    public:

@@ -1,4 +1,4 @@
-/// Why no frame is valid, by injected time.
+/// The reason why no frame is valid, tested with injected time.
 #include "daemon/ovwsd/sensor/validity_watch.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/// What becomes of a status and a wavefront message, whole ones and such as no daemon should send.
+/// Metric families made from status and wavefront messages: complete ones, and malformed ones.
 #include "daemon/ovws/metrics/families.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using prometheus::MetricFamily;
 
-/// The example of a stream's schema.
+/// The example in a stream's JSON Schema.
 json example(const char* name) {
   return schema(name).at("examples").at(0);
 }

@@ -47,7 +47,7 @@ std::string name_of(int fd) {
   return fs::read_symlink("/proc/self/fd/" + std::to_string(fd)).filename();
 }
 
-/// Says each call with the kind of file it is for, and does it.
+/// Records each call with the name of its file, and executes it.
 const FileCalls kRecorder{[](int fd, const void* bytes, std::size_t count) {
                             calls_seen.push_back("write " + name_of(fd));
                             return ::write(fd, bytes, std::min<std::size_t>(count, 2));

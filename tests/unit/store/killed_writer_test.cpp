@@ -1,6 +1,5 @@
-/// A process that stores, drops and replaces in a loop is killed at any moment: what is found
-/// afterwards is whole, and is what the last finished step made or what the interrupted one meant
-/// to make.
+/// A process that stores, drops and replaces files in a loop is killed at random moments.
+/// Afterwards every file is complete, and in the state before or after the interrupted step.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -51,7 +50,8 @@ struct Told {
   bool finished = false;
 };
 
-/// The child: never returns. Steps in turn store an item, drop it, and replace a configuration.
+/// The child process, which never returns: in turn it stores an item, drops it, and replaces a
+/// configuration. It reports the begin and the end of each step through the pipe `tell`.
 [[noreturn]] void write_until_killed(const std::string& folder, int step, int tell) {
   auto store = StateStore::open(folder + "/state");
   if (!store) _exit(1);
@@ -76,7 +76,8 @@ struct Told {
   }
 }
 
-/// What the disk holds: the step whose item is there, or none; the configuration's step, 0: none.
+/// What is on the disk: the step that wrote the item, if it is there, and the step that wrote the
+/// configuration; 0: none.
 struct Found {
   std::optional<int> item;
   int config = 0;
@@ -99,7 +100,7 @@ class KilledWriter : public testing::Test {
   void SetUp() override { fs::create_directories(folder_ + "/state"); }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// Lets a writer begin with `step`, and kills it; what it told.
+  /// Starts a writer with `step`, kills it after `delay`, and returns what it reported.
   std::vector<Told> killed_after(int step, std::chrono::microseconds delay) const {
     int ends[2];
     EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
@@ -108,7 +109,7 @@ class KilledWriter : public testing::Test {
     ::close(ends[1]);
     std::vector<Told> told;
     Told one;
-    // A slow machine may take long to begin: the delay counts from the first step.
+    // The delay counts from the first step, since a slow machine may take long to start.
     if (::read(ends[0], &one, sizeof one) == sizeof one) told.push_back(one);
     std::this_thread::sleep_for(delay);
     ::kill(child, SIGKILL);

@@ -169,7 +169,7 @@ TEST_F(Store, OpeningMakesTheFolderAndRemovesWhatAKilledWriterLeft) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 0);
 }
 
-// /proc cannot be written by anybody, root included.
+// Not even root can write to /proc.
 TEST_F(Store, AFolderThatCannotBeMadeIsAnErrorWithTheWayOut) {
   const auto store = StateStore::open("/proc/ovws");
   ASSERT_FALSE(store);
@@ -188,7 +188,8 @@ TEST_F(Store, AFolderThatCannotBeWrittenIsReadAndSaysWhy) {
   EXPECT_FALSE(open().why_read_only());
 }
 
-/// In a child with mounts of its own: 0 as everything is as it must be.
+/// Runs `check` in a child process with a mount namespace of its own, and returns its result: 0 if
+/// all is right.
 constexpr int kNoMounts = 77;
 template <typename Check>
 int with_mounts(const Check& check) {
@@ -240,7 +241,7 @@ TEST_F(Store, AFullDiskIsReadAndSaysWhy) {
 TEST_F(Store, LeftoversThatFillTheDiskMakeRoomFirst) {
   fs::create_directories(folder_);
   const int wrong = with_mounts([&] {
-    // Of two inodes the folder has one.
+    // The folder itself takes one of the two inodes.
     if (mount("none", folder_.c_str(), "tmpfs", 0, "nr_inodes=2") != 0) return kNoMounts;
     write("reference.a.json.a1B2c3.ovws-tmp", "half");
     if (replace_file(folder_ + "/full", "")) return 1;
