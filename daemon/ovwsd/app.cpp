@@ -48,7 +48,7 @@ std::atomic<int> exit_status{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it");
 
 [[noreturn]] void end_at_once(const std::string& why, const Result<void>& written) {
-  spdlog::warn("{}: ending without it", why);
+  spdlog::warn("{}: exiting without waiting for it", why);
   if (!written) spdlog::error("{}: {}", written.error().field, written.error().reason);
   std::_Exit(exit_status.load());
 }
@@ -57,7 +57,8 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it"
 /// main thread when no other thread is left to end the process.
 void end_whatever_holds_after(double patience_s) {
   std::signal(SIGALRM, [](int /*signal*/) {
-    static constexpr char kWords[] = "<4>the display does not let go: ending without it\n";
+    static constexpr char kWords[] =
+        "<4>the display does not respond: exiting without waiting for it\n";
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWords, sizeof(kWords) - 1);
     std::_Exit(exit_status.load());
   });
@@ -139,7 +140,7 @@ struct App::Parts {
     const bool goes_on = failure.row->on_exception == OnException::go_on;
     events.emit("thread", Severity::error,
                 fmt::format("thread {} failed: {}; {}", failure.row->name, failure.what,
-                            goes_on ? "it goes on" : "the daemon ends, to be started again"),
+                            goes_on ? "the thread continues" : "the daemon exits to be restarted"),
                 {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
   }
 
@@ -285,10 +286,11 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   if (auto started = parts_->start_threads(); !started) return started;
   parts_->state.take(DaemonEvent::started);
   service::notify_ready();
-  spdlog::info("control {}, streams {} and {}", parts_->config.control.endpoint,
+  spdlog::info("listening: control {}, streams {} and {}", parts_->config.control.endpoint,
                parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
   if (!parts_->clients->public_key().empty()) {
-    spdlog::info("clients need a key; the daemon's own is {}", parts_->clients->public_key());
+    spdlog::info("clients need a key; the daemon's public key is {}",
+                 parts_->clients->public_key());
   }
   parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
   return parts_->stop();
@@ -331,7 +333,7 @@ Result<void> App::Parts::check_kept() {
   const int items = store.queued();
   if (items == 0) return {};
   const auto refused = store.report().reason;
-  const std::string text = fmt::format("items that are not written are lost: {}", items);
+  const std::string text = fmt::format("items that were not written and are lost: {}", items);
   if (refused) {
     spdlog::warn("state: {}: {}", text, *refused);
     return {};
@@ -343,7 +345,7 @@ Result<void> App::Parts::check_kept() {
 /// Status thread.
 void App::Parts::end_without_display() {
   if (ending.exchange(true)) return;
-  end_at_once("the display does not let go", end_disk_work());
+  end_at_once("the display does not respond", end_disk_work());
 }
 
 /// Stops the parts in order of dependency. Procedures and the loop need the camera, which needs the

@@ -23,7 +23,7 @@ namespace {
 constexpr int kUsage = 2;
 constexpr const char* kExitCodes =
     "Exit codes: 0 ended by a signal, or the configuration is valid; 1 the configuration is not "
-    "valid, the\nstart failed, or the daemon had to give up; 2 the command line is wrong.";
+    "valid, the\nstart failed, or a fatal error ended the daemon; 2 the command line is wrong.";
 
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
@@ -86,7 +86,7 @@ bool check_key_files(const std::string& path, const ovws::Config& config) {
   }
   if (!keys.read) {
     spdlog::warn(
-        "security.secret_key: not checked, this user may not read it; to check it: sudo -u {} "
+        "security.secret_key: not checked, because this user may not read it; run: sudo -u {} "
         "ovwsd --check-config --config {}",
         keys.user, path);
   }
@@ -98,7 +98,7 @@ int check(const std::string& path, const ovws::LoadedConfig& loaded) {
   if (!check_key_files(path, config)) return 1;
   report_saved(loaded);
   if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
-  spdlog::info("{} is right", path.empty() ? "the default configuration" : path);
+  spdlog::info("{} is valid", path.empty() ? "the default configuration" : path);
   std::printf("%s\n", ovws::dump_config(config).c_str());
   return 0;
 }
@@ -131,9 +131,9 @@ int main(int argc, char** argv) {
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;
-  line.add_option("--config,-c", path, "configuration file; without it every key has its default");
+  line.add_option("--config,-c", path, "configuration file; without it, every key has its default");
   line.add_flag("--check-config", check_only,
-                "check the configuration, print it with the saved settings, and end");
+                "check the configuration, print it with the saved settings, and exit");
   line.set_version_flag("--version", OVWS_VERSION);
   line.footer(kExitCodes);
   try {

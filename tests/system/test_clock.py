@@ -83,7 +83,7 @@ class Clock(BenchCase):
         self.assert_steps(stream, 0, -HOUR_NS)
         self.assertEqual(self.wall_waits(), 0, "nothing waits for a time of the wall clock")
         log = self.bench.log("ovwsd")
-        self.assertNotIn("hangs", log)
+        self.assertNotIn("has not run for", log)
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ class Standing(SlowDisk):
             self.assertEqual(status["state"], "running")
             self.settled_frames(frames, 1, hologram)
         self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
-        self.assertRegex(told, "the disk has not answered for [0-9]+ s; 1 of the items")
+        self.assertRegex(told, "the disk has not answered for [0-9]+ s; items waiting to be written: 1$")
         self.speed(None)
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the job's end")
         self.assertEqual(ended["state"], "done")
@@ -119,7 +119,7 @@ class Standing(SlowDisk):
         status, took_s = self.ended_by_sigterm(20.0)
         print(f"\n  ended {took_s:.2f} s after SIGTERM, with an item that no disk took")
         self.assertEqual(status, 1, self.bench.log("ovwsd"))
-        self.assertIn("state: items that are not written are lost: 1: the disk has not answered", self.bench.log("ovwsd"))
+        self.assertIn("state: items that were not written and are lost: 1: the disk has not answered", self.bench.log("ovwsd"))
 
 
 class Recording(SlowDisk):

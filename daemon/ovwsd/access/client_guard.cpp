@@ -30,11 +30,10 @@ Result<T> named(Result<T> result, const char* field) {
 
 Result<void> check_endpoint(const char* field, const std::string& endpoint) {
   if (is_reached_from_here_only(endpoint)) return {};
-  return fail(
-      Errc::invalid, field,
-      "others can reach " + endpoint +
-          ", and nobody asks who they are: bind tcp://127.0.0.1:PORT or ipc://PATH, or name "
-          "security.secret_key and security.clients (ovws keygen makes keys)");
+  return fail(Errc::invalid, field,
+              "other machines can reach " + endpoint +
+                  " without authentication: bind tcp://127.0.0.1:PORT or ipc://PATH, or set "
+                  "security.secret_key and security.clients (ovws keygen makes keys)");
 }
 
 std::int64_t ns_of(const timespec& time) {
@@ -102,7 +101,7 @@ Result<Role> ClientGuard::role_of(const std::string& key) {
   const auto list = list_.get();
   const auto found = list->find(key);
   if (found != list->end()) return found->second.role;
-  reject("a request came with the key " + key + ", which was withdrawn");
+  reject("a request came with the withdrawn key " + key);
   return fail(Errc::refused, "", "this client's key is no longer in the file of security.clients");
 }
 
@@ -126,14 +125,14 @@ ClientGuard::Stamp ClientGuard::stamp_of(const std::string& path) {
 
 void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& bound) {
   if (bound) {
-    return events_.emit("client", Severity::info, endpoint + " is bound again and sends",
+    return events_.emit("client", Severity::info, endpoint + " is bound again and publishes",
                         {{"endpoint", endpoint}, {"bound", true}});
   }
-  events_.emit("client", Severity::error,
-               "a key was withdrawn, and since then " + endpoint +
-                   " cannot be bound anew and sends nothing; it is tried again and again: " +
-                   bound.error().reason,
-               {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
+  events_.emit(
+      "client", Severity::error,
+      "after a key was withdrawn, " + endpoint +
+          " cannot be bound again and publishes nothing; retrying: " + bound.error().reason,
+      {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
 }
 
 /// Takes the stamp before it reads: a file that is written meanwhile is read once more.
@@ -193,13 +192,13 @@ void ClientGuard::look() {
 void ClientGuard::reload_if_changed() {
   if (stamp_of(*config_.clients) == stamp_) return;
   if (const auto read = read_list(); !read) {
-    return events_.emit(
-        "client", Severity::error,
-        read.error().field + ": " + read.error().reason + "; who could connect before still can");
+    return events_.emit("client", Severity::error,
+                        read.error().field + ": " + read.error().reason +
+                            "; the previous client list stays active");
   }
   events_.emit("client", Severity::info,
-               std::to_string(list_.get()->size()) + " clients may connect: " + *config_.clients +
-                   " was read again");
+               *config_.clients + " was read again: " + std::to_string(list_.get()->size()) +
+                   " clients may connect");
 }
 
 void ClientGuard::turn() {
@@ -222,8 +221,8 @@ void ClientGuard::tell_rejected() {
   if (rejected.count == 0) return;
   next_tell_ns_ = monotonic_ns() + kTellNs;
   const std::string times =
-      rejected.count == 1 ? "" : std::to_string(rejected.count) + " times, the last one: ";
-  events_.emit("client", Severity::warning, "not let in: " + times + rejected.why,
+      rejected.count == 1 ? "" : std::to_string(rejected.count) + " times, most recently: ";
+  events_.emit("client", Severity::warning, "client rejected: " + times + rejected.why,
                {{"rejected", rejected.count}, {"reason", rejected.why}});
 }
 

@@ -31,9 +31,9 @@ void read_client(ObjectReader& r, ClientList& list) {
   const bool taken = std::any_of(list.begin(), list.end(), [&client](const auto& known) {
     return known.second.name == client.name;
   });
-  if (taken) return r.fault("name", "\"" + client.name + "\" stands there twice");
+  if (taken) return r.fault("name", "\"" + client.name + "\" is given twice");
   if (!is_curve_key(key)) return r.fault("key", "must be a public key of 40 characters");
-  if (!list.emplace(key, client).second) r.fault("key", "stands there twice");
+  if (!list.emplace(key, client).second) r.fault("key", "is given twice");
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ Result<ClientList> parse_client_list(const std::string& json_text) {
 }
 
 Result<ClientList> load_client_list(const std::string& path) {
-  const auto text = read_kept_file(path, S_IWOTH,
-                                   "others can change it, and let in whom they like: chmod o-w it");
+  const auto text = read_kept_file(
+      path, S_IWOTH, "other users can change it and add clients: run chmod o-w on it");
   if (!text) return fail(text.error());
   auto list = parse_client_list(*text);
   if (list) return list;

@@ -19,7 +19,7 @@ Result<void> Disk::request(Task task) {
   if (requests_.fetch_add(1) >= kMaxRequests) {
     requests_.fetch_sub(1);
     return fail(Errc::unavailable, "",
-                "too many requests wait for the disk already: see system.status, store");
+                "too many requests already wait for the disk: see `store` of system.status");
   }
   // Counted until the task has run, or was dropped at the end.
   std::shared_ptr<void> counted(nullptr, [this](void*) { requests_.fetch_sub(1); });

@@ -16,6 +16,11 @@ nlohmann::json event_data(int id, JobState state, double progress) {
   return {{"job", id}, {"state", to_json(state)}, {"progress", progress}};
 }
 
+const char* end_text(JobState state) {
+  if (state == JobState::failed) return "has failed";
+  return state == JobState::cancelled ? "was cancelled" : "is done";
+}
+
 }  // namespace
 
 int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<double()> progress) {
@@ -129,7 +134,7 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
   job.result = std::move(result);
   job.error = error;
   note_end(job);
-  const std::string text = fmt::format("job {} ({}) is {}{}", id, job.kind, to_json(state),
+  const std::string text = fmt::format("job {} ({}) {}{}", id, job.kind, end_text(state),
                                        error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;
   events_.emit("job", severity, text, event_data(id, state, progress));

@@ -57,9 +57,9 @@ void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
     text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
   }
   if (!dropped_j.empty()) {
-    text += fmt::format("{} reads no modes j = {} ({}): what they hold is read as other modes",
-                        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j),
-                        matrix.dropped[0].reason);
+    text += fmt::format(
+        "{} does not measure modes j = {} ({}): their aberration appears as other modes",
+        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j), matrix.dropped[0].reason);
   }
   bench.warn("calibration", text,
              {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});

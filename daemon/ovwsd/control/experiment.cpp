@@ -20,19 +20,19 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   const Range<double>& range = limits.gain_db;
   const auto check = [&range](const char* field, double gain_db) -> Result<void> {
     if (gain_db >= range.min && gain_db <= range.max) return {};
-    return fail(
-        Error{Errc::invalid, field,
-              fmt::format("the camera's gain is from {} to {} dB, {} is not: choose others, "
-                          "or leave out with \"clamp\" those that it has not",
-                          range.min, range.max, gain_db),
-              range.min, range.max});
+    return fail(Error{
+        Errc::invalid, field,
+        fmt::format("{} dB is outside the camera's range of {} to {} dB: choose another gain, "
+                    "or leave out such gains with \"clamp\"",
+                    gain_db, range.min, range.max),
+        range.min, range.max});
   };
   if (auto has = check("reference_gain_db", sweep.reference_gain_db); !has)
     return fail(has.error());
   if (run.clamp) {
     std::erase_if(sweep.gains_db, [&](double gain_db) { return !check("", gain_db); });
     if (!sweep.gains_db.empty()) return run;
-    return fail(Errc::invalid, "gains_db", "the camera has none of these gains");
+    return fail(Errc::invalid, "gains_db", "all of these gains are outside the camera's range");
   }
   for (const double gain_db : sweep.gains_db) {
     if (auto has = check("gains_db", gain_db); !has) return fail(has.error());

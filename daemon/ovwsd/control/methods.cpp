@@ -21,9 +21,10 @@ const MethodRow* find_method(const std::string& name) {
 }
 
 RpcFailure unknown_method(const std::string& name) {
-  RpcFailure failure{RpcCode::method,
-                     "there is no method \"" + name + "\"",
-                     {{"field", "method"}, {"reason", "unknown; system.describe lists them all"}}};
+  RpcFailure failure{
+      RpcCode::method,
+      "there is no method \"" + name + "\"",
+      {{"field", "method"}, {"reason", "unknown; system.describe lists all methods"}}};
   if (const auto nearest = nearest_name(name, method_names())) {
     failure.message += ", did you mean \"" + *nearest + "\"?";
     failure.data["nearest"] = *nearest;
@@ -68,8 +69,8 @@ void dispatch(Services& services, const std::string& key, const std::string& met
   const MethodRow* const found = find_method(method);
   if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
   if (found->role == Role::control && *role == Role::read) {
-    return counted(forbidden("method", method + " changes something, and this client may only "
-                                                "read: its role in security.clients is \"read\""));
+    return counted(forbidden("method", method + " needs the role \"control\"; the role of this "
+                                                "client in security.clients is \"read\""));
   }
   found->call(*found, services, params, std::move(counted));
 }

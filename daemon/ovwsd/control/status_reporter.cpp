@@ -115,7 +115,7 @@ StatusMessage StatusReporter::current() const {
     }
     if (one.row->role == ThreadRole::disk) {
       status.store.reason =
-          fmt::format("the disk has not answered for {:.0f} s; {} of the items that are kept wait",
+          fmt::format("the disk has not answered for {:.0f} s; items waiting to be written: {}",
                       one.turn_s, deps_.store.queued());
     }
   }
@@ -162,13 +162,13 @@ void StatusReporter::watch_threads() {
   for (const HungThread& one : deps_.threads.hung_threads()) {
     hung.insert(one.row);
     if (hung_.contains(one.row)) continue;
-    deps_.events.emit(
-        "thread", Severity::error,
-        fmt::format("thread {} hangs; it may wait for: {}", one.row->name, one.row->may_wait_for));
+    deps_.events.emit("thread", Severity::error,
+                      fmt::format("thread {} has not run for {:.0f} s; it may be waiting for: {}",
+                                  one.row->name, one.turn_s, one.row->may_wait_for));
   }
   for (const ThreadRow* row : hung_) {
     if (hung.contains(row)) continue;
-    deps_.events.emit("thread", Severity::info, fmt::format("thread {} turns again", row->name));
+    deps_.events.emit("thread", Severity::info, fmt::format("thread {} has recovered", row->name));
   }
   hung_ = std::move(hung);
 }

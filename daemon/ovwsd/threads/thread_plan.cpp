@@ -75,7 +75,7 @@ Result<void> check_cpus(const std::vector<int>& cpus) {
   for (const int cpu : cpus) {
     if (cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(std::size_t(cpu), &allowed)) continue;
     return fail(Errc::invalid, "pipeline.cpus",
-                fmt::format("this process may not run on a processor {}: choose from {}", cpu,
+                fmt::format("this process may not run on processor {}: choose from {}", cpu,
                             fmt::join(known, ", ")));
   }
   return {};
@@ -131,11 +131,11 @@ Result<void> ThreadPlan::keep_processor_awake() {
   if (policy_ == RealtimePolicy::enforce) {
     return fail(Errc::unavailable, "realtime",
                 std::string(kDmaLatency) + " cannot be written (" + why +
-                    "): let the daemon's group write it (70-ovws-camera.rules), or set "
+                    "): give the daemon's group write access (70-ovws-camera.rules), or set "
                     "\"realtime\": \"ignore\"");
   }
-  spdlog::warn("{} cannot be written ({}): the processor's sleep may delay frames", kDmaLatency,
-               why);
+  spdlog::warn("{} cannot be written ({}): idle states of the processor may delay frames",
+               kDmaLatency, why);
   return {};
 }
 
@@ -171,10 +171,10 @@ Result<void> ThreadPlan::pin(Running& running) const {
   const int status = pthread_setaffinity_np(running.thread.native_handle(), sizeof(set), &set);
   if (status != 0) {
     return fail(Errc::invalid, "pipeline.cpus",
-                fmt::format("thread {} cannot keep to processors {}: {}", running.row->name,
+                fmt::format("thread {} cannot be pinned to processors {}: {}", running.row->name,
                             fmt::join(frame_path_cpus_, ", "), std::strerror(status)));
   }
-  spdlog::info("thread {} keeps to processors {}", running.row->name,
+  spdlog::info("thread {} is pinned to processors {}", running.row->name,
                fmt::join(frame_path_cpus_, ", "));
   return {};
 }
@@ -203,7 +203,7 @@ bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work
   } catch (const std::exception& error) {
     report(row, error.what());
   } catch (...) {
-    report(row, "an exception without words");
+    report(row, "an exception of unknown type");
   }
   return false;
 }
