@@ -14,7 +14,7 @@ import threading
 from case import BenchCase, Client, ClientError, main, wait_for
 
 KILLS = int(os.environ.get("OVWS_KILLS", "4"))
-BY_DEFECT = re.compile(r"damaged|cut off|not a file of the daemon|is empty")
+BY_DEFECT = re.compile(r"damaged|cut off|not written by the daemon|is empty")
 
 
 class Restart(BenchCase):

@@ -32,14 +32,14 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events, Disk* disk)
     : events_(events), disk_(disk) {
   const auto directory = state_directory_of(config);
   if (!directory) {
-    why_none_ = "no folder is named: set state.directory, or $STATE_DIRECTORY";
-    events_.emit("store", Severity::info, "nothing is kept over a restart: " + *why_none_);
+    why_none_ = "no state folder is configured: set state.directory or $STATE_DIRECTORY";
+    events_.emit("store", Severity::info, "nothing is saved across restarts: " + *why_none_);
     return;
   }
   auto opened = StateStore::open(*directory);
   if (!opened) {
     why_none_ = opened.error().reason;
-    events_.emit("store", Severity::error, "nothing is kept over a restart: " + *why_none_,
+    events_.emit("store", Severity::error, "nothing is saved across restarts: " + *why_none_,
                  {{"path", *directory}});
     return;
   }
@@ -48,12 +48,12 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events, Disk* disk)
   if (why_read_only_) {
     events_.emit(
         "store", Severity::error,
-        "nothing new is kept over a restart, what is kept already is used: " + *why_read_only_,
+        "nothing new is saved across restarts, what was saved before is used: " + *why_read_only_,
         {{"path", *directory}});
   }
   if (opened->leftovers() > 0) {
     events_.emit("store", Severity::info,
-                 "files that were being written when the daemon was killed are removed: " +
+                 "incomplete files of a daemon that was killed were removed: " +
                      std::to_string(opened->leftovers()),
                  {{"path", *directory}, {"removed", opened->leftovers()}});
   }
@@ -140,12 +140,12 @@ void DaemonStore::queue(Item item) {
   }
   for (const Item& one : displaced) {
     if (one.why) continue;  // its failure was reported before
-    one.tried(fail(Errc::refused, "", "a newer one took its place before it was written"));
+    one.tried(fail(Errc::refused, "", "a newer item replaced it before it was written"));
   }
   if (refused) {
     refused(fail(
         Errc::unavailable, "state.directory",
-        fmt::format("{} MiB wait for the disk already: check the disk", kMaxQueuedBytes >> 20)));
+        fmt::format("{} MiB already wait to be written: check the disk", kMaxQueuedBytes >> 20)));
   }
   wake();
 }
@@ -180,7 +180,7 @@ bool DaemonStore::turn() {
   }
   if (done || !item.why) item.tried(done);
   if (all_written) {
-    events_.emit("store", Severity::info, "all that waited for the disk is written",
+    events_.emit("store", Severity::info, "all waiting items have been written",
                  {{"path", *directory_}});
   }
   tried_.notify_all();
@@ -207,13 +207,13 @@ Result<std::string> DaemonStore::write(const Item& item) {
   auto kept = store_->put_text(item.kind, item.name, *item.text);
   if (!kept && store_->make_again()) {
     events_.emit("store", Severity::warning,
-                 *directory_ + " was removed, with all that was kept in it; it is made again",
+                 *directory_ + " was removed, with everything saved in it; it was created again",
                  {{"path", *directory_}});
     kept = store_->put_text(item.kind, item.name, *item.text);
   }
   if (kept || item.older == Older::stays) return kept;
   if (!store_->set_aside(item.kind, item.name)) {
-    kept.error().reason += "; until it is written a restart loads the one before";
+    kept.error().reason += "; until it is written, a restart loads the previous one";
   }
   return kept;
 }
@@ -252,10 +252,11 @@ DaemonStore::Tried DaemonStore::reporting(std::string kind, std::string title,
     json data{{"t_taken_ns", t_taken_ns}};
     if (kept) {
       data["sha256"] = *kept;
-      events_.emit(kind, Severity::info, fmt::format("{} is kept (sha256 {})", title, *kept), data);
+      events_.emit(kind, Severity::info, fmt::format("{} is saved (sha256 {})", title, *kept),
+                   data);
     } else if (directory_) {
       events_.emit(kind, Severity::error,
-                   fmt::format("{} is active, and will not survive a restart: {}", title,
+                   fmt::format("{} is active, but will not survive a restart: {}", title,
                                kept.error().reason),
                    data);
     }
@@ -284,8 +285,8 @@ StatusMessage::StorePart DaemonStore::report() const {
   const auto refused = [](const Item& one) { return one.why.has_value(); };
   const auto last = std::find_if(items_.rbegin(), items_.rend(), refused);
   if (last == items_.rend()) return report;
-  report.reason = fmt::format("{}; {} of the items that are kept wait, and are tried again",
-                              *last->why, std::count_if(items_.begin(), items_.end(), refused));
+  report.reason = fmt::format("{}; items waiting to be written again: {}", *last->why,
+                              std::count_if(items_.begin(), items_.end(), refused));
   return report;
 }
 
@@ -315,7 +316,7 @@ Result<T> DaemonStore::wait_for(
   std::unique_lock lock(mutex_);
   tried_.wait(lock, [&] { return *answer || ending_; });
   if (*answer) return **answer;
-  return fail(Errc::unavailable, "", "the daemon stops");
+  return fail(Errc::unavailable, "", "the daemon is stopping");
 }
 
 Result<std::string> DaemonStore::put_and_wait(std::string_view kind, std::string_view name,

@@ -20,9 +20,9 @@ Result<FolderLock> lock_folder(const std::string& folder) {
   });
   if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return lock;
   if (errno != EWOULDBLOCK) return FolderLock();
-  return fail(Errc::unavailable, "state.directory",
-              "another daemon uses " + folder +
-                  ": end it, or give each daemon a state.directory of its own");
+  return fail(
+      Errc::unavailable, "state.directory",
+      "another daemon uses " + folder + ": stop it, or give each daemon its own state.directory");
 }
 
 }  // namespace ovws

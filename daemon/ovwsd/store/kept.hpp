@@ -144,10 +144,10 @@ class Kept {
     Item& item = found.item;
     const std::string obstacle = found.name == kind_.name(item)
                                      ? kind_.obstacle(item)
-                                     : "its file's name is not that of its content";
+                                     : "its file name does not match its content";
     events_.emit(Kind::kEvent, obstacle.empty() ? Severity::info : Severity::warning,
                  fmt::format("{} ({}, sha256 {}) {}", kind_.title(item), found.path, item.sha256,
-                             obstacle.empty() ? "is found again" : "is not used: " + obstacle),
+                             obstacle.empty() ? "is loaded" : "is not used: " + obstacle),
                  {{"path", found.path},
                   {"sha256", item.sha256},
                   {"used", obstacle.empty()},

@@ -36,7 +36,7 @@ std::string read_text(const fs::path& path, std::string& reason) {
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(path, unknown);
   if (!unknown && size > kMaxFileBytes) {
-    reason = "larger than 1 GiB, so not of the daemon";
+    reason = "it is larger than 1 GiB, so it was not written by the daemon";
     return {};
   }
   std::ifstream file(path, std::ios::binary);
@@ -76,18 +76,19 @@ Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
   if (text.empty()) return damaged("it is empty");
   const bool whole = text.size() > kSealSize && text.ends_with(kSumEnd) &&
                      text.substr(text.size() - kSealSize).starts_with(kSumBegin);
-  if (!whole) return damaged("it is cut off, or not a file of the daemon: its checksum is missing");
+  if (!whole)
+    return damaged("it is cut off, or was not written by the daemon: its checksum is missing");
   const std::string_view body = text.substr(0, text.size() - kSealSize);
   const std::string_view sum = text.substr(body.size() + kSumBegin.size(), kSumDigits);
   if (sha256_hex(body) != sum) {
-    return damaged("it is damaged or was changed by hand: its checksum does not fit");
+    return damaged("it is damaged or was changed by hand: its checksum does not match");
   }
   auto parsed = parse_strict_json(text, kMaxDepth, JsonComments::refused);
   if (!parsed) return damaged(parsed.error().reason);
   if (!parsed->is_object() || !parsed->contains("schema") || (*parsed)["schema"] != schema) {
     return damaged("its schema is not " + std::string(schema));
   }
-  if (!parsed->contains("content")) return damaged("it holds no content");
+  if (!parsed->contains("content")) return damaged("its content is missing");
   return Unsealed{std::move((*parsed)["content"]), std::string(sum)};
 }
 
@@ -96,7 +97,7 @@ Result<StateStore> StateStore::open(const std::string& directory) {
   fs::create_directories(directory, failed);
   if (failed) {
     return fail(Errc::unavailable, "state.directory",
-                directory + " cannot be made: " + failed.message());
+                directory + " cannot be created: " + failed.message());
   }
   const fs::directory_iterator readable(directory, failed);
   if (failed) {

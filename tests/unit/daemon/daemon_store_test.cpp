@@ -68,7 +68,8 @@ TEST_F(Store, WhatIsRefusedWaitsAndIsWrittenWhenTheDiskTakesIt) {
   EXPECT_EQ(a.refused, 1);
   ASSERT_TRUE(store_.report().reason);
   EXPECT_NE(store_.report().reason->find("kind.a.json"), std::string::npos);
-  EXPECT_NE(store_.report().reason->find("; 1 of the items"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
   EXPECT_EQ(value("a"), 1) << "it is found while it waits";
   EXPECT_EQ(loaded(), std::vector<std::string>{"a"});
   EXPECT_EQ(store_.why_queued("kind"), a.why);
@@ -105,11 +106,13 @@ TEST_F(Store, TheReasonIsThatOfTheNewestThatWaitsAndGoesWithIt) {
   put("z", 1, z);
   put("a", 1, a);
   EXPECT_NE(store_.report().reason->find("kind.a.json"), std::string::npos);
-  EXPECT_NE(store_.report().reason->find("; 2 of the items"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 2"),
+            std::string::npos);
   unblock("kind.a.json");
   store_.try_again_and_wait();
   EXPECT_NE(store_.report().reason->find("kind.z.json"), std::string::npos);
-  EXPECT_NE(store_.report().reason->find("; 1 of the items"), std::string::npos);
+  EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
   unblock("kind.z.json");
   store_.try_again_and_wait();
   EXPECT_FALSE(store_.report().reason);
@@ -196,7 +199,7 @@ TEST_F(Store, MoreThanItsMemoryIsNotKept) {
   EXPECT_EQ(large.refused, 1);
   store_.put("kind", "more", std::string(8192, 'x'), DaemonStore::Older::stays, more.tried());
   EXPECT_EQ(more.refused, 1);
-  EXPECT_NE(more.why.find("MiB wait for the disk already"), std::string::npos);
+  EXPECT_NE(more.why.find("MiB already wait to be written"), std::string::npos);
   EXPECT_EQ(store_.queued(), 1);
 }
 
