@@ -57,7 +57,7 @@ class CommandLine(BenchCase):
         self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1)
         time = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z"
         self.assertRegex(self.ovws("status"), rf"(?m)^failed +job \d+ \(reference\.take\) at {time}: camera\.exposure_us: .*lower the exposure or the gain$")
-        self.assertRegex(self.ovws("status"), rf"(?m)^loop +open, .*, opened at {time}: it was asked to$")
+        self.assertRegex(self.ovws("status"), rf"(?m)^loop +open, .*, opened at {time}: loop\.open was called$")
         self.assertEqual(json.loads(self.ovws("--json", "status"))["failed_job"]["kind"], "reference.take")
         self.assertRegex(self.ovws("doctor", code=1), rf"reference\.take failed at {time}")
         self.call("camera.set", {"exposure_us": 300.0})

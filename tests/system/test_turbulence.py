@@ -74,7 +74,7 @@ class Turbulence(BenchCase):
         print("\n" + output.rpartition("\r")[2])
         self.assertEqual(study.returncode, 0, output)
         loop = self.call("loop.get")
-        self.assertEqual((loop["closed"], loop["opened_because"]), (False, "it was asked to"))
+        self.assertEqual((loop["closed"], loop["opened_because"]), (False, "loop.open was called"))
         self.assertEqual(self.call("correction.get")["modes"], [])
         for name in ("rejection-spectra", "rejection"):
             for ending in ("png", "csv", "gnuplot"):

@@ -24,12 +24,12 @@ struct Useless {
 };
 constexpr std::array<Useless, 3> kUseless{
     {{Counter::frames_incomplete,
-      "every frame arrives incomplete, packets are lost on the way; check cable, switch and "
+      "every frame arrives incomplete, because packets are lost; check the cable, the switch and "
       "camera.packet_size_bytes"},
      {Counter::frames_duplicated,
-      "it sends again frames that had come before, and no new ones; switch it off and on"},
+      "it repeats earlier frames and sends no new ones; switch the camera off and on"},
      {Counter::frames_out_of_order,
-      "every frame arrives after a later one; check that one way only leads from it to here"}}};
+      "every frame arrives out of order; check that the network has only one path to the camera"}}};
 
 /// Removes "camera." from the error's field: drivers name configuration keys, clients know params.
 Error in_params(Error error) {
@@ -111,8 +111,8 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
       keep_asked(change);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
-                          fmt::format("camera: after a job its gain of {} dB could not be set "
-                                      "again: {}; set it with camera.set",
+                          fmt::format("camera: the gain of {} dB could not be restored after a "
+                                      "job: {}; set it with camera.set",
                                       gain_db, applied.error().reason),
                           {{"gain_db", gain_db}});
       }

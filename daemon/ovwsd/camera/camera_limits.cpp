@@ -24,7 +24,7 @@ class Judge {
     } else if (!error_) {
       error_ = Error{
           Errc::invalid, field,
-          fmt::format("{} is outside what the camera can do: {} to {} {}", value, min, max, unit),
+          fmt::format("{} is outside the camera's range of {} to {} {}", value, min, max, unit),
           double(min), double(max)};
     }
   }
@@ -36,15 +36,15 @@ class Judge {
       if (in_db) return refuse(no_gain_in_db("gain_db", limits));
       if (std::isnan(settings.gain_raw)) return;
       const Range<double>& range = *limits.gain_raw;
-      return number("gain_raw", settings.gain_raw, range.min, range.max, "in its own steps");
+      return number("gain_raw", settings.gain_raw, range.min, range.max,
+                    "in the camera's own steps");
     }
     const Range<double>& range = limits.gain_db;
     if (!std::isnan(settings.gain_raw))
       return refuse(
           {Errc::invalid, "gain_raw",
-           fmt::format(
-               "the camera has its gain in dB: leave gain_raw out, and set gain_db, {} to {}",
-               range.min, range.max)});
+           fmt::format("the camera has its gain in dB: instead of gain_raw set gain_db, {} to {}",
+                       range.min, range.max)});
     number("gain_db", settings.gain_db, range.min, range.max, "dB");
   }
 
@@ -54,9 +54,9 @@ class Judge {
     for (const PixelFormat format : known) {
       names += (names.empty() ? "" : ", ") + std::string(pixel_format_name(format));
     }
-    error_ =
-        Error{Errc::invalid, "pixel_format",
-              fmt::format("the camera has no {}: it has {}", pixel_format_name(wanted), names)};
+    error_ = Error{Errc::invalid, "pixel_format",
+                   fmt::format("the camera has no pixel format {}: choose one of {}",
+                               pixel_format_name(wanted), names)};
   }
 
   const std::optional<Error>& error() const { return error_; }
@@ -74,7 +74,7 @@ class Judge {
 
 Error no_gain_in_db(std::string field, const CameraLimits& limits) {
   return {Errc::invalid, std::move(field),
-          fmt::format("the camera has no gain in dB, only steps of its own: gain_raw, {} to {}",
+          fmt::format("the camera has no gain in dB, only its own steps: gain_raw, {} to {}",
                       limits.gain_raw->min, limits.gain_raw->max)};
 }
 

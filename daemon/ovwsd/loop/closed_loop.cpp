@@ -32,7 +32,7 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
       return fmt::format("the correction was at its limit of {:g} waves for {:g} s",
                          settings.limit_waves, settings.patience_s);
     case LoopEnd::growing:
-      return fmt::format("the residual was {:g} times its level of before for {:g} s",
+      return fmt::format("the residual was {:g} times its previous level for {:g} s",
                          settings.growth, settings.patience_s);
   }
   return "";
@@ -47,20 +47,20 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
   }
   if (!sensor.reference) {
     return fail(Errc::refused, "reference",
-                "there is no reference to steer to: take one with reference.take first");
+                "there is no reference for the loop: take one with reference.take first");
   }
   for (const int j : settings.modes) {
     const auto& known = sensor.modes_j;
     if (std::find(known.begin(), known.end(), j) != known.end()) continue;
     return fail(Errc::invalid, "modes",
-                fmt::format("mode j = {} is not measured: this sensor tells j = {} to {}", j,
+                fmt::format("mode j = {} is not measured: this sensor measures j = {} to {}", j,
                             known.front(), known.back()));
   }
   for (const Mode& mode : sensor.correction) {
     if (std::abs(mode.waves) <= settings.limit_waves) continue;
     return fail(Errc::refused, "limit_waves",
                 fmt::format("the correction holds {:.3f} waves of mode j = {}, more than the limit "
-                            "of {:g}: raise it, or call correction.clear first",
+                            "of {:g}: raise limit_waves, or call correction.clear first",
                             mode.waves, mode.j, settings.limit_waves));
   }
   return {};
@@ -163,7 +163,7 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
   if (!keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
   }
-  if (is_closed()) set_closed(false, "it was asked to", Severity::info);
+  if (is_closed()) set_closed(false, "loop.open was called", Severity::info);
   return this->report();
 }
 

@@ -25,7 +25,8 @@ Error in_room(std::string room, Error error, const LoadedConfig& read) {
     error.field = room + "." + error.field;
   }
   if (std::find(read.saved.begin(), read.saved.end(), error.field) != read.saved.end()) {
-    error.reason += " (a saved value: remove " + *read.overlay + " to use the file's)";
+    error.reason +=
+        " (a saved value: remove " + *read.overlay + " to use the configuration file's)";
   }
   return error;
 }
@@ -59,7 +60,8 @@ void Reloader::look() {
 
 void Reloader::begin() {
   if (deps_.loaded.get().path.empty()) {
-    return refuse({Errc::refused, "", "the daemon was started without --config FILE"});
+    return refuse({Errc::refused, "",
+                   "there is no file to read: the daemon was started without --config FILE"});
   }
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
     return refuse(allowed.error());
@@ -143,8 +145,8 @@ void Reloader::put_back_camera(const Reload& reload, const Error& why) {
       CameraSet::difference(after, before), [this, why](const Result<CameraSnapshot>& used) {
         if (used) return refuse(why);
         Error told = why;
-        told.reason += "; the camera keeps the new settings, for " + used.error().reason;
-        refuse(told, "all but the camera goes on as it was");
+        told.reason += "; the camera's settings could not be restored: " + used.error().reason;
+        refuse(told, "all but the camera is unchanged");
       });
 }
 
@@ -161,8 +163,8 @@ void Reloader::finish(const Reload& reload) {
 void Reloader::report(const Reload& reload) {
   const auto& [live, restart] = reload.keys;
   std::string text = "configuration reloaded: ";
-  text += live.empty() ? "nothing that can change now has changed" : "applied " + listed(live);
-  if (!restart.empty()) text += "; left until a restart: " + listed(restart);
+  text += live.empty() ? "no setting to change at run time" : "applied " + listed(live);
+  if (!restart.empty()) text += "; a restart is needed for: " + listed(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
   const bool all_used = restart.empty() && reload.read.unused_reason.empty();
   end(all_used ? Severity::info : Severity::warning, std::move(text),

@@ -60,7 +60,7 @@ class Reloader {
   void finish(const Reload& reload);
   void report(const Reload& reload);
   void put_back_camera(const Reload& reload, const Error& why);
-  void refuse(const Error& why, const char* what_stays = "everything goes on as it was");
+  void refuse(const Error& why, const char* what_stays = "nothing has changed");
   void end(Severity severity, std::string text, nlohmann::json data);
 
   ReloadDeps deps_;

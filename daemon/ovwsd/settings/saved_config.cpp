@@ -132,7 +132,7 @@ Result<Overlay> parse_overlay(const std::string& text) {
 Result<void> check_keys(const Overlay& overlay, const json& file) {
   for (const auto& [key, entry] : overlay.saved) {
     if (!changes_live(key) || !file.contains(pointer_of(key))) {
-      return fail(Errc::invalid, "", key + " is not a setting that config.save keeps");
+      return fail(Errc::invalid, "", key + " is not a setting that config.save saves");
     }
   }
   return {};
@@ -199,10 +199,11 @@ Result<void> check_ours(const std::string& overlay, const json& owner) {
   if (!text || !*text) return {};
   const auto there = parse_overlay(**text);
   if (!there || is_for(there->file, owner.is_string() ? owner.get<std::string>() : "")) return {};
-  return fail(Errc::refused, "state.directory",
-              fmt::format("{} holds the values saved for another configuration file, {}: give this "
-                          "one a state.directory of its own, or remove that file",
-                          overlay, there->file.is_null() ? "none" : there->file.dump()));
+  return fail(
+      Errc::refused, "state.directory",
+      fmt::format("{0} holds the values saved for another configuration file, {1}: give this "
+                  "one a state.directory of its own, or remove {0}",
+                  overlay, there->file.is_null() ? "none" : there->file.dump()));
 }
 
 std::string listed(const std::vector<std::string>& keys) {
@@ -242,7 +243,7 @@ void set_aside_if_invalid(LoadedConfig& loaded) {
   if (!loaded.invalid) return;
   const std::string aside = *loaded.overlay + kAside;
   if (std::rename(loaded.overlay->c_str(), aside.c_str()) == 0) {
-    loaded.unused_reason += "; it is renamed to " + aside;
+    loaded.unused_reason += "; it was renamed to " + aside;
   } else {
     loaded.unused_reason += std::string("; it cannot be renamed: ") + std::strerror(errno);
   }

@@ -41,7 +41,7 @@ std::string other_slm(const json& origin, const Config& config) {
   for (const auto& [key, value] : parts) {
     const json then = slm.value(key, json());
     if (then != value) {
-      return fmt::format("it is of another SLM, slm.{} was {}, and is {}", key, then.dump(),
+      return fmt::format("it belongs to another SLM: slm.{} was {}, and is {}", key, then.dump(),
                          value.dump());
     }
   }
@@ -79,7 +79,7 @@ Result<MeasuredLut> LutKind::read(const json& content) const {
   if (auto read = r.finish(); !read) return fail(read.error());
   if (!std::is_sorted(phase.begin(), phase.end()) &&
       !std::is_sorted(phase.rbegin(), phase.rend())) {
-    return fail(Errc::invalid, "lut.phase_rad", "neither rises nor falls throughout");
+    return fail(Errc::invalid, "lut.phase_rad", "is not monotonic");
   }
   std::copy(phase.begin(), phase.end(), lut.response.phase_rad.begin());
   std::copy(error.begin(), error.end(), lut.response.standard_error_rad.begin());
@@ -88,7 +88,7 @@ Result<MeasuredLut> LutKind::read(const json& content) const {
 }
 
 std::string LutKind::title(const MeasuredLut& lut) const {
-  return "the lut of " + utc_text(lut.t_taken_ns);
+  return "the LUT of " + utc_text(lut.t_taken_ns);
 }
 
 std::string LutKind::obstacle(const MeasuredLut& lut) const {
@@ -133,7 +133,7 @@ Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
   if (const json* const sum = r.raw("configured_sha256")) flatness.configured_sha256 = *sum;
   if (auto read = r.finish(); !read) return fail(read.error());
   if (flatness.modes.empty() || flatness.modes.size() != flatness.standard_error_waves.size()) {
-    return fail(Errc::invalid, "flatness.modes", "has not as many modes as standard errors");
+    return fail(Errc::invalid, "flatness.modes", "has not the length of standard_error_waves");
   }
   return flatness;
 }
@@ -146,8 +146,9 @@ std::string FlatnessKind::title(const MeasuredFlatness& flatness) const {
 std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
   if (auto other = other_slm(flatness.origin, config); !other.empty()) return other;
   if (flatness.configured_sha256 != configured_sha256) {
-    return fmt::format("it is added to the map of slm.flatness, whose checksum was {}, and is {}",
-                       flatness.configured_sha256.dump(), configured_sha256.dump());
+    return fmt::format(
+        "it is relative to the map of slm.flatness, whose checksum was {}, and is {}",
+        flatness.configured_sha256.dump(), configured_sha256.dump());
   }
   const json optics = flatness.origin.value("optics", json::object());
   const OpticsConfig& now = config.optics;

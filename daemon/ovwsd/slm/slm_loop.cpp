@@ -91,7 +91,7 @@ Result<void> SlmLoop::show(HologramRequest request) {
   if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
   job->abandoned = true;
   if (asked_.job == job) asked_.job.reset();
-  return fail(Errc::unavailable, "slm", "the display did not take the picture within 2 s");
+  return fail(Errc::unavailable, "slm", "the display did not accept the hologram within 2 s");
 }
 
 void SlmLoop::show_when_possible(HologramRequest request) {
@@ -118,7 +118,7 @@ Result<SlmVerdict> SlmLoop::look() {
   if (!display_) {
     return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
   }
-  if (!wanted_) return fail(Errc::unavailable, "slm", "no hologram was shown yet");
+  if (!wanted_) return fail(Errc::unavailable, "slm", "no hologram has been shown yet");
   const auto shown = display_->read_back();
   if (!shown) return fail(shown.error());
   const Image<std::uint8_t>& given = *wanted_->grey;
@@ -132,8 +132,8 @@ Result<SlmVerdict> SlmLoop::look() {
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,
-                      fmt::format("slm: {} pixels of the output are not those of hologram {}: "
-                                  "something draws over it",
+                      fmt::format("slm: {} pixels of the output differ from hologram {}: another "
+                                  "program draws over it",
                                   verdict.differing_pixels, verdict.hologram_id),
                       {{"hologram_id", verdict.hologram_id},
                        {"crc32", verdict.crc32},
@@ -158,7 +158,7 @@ void SlmLoop::try_open() {
   if (wanted_ && !present(*wanted_)) return;
   const DisplayInfo& info = display_->info();
   deps_.events.emit("slm", Severity::info,
-                    fmt::format("SLM output {} is up: {} x {} at {:.1f} Hz ({})", info.output,
+                    fmt::format("SLM output {} is open: {} x {} at {:.1f} Hz ({})", info.output,
                                 info.width, info.height, info.refresh_hz, info.driver));
   publish_snapshot(std::nullopt);
 }

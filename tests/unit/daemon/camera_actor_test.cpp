@@ -184,7 +184,7 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_EQ(events[0].severity, Severity::warning);
   EXPECT_EQ(events[0].data["gain_db"], 3.0);
   EXPECT_EQ(events[0].text,
-            "camera: after a job its gain of 3 dB could not be set again: the register is locked; "
+            "camera: the gain of 3 dB could not be restored after a job: the register is locked; "
             "set it with camera.set");
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.refuses_gains = false;
