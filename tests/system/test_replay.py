@@ -279,7 +279,7 @@ class Replay(BenchCase):
         done = self.replay(other)
         told = json.loads(done.stdout.splitlines()[-1])
         self.assertEqual((done.returncode, told["replayed"]), (1, 0), told)
-        self.assertRegex(told["first_not_replayed"], "its plan is for a picture of 320 x .*; the recording's are")
+        self.assertRegex(told["first_not_replayed"], "its plan is for an image of 320 x .*; the recording's are")
         print(f"\n  {told['frames']} frames in {time.monotonic() - begun:.1f} s")
         self.assertLess(time.monotonic() - begun, 30.0, "one frame that no plan measures took 5 s")
 

@@ -99,7 +99,7 @@ std::string other_image(const RecordingHeader& header, const MeasurementPlan& pl
       header.format == plan.format) {
     return {};
   }
-  return fmt::format("its plan is for a picture of {} x {}, {}; the recording's are {} x {}, {}",
+  return fmt::format("its plan is for an image of {} x {}, {}; the recording's are {} x {}, {}",
                      plan.roi.width, plan.roi.height, pixel_format_name(plan.format), header.width,
                      header.height, pixel_format_name(header.format));
 }
@@ -189,7 +189,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   if (!coefficients) return fail(coefficients.error());
   if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
   if (spots->size() != plan->predicted_px.size()) {
-    frame.reason = "it has not the spots of its plan";
+    frame.reason = "its number of spots is not its plan's";
     return {};
   }
   if (const std::string other = other_image(reader->header(), *plan); !other.empty()) {
@@ -205,7 +205,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   camera.give(frame.recorded);
   FrameRecord* const record = pipeline.next(kPatienceUs);
   if (record == nullptr) {
-    frame.reason = "its picture is not that of its plan";
+    frame.reason = "the pipeline did not measure its image";
     return {};
   }
   frame.replayed = true;
@@ -249,7 +249,7 @@ Result<std::optional<PlayedFrame>> Player::step() {
   PlayedFrame frame;
   frame.recorded = m.reader->frames()[m.next++];
   if (frame.recorded.picture < 0) {
-    frame.reason = "it has no picture";
+    frame.reason = "it was recorded without its image";
   } else {
     m.use_plan(frame.recorded.plan_id);
     if (m.plan == nullptr) frame.reason = m.why_no_plan;

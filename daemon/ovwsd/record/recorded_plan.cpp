@@ -54,20 +54,20 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
   };
   if (spots == 0 || spots > std::size_t(kMaxSubapertures) || !as_many(plan.search_px) ||
       !as_many(plan.reference_px) || rows.size() != 2 * spots) {
-    return unfit("has parts of different numbers of spots");
+    return unfit("has parts with different numbers of spots");
   }
   if (modes_j.empty() || modes_j.size() > std::size_t(kMaxZernikeIndex)) {
     return unfit("has too many modes, or none");
   }
   if (std::any_of(modes_j.begin(), modes_j.end(),
                   [](int j) { return j < 0 || j > kMaxZernikeIndex; })) {
-    return unfit("has modes that there are not");
+    return unfit("has modes that do not exist");
   }
   const PixelLattice& lit = plan.spots.lit.lattice;
   if (plan.roi.width < 1 || plan.roi.width > kMostSide || plan.roi.height < 1 ||
       plan.roi.height > kMostSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
       lit.y < 0 || lit.y > 1) {
-    return unfit("is of no image");
+    return unfit("has no valid image size");
   }
   return {};
 }
@@ -113,7 +113,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
 /// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   if (!from.at("torn").empty()) {
-    return fail(Errc::refused, "path", "the shapes of torn spots are not in a recording");
+    return fail(Errc::refused, "path", "templates of split spots are not in a recording");
   }
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = from.at("plan_id").get<std::uint64_t>();
@@ -125,7 +125,8 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
                roi.at("height").get<int>()};
   const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
   const auto tracker = tracker_from_name(from.at("tracker").get<std::string>());
-  if (!format || !tracker) return unfit("is of a tracker or format that this program lacks");
+  if (!format || !tracker)
+    return unfit("needs a tracker or pixel format that this program does not have");
   plan->format = *format;
   plan->tracker_kind = *tracker;
   plan->spots = spot_model(from);
@@ -138,7 +139,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
   const json nuisance = op.value("nuisance_px", json::array());
   if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
-    return unfit("has not as many rows of nuisance_px as of px_per_wave");
+    return unfit("has different numbers of rows in nuisance_px and px_per_wave");
   }
   plan->reconstructor = std::make_unique<Reconstructor>(
       matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px,
@@ -154,7 +155,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
 
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) {
   const auto found = plans_.find(plan_id);
-  if (found == plans_.end()) return unfit("is not in it: " + std::to_string(plan_id));
+  if (found == plans_.end()) return unfit("is missing: number " + std::to_string(plan_id));
   try {
     return read(json::parse(found->second));
   } catch (const std::exception& error) {  // of the JSON library, or for a missing document

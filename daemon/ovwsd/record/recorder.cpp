@@ -30,7 +30,7 @@ constexpr std::uint64_t kRoomBytes = 64 << 20;  // free disk space that a record
 
 constexpr const char* kGone = "its file was removed or moved while it was written";
 constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write the rest when the daemon stops
-constexpr const char* kTooSlow = "the disk was too slow for the rest";
+constexpr const char* kTooSlow = "the disk was too slow to write the rest";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
 
 std::optional<std::string> directory_of(const Config& config) {
@@ -72,8 +72,8 @@ Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
       row_bytes(camera.pixel_format, camera.roi.width) * std::size_t(camera.roi.height);
   if (bytes <= kMostRecordedPictureBytes) return bytes;
   return fail(Errc::refused, "",
-              fmt::format("a picture has {} MiB, and a recording takes at most {}: make the "
-                          "camera's region smaller (camera.set, roi)",
+              fmt::format("an image has {} MiB, and a recording takes at most {}: reduce the "
+                          "camera's region (camera.set, roi)",
                           bytes >> 20, kMostRecordedPictureBytes >> 20));
 }
 
@@ -82,9 +82,8 @@ Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t 
   try {
     return std::make_unique<FrameStore>(pictures, picture_bytes);
   } catch (const std::bad_alloc&) {
-    return fail(
-        Errc::unavailable, "record.buffer_mib",
-        fmt::format("there is no memory for {} pictures that wait: make it less", pictures));
+    return fail(Errc::unavailable, "record.buffer_mib",
+                fmt::format("there is not enough memory to buffer {} images: reduce it", pictures));
   }
 }
 
@@ -194,18 +193,17 @@ void Recorder::stop(Done done) {
 Result<std::string> Recorder::path_of(const std::string& name) const {
   if (!directory_) {
     return fail(Errc::refused, "record.directory",
-                "no folder is named for recordings: set record.directory, or state.directory, in "
-                "the configuration");
+                "no folder for recordings is configured: set record.directory or state.directory");
   }
   std::error_code failed;
   fs::create_directories(*directory_, failed);
   if (failed) {
     return fail(Errc::unavailable, "record.directory",
-                *directory_ + " cannot be made: " + failed.message());
+                *directory_ + " cannot be created: " + failed.message());
   }
   const std::string path = fs::absolute(*directory_ + "/" + name + ".h5", failed).string();
   if (fs::exists(path, failed)) {
-    return fail(Errc::refused, "name", path + " is there already: choose another name");
+    return fail(Errc::refused, "name", path + " already exists: choose another name");
   }
   return path;
 }
@@ -219,7 +217,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   if (!path) return fail(path.error());
   if (disk_is_full(*directory_)) {
     return fail(Errc::unavailable, "record.directory",
-                *directory_ + " has less than 64 MiB of room: make some");
+                *directory_ + " has less than 64 MiB of free space: delete some files");
   }
   const auto picture_bytes = picture_bytes_of(begin.camera);
   if (!picture_bytes) return fail(picture_bytes.error());
@@ -245,7 +243,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   running_ = std::move(running);
   keep_facts(kMostFacts);
   pipeline_.record(begin.asked.pictures_every);
-  events_.emit("record", Severity::info, running_->path + " is being recorded",
+  events_.emit("record", Severity::info, "recording " + running_->path + " has started",
                {{"file", running_->path}, {"state", "recording"}});
   tell();
   return {};
@@ -260,7 +258,7 @@ bool Recorder::do_work() {
 
 void Recorder::on_close() {
   mailbox_.close();
-  if (running_) end({"the daemon stops", Rest::write, true});
+  if (running_) end({"the daemon is stopping", Rest::write, true});
 }
 
 void Recorder::turn() {
@@ -295,7 +293,8 @@ std::optional<Recorder::Ending> Recorder::flush() {
 std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   Running& r = *running_;
   if (r.file->frames() >= kMostRecordedFrames) {
-    return Ending{"a recording holds no more frames: begin another one", Rest::after};
+    return Ending{"the recording has reached its maximum number of frames: start another one",
+                  Rest::after};
   }
   while (!r.camera_documents.empty() &&
          r.camera_documents.front().first < frame.row.t_arrival_mono_ns) {
@@ -393,7 +392,7 @@ void Recorder::end(const Ending& ending) {
   report_.set(last);
   const bool asked_for = why == "record.stop" || why.starts_with("limit_");
   events_.emit("record", asked_for ? Severity::info : Severity::warning,
-               fmt::format("{} has ended with {} frames: {}", r.path, last.frames, why),
+               fmt::format("recording {} has ended with {} frames: {}", r.path, last.frames, why),
                {{"file", r.path}, {"state", "ended"}, {"reason", why}});
   taker_.exchange(nullptr);
   keep_facts(kIdleFacts);

@@ -75,7 +75,7 @@ void LiveRefiner::wait_for_frame() {
   const std::int64_t now_ns = monotonic_ns();
   if (waiting_since_ns_ == 0) waiting_since_ns_ = now_ns;
   if (now_ns - waiting_since_ns_ < kPatienceNs) return;
-  tell("waiting", "no settled and valid frame comes");
+  tell("waiting", "no settled and valid frame has arrived");
 }
 
 void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,

@@ -12,7 +12,7 @@ namespace ovws {
 namespace {
 
 constexpr const char* kNoGainInDb =
-    "the camera has no gain in dB, so that electrons_per_dn at its gain is not known";
+    "the camera has no gain in dB, so electrons_per_dn at its gain is unknown";
 
 }  // namespace
 
@@ -63,7 +63,7 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     return out;
   };
   if (traits_of(frame.image.format).filter != ColourFilter::none) {
-    return refused("the model knows no colour filters: set a Mono pixel_format");
+    return refused("the model does not support colour filters: set a Mono pixel_format");
   }
   if (std::isnan(frame.gain_db)) return refused(kNoGainInDb);
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
@@ -77,7 +77,7 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     for (std::size_t k = 0; k < start->size(); ++k) (*start)[k] += double(frame.coefficients[k]);
   } else {
     start = bench_->start_of(frame.spots);
-    if (!start) return refused("too few spots were found to begin from");
+    if (!start) return refused("too few spots were found for a starting point");
   }
   const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db, 1);
   const std::int64_t begun_ns = monotonic_ns();
@@ -136,8 +136,8 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
   if (std::isnan(picture.gain_db)) return fail(Errc::refused, "reference", kNoGainInDb);
   if (!shows(picture.format, {})) {
     return fail(Errc::refused, "reference",
-                "its picture was taken in " + std::string(pixel_format_name(picture.format)) +
-                    ", and the model knows no colour filters: take it anew");
+                "its image was taken in " + std::string(pixel_format_name(picture.format)) +
+                    ", and the model does not support colour filters: take a new one");
   }
   const std::vector<Vec2> known_px = known_positions(reference);
   std::vector<SpotFix> spots(known_px.size());
@@ -146,7 +146,8 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
     spots[i].y = float(known_px[i].y);
   }
   const auto start = bench_->start_of(spots);
-  if (!start) return fail(Errc::refused, "reference", "too few spots were found to begin from");
+  if (!start)
+    return fail(Errc::refused, "reference", "too few spots were found for a starting point");
   const RefineCamera camera =
       refine_camera(settings, picture.format, picture.gain_db, picture.frames);
   const auto found = bench_->refiner.refine(picture.mean_dn, camera, *start);
