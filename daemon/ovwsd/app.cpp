@@ -38,16 +38,16 @@ namespace ovws {
 namespace {
 
 constexpr int kMeasurementQueue = 1000;  ///< messages per subscriber; some kB each
-constexpr double kStopPatienceS = 1.2;
-constexpr double kRecordingPatienceS = 10.0;  ///< without progress, while a recording ends
-constexpr double kDiskLookS = 0.2;
+constexpr double kStopTimeoutS = 1.2;
+constexpr double kRecordingTimeoutS = 10.0;  ///< without progress, while a recording ends
+constexpr double kDiskPollS = 0.2;
 constexpr int kImageQueue = 4;  ///< images per subscriber; 1 MiB or more each
-constexpr double kLastPatienceS = 1.8;
+constexpr double kExitTimeoutS = 1.8;
 
 std::atomic<int> exit_status{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it");
 
-[[noreturn]] void end_at_once(const std::string& why, const Result<void>& written) {
+[[noreturn]] void exit_now(const std::string& why, const Result<void>& written) {
   spdlog::warn("{}: exiting without waiting for it", why);
   if (!written) spdlog::error("{}: {}", written.error().field, written.error().reason);
   std::_Exit(exit_status.load());
@@ -55,11 +55,11 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it"
 
 /// Ends the process by SIGALRM after `patience_s`. A display that no longer answers may block the
 /// main thread when no other thread is left to end the process.
-void end_whatever_holds_after(double patience_s) {
+void exit_by_alarm_after(double patience_s) {
   std::signal(SIGALRM, [](int /*signal*/) {
-    static constexpr char kWords[] =
+    static constexpr char kMessage[] =
         "<4>the display does not respond: exiting without waiting for it\n";
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWords, sizeof(kWords) - 1);
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
     std::_Exit(exit_status.load());
   });
   const auto whole_s = time_t(patience_s);
@@ -150,7 +150,7 @@ struct App::Parts {
   Result<void> bind_control();
   Result<void> start_threads();
   Result<void> end_disk_work();
-  Result<void> check_kept();
+  Result<void> check_unwritten();
   void end_without_display();
   Result<void> stop();
 };
@@ -158,7 +158,7 @@ struct App::Parts {
 Result<void> App::Parts::make_sensor() {
   auto made = SensorKeeper::make(config, {pipeline, slm, operators, events, store,
                                           [this](const MeasurementPlan& plan, SensorView now) {
-                                            recorder.know(plan, std::move(now));
+                                            recorder.add_plan(plan, std::move(now));
                                           }});
   if (!made) return fail(made.error());
   keeper = std::move(*made);
@@ -297,18 +297,18 @@ Result<void> App::run(const std::atomic<bool>& stop) {
 }
 
 /// Writes the end of a recording and the queued state items for as long as the disk makes progress.
-/// Gives up after kRecordingPatienceS (with a recording) or kStopPatienceS without any. Errors say
+/// Gives up after kRecordingTimeoutS (with a recording) or kStopTimeoutS without any. Errors say
 /// what is lost.
 Result<void> App::Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";
-  const double patience_s = recording ? kRecordingPatienceS : kStopPatienceS;
+  const double patience_s = recording ? kRecordingTimeoutS : kStopTimeoutS;
   const auto done = [this] { return std::pair(recorder.report().frames, store.queued()); };
   auto before = done();
   std::int64_t last_ns = monotonic_ns();
   threads.end_soon(roles);
-  for (std::string held; !(held = threads.wait_for_end(roles, kDiskLookS)).empty();) {
-    service::notify_extend(2.0 * kRecordingPatienceS);
+  for (std::string held; !(held = threads.wait_for_end(roles, kDiskPollS)).empty();) {
+    service::notify_extend(2.0 * kRecordingTimeoutS);
     if (auto now = done(); now != before) {
       before = now;
       last_ns = monotonic_ns();
@@ -320,7 +320,7 @@ Result<void> App::Parts::end_disk_work() {
                 fmt::format("the disk has not answered for {:.0f} s: the end of {} is lost",
                             patience_s, recorder.report().file.value_or("")));
   }
-  if (recorder.lost_at_stop() == 0) return check_kept();
+  if (recorder.lost_at_stop() == 0) return check_unwritten();
   exit_status.store(1);
   return fail(Errc::unavailable, "record",
               fmt::format("{} frames at the end of {} could not be written",
@@ -329,7 +329,7 @@ Result<void> App::Parts::end_disk_work() {
 
 /// Reports state items that were not written. An item that the disk refused was reported then, so
 /// only a disk that did not answer is an error here.
-Result<void> App::Parts::check_kept() {
+Result<void> App::Parts::check_unwritten() {
   const int items = store.queued();
   if (items == 0) return {};
   const auto refused = store.report().reason;
@@ -345,7 +345,7 @@ Result<void> App::Parts::check_kept() {
 /// Status thread.
 void App::Parts::end_without_display() {
   if (ending.exchange(true)) return;
-  end_at_once("the display does not respond", end_disk_work());
+  exit_now("the display does not respond", end_disk_work());
 }
 
 /// Stops the parts in order of dependency. Procedures and the loop need the camera, which needs the
@@ -361,21 +361,21 @@ Result<void> App::Parts::stop() {
   operators.end_soon();
   slm.close();
   threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write});
-  (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopPatienceS);
+  (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopTimeoutS);
   const std::vector<ThreadRole> asked{ThreadRole::camera, ThreadRole::prepare};
   threads.end_soon(asked);
-  std::string held = threads.wait_for_end(asked, kStopPatienceS);
+  std::string held = threads.wait_for_end(asked, kStopTimeoutS);
   auto written = end_disk_work();
   if (!threads.fatal_failure().empty()) exit_status.store(1);
-  end_whatever_holds_after(kLastPatienceS);
-  const std::string other = threads.stop_all(held.empty() ? kStopPatienceS : kDiskLookS);
+  exit_by_alarm_after(kExitTimeoutS);
+  const std::string other = threads.stop_all(held.empty() ? kStopTimeoutS : kDiskPollS);
   if (held.empty()) held = other;
-  if (written) written = check_kept();
+  if (written) written = check_unwritten();
   if (const std::string why = threads.fatal_failure(); !why.empty()) {
     exit_status.store(1);
     written = fail(Errc::internal, "", why);
   }
-  if (!held.empty()) end_at_once("thread " + held + " does not end in time", written);
+  if (!held.empty()) exit_now("thread " + held + " does not end in time", written);
   return written;
 }
 

@@ -38,7 +38,7 @@ void request_reload(int /*signal*/) {
   if (ovws::App* const app = reloadable.load()) app->reload();
 }
 
-int complain(const ovws::Error& error) {
+int log_failure(const ovws::Error& error) {
   spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
   return 1;
 }
@@ -60,7 +60,7 @@ void prepare_descriptors() {
 /// (mlockall), so glibc's per-thread arenas only grow: to 150 MiB after some minutes of mixed
 /// commands. With all but small blocks mapped one by one they stay below 20 MiB. Call once, before
 /// any thread is created.
-void give_large_blocks_back() {
+void set_malloc_thresholds() {
   constexpr int kLargeBytes = 128 << 10;  // glibc's initial value, which then no longer adapts
   constexpr int kSpareBytes = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
@@ -81,7 +81,7 @@ bool check_key_files(const std::string& path, const ovws::Config& config) {
   if (keys.error) {
     ovws::Error error = *keys.error;
     if (!keys.fix.empty()) error.reason += "; fix: " + keys.fix;
-    complain(error);
+    log_failure(error);
     return false;
   }
   if (!keys.read) {
@@ -97,7 +97,7 @@ int check(const std::string& path, const ovws::LoadedConfig& loaded) {
   const ovws::Config& config = loaded.effective;
   if (!check_key_files(path, config)) return 1;
   report_saved(loaded);
-  if (const auto seen = ovws::check_sees_spots(config); !seen) return complain(seen.error());
+  if (const auto seen = ovws::check_sees_spots(config); !seen) return log_failure(seen.error());
   spdlog::info("{} is valid", path.empty() ? "the default configuration" : path);
   std::printf("%s\n", ovws::dump_config(config).c_str());
   return 0;
@@ -105,7 +105,7 @@ int check(const std::string& path, const ovws::LoadedConfig& loaded) {
 
 int serve(ovws::LoadedConfig loaded) {
   if (const auto safe = ovws::check_security(loaded.effective); !safe) {
-    return complain(safe.error());
+    return log_failure(safe.error());
   }
   ovws::set_aside_if_invalid(loaded);
   report_saved(loaded);
@@ -114,18 +114,18 @@ int serve(ovws::LoadedConfig loaded) {
   std::signal(SIGHUP, request_reload);
   std::signal(SIGPIPE, SIG_IGN);
   auto app = ovws::App::make(loaded);
-  if (!app) return complain(app.error());
+  if (!app) return log_failure(app.error());
   reloadable.store(app->get());
   const auto done = (*app)->run(stop_requested);
   reloadable.store(nullptr);
-  return done ? 0 : complain(done.error());
+  return done ? 0 : log_failure(done.error());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   ovws::keep_stacks_small();
-  give_large_blocks_back();
+  set_malloc_thresholds();
   prepare_descriptors();
   ::umask(::umask(0) | S_IWOTH);  // no socket file is ever writable by other users
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
@@ -145,9 +145,9 @@ int main(int argc, char** argv) {
   const auto loaded =
       ovws::load_with_saved(path, check_only ? ovws::service_state_folder(path) : std::nullopt);
   ovws::start_log(loaded ? loaded->effective.log.level : ovws::LogLevel::info);
-  if (!loaded) return complain(loaded.error());
+  if (!loaded) return log_failure(loaded.error());
   if (const auto usable = ovws::check_usable(loaded->effective); !usable) {
-    return complain(usable.error());
+    return log_failure(usable.error());
   }
   return check_only ? check(path, *loaded) : serve(*loaded);
 }

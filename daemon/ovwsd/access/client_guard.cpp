@@ -14,9 +14,9 @@ namespace {
 
 constexpr const char* kSecretField = "security.secret_key";
 constexpr const char* kClientsField = "security.clients";
-constexpr std::int64_t kLookNs = 1'000'000'000;
-constexpr std::chrono::milliseconds kLookPatience{100};
-constexpr std::int64_t kTellNs = 10'000'000'000;
+constexpr std::int64_t kCheckNs = 1'000'000'000;
+constexpr std::chrono::milliseconds kCheckTimeout{100};
+constexpr std::int64_t kReportNs = 10'000'000'000;
 
 template <class T>
 Result<T> named(Result<T> result, const char* field) {
@@ -81,12 +81,12 @@ Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& con
   auto made =
       Gate::make(keys->pair.secret_key,
                  {[self = guard.get()](const std::string& key) {
-                    self->look_first();
+                    self->check_file_first();
                     return self->knows(key);
                   },
                   [self = guard.get()](const std::string& why) { self->reject(why); },
                   [self = guard.get()](const std::string& endpoint, const Result<void>& bound) {
-                    self->tell_rebound(endpoint, bound);
+                    self->report_rebound(endpoint, bound);
                   }});
   if (!made) return fail(made.error());
   guard->gate_ = std::move(*made);
@@ -97,7 +97,7 @@ Result<std::unique_ptr<ClientGuard>> ClientGuard::make(const SecurityConfig& con
 
 Result<Role> ClientGuard::role_of(const std::string& key) {
   if (!gate_) return Role::control;
-  look_first();
+  check_file_first();
   const auto list = list_.get();
   const auto found = list->find(key);
   if (found != list->end()) return found->second.role;
@@ -123,7 +123,7 @@ ClientGuard::Stamp ClientGuard::stamp_of(const std::string& path) {
   return {ns_of(about.st_mtim), ns_of(about.st_ctim), about.st_size, about.st_ino};
 }
 
-void ClientGuard::tell_rebound(const std::string& endpoint, const Result<void>& bound) {
+void ClientGuard::report_rebound(const std::string& endpoint, const Result<void>& bound) {
   if (bound) {
     return events_.emit("client", Severity::info, endpoint + " is bound again and publishes",
                         {{"endpoint", endpoint}, {"bound", true}});
@@ -152,41 +152,41 @@ Result<void> ClientGuard::read_list() {
 }
 
 /// Requests a check of the client file, and returns the number of the request.
-std::uint64_t ClientGuard::ask_to_look() {
+std::uint64_t ClientGuard::request_check() {
   std::uint64_t number = 0;
   {
-    const std::lock_guard lock(looking_);
-    number = ++looks_asked_;
+    const std::lock_guard lock(check_mutex_);
+    number = ++checks_requested_;
   }
-  disk_.post([this] { look(); });
+  disk_.post([this] { check_file(); });
   return number;
 }
 
-/// Waits until the client file was checked, for kLookPatience at most.
-void ClientGuard::look_first() {
+/// Waits until the client file was checked, for kCheckTimeout at most.
+void ClientGuard::check_file_first() {
   {
-    const std::lock_guard lock(looking_);
+    const std::lock_guard lock(check_mutex_);
     if (late_) return;
   }
-  const std::uint64_t number = ask_to_look();
-  std::unique_lock lock(looking_);
-  late_ = !looked_.wait_for(lock, kLookPatience, [&] { return looks_done_ >= number; });
+  const std::uint64_t number = request_check();
+  std::unique_lock lock(check_mutex_);
+  late_ = !checked_.wait_for(lock, kCheckTimeout, [&] { return checks_done_ >= number; });
 }
 
 /// Disk thread: checks the client file, and answers all requests made so far.
-void ClientGuard::look() {
+void ClientGuard::check_file() {
   std::uint64_t number = 0;
   {
-    const std::lock_guard lock(looking_);
-    number = looks_asked_;
+    const std::lock_guard lock(check_mutex_);
+    number = checks_requested_;
   }
   reload_if_changed();
   {
-    const std::lock_guard lock(looking_);
-    looks_done_ = number;
+    const std::lock_guard lock(check_mutex_);
+    checks_done_ = number;
     late_ = false;
   }
-  looked_.notify_all();
+  checked_.notify_all();
 }
 
 void ClientGuard::reload_if_changed() {
@@ -204,22 +204,22 @@ void ClientGuard::reload_if_changed() {
 void ClientGuard::turn() {
   if (!gate_) return;
   const std::int64_t now_ns = monotonic_ns();
-  if (now_ns >= next_look_ns_) {
-    next_look_ns_ = now_ns + kLookNs;
+  if (now_ns >= next_check_ns_) {
+    next_check_ns_ = now_ns + kCheckNs;
     const bool answered = [this] {
-      const std::lock_guard lock(looking_);
-      return looks_done_ == looks_asked_;
+      const std::lock_guard lock(check_mutex_);
+      return checks_done_ == checks_requested_;
     }();
-    if (answered) ask_to_look();
+    if (answered) request_check();
   }
-  if (now_ns >= next_tell_ns_) tell_rejected();
+  if (now_ns >= next_report_ns_) report_rejected();
 }
 
-void ClientGuard::tell_rejected() {
+void ClientGuard::report_rejected() {
   const Rejected rejected =
       rejected_.change([](Rejected& now) { return std::exchange(now, Rejected{}); });
   if (rejected.count == 0) return;
-  next_tell_ns_ = monotonic_ns() + kTellNs;
+  next_report_ns_ = monotonic_ns() + kReportNs;
   const std::string times =
       rejected.count == 1 ? "" : std::to_string(rejected.count) + " times, most recently: ";
   events_.emit("client", Severity::warning, "client rejected: " + times + rejected.why,

@@ -66,12 +66,12 @@ class ClientGuard {
   bool knows(const std::string& key) const;
   void reject(const std::string& why);
   Result<void> read_list();
-  std::uint64_t ask_to_look();
-  void look_first();
-  void look();
+  std::uint64_t request_check();
+  void check_file_first();
+  void check_file();
   void reload_if_changed();
-  void tell_rejected();
-  void tell_rebound(const std::string& endpoint, const Result<void>& bound);
+  void report_rejected();
+  void report_rebound(const std::string& endpoint, const Result<void>& bound);
 
   SecurityConfig config_;
   Counters& counters_;
@@ -79,13 +79,13 @@ class ClientGuard {
   Disk& disk_;
   std::string public_key_;
   Stamp stamp_;  ///< disk thread
-  std::mutex looking_;
-  std::condition_variable looked_;
-  std::uint64_t looks_asked_ = 0, looks_done_ = 0;  ///< under looking_
-  bool late_ = false;                               ///< under looking_: the disk has not answered
+  std::mutex check_mutex_;
+  std::condition_variable checked_;
+  std::uint64_t checks_requested_ = 0, checks_done_ = 0;  ///< under check_mutex_
+  bool late_ = false;  ///< under check_mutex_: the disk has not answered
   Guarded<std::shared_ptr<const ClientList>> list_;
   Guarded<Rejected> rejected_;
-  std::int64_t next_look_ns_ = 0, next_tell_ns_ = 0;  ///< status thread
+  std::int64_t next_check_ns_ = 0, next_report_ns_ = 0;  ///< status thread
   std::unique_ptr<Gate> gate_;
 };
 

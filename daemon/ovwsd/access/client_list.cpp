@@ -28,8 +28,8 @@ void read_client(ObjectReader& r, ClientList& list) {
   if (client.name.empty() || client.name.size() > kMaxNameBytes) {
     return r.fault("name", "must have 1 to 64 bytes");
   }
-  const bool taken = std::any_of(list.begin(), list.end(), [&client](const auto& known) {
-    return known.second.name == client.name;
+  const bool taken = std::any_of(list.begin(), list.end(), [&client](const auto& entry) {
+    return entry.second.name == client.name;
   });
   if (taken) return r.fault("name", "\"" + client.name + "\" is given twice");
   if (!is_curve_key(key)) return r.fault("key", "must be a public key of 40 characters");

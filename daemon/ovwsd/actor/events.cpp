@@ -30,7 +30,7 @@ void Events::emit(std::string kind, Severity severity, std::string text, nlohman
   spdlog::log(log_level(severity), "{}", text);
   queue_.put(
       EventMessage{0, utc_ns(), std::move(kind), severity, std::move(text), std::move(data)});
-  queue_.ask_for_status();
+  queue_.request_status();
 }
 
 }  // namespace ovws

@@ -19,7 +19,7 @@ class Events {
             nlohmann::json data = nlohmann::json::object());
 
   /// Thread-safe: requests a status message at once, for a change that is no event.
-  void status_changed() { queue_.ask_for_status(); }
+  void status_changed() { queue_.request_status(); }
 
  private:
   StreamQueue& queue_;

@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kMostRemembered = 100;
+constexpr std::size_t kMaxRemembered = 100;
 
 nlohmann::json event_data(int id, JobState state, double progress) {
   return {{"job", id}, {"state", to_json(state)}, {"progress", progress}};
@@ -33,7 +33,7 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
     entry.job.kind = kind;
     entry.cancel = std::move(cancel);
     entry.progress = std::move(progress);
-    forget_oldest();
+    drop_oldest();
   }
   events_.emit("job", Severity::info, fmt::format("job {} ({}) is running", id, kind),
                event_data(id, JobState::running, 0.0));
@@ -41,8 +41,8 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
 }
 
 /// Never drops a running job: a client waits for its end.
-void Jobs::forget_oldest() {
-  if (jobs_.size() <= kMostRemembered) return;
+void Jobs::drop_oldest() {
+  if (jobs_.size() <= kMaxRemembered) return;
   const auto ended = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& one) {
     return one.second.job.state != JobState::running;
   });
@@ -59,7 +59,7 @@ void Jobs::tell_progress(int id) {
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return;
   if (quarters >= kQuarters) return;
-  if (quarters <= std::exchange(found->second.told_quarters, quarters)) return;
+  if (quarters <= std::exchange(found->second.reported_quarters, quarters)) return;
   events_.emit("job", Severity::info,
                fmt::format("job {} ({}) is at {} %", id, now->kind, 100 * quarters / kQuarters),
                event_data(id, JobState::running, double(quarters) / kQuarters));

@@ -41,10 +41,10 @@ class Jobs {
     JobReport job;
     std::function<void()> cancel;
     std::function<double()> progress;
-    int told_quarters = 0;
+    int reported_quarters = 0;
   };
   // Call with mutex_ locked.
-  void forget_oldest();
+  void drop_oldest();
   void note_end(const JobReport& job);
   bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
 

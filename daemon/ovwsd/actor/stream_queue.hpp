@@ -25,7 +25,7 @@ class StreamQueue {
   void put(Message message) {
     const std::lock_guard lock(mutex_);
     number(message);
-    if (messages_.size() >= kMostWaiting) {
+    if (messages_.size() >= kMaxQueued) {
       messages_.pop_front();
       ++dropped_;
     }
@@ -47,11 +47,11 @@ class StreamQueue {
   }
 
   /// Requests a status message: the status thread publishes it at once.
-  void ask_for_status() { status_wanted_.store(true); }
-  bool take_status_request() { return status_wanted_.exchange(false); }
+  void request_status() { status_requested_.store(true); }
+  bool take_status_request() { return status_requested_.exchange(false); }
 
  private:
-  static constexpr std::size_t kMostWaiting = 256;
+  static constexpr std::size_t kMaxQueued = 256;
 
   void number(Message& message) {
     const std::uint64_t seq = next_seq_[message.index()]++;
@@ -62,7 +62,7 @@ class StreamQueue {
   std::deque<Message> messages_;
   std::array<std::uint64_t, std::variant_size_v<Message>> next_seq_{};
   std::uint64_t dropped_ = 0;
-  std::atomic<bool> status_wanted_{false};
+  std::atomic<bool> status_requested_{false};
 };
 
 }  // namespace ovws

@@ -18,11 +18,11 @@ constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
 /// A reason why no frame can be used, and the remedy.
-struct Useless {
+struct Unusable {
   Counter counter;
   const char* text;
 };
-constexpr std::array<Useless, 3> kUseless{
+constexpr std::array<Unusable, 3> kUnusable{
     {{Counter::frames_incomplete,
       "every frame arrives incomplete, because packets are lost; check the cable, the switch and "
       "camera.packet_size_bytes"},
@@ -33,8 +33,8 @@ constexpr std::array<Useless, 3> kUseless{
 
 /// Removes "camera." from the error's field: drivers name configuration keys, clients know params.
 Error in_params(Error error) {
-  constexpr std::string_view kRoom = "camera.";
-  if (error.field.starts_with(kRoom)) error.field.erase(0, kRoom.size());
+  constexpr std::string_view kSection = "camera.";
+  if (error.field.starts_with(kSection)) error.field.erase(0, kSection.size());
   return error;
 }
 
@@ -57,7 +57,7 @@ CameraActor::~CameraActor() = default;
 bool CameraActor::do_work() {
   const bool worked = mailbox_.run_one(kTurn);
   if (lost_) {
-    give_up_camera();
+    close_camera();
   } else if (!camera_) {
     if (monotonic_ns() >= next_try_ns_) open_with({});
   } else if (!camera_->alive()) {
@@ -71,7 +71,7 @@ bool CameraActor::do_work() {
 void CameraActor::on_close() {
   mailbox_.close();
   // The frame path may still hold pointers into the camera: better leaked than dangling.
-  if (camera_ && !give_up_camera()) (void)camera_.release();
+  if (camera_ && !close_camera()) (void)camera_.release();
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
@@ -90,7 +90,7 @@ void CameraActor::change_for_job(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
 }
 
-void CameraActor::change_or_want(CameraSet change, Applied done) {
+void CameraActor::change_or_keep(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     if (camera_ || snapshot_.get().at_fault) return carry_out(change, done);
@@ -123,14 +123,14 @@ void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
 }
 
 void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
-  if (!camera_ && snapshot_.get().at_fault) return mend(change, done);
+  if (!camera_ && snapshot_.get().at_fault) return reopen(change, done);
   if (!camera_ || lost_) return done(not_connected(snapshot_.get()));
   const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp());
   if (!wanted) return done(fail(wanted.error()));
   if (const auto applied = apply(*wanted); !applied) {
     // Its settings are unknown: it was reset, or does not answer.
     if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
-    if (!camera_ && !needs_a_person(applied.error())) return mend(change, done);
+    if (!camera_ && !needs_a_person(applied.error())) return reopen(change, done);
     return done(fail(in_params(applied.error())));
   }
   keep_asked(change);
@@ -140,7 +140,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
 }
 
 /// Reopens the camera with the change: it refused its previous settings, or has lost them.
-void CameraActor::mend(const CameraSet& change, const Applied& done) {
+void CameraActor::reopen(const CameraSet& change, const Applied& done) {
   open_with(change);
   const CameraSnapshot now = snapshot_.get();
   if (now.connected) return done(now);
@@ -187,12 +187,12 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   if (!applied) return fail(applied.error());
   if (auto started = camera_->start(); !started) return started;
   const std::int64_t now_ns = monotonic_ns();
-  patience_before_s_ = 0.0;
+  previous_frame_timeout_s_ = 0.0;
   settings_since_ns_ = now_ns;
-  tell_frame_path(*applied, *applied, now_ns, now_ns);
+  write_applied_settings(*applied, *applied, now_ns, now_ns);
   settings_ = *applied;
   attached_ns_ = monotonic_ns();
-  useless_before_ = count_useless();
+  unusable_before_ = count_unusable();
   return deps_.pipeline.attach(*camera_);
 }
 
@@ -201,11 +201,11 @@ void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();
   publish_absent(why);
-  give_up_camera();
+  close_camera();
 }
 
 /// Destroys the camera. False if the frame path still holds frames of it: try again later.
-bool CameraActor::give_up_camera() {
+bool CameraActor::close_camera() {
   if (!deps_.pipeline.detach()) return false;
   camera_->stop();
   camera_.reset();
@@ -216,30 +216,30 @@ bool CameraActor::give_up_camera() {
 /// Frame watchdog: disconnects a silent camera, which Aravis notices only after about 5 s, and
 /// reports a camera whose frames are all unusable.
 void CameraActor::watch_frames() {
-  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > patience_s()) {
+  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > frame_timeout_s()) {
     return lose({Errc::device, "camera", "the camera sends no frames"});
   }
   const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
-  if (last_ns != std::exchange(last_frame_ns_, last_ns)) useless_before_ = count_useless();
-  const bool useless = silent_s(last_ns) > patience_s();
-  useless_told_ = useless && (useless_told_ || tell_useless());
+  if (last_ns != std::exchange(last_frame_ns_, last_ns)) unusable_before_ = count_unusable();
+  const bool unusable = silent_s(last_ns) > frame_timeout_s();
+  unusable_reported_ = unusable && (unusable_reported_ || report_unusable());
 }
 
-CameraActor::UselessFrames CameraActor::count_useless() const {
-  UselessFrames counts{};
+CameraActor::UnusableFrames CameraActor::count_unusable() const {
+  UnusableFrames counts{};
   for (std::size_t k = 0; k < counts.size(); ++k)
-    counts[k] = deps_.counters.get(kUseless[k].counter);
+    counts[k] = deps_.counters.get(kUnusable[k].counter);
   return counts;
 }
 
 /// Emits an event with the most frequent reason why frames were unusable since the last usable one.
 /// False if no frame came.
-bool CameraActor::tell_useless() {
-  UselessFrames since = count_useless();
-  for (std::size_t k = 0; k < since.size(); ++k) since[k] -= useless_before_[k];
+bool CameraActor::report_unusable() {
+  UnusableFrames since = count_unusable();
+  for (std::size_t k = 0; k < since.size(); ++k) since[k] -= unusable_before_[k];
   const auto most = std::max_element(since.begin(), since.end());
   if (*most == 0) return false;
-  const Useless& why = kUseless[std::size_t(most - since.begin())];
+  const Unusable& why = kUnusable[std::size_t(most - since.begin())];
   deps_.events.emit("camera", Severity::error, std::string("camera: ") + why.text,
                     {{"counter", counter_name(why.counter)}});
   return true;
@@ -248,11 +248,11 @@ bool CameraActor::tell_useless() {
 /// How long the camera may send nothing: three frame periods or the exposure and a second,
 /// whichever is longer. Until the first frame after a change it may still use the previous
 /// settings.
-double CameraActor::patience_s() const {
+double CameraActor::frame_timeout_s() const {
   const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
   const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
   const bool changed = deps_.pipeline.last_sign_mono_ns() > settings_since_ns_;
-  return changed ? now_s : std::max(now_s, patience_before_s_);
+  return changed ? now_s : std::max(now_s, previous_frame_timeout_s_);
 }
 
 /// Seconds since `last_ns`, or since the stream began if that is later.
@@ -275,13 +275,13 @@ Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
 Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   const std::int64_t t_begin_ns = monotonic_ns();
   // A frame that is exposed while the registers are written belongs to neither setting.
-  tell_frame_path(settings_, wanted, t_begin_ns, ShownHologram::kNever);
+  write_applied_settings(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
   // Until the camera is open again, the settings of no frame are known.
   if (!applied && !camera_->alive()) return applied;
   const std::int64_t t_end_ns = monotonic_ns();
-  tell_frame_path(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
-  patience_before_s_ = patience_s();
+  write_applied_settings(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
+  previous_frame_timeout_s_ = frame_timeout_s();
   settings_since_ns_ = t_end_ns;
   if (!applied) return applied;
   settings_ = *applied;
@@ -307,8 +307,8 @@ Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) 
   return fail(started.error());
 }
 
-void CameraActor::tell_frame_path(const CameraSettings& before, const CameraSettings& after,
-                                  std::int64_t t_begin_ns, std::int64_t t_end_ns) {
+void CameraActor::write_applied_settings(const CameraSettings& before, const CameraSettings& after,
+                                         std::int64_t t_begin_ns, std::int64_t t_end_ns) {
   AppliedSettings applied;
   applied.gain_db = after.gain_db;
   applied.gain_raw = after.gain_raw;

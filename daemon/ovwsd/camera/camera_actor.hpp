@@ -61,33 +61,33 @@ class CameraActor : public Agent {
   /// The same for the running job, without may_change.
   void change_for_job(CameraSet change, Applied done);
   /// As `change`; while no camera is connected, the settings are kept for the next connection.
-  void change_or_want(CameraSet change, Applied done);
+  void change_or_keep(CameraSet change, Applied done);
   /// Thread-safe: restores `gain_db` after a job, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed if that has ended.
   void put_back_gain(double gain_db, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
-  using UselessFrames = std::array<std::uint64_t, 3>;  ///< in the order of kUseless
+  using UnusableFrames = std::array<std::uint64_t, 3>;  ///< in the order of kUnusable
 
   void carry_out(const CameraSet& change, const Applied& done);
-  void mend(const CameraSet& change, const Applied& done);
+  void reopen(const CameraSet& change, const Applied& done);
   void open_with(const CameraSet& change);
   void keep_asked(const CameraSet& change);
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const Error& why);
-  bool give_up_camera();
+  bool close_camera();
   void refresh_limits();
   double silent_s(std::int64_t last_ns) const;
-  double patience_s() const;
+  double frame_timeout_s() const;
   void watch_frames();
-  UselessFrames count_useless() const;
-  bool tell_useless();
+  UnusableFrames count_unusable() const;
+  bool report_unusable();
   Result<CameraSettings> apply(const CameraSettings& wanted);
   Result<CameraSettings> apply_live(const CameraSettings& wanted);
   Result<CameraSettings> apply_stopped(const CameraSettings& wanted);
-  void tell_frame_path(const CameraSettings& before, const CameraSettings& after,
-                       std::int64_t t_begin_ns, std::int64_t t_end_ns);
+  void write_applied_settings(const CameraSettings& before, const CameraSettings& after,
+                              std::int64_t t_begin_ns, std::int64_t t_end_ns);
   void publish_connected();
   void publish_absent(const Error& why);
   void publish(CameraSnapshot now);
@@ -99,15 +99,15 @@ class CameraActor : public Agent {
   bool lost_ = false;        ///< camera_ is destroyed as soon as the frame path has let go of it
   CameraSettings settings_;  ///< last read back; requested again after a reconnection
   CameraSettings asked_;     ///< the request that settings_ result from
-  std::int64_t settings_since_ns_ = 0;  ///< when settings_ had been written
-  double patience_before_s_ = 0.0;      ///< patience_s with the previous settings
+  std::int64_t settings_since_ns_ = 0;     ///< when settings_ had been written
+  double previous_frame_timeout_s_ = 0.0;  ///< frame_timeout_s with the previous settings
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;
   bool ever_connected_ = false;
-  std::int64_t last_frame_ns_ = 0;  ///< the last usable frame that watch_frames saw
-  UselessFrames useless_before_{};  ///< the counts at that frame
-  bool useless_told_ = false;       ///< an event has said that frames arrive, none of them usable
+  std::int64_t last_frame_ns_ = 0;    ///< the last usable frame that watch_frames saw
+  UnusableFrames unusable_before_{};  ///< the counts at that frame
+  bool unusable_reported_ = false;    ///< an event has said that frames arrive, none of them usable
   Guarded<CameraSnapshot> snapshot_;
 };
 

@@ -12,9 +12,9 @@ namespace ovws {
 namespace {
 
 /// Checks values against their ranges, or clamps them, and keeps the first error.
-class Judge {
+class LimitCheck {
  public:
-  explicit Judge(bool clamp) : clamp_(clamp) {}
+  explicit LimitCheck(bool clamp) : clamp_(clamp) {}
 
   template <class T>
   void number(const char* field, T& value, T min, T max, const char* unit) {
@@ -48,10 +48,10 @@ class Judge {
     number("gain_db", settings.gain_db, range.min, range.max, "dB");
   }
 
-  void format(PixelFormat wanted, const std::vector<PixelFormat>& known) {
-    if (error_ || std::find(known.begin(), known.end(), wanted) != known.end()) return;
+  void format(PixelFormat wanted, const std::vector<PixelFormat>& supported) {
+    if (error_ || std::find(supported.begin(), supported.end(), wanted) != supported.end()) return;
     std::string names;
-    for (const PixelFormat format : known) {
+    for (const PixelFormat format : supported) {
       names += (names.empty() ? "" : ", ") + std::string(pixel_format_name(format));
     }
     error_ = Error{Errc::invalid, "pixel_format",
@@ -81,23 +81,23 @@ Error no_gain_in_db(std::string field, const CameraLimits& limits) {
 Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
                                      bool clamp) {
   CameraSettings settings = wanted;
-  Judge judge(clamp);
-  judge.gain(settings, limits);
+  LimitCheck check(clamp);
+  check.gain(settings, limits);
   if (clamp) {
     settings.exposure_us =
         std::clamp(settings.exposure_us, limits.exposure_us.min, limits.exposure_us.max);
     settings.frame_rate_hz =
         std::clamp(settings.frame_rate_hz, limits.frame_rate_hz.min, limits.frame_rate_hz.max);
   }
-  judge.format(settings.pixel_format, limits.pixel_formats);
+  check.format(settings.pixel_format, limits.pixel_formats);
   Roi& roi = settings.roi;
-  judge.number("roi.width", roi.width, limits.roi_width.min, limits.sensor_width, "px");
-  judge.number("roi.height", roi.height, limits.roi_height.min, limits.sensor_height, "px");
-  judge.number("roi.x", roi.x, 0, std::max(0, limits.sensor_width - roi.width),
+  check.number("roi.width", roi.width, limits.roi_width.min, limits.sensor_width, "px");
+  check.number("roi.height", roi.height, limits.roi_height.min, limits.sensor_height, "px");
+  check.number("roi.x", roi.x, 0, std::max(0, limits.sensor_width - roi.width),
                "px for this roi.width");
-  judge.number("roi.y", roi.y, 0, std::max(0, limits.sensor_height - roi.height),
+  check.number("roi.y", roi.y, 0, std::max(0, limits.sensor_height - roi.height),
                "px for this roi.height");
-  if (judge.error()) return fail(*judge.error());
+  if (check.error()) return fail(*check.error());
   if (clamp) roi.width -= roi.width % pixels_per_group(settings.pixel_format);
   return settings;
 }

@@ -19,7 +19,7 @@ void run_registration(Services& services, const RegistrationRun& run, Reply<JobN
         if (auto used = bench.use(use_registration(*found)); !used) return fail(used.error());
         return to_json(KnownRegistration{*found});
       },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void get_registration(Services& services, Reply<KnownRegistration> reply) {
@@ -82,7 +82,7 @@ void run_calibration(Services& services, const CalibrationRun& run, Reply<JobNum
         warn_of_dropped(bench, measured->matrix);
         return to_json(calibration_of(*bench.sensor()));
       },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void get_calibration(Services& services, Reply<KnownCalibration> reply) {

@@ -57,7 +57,7 @@ void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>&
   services.procedures.start(kExperimentGainSweep.name, measure,
                             [reply, &archive, run](Result<int> job) {
                               if (job) archive.begin_job(run, *job);
-                              with_number(reply)(job);
+                              with_job_number(reply)(job);
                             });
 }
 

@@ -12,8 +12,8 @@ std::array<std::span<const MethodRow>, 11> all_methods() {
 }
 
 const MethodRow* find_method(const std::string& name) {
-  for (const auto& room : all_methods()) {
-    for (const MethodRow& method : room) {
+  for (const auto& table : all_methods()) {
+    for (const MethodRow& method : table) {
       if (name == method.name) return &method;
     }
   }
@@ -41,16 +41,16 @@ RpcAnswer forbidden(const std::string& field, const std::string& reason) {
 
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
-  for (const auto& room : all_methods()) {
-    for (const MethodRow& method : room) names.emplace_back(method.name);
+  for (const auto& table : all_methods()) {
+    for (const MethodRow& method : table) names.emplace_back(method.name);
   }
   return names;
 }
 
 std::vector<std::pair<std::string, Role>> method_roles() {
   std::vector<std::pair<std::string, Role>> roles;
-  for (const auto& room : all_methods()) {
-    for (const MethodRow& method : room) {
+  for (const auto& table : all_methods()) {
+    for (const MethodRow& method : table) {
       roles.emplace_back(method.name, method.role);
     }
   }

@@ -41,7 +41,7 @@ class Reply {
 };
 
 /// Replies with the number of the job that has started.
-inline auto with_number(Reply<JobNumber> reply) {
+inline auto with_job_number(Reply<JobNumber> reply) {
   return [reply = std::move(reply)](Result<int> job) {
     if (!job) return reply(job.error());
     reply(JobNumber{*job});

@@ -33,7 +33,7 @@ void take(Services& services, const ReferenceTake& take, Reply<JobNumber> reply)
   }
   services.procedures.start(
       kReferenceTake.name, [take](Bench& bench) { return take_reference(bench, take); },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void get(Services& services, Reply<KnownReference> reply) {

@@ -17,8 +17,8 @@ void get(Services& services, Reply<SensorReport> reply) {
 /// Removes "sensor." and "tracking." from the error's field: the core names configuration keys,
 /// clients know params.
 Error in_params(Error error) {
-  for (const std::string_view room : {"sensor.", "tracking."}) {
-    if (error.field.starts_with(room)) error.field.erase(0, room.size());
+  for (const std::string_view section : {"sensor.", "tracking."}) {
+    if (error.field.starts_with(section)) error.field.erase(0, section.size());
   }
   return error;
 }

@@ -27,7 +27,7 @@ void run_lut(Services& services, const LutRun& run, Reply<JobNumber> reply) {
         if (auto used = bench.use(use_lut(std::move(*lut))); !used) return fail(used.error());
         return to_json(lut_of(services, *bench.sensor()));
       },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void get_lut(Services& services, Reply<LutReport> reply) {
@@ -68,7 +68,7 @@ void run_flatness(Services& services, const FlatnessRun& run, Reply<JobNumber> r
         }
         return to_json(flatness_of(services, *bench.sensor()));
       },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void get_flatness(Services& services, Reply<FlatnessReport> reply) {
@@ -91,7 +91,7 @@ void settle(Services& services, const SettleRun& run, Reply<JobNumber> reply) {
         if (!time) return fail(time.error());
         return to_json(SettleReport{*time, run.repetitions, services.config.slm.settle_ms});
       },
-      with_number(reply));
+      with_job_number(reply));
 }
 
 void verify(Services& services, Reply<VerifyReport> reply) {

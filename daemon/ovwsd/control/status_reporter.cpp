@@ -15,7 +15,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000'000;
-constexpr double kStopPatienceS = 1.5;
+constexpr double kStopTimeoutS = 1.5;
 constexpr auto kTurn = std::chrono::milliseconds(20);
 
 std::optional<std::string> if_any(const std::string& text) {
@@ -83,7 +83,7 @@ bool StatusReporter::do_work() {
   std::this_thread::sleep_for(kTurn);
   watch_threads();
   feed_watchdog();
-  deps_.reloader.look();
+  deps_.reloader.poll();
   deps_.clients.turn();
   const bool asked = deps_.queue.take_status_request();
   const bool due = monotonic_ns() >= next_ns_;
@@ -157,7 +157,7 @@ void StatusReporter::measure() {
 /// Emits an event for each thread that has begun to hang or has recovered. Ends the process if the
 /// display blocks a requested stop.
 void StatusReporter::watch_threads() {
-  if (deps_.threads.stop_overdue(kStopPatienceS)) deps_.end_without_display();
+  if (deps_.threads.stop_overdue(kStopTimeoutS)) deps_.end_without_display();
   std::set<const ThreadRow*> hung;
   for (const HungThread& one : deps_.threads.hung_threads()) {
     hung.insert(one.row);
@@ -178,9 +178,9 @@ void StatusReporter::feed_watchdog() {
   const auto ours = [](const ThreadRow* row) { return row->on_hang == OnHang::restart; };
   if (std::any_of(hung_.begin(), hung_.end(), ours)) return;
   const std::uint64_t interval_us = service::watchdog_interval_us();
-  if (interval_us == 0 || monotonic_ns() < next_food_ns_) return;
+  if (interval_us == 0 || monotonic_ns() < next_feed_ns_) return;
   service::notify_watchdog();
-  next_food_ns_ = monotonic_ns() + std::int64_t(interval_us) * 1000 / 3;
+  next_feed_ns_ = monotonic_ns() + std::int64_t(interval_us) * 1000 / 3;
 }
 
 }  // namespace ovws

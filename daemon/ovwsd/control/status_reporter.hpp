@@ -78,7 +78,7 @@ class StatusReporter : public Agent {
   StatusDeps deps_;
   std::int64_t started_ns_;
   std::int64_t next_ns_ = 0;
-  std::int64_t next_food_ns_ = 0;
+  std::int64_t next_feed_ns_ = 0;
   std::set<const ThreadRow*> hung_;  ///< and reported as such
   Marks marks_;
   Guarded<Measured> measured_;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
 constexpr std::int64_t kInvalidNs = 300'000'000;
-constexpr int kOneLostOf = 3;
-constexpr double kMostResidual = 0.06;  // lambda/d
+constexpr int kMinSpotsPerLost = 3;
+constexpr double kMaxResidual = 0.06;  // lambda/d
 
 std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   switch (end) {
@@ -50,11 +50,11 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
                 "there is no reference for the loop: take one with reference.take first");
   }
   for (const int j : settings.modes) {
-    const auto& known = sensor.modes_j;
-    if (std::find(known.begin(), known.end(), j) != known.end()) continue;
+    const auto& measured = sensor.modes_j;
+    if (std::find(measured.begin(), measured.end(), j) != measured.end()) continue;
     return fail(Errc::invalid, "modes",
                 fmt::format("mode j = {} is not measured: this sensor measures j = {} to {}", j,
-                            known.front(), known.back()));
+                            measured.front(), measured.back()));
   }
   for (const Mode& mode : sensor.correction) {
     if (std::abs(mode.waves) <= settings.limit_waves) continue;
@@ -76,8 +76,8 @@ double rms_of(const std::vector<Mode>& modes) {
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
   return record.settled && record.plan->referenced() && found.determined &&
-         kOneLostOf * found.lost <= found.used + found.lost &&
-         found.fit_residual_px <= kMostResidual * record.plan->spots.lambda_d_px;
+         kMinSpotsPerLost * found.lost <= found.used + found.lost &&
+         found.fit_residual_px <= kMaxResidual * record.plan->spots.lambda_d_px;
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void ClosedLoop::open(bool keep, Done done) {
   mailbox_.post([this, keep, done = std::move(done)] { done(end(keep)); });
 }
 
-void ClosedLoop::saw(const FrameRecord& record) {
+void ClosedLoop::add(const FrameRecord& record) {
   const std::int64_t now_ns = monotonic_ns();
   if (record.valid || !is_closed()) valid_ns_ = now_ns;
   if (!is_closed()) return;
@@ -101,7 +101,7 @@ void ClosedLoop::saw(const FrameRecord& record) {
     newest_.modes_j = record.plan->reconstructor->modes_j();
     newest_.residual_waves.assign(record.coefficients.begin(),
                                   record.coefficients.begin() + record.mode_count);
-    filled_once_ = true;
+    has_sample_ = true;
   }
   filled_.notify_one();
 }
@@ -122,9 +122,9 @@ bool ClosedLoop::do_work() {
 /// corrected since.
 bool ClosedLoop::take_sample() {
   std::unique_lock lock(mutex_);
-  if (!filled_.wait_for(lock, kTurn, [this] { return filled_once_; })) return false;
+  if (!filled_.wait_for(lock, kTurn, [this] { return has_sample_; })) return false;
   std::swap(taken_, newest_);
-  filled_once_ = false;
+  has_sample_ = false;
   lock.unlock();
   return taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
 }
@@ -143,7 +143,7 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   report_.set(report);
   {
     const std::lock_guard lock(mutex_);
-    filled_once_ = false;  // an earlier sample may be relative to another reference
+    has_sample_ = false;  // an earlier sample may be relative to another reference
   }
   set_closed(true, "", Severity::info);
   return this->report();
@@ -179,7 +179,7 @@ void ClosedLoop::act() {
   if (auto shown = show(integrator_->correction()); !shown) {
     return give_up("the correction cannot be shown: " + shown.error().reason);
   }
-  tell_step();
+  report_step();
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
@@ -221,7 +221,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
                     {{"closed", closed}, {"steps", report.steps}});
 }
 
-void ClosedLoop::tell_step() {
+void ClosedLoop::report_step() {
   LoopReport report = report_.get();
   report.steps = integrator_->steps();
   report.residual_rms_waves = integrator_->residual_rms_waves();

@@ -57,7 +57,7 @@ class ClosedLoop : public Agent {
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
 
   /// Publish thread: offers a measured frame to the loop.
-  void saw(const FrameRecord& record);
+  void add(const FrameRecord& record);
 
  private:
   struct Sample {
@@ -74,7 +74,7 @@ class ClosedLoop : public Agent {
   Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
   void give_up(const std::string& reason);
   void set_closed(bool closed, const std::string& why, Severity severity);
-  void tell_step();
+  void report_step();
 
   ClosedLoopDeps deps_;
   Mailbox mailbox_;
@@ -83,7 +83,7 @@ class ClosedLoop : public Agent {
   std::condition_variable filled_;
   Sample newest_;
   std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC, of the last valid frame; publish thread
-  bool filled_once_ = false;   ///< newest_ has not been taken yet
+  bool has_sample_ = false;    ///< newest_ has not been taken yet
   Guarded<LoopReport> report_;
 
   // The loop thread only.

@@ -137,7 +137,7 @@ struct Player::Impl {
       : reader(std::move(opened)), plans(std::move(found)), camera(*reader) {}
 
   void use_plan(std::uint64_t id);
-  void tell(const RecordedFrame& frame);
+  void set_conditions(const RecordedFrame& frame);
   Result<void> measure(PlayedFrame& frame);
 };
 
@@ -163,7 +163,7 @@ void Player::Impl::use_plan(std::uint64_t id) {
 }
 
 /// Sets hologram and settings such that the frame path reaches the recorded verdicts.
-void Player::Impl::tell(const RecordedFrame& frame) {
+void Player::Impl::set_conditions(const RecordedFrame& frame) {
   AppliedSettings applied;
   applied.gain_db = applied.previous_gain_db = frame.gain_db;
   applied.gain_raw = applied.previous_gain_raw = frame.gain_raw;
@@ -201,7 +201,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
   }
   pipeline.resume(*plan, starts, frame.recorded.searched != 0);
-  tell(frame.recorded);
+  set_conditions(frame.recorded);
   camera.give(frame.recorded);
   FrameRecord* const record = pipeline.next(kPatienceUs);
   if (record == nullptr) {

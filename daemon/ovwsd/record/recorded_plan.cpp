@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMostSide = 1 << 16;
+constexpr int kMaxSide = 1 << 16;
 
 tl::unexpected<Error> unfit(const std::string& reason) {
   return fail(Errc::invalid, "path", "a plan of the recording " + reason);
@@ -64,8 +64,8 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
     return unfit("has modes that do not exist");
   }
   const PixelLattice& lit = plan.spots.lit.lattice;
-  if (plan.roi.width < 1 || plan.roi.width > kMostSide || plan.roi.height < 1 ||
-      plan.roi.height > kMostSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
+  if (plan.roi.width < 1 || plan.roi.width > kMaxSide || plan.roi.height < 1 ||
+      plan.roi.height > kMaxSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
       lit.y < 0 || lit.y > 1) {
     return unfit("has no valid image size");
   }
@@ -84,9 +84,9 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
     }
     if (one.kind == "plan") {
       const json plan = json::parse(one.text, nullptr, false);
-      const bool known =
+      const bool numbered =
           plan.is_object() && plan.contains("plan_id") && plan["plan_id"].is_number_unsigned();
-      if (!known) return unfit("has no number");
+      if (!numbered) return unfit("has no number");
       plans.plans_[plan["plan_id"].get<std::uint64_t>()] = one.text;
     }
     plans.documents_[one.sha256] = std::move(one.text);

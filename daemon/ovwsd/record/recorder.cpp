@@ -25,8 +25,8 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 // Limits of remembered plans. Each may hold a reference's image, so while nothing is recorded only
 // plans of frames in flight are kept.
 constexpr std::size_t kIdleFacts = 4;
-constexpr std::size_t kMostFacts = 256;  // while recording: more than the writer can be behind
-constexpr std::uint64_t kRoomBytes = 64 << 20;  // free disk space that a recording leaves
+constexpr std::size_t kMaxFacts = 256;  // while recording: more than the writer can be behind
+constexpr std::uint64_t kMinFreeBytes = 64 << 20;  // free disk space that a recording leaves
 
 constexpr const char* kGone = "its file was removed or moved while it was written";
 constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write the rest when the daemon stops
@@ -41,7 +41,7 @@ std::optional<std::string> directory_of(const Config& config) {
 
 bool disk_is_full(const std::string& path) {
   struct statvfs disk {};
-  return ::statvfs(path.c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < kRoomBytes;
+  return ::statvfs(path.c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < kMinFreeBytes;
 }
 
 nlohmann::json camera_content(const CameraSettings& settings,
@@ -138,21 +138,21 @@ Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
       pipeline_(pipeline),
       events_(events),
       taker_(pipeline),
-      most_facts_(kIdleFacts) {}
+      max_facts_(kIdleFacts) {}
 
 Recorder::~Recorder() = default;
 
-void Recorder::know(const MeasurementPlan& plan, SensorView sensor) {
+void Recorder::add_plan(const MeasurementPlan& plan, SensorView sensor) {
   auto facts = std::make_shared<const PlanFacts>(plan, std::move(sensor));
   const std::lock_guard lock(facts_mutex_);
   facts_.push_back(std::move(facts));
-  while (facts_.size() > most_facts_) facts_.pop_front();
+  while (facts_.size() > max_facts_) facts_.pop_front();
 }
 
 void Recorder::keep_facts(std::size_t most) {
   const std::lock_guard lock(facts_mutex_);
-  most_facts_ = most;
-  while (facts_.size() > most_facts_) facts_.pop_front();
+  max_facts_ = most;
+  while (facts_.size() > max_facts_) facts_.pop_front();
 }
 
 std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
@@ -241,11 +241,11 @@ Result<void> Recorder::begin(const Begin& begin) {
   }
   taker_.exchange(std::move(*store));
   running_ = std::move(running);
-  keep_facts(kMostFacts);
+  keep_facts(kMaxFacts);
   pipeline_.record(begin.asked.pictures_every);
   events_.emit("record", Severity::info, "recording " + running_->path + " has started",
                {{"file", running_->path}, {"state", "recording"}});
-  tell();
+  publish_report();
   return {};
 }
 
@@ -277,7 +277,7 @@ std::optional<Recorder::Ending> Recorder::flush() {
   if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) {
     return Ending{flushed.error().reason};
   }
-  tell();
+  publish_report();
   const RecordReport now = report();
   if (!r.file->in_place()) return Ending{kGone};
   if (disk_is_full(r.path)) return Ending{kDiskFull};
@@ -359,7 +359,7 @@ std::string Recorder::write_rest(std::int64_t until_ns) {
     r.next_flush_ns = monotonic_ns() + kFlushNs;
     const auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped);
     if (!flushed) return flushed.error().reason;
-    tell();
+    publish_report();
     if (disk_is_full(r.path)) return kDiskFull;
   }
   return "";
@@ -385,7 +385,7 @@ void Recorder::end(const Ending& ending) {
   }
   if (ending.at_stop && lost > 0) why += fmt::format("; {} frames could not be written", lost);
   if (ending.at_stop) lost_at_stop_.store(lost);
-  tell();
+  publish_report();
   RecordReport last = report();
   last.state = "ended";
   last.reason = why;
@@ -399,7 +399,7 @@ void Recorder::end(const Ending& ending) {
   running_.reset();
 }
 
-void Recorder::tell() {
+void Recorder::publish_report() {
   const Running& r = *running_;
   RecordReport now;
   now.state = "recording";

@@ -74,7 +74,7 @@ class Recorder : public Agent {
   /// Number of frames that are missing in the file of a recording that the daemon's stop ended.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
   /// Any thread, before a frame can be measured with the plan: announces the plan.
-  void know(const MeasurementPlan& plan, SensorView sensor);
+  void add_plan(const MeasurementPlan& plan, SensorView sensor);
   /// Any thread: announces new camera settings or another camera.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
 
@@ -100,7 +100,7 @@ class Recorder : public Agent {
   std::optional<Ending> flush();
   void end(const Ending& ending);
   std::string write_rest(std::int64_t until_ns);
-  void tell();
+  void publish_report();
   void keep_facts(std::size_t most);
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
 
@@ -115,7 +115,7 @@ class Recorder : public Agent {
   Guarded<RecordReport> report_;
   std::atomic<std::uint64_t> lost_at_stop_{0};
   std::mutex facts_mutex_;
-  std::size_t most_facts_;  ///< guarded by facts_mutex_
+  std::size_t max_facts_;  ///< guarded by facts_mutex_
   std::deque<std::shared_ptr<const PlanFacts>> facts_;
 };
 

@@ -14,7 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
-constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then status says what is missing
+constexpr std::int64_t kReportAfterNs = 2'000'000'000;  // then status says what is missing
 
 /// If black level and saturation contradict each other, blames the one that the client has set.
 Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
@@ -43,7 +43,7 @@ bool LiveRefiner::do_work() {
   if (!settings.enabled || ending_) {
     inbox_.forget();
     waiting_since_ns_ = 0;
-    tell("off", std::nullopt);
+    set_state("off", std::nullopt);
     std::this_thread::sleep_for(kTurn);
     return false;
   }
@@ -74,13 +74,13 @@ bool LiveRefiner::do_work() {
 void LiveRefiner::wait_for_frame() {
   const std::int64_t now_ns = monotonic_ns();
   if (waiting_since_ns_ == 0) waiting_since_ns_ = now_ns;
-  if (now_ns - waiting_since_ns_ < kPatienceNs) return;
-  tell("waiting", "no settled and valid frame has arrived");
+  if (now_ns - waiting_since_ns_ < kReportAfterNs) return;
+  set_state("waiting", "no settled and valid frame has arrived");
 }
 
 void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                          const RefineSetup& settings) {
-  tell("refining", report_.get().reason);
+  set_state("refining", report_.get().reason);
   RefinedFrame refined;
   try {
     refined = model_.refine(frame, sensor, settings);
@@ -88,7 +88,7 @@ void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
     refined.refusal = "there is not enough memory for a model of this SLM and this image";
   }
   const RefineSetup now = settings_.get();
-  if (!now.enabled || !same_fit(now, settings)) return tell("waiting", std::nullopt);
+  if (!now.enabled || !same_fit(now, settings)) return set_state("waiting", std::nullopt);
   report_.change([&refined](StatusMessage::RefinePart& report) {
     ++(refined.refusal.empty() ? report.done : report.refused);
     if (refined.duration_ms > 0.0) report.last_duration_ms = refined.duration_ms;
@@ -125,7 +125,7 @@ void LiveRefiner::publish(const FrameCopy& frame, const SensorSnapshot& sensor,
   queue_.put(std::move(message));
 }
 
-void LiveRefiner::tell(std::string state, std::optional<std::string> reason) {
+void LiveRefiner::set_state(std::string state, std::optional<std::string> reason) {
   report_.change([&](StatusMessage::RefinePart& report) {
     report.state = std::move(state);
     report.reason = std::move(reason);
@@ -143,7 +143,7 @@ Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat for
     settings = next;
     return next;
   });
-  if (changed) queue_.ask_for_status();
+  if (changed) queue_.request_status();
   return changed;
 }
 

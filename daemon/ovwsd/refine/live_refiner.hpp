@@ -38,7 +38,7 @@ class LiveRefiner : public Agent {
   void end_soon() { ending_.store(true); }
 
  private:
-  void tell(std::string state, std::optional<std::string> reason);
+  void set_state(std::string state, std::optional<std::string> reason);
   void wait_for_frame();
   void refine(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSetup& settings);
   void publish(const FrameCopy& frame, const SensorSnapshot& sensor, RefinedFrame refined);

@@ -118,9 +118,9 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
 
 const Result<RefinedModes>& RefineModel::refined_reference(const Reference& reference,
                                                            const RefineSetup& settings) {
-  const bool known = reference_ && reference_->picture == reference.picture &&
-                     same_fit(reference_->settings, settings);
-  if (!known) {
+  const bool cached = reference_ && reference_->picture == reference.picture &&
+                      same_fit(reference_->settings, settings);
+  if (!cached) {
     reference_ = std::make_unique<RefinedReference>(
         RefinedReference{reference.picture, settings, refine_picture(reference, settings)});
   }

@@ -63,7 +63,7 @@ ConfigDifference difference(const Config& before, const Config& after) {
   return keys;
 }
 
-CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now) {
+CameraSettings as_requested(CameraSettings file, const CameraSnapshot& now) {
   for_each_rounded(file, now.asked, now.settings,
                    [](auto& value, const auto& asked, const auto& in_use) {
                      if (value == in_use) value = asked;

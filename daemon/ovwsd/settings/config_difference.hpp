@@ -24,7 +24,7 @@ ConfigDifference difference(const Config& before, const Config& after);
 
 /// Undoes the camera's rounding: a value of `file` that equals the value in use becomes the value
 /// that was requested when the camera rounded to it.
-CameraSettings as_asked(CameraSettings file, const CameraSnapshot& now);
+CameraSettings as_requested(CameraSettings file, const CameraSnapshot& now);
 
 /// `in_use`, but with the file's value where exactly that was requested of the camera: a rounded
 /// value does not count as a change.

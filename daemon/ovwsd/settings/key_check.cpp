@@ -27,14 +27,14 @@ struct User {
 };
 
 User user_of(uid_t uid) {
-  const passwd* const known = ::getpwuid(uid);
-  if (known == nullptr) return {uid, gid_t(-1), std::to_string(uid)};
-  return {uid, known->pw_gid, known->pw_name};
+  const passwd* const entry = ::getpwuid(uid);
+  if (entry == nullptr) return {uid, gid_t(-1), std::to_string(uid)};
+  return {uid, entry->pw_gid, entry->pw_name};
 }
 
 User daemons_user(const std::string& config_path, const std::string& secret) {
   if (is_service_config(config_path)) {
-    if (const passwd* const known = ::getpwnam(kServiceUser)) return user_of(known->pw_uid);
+    if (const passwd* const entry = ::getpwnam(kServiceUser)) return user_of(entry->pw_uid);
   }
   struct stat about {};
   const bool owned = ::stat(secret.c_str(), &about) == 0 && about.st_uid != 0;
@@ -81,7 +81,7 @@ bool is_missing(const std::string& path) {
 }
 
 /// The command that shows which folder on the path denies access.
-std::string way_to(const std::string& path) {
+std::string path_check_command(const std::string& path) {
   return "namei -l " + path;
 }
 
@@ -90,20 +90,20 @@ std::string fix_of_secret(const std::string& path, bool readable, const User& us
   if (is_missing(path)) {
     return "sudo ovws keygen -o " + path + " && sudo chown " + user.name + " " + path;
   }
-  if (::stat(path.c_str(), &about) != 0) return way_to(path);
+  if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
   const std::string close = "sudo chmod 600 " + path;
   const bool open = (about.st_mode & kOthers) != 0;
   if (about.st_uid != user.uid) {
     return "sudo chown " + user.name + " " + path + (open ? " && " + close : "");
   }
   if (open || (about.st_mode & S_IRUSR) == 0) return close;
-  return readable ? "sudo ovws keygen -o " + path + " --replace" : way_to(path);
+  return readable ? "sudo ovws keygen -o " + path + " --replace" : path_check_command(path);
 }
 
 std::string fix_of_clients(const std::string& path, bool readable, const User& user) {
   struct stat about {};
   if (is_missing(path)) return "sudoedit " + path;
-  if (::stat(path.c_str(), &about) != 0) return way_to(path);
+  if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
   const bool foreign = about.st_uid != 0 && about.st_uid != user.uid;
   const bool closed = !readable && (about.st_mode & S_IROTH) == 0;
   const std::string own = foreign ? "sudo chown root " + path : "";
@@ -111,12 +111,12 @@ std::string fix_of_clients(const std::string& path, bool readable, const User& u
     return own + (foreign ? " && " : "") + "sudo chmod 644 " + path;
   }
   if (foreign) return own;
-  return readable ? "sudoedit " + path : way_to(path);
+  return readable ? "sudoedit " + path : path_check_command(path);
 }
 
 /// Whether a check by this user also holds for the daemon's: root owns the file, and this user can
 /// read it.
-bool may_judge(const std::string& clients) {
+bool is_conclusive(const std::string& clients) {
   struct stat about {};
   return ::stat(clients.c_str(), &about) == 0 && about.st_uid == 0 && can_read(clients);
 }
@@ -136,9 +136,9 @@ KeyCheck check_keys(const std::string& config_path, const Config& config) {
   {
     const RightsOf rights(user);
     check.read = rights || is_missing(*secret);
-    const auto safe = check.read            ? check_security(config)
-                      : may_judge(*clients) ? check_clients(*clients)
-                                            : Result<void>{};
+    const auto safe = check.read                ? check_security(config)
+                      : is_conclusive(*clients) ? check_clients(*clients)
+                                                : Result<void>{};
     if (!safe) check.error = safe.error();
     readable = can_read(check.error && check.error->field == kClientsField ? *clients : *secret);
   }

@@ -17,12 +17,12 @@ namespace {
 /// Completes the error's field to a configuration key: control methods report it without its
 /// section. For a saved value adds where it is kept, since a person would look in the configuration
 /// file.
-Error in_room(std::string room, Error error, const LoadedConfig& read) {
+Error with_section(std::string section, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator"}) {
-    if (error.field == key) room = "tracking";
+    if (error.field == key) section = "tracking";
   }
-  if (!error.field.empty() && !error.field.starts_with(room)) {
-    error.field = room + "." + error.field;
+  if (!error.field.empty() && !error.field.starts_with(section)) {
+    error.field = section + "." + error.field;
   }
   if (std::find(read.saved.begin(), read.saved.end(), error.field) != read.saved.end()) {
     error.reason +=
@@ -51,7 +51,7 @@ Result<LoadedConfig> read_again(const std::string& path) {
 
 }  // namespace
 
-void Reloader::look() {
+void Reloader::poll() {
   if (busy_.load() || !requested_.exchange(false)) return;
   busy_.store(true);
   service::notify_reloading();
@@ -85,7 +85,7 @@ void Reloader::change(const LoadedConfig& read) {
   reload.read = read;
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload.before.camera.settings = camera.asked;
-  reload.after.camera.settings = as_asked(read.effective.camera.settings, camera);
+  reload.after.camera.settings = as_requested(read.effective.camera.settings, camera);
   reload.keys = difference(reload.before, reload.after);
   change_camera(reload);
 }
@@ -94,10 +94,10 @@ void Reloader::change_camera(const Reload& reload) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
   if (after == before) return change_refine(reload);
-  deps_.camera.change_or_want(CameraSet::difference(before, after),
+  deps_.camera.change_or_keep(CameraSet::difference(before, after),
                               [this, reload](const Result<CameraSnapshot>& used) {
                                 if (!used)
-                                  return refuse(in_room("camera", used.error(), reload.read));
+                                  return refuse(with_section("camera", used.error(), reload.read));
                                 change_refine(reload);
                               });
 }
@@ -105,7 +105,7 @@ void Reloader::change_camera(const Reload& reload) {
 void Reloader::change_refine(const Reload& reload) {
   const auto used = deps_.refiner.change(RefineSet::whole(reload.after.refine),
                                          reload.after.camera.settings.pixel_format);
-  if (!used) return put_back_camera(reload, in_room("refine", used.error(), reload.read));
+  if (!used) return roll_back_camera(reload, with_section("refine", used.error(), reload.read));
   change_sensor(reload);
 }
 
@@ -122,31 +122,31 @@ void Reloader::change_sensor(const Reload& reload) {
   deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change)),
                     [this, reload](const Result<SensorView>& used) {
                       if (!used) {
-                        return put_back(reload, in_room("sensor", used.error(), reload.read));
+                        return roll_back(reload, with_section("sensor", used.error(), reload.read));
                       }
                       finish(reload);
                     });
 }
 
 /// Rolls back refinement and camera. The sensor, which comes last, has not changed.
-void Reloader::put_back(const Reload& reload, const Error& why) {
+void Reloader::roll_back(const Reload& reload, const Error& why) {
   if (!(reload.after.refine == reload.before.refine)) {
     (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
                                reload.before.camera.settings.pixel_format);
   }
-  put_back_camera(reload, why);
+  roll_back_camera(reload, why);
 }
 
-void Reloader::put_back_camera(const Reload& reload, const Error& why) {
+void Reloader::roll_back_camera(const Reload& reload, const Error& why) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
   if (after == before) return refuse(why);
-  deps_.camera.change_or_want(
+  deps_.camera.change_or_keep(
       CameraSet::difference(after, before), [this, why](const Result<CameraSnapshot>& used) {
         if (used) return refuse(why);
-        Error told = why;
-        told.reason += "; the camera's settings could not be restored: " + used.error().reason;
-        refuse(told, "all but the camera is unchanged");
+        Error both = why;
+        both.reason += "; the camera's settings could not be restored: " + used.error().reason;
+        refuse(both, "all but the camera is unchanged");
       });
 }
 

@@ -42,7 +42,7 @@ class Reloader {
   /// Async-signal-safe.
   void request() { requested_.store(true); }
   /// Status thread: starts a requested reload in the prepare thread, and does not wait for it.
-  void look();
+  void poll();
 
  private:
   struct Reload {
@@ -56,10 +56,10 @@ class Reloader {
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
-  void put_back(const Reload& reload, const Error& why);
+  void roll_back(const Reload& reload, const Error& why);
   void finish(const Reload& reload);
   void report(const Reload& reload);
-  void put_back_camera(const Reload& reload, const Error& why);
+  void roll_back_camera(const Reload& reload, const Error& why);
   void refuse(const Error& why, const char* what_stays = "nothing has changed");
   void end(Severity severity, std::string text, nlohmann::json data);
 

@@ -28,7 +28,7 @@ using nlohmann::json;
 constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
 constexpr const char* kServiceFolder = "/var/lib/ovws";
 constexpr const char* kFileName = "/config.json";
-constexpr const char* kAside = ".rejected";
+constexpr const char* kRejectedSuffix = ".rejected";
 constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr int kMaxDepth = 8;
 
@@ -80,7 +80,7 @@ bool is_same_file(const std::string& one, const std::string& other) {
 }
 
 /// Whether the overlay was saved for this file.
-bool is_for(const json& file, const std::string& path) {
+bool belongs_to(const json& file, const std::string& path) {
   if (!file.is_string() || path.empty()) return file == owner_of(path);
   return is_same_file(file.get<std::string>(), path);
 }
@@ -138,7 +138,7 @@ Result<void> check_keys(const Overlay& overlay, const json& file) {
   return {};
 }
 
-Result<void> lay_over(LoadedConfig& loaded, const Overlay& overlay) {
+Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   json tree = tree_of(loaded.file);
   const json file = tree.flatten();
   if (auto known = check_keys(overlay, file); !known) return known;
@@ -184,12 +184,12 @@ void read_overlay(LoadedConfig& loaded) {
   if (!*text) return;
   const auto overlay = parse_overlay(**text);
   if (!overlay) return reject(overlay.error());
-  if (!is_for(overlay->file, loaded.path)) {
+  if (!belongs_to(overlay->file, loaded.path)) {
     loaded.unused_reason = "its values were saved for another configuration file, " +
                            (overlay->file.is_null() ? "none" : overlay->file.dump());
     return;
   }
-  if (const auto laid = lay_over(loaded, *overlay); !laid) reject(laid.error());
+  if (const auto laid = apply_overlay(loaded, *overlay); !laid) reject(laid.error());
 }
 
 /// Refuses to overwrite the saved values of another configuration file: its daemon still needs
@@ -198,7 +198,8 @@ Result<void> check_ours(const std::string& overlay, const json& owner) {
   const auto text = read_text(overlay);
   if (!text || !*text) return {};
   const auto there = parse_overlay(**text);
-  if (!there || is_for(there->file, owner.is_string() ? owner.get<std::string>() : "")) return {};
+  if (!there || belongs_to(there->file, owner.is_string() ? owner.get<std::string>() : ""))
+    return {};
   return fail(
       Errc::refused, "state.directory",
       fmt::format("{0} holds the values saved for another configuration file, {1}: give this "
@@ -234,14 +235,15 @@ Result<LoadedConfig> load_with_saved(const std::string& path,
   if (!state) return loaded;
   loaded.overlay = *state + kFileName;
   std::error_code unknown;
-  if (fs::exists(*loaded.overlay + kAside, unknown)) loaded.rejected = *loaded.overlay + kAside;
+  if (fs::exists(*loaded.overlay + kRejectedSuffix, unknown))
+    loaded.rejected = *loaded.overlay + kRejectedSuffix;
   read_overlay(loaded);
   return loaded;
 }
 
 void set_aside_if_invalid(LoadedConfig& loaded) {
   if (!loaded.invalid) return;
-  const std::string aside = *loaded.overlay + kAside;
+  const std::string aside = *loaded.overlay + kRejectedSuffix;
   if (std::rename(loaded.overlay->c_str(), aside.c_str()) == 0) {
     loaded.unused_reason += "; it was renamed to " + aside;
   } else {

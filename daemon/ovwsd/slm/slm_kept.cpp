@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMostRad = 1000.0;
+constexpr double kMaxRad = 1000.0;
 
 /// Reads the fields that both kinds have.
 template <class T>
@@ -32,7 +32,7 @@ void read_common(ObjectReader& r, T& measured) {
 
 /// Why something that was measured with `origin` cannot be used with the configured SLM; empty: it
 /// can.
-std::string other_slm(const json& origin, const Config& config) {
+std::string slm_mismatch(const json& origin, const Config& config) {
   const json slm = origin.value("slm", json::object());
   const json optics = origin.value("optics", json::object());
   const SlmGeometry& now = config.slm.geometry;
@@ -72,10 +72,10 @@ Result<MeasuredLut> LutKind::read(const json& content) const {
   read_common(r, lut);
   for (const char* key : {"levels", "phase_rad", "standard_error_rad"}) r.require(key);
   r.integer("levels", lut.response.levels, 2, 256);
-  r.numbers("phase_rad", phase, 256, 256, -kMostRad, kMostRad);
-  r.numbers("standard_error_rad", error, 256, 256, 0.0, kMostRad);
-  r.number("noise_rad", lut.response.noise_rad, 0.0, kMostRad);
-  r.number("residual_rad", lut.response.residual_rad, 0.0, kMostRad);
+  r.numbers("phase_rad", phase, 256, 256, -kMaxRad, kMaxRad);
+  r.numbers("standard_error_rad", error, 256, 256, 0.0, kMaxRad);
+  r.number("noise_rad", lut.response.noise_rad, 0.0, kMaxRad);
+  r.number("residual_rad", lut.response.residual_rad, 0.0, kMaxRad);
   if (auto read = r.finish(); !read) return fail(read.error());
   if (!std::is_sorted(phase.begin(), phase.end()) &&
       !std::is_sorted(phase.rbegin(), phase.rend())) {
@@ -92,7 +92,7 @@ std::string LutKind::title(const MeasuredLut& lut) const {
 }
 
 std::string LutKind::obstacle(const MeasuredLut& lut) const {
-  return other_slm(lut.origin, config);
+  return slm_mismatch(lut.origin, config);
 }
 
 json FlatnessKind::content(const MeasuredFlatness& flatness) const {
@@ -144,7 +144,7 @@ std::string FlatnessKind::title(const MeasuredFlatness& flatness) const {
 
 /// Compares the SLM, the optics, and the map of slm.flatness that the measurement is added to.
 std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
-  if (auto other = other_slm(flatness.origin, config); !other.empty()) return other;
+  if (auto other = slm_mismatch(flatness.origin, config); !other.empty()) return other;
   if (flatness.configured_sha256 != configured_sha256) {
     return fmt::format(
         "it is relative to the map of slm.flatness, whose checksum was {}, and is {}",

@@ -35,25 +35,25 @@ SlmLoop::~SlmLoop() = default;
 
 bool SlmLoop::do_work() {
   if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
-  const Asked asked = wait_for_work();
-  if (asked.when_possible) {
-    wanted_ = asked.when_possible;
-    (void)present(*wanted_);
+  const Pending pending = wait_for_work();
+  if (pending.when_possible) {
+    requested_ = pending.when_possible;
+    (void)present(*requested_);
   }
-  if (asked.job) carry_out(*asked.job);
-  if (!asked.verify.empty()) {
-    const auto verdict = look();  // one comparison answers all requests
-    for (const auto& done : asked.verify) done(verdict);
+  if (pending.job) carry_out(*pending.job);
+  if (!pending.verify.empty()) {
+    const auto verdict = compare_output();  // one comparison answers all requests
+    for (const auto& done : pending.verify) done(verdict);
   }
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
   }
-  return asked.when_possible || asked.job;
+  return pending.when_possible || pending.job;
 }
 
 void SlmLoop::carry_out(Job& job) {
-  const std::optional<HologramRequest> before = wanted_;
+  const std::optional<HologramRequest> before = requested_;
   Result<void> done = present(job.request);
   bool abandoned = false;
   {
@@ -67,13 +67,13 @@ void SlmLoop::carry_out(Job& job) {
 }
 
 void SlmLoop::close() {
-  auto asked = [this] {
+  auto pending = [this] {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    return std::exchange(asked_, {});
+    return std::exchange(pending_, {});
   }();
-  if (asked.job) asked.job->done.set_value(fail(stopping()));
-  for (const auto& done : asked.verify) done(fail(stopping()));
+  if (pending.job) pending.job->done.set_value(fail(stopping()));
+  for (const auto& done : pending.verify) done(fail(stopping()));
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
@@ -83,21 +83,21 @@ Result<void> SlmLoop::show(HologramRequest request) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return fail(stopping());
-    asked_.job = job;
+    pending_.job = job;
   }
   ready_.notify_one();
   if (result.wait_for(kShowTimeout) == std::future_status::ready) return result.get();
   const std::lock_guard lock(mutex_);
   if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
   job->abandoned = true;
-  if (asked_.job == job) asked_.job.reset();
+  if (pending_.job == job) pending_.job.reset();
   return fail(Errc::unavailable, "slm", "the display did not accept the hologram within 2 s");
 }
 
 void SlmLoop::show_when_possible(HologramRequest request) {
   {
     const std::lock_guard lock(mutex_);
-    asked_.when_possible = std::move(request);
+    pending_.when_possible = std::move(request);
   }
   ready_.notify_one();
 }
@@ -106,7 +106,7 @@ void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      asked_.verify.push_back(std::move(done));
+      pending_.verify.push_back(std::move(done));
       ready_.notify_one();
       return;
     }
@@ -114,15 +114,15 @@ void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
   done(fail(stopping()));
 }
 
-Result<SlmVerdict> SlmLoop::look() {
+Result<SlmVerdict> SlmLoop::compare_output() {
   if (!display_) {
     return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
   }
-  if (!wanted_) return fail(Errc::unavailable, "slm", "no hologram has been shown yet");
+  if (!requested_) return fail(Errc::unavailable, "slm", "no hologram has been shown yet");
   const auto shown = display_->read_back();
   if (!shown) return fail(shown.error());
-  const Image<std::uint8_t>& given = *wanted_->grey;
-  SlmVerdict verdict{wanted_->hologram_id, crc32_of(given.pixels), 0, 0};
+  const Image<std::uint8_t>& given = *requested_->grey;
+  SlmVerdict verdict{requested_->hologram_id, crc32_of(given.pixels), 0, 0};
   std::vector<std::uint8_t> grey(given.pixels.size());
   for (std::size_t i = 0; i < grey.size(); ++i) {
     grey[i] = std::uint8_t(shown->pixels[i]);
@@ -143,11 +143,12 @@ Result<SlmVerdict> SlmLoop::look() {
   return verdict;
 }
 
-SlmLoop::Asked SlmLoop::wait_for_work() {
+SlmLoop::Pending SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
-  ready_.wait_for(lock, kTurn,
-                  [this] { return asked_.when_possible || asked_.job || !asked_.verify.empty(); });
-  return std::exchange(asked_, {});
+  ready_.wait_for(lock, kTurn, [this] {
+    return pending_.when_possible || pending_.job || !pending_.verify.empty();
+  });
+  return std::exchange(pending_, {});
 }
 
 void SlmLoop::try_open() {
@@ -155,7 +156,7 @@ void SlmLoop::try_open() {
   auto opened = open_display(config_);
   if (!opened) return publish_snapshot(opened.error());
   display_ = std::move(*opened);
-  if (wanted_ && !present(*wanted_)) return;
+  if (requested_ && !present(*requested_)) return;
   const DisplayInfo& info = display_->info();
   deps_.events.emit("slm", Severity::info,
                     fmt::format("SLM output {} is open: {} x {} at {:.1f} Hz ({})", info.output,
@@ -180,7 +181,7 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   next.current.t_settled_mono_ns = *presented_ns + std::int64_t(config_.settle_ms * 1e6);
   deps_.shown.write(next);
   shown_ = next;
-  wanted_ = request;
+  requested_ = request;
   present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
   t_presented_ns_ = utc_ns();
   t_presented_mono_ns_ = *presented_ns;
@@ -203,7 +204,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.healthy = display_ != nullptr;
   if (display_) now.info = display_->info();
   now.hologram_id = shown_.current.hologram_id;
-  now.kind = wanted_ ? wanted_->kind : HologramKind::sensor;
+  now.kind = requested_ ? requested_->kind : HologramKind::sensor;
   now.t_presented_ns = t_presented_ns_;
   now.t_presented_mono_ns = t_presented_mono_ns_;
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;

@@ -91,15 +91,15 @@ class SlmLoop : public Agent {
     std::promise<Result<void>> done;
     bool abandoned = false;  ///< guarded by mutex_
   };
-  struct Asked {
+  struct Pending {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
     std::vector<std::function<void(Result<SlmVerdict>)>> verify;
   };
 
-  Asked wait_for_work();
+  Pending wait_for_work();
   void carry_out(Job& job);
-  Result<SlmVerdict> look();
+  Result<SlmVerdict> compare_output();
   void try_open();
   Result<void> present(const HologramRequest& request);
   void fault(const Error& why);
@@ -108,7 +108,7 @@ class SlmLoop : public Agent {
   SlmConfig config_;
   SlmLoopDeps deps_;
   std::unique_ptr<Display> display_;
-  std::optional<HologramRequest> wanted_;
+  std::optional<HologramRequest> requested_;
   ShownHologram shown_;
   double present_ms_ = 0.0;
   std::int64_t t_presented_ns_ = 0;
@@ -119,7 +119,7 @@ class SlmLoop : public Agent {
 
   std::mutex mutex_;
   std::condition_variable ready_;
-  Asked asked_;
+  Pending pending_;
   bool closed_ = false;
 };
 

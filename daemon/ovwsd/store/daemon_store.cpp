@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kTryAgainNs = 2'000'000'000;
+constexpr std::int64_t kRetryNs = 2'000'000'000;
 
 std::size_t bytes_of(const std::shared_ptr<const std::string>& text) {
   return text ? text->size() : 0;
@@ -205,7 +205,7 @@ Result<std::string> DaemonStore::write(const Item& item) {
     return std::string();
   }
   auto kept = store_->put_text(item.kind, item.name, *item.text);
-  if (!kept && store_->make_again()) {
+  if (!kept && store_->recreate_directory()) {
     events_.emit("store", Severity::warning,
                  *directory_ + " was removed, with everything saved in it; it was created again",
                  {{"path", *directory_}});
@@ -225,7 +225,7 @@ void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
                                 [&](const Item& one) { return one.number == item.number; });
   if (done && item.text) why_read_only_.reset();
   if (done && item.why) make_all_due();  // the disk has room again
-  if (!done) next_try_ns_ = monotonic_ns() + kTryAgainNs;
+  if (!done) next_try_ns_ = monotonic_ns() + kRetryNs;
   if (now == items_.end()) return;  // a newer one has taken its place
   if (!done && item.text) {
     if (!now->why) ++refused_;
@@ -241,7 +241,7 @@ bool DaemonStore::any_due() const {
 
 void DaemonStore::make_all_due() {
   for (Item& one : items_) one.due = one.due || one.number != trying_;
-  next_try_ns_ = monotonic_ns() + kTryAgainNs;
+  next_try_ns_ = monotonic_ns() + kRetryNs;
 }
 
 DaemonStore::Tried DaemonStore::reporting(std::string kind, std::string title,

@@ -24,7 +24,7 @@ constexpr std::uintmax_t kMaxFileBytes = 1U << 30;
 constexpr std::string_view kSumBegin = ",\n\"sha256\": \"";
 constexpr std::string_view kSumEnd = "\"\n}\n";
 constexpr std::size_t kSumDigits = 64;
-constexpr const char* kAside = ".outdated";  // behind the name of a file that is set aside
+constexpr const char* kOutdatedSuffix = ".outdated";  // behind the name of a file that is set aside
 constexpr std::size_t kSealSize = kSumBegin.size() + kSumDigits + kSumEnd.size();
 
 tl::unexpected<Error> damaged(const std::string& reason) {
@@ -137,24 +137,25 @@ Result<std::string> StateStore::put_text(std::string_view kind, std::string_view
     return fail(Errc::refused, "path", path + " would be larger than 1 GiB");
   }
   if (auto written = replace_file(path, text); !written) return fail(written.error());
-  ::unlink((path + kAside).c_str());
+  ::unlink((path + kOutdatedSuffix).c_str());
   return sum_of(text);
 }
 
 Result<void> StateStore::drop(std::string_view kind, std::string_view name) {
   const std::string path = path_of(kind, name);
   auto dropped = remove_file(path);
-  if (dropped) ::unlink((path + kAside).c_str());
+  if (dropped) ::unlink((path + kOutdatedSuffix).c_str());
   return dropped;
 }
 
 Result<void> StateStore::set_aside(std::string_view kind, std::string_view name) {
   const std::string path = path_of(kind, name);
-  if (std::rename(path.c_str(), (path + kAside).c_str()) == 0 || errno == ENOENT) return {};
+  if (std::rename(path.c_str(), (path + kOutdatedSuffix).c_str()) == 0 || errno == ENOENT)
+    return {};
   return fail(Errc::unavailable, "path", path + " cannot be renamed: " + std::strerror(errno));
 }
 
-bool StateStore::make_again() {
+bool StateStore::recreate_directory() {
   std::error_code failed;
   return fs::create_directories(directory_, failed) && !failed;
 }

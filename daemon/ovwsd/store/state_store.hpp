@@ -66,7 +66,7 @@ class StateStore {
   /// none.
   Result<void> set_aside(std::string_view kind, std::string_view name);
   /// Makes the directory again if it was removed; true: it was.
-  bool make_again();
+  bool recreate_directory();
 
   /// The item of that name; none if there is none, or its file is damaged.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;

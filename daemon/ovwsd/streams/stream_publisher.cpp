@@ -52,7 +52,7 @@ bool StreamPublisher::do_work() {
     send_record(*record);
     deps_.frames.serve_numbers(*record);
     deps_.finder.saw(*record);
-    deps_.loop.saw(*record);
+    deps_.loop.add(*record);
   }
   send_queue();
   return record != nullptr;

@@ -68,15 +68,15 @@ Result<void> check_cpus(const std::vector<int>& cpus) {
   CPU_ZERO(&allowed);
   // With more processors than a cpu_set_t holds, pinning reports the error when the threads start.
   if (cpus.empty() || sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return {};
-  std::vector<int> known;
+  std::vector<int> usable;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (CPU_ISSET(std::size_t(cpu), &allowed)) known.push_back(cpu);
+    if (CPU_ISSET(std::size_t(cpu), &allowed)) usable.push_back(cpu);
   }
   for (const int cpu : cpus) {
     if (cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(std::size_t(cpu), &allowed)) continue;
     return fail(Errc::invalid, "pipeline.cpus",
                 fmt::format("this process may not run on processor {}: choose from {}", cpu,
-                            fmt::join(known, ", ")));
+                            fmt::join(usable, ", ")));
   }
   return {};
 }
@@ -261,14 +261,14 @@ void ThreadPlan::end_soon(const std::vector<ThreadRole>& roles) {
 }
 
 std::string ThreadPlan::wait_for_end(const std::vector<ThreadRole>& roles, double patience_s) {
-  constexpr std::chrono::milliseconds kLeast(200);  // also after a thread that did not end
+  constexpr std::chrono::milliseconds kMinWait(200);  // also after a thread that did not end
   std::string held;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {
     Running& one = **running;
     if (!contains(roles, one.row->role) || !one.thread.joinable()) continue;
     if (one.ended.wait_until(until) == std::future_status::ready ||
-        (!held.empty() && one.ended.wait_for(kLeast) == std::future_status::ready)) {
+        (!held.empty() && one.ended.wait_for(kMinWait) == std::future_status::ready)) {
       one.thread.join();
     } else if (held.empty()) {
       held = one.row->name;

@@ -49,12 +49,12 @@ TEST(AsAsked, IsTheValueThatTheCameraMadeItOf) {
   now.asked.roi.x = 17;
   now.settings.roi.x = 16;
   CameraSettings same = now.settings;
-  EXPECT_EQ(as_asked(same, now), now.asked);
-  EXPECT_EQ(as_asked(now.asked, now), now.asked);
+  EXPECT_EQ(as_requested(same, now), now.asked);
+  EXPECT_EQ(as_requested(now.asked, now), now.asked);
   CameraSettings other = now.settings;
   other.exposure_us = 999.9;
-  EXPECT_EQ(as_asked(other, now).exposure_us, 999.9);
-  EXPECT_EQ(as_asked(other, now).roi.x, 17);
+  EXPECT_EQ(as_requested(other, now).exposure_us, 999.9);
+  EXPECT_EQ(as_requested(other, now).roi.x, 17);
 }
 
 TEST(AsInFile, IsTheFilesValueWhereTheCameraWasAskedForIt) {

@@ -45,20 +45,20 @@ std::string config_of(int step) {
   return text;
 }
 
-struct Told {
+struct Report {
   int step = 0;
   bool finished = false;
 };
 
 /// The child process, which never returns: in turn it stores an item, drops it, and replaces a
-/// configuration. It reports the begin and the end of each step through the pipe `tell`.
-[[noreturn]] void write_until_killed(const std::string& folder, int step, int tell) {
+/// configuration. It reports the begin and the end of each step through `pipe_fd`.
+[[noreturn]] void write_until_killed(const std::string& folder, int step, int pipe_fd) {
   auto store = StateStore::open(folder + "/state");
   if (!store) _exit(1);
   for (;; ++step) {
     const auto say = [&](bool finished) {
-      const Told told{step, finished};
-      if (::write(tell, &told, sizeof told) != sizeof told) _exit(2);
+      const Report reported{step, finished};
+      if (::write(pipe_fd, &reported, sizeof reported) != sizeof reported) _exit(2);
     };
     const json content = content_of(step);
     const std::string config = config_of(step);
@@ -101,24 +101,24 @@ class KilledWriter : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   /// Starts a writer with `step`, kills it after `delay`, and returns what it reported.
-  std::vector<Told> killed_after(int step, std::chrono::microseconds delay) const {
+  std::vector<Report> killed_after(int step, std::chrono::microseconds delay) const {
     int ends[2];
     EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
     const pid_t child = ::fork();
     if (child == 0) write_until_killed(folder_, step, ends[1]);
     ::close(ends[1]);
-    std::vector<Told> told;
-    Told one;
+    std::vector<Report> reported;
+    Report one;
     // The delay counts from the first step, since a slow machine may take long to start.
-    if (::read(ends[0], &one, sizeof one) == sizeof one) told.push_back(one);
+    if (::read(ends[0], &one, sizeof one) == sizeof one) reported.push_back(one);
     std::this_thread::sleep_for(delay);
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
     EXPECT_TRUE(WIFSIGNALED(status)) << "the writer ended by itself: " << WEXITSTATUS(status);
-    while (::read(ends[0], &one, sizeof one) == sizeof one) told.push_back(one);
+    while (::read(ends[0], &one, sizeof one) == sizeof one) reported.push_back(one);
     ::close(ends[0]);
-    return told;
+    return reported;
   }
 
   Found find() const {
@@ -152,11 +152,11 @@ TEST_F(KilledWriter, WhateverMomentItIsKilledAtTheOldOrTheNewIsFoundWhole) {
     const auto delay = std::chrono::microseconds(random() % 40000);
     Found old = expected;
     int begun = 0;  // 0: none
-    for (const Told& told : killed_after(step, delay)) {
-      step = told.step + 1;
-      begun = told.step;
-      if (!told.finished) continue;
-      old = after(old, told.step);
+    for (const Report& reported : killed_after(step, delay)) {
+      step = reported.step + 1;
+      begun = reported.step;
+      if (!reported.finished) continue;
+      old = after(old, reported.step);
       begun = 0;
     }
     const Found found = find();
