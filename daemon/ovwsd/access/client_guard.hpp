@@ -47,7 +47,7 @@ class ClientGuard {
   /// if the key was withdrawn, even a moment ago.
   Result<Role> role_of(const std::string& key);
   /// Status thread, each turn: has the disk thread check the client file once a second, and reports
-  /// rejected clients in one event per 10 s, so that nobody can flood the log.
+  /// rejected clients in at most one event per 10 s, so that they cannot flood the log.
   void turn();
 
  private:

@@ -54,8 +54,8 @@ void Jobs::tell_progress(int id) {
   const auto now = get(id);
   if (!now || now->state != JobState::running) return;
   const int quarters = int(now->progress * kQuarters);
-  const std::lock_guard lock(
-      mutex_);  // held while the event is emitted, so that the job's end cannot come first
+  // Held while the event is emitted, so that the job's end cannot come first.
+  const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return;
   if (quarters >= kQuarters) return;

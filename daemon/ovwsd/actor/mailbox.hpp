@@ -26,11 +26,10 @@ class Mailbox {
 
   /// Owner's thread: drops the queued tasks, and refuses new ones.
   void close() {
-    std::deque<Task>
-        forgotten;  // destroyed without the lock: a task's destructor may notify its sender
+    std::deque<Task> dropped;  // destroyed without the lock: a destructor may notify the sender
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    forgotten.swap(tasks_);
+    dropped.swap(tasks_);
   }
 
   /// Owner's thread: runs one task, and waits for it at most `timeout`. False if there was none.

@@ -72,7 +72,8 @@ double rms_of(const std::vector<Mode>& modes) {
   return std::sqrt(squares);
 }
 
-/// Whether an invalid frame is good enough to steer by: few lost spots, and a small fit residual.
+/// Whether an invalid frame is good enough to steer by: at most one of kMinSpotsPerLost spots is
+/// lost, and the fit residual is small.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
   return record.settled && record.plan->referenced() && found.determined &&

@@ -61,8 +61,7 @@ void SlmLoop::carry_out(Job& job) {
     abandoned = job.abandoned;
     job.done.set_value(done);
   }
-  // Its caller was told that it timed out and takes the previous hologram for the one shown: show
-  // that.
+  // The caller got a timeout error and assumes that the previous hologram is shown: show that.
   if (abandoned && done && before) (void)present(*before);
 }
 

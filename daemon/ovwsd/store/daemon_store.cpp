@@ -117,7 +117,7 @@ std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
 }
 
 /// Queues an item in place of older ones of the same kind and name. An item beyond the memory limit
-/// is refused; what remains to be done is to set the outdated file aside.
+/// is refused; with Older::set_aside the outdated file is then still set aside.
 void DaemonStore::queue(Item item) {
   std::list<Item> displaced;
   Tried refused;

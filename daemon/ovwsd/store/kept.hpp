@@ -72,29 +72,29 @@ class Kept {
     return by_age(std::move(usable));
   }
 
-  /// Stores an item. The items `replaced` are deleted once it is stored. `told` is called in the
+  /// Stores an item. The items `replaced` are deleted once it is stored. `done` is called in the
   /// disk thread with the checksum; it is empty if the item could not be stored, which an event
   /// reports. A later success calls it again.
-  void keep(const Item& item, const std::vector<std::string>& replaced = {}, Told told = nullptr) {
+  void keep(const Item& item, const std::vector<std::string>& replaced = {}, Told done = nullptr) {
     const std::string name = kind_.name(item);
     for (const std::string& other : replaced) forget(other);
     forget(name);
     files_.push_back({item.t_taken_ns, name});
     const auto then = [&store = store_, &events = events_, replaced,
-                       told = std::move(told)](const std::string& sha256) {
+                       done = std::move(done)](const std::string& sha256) {
       if (!sha256.empty()) drop_quietly(store, events, replaced);
-      if (told) told(sha256);
+      if (done) done(sha256);
     };
     store_.put(Kind::kKind, name, kind_.content(item), DaemonStore::Older::set_aside,
                store_.reporting(Kind::kEvent, kind_.title(item), item.t_taken_ns, then));
     drop_oldest();
   }
 
-  /// Deletes the items of these names. `told` is called in the disk thread; an error: some files
+  /// Deletes the items of these names. `done` is called in the disk thread; an error: some files
   /// are still on the disk.
-  void drop(const std::vector<std::string>& names, DaemonStore::Dropped told) {
+  void drop(const std::vector<std::string>& names, DaemonStore::Dropped done) {
     for (const std::string& name : names) forget(name);
-    store_.drop_all(Kind::kKind, names, std::move(told));
+    store_.drop_all(Kind::kKind, names, std::move(done));
   }
 
   const Kind& kind() const { return kind_; }
