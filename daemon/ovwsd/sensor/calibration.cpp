@@ -14,7 +14,7 @@ bool same_registration(const CalibrationKey& a, const CalibrationKey& b) {
   const double off = std::max(std::hypot(p.xx - q.xx, p.yx - q.yx),  //
                               std::hypot(p.xy - q.xy, p.yy - q.yy));
   if (off > kSameMap * p.scale()) return false;
-  // Without a registration the base spot goes with the region, which is a name of its own.
+  // The base spot of an unregistered camera moves with the region, which is compared separately.
   return !(a.sensor.roi == b.sensor.roi) ||
          norm(a.base_px - b.base_px) <= kSamePlace * a.lambda_d_px;
 }

@@ -1,4 +1,5 @@
-/// A calibration: the interaction matrix that was measured on the bench, and what it belongs to.
+/// Calibration: the measured interaction (poke) matrix, and the bench and settings that it is valid
+/// for.
 #pragma once
 
 #include <cstdint>
@@ -17,29 +18,30 @@
 
 namespace ovws {
 
-/// What a calibration belongs to: with anything else its matrix means nothing.
+/// Everything that a calibration depends on. Its matrix must not be used if any of it differs.
 struct CalibrationKey {
-  ReferenceKey sensor;       ///< sensor, tracking and region
-  PxPerCycle px_per_cycle;   ///< of the registration in force, or else of the configuration
-  Vec2 base_px;              ///< pixels of the camera's sensor
-  double lambda_d_px = 0.0;  ///< of a spot
-  nlohmann::json camera;     ///< {vendor, model, serial}; null: not known
-  nlohmann::json slm;        ///< see slm_identity; null: not known
+  ReferenceKey sensor;       ///< sensor, tracking and region of interest
+  PxPerCycle px_per_cycle;   ///< of the active registration, else of the configuration
+  Vec2 base_px;              ///< base spot, pixels of the camera's whole sensor
+  double lambda_d_px = 0.0;  ///< scale of one spot, camera pixels
+  nlohmann::json camera;     ///< {vendor, model, serial}; null: unknown
+  nlohmann::json slm;        ///< see slm_identity; null: unknown
 };
 CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& configured,
                                const SlmGeometry& slm,
                                const std::optional<Registration>& registration,
                                nlohmann::json camera);
 
-/// Names of what differs: "charge", "roi", "tracker", "registration", "camera", … Registrations
-/// count as the same as long as another run may give the one for the other: to 0.2 % of the scale,
-/// and lambda/(4d) of the base. Empty: a calibration of the one serves the other.
+/// Names of the fields in which the keys differ: "charge", "roi", "tracker", "registration",
+/// "camera", … Empty: a calibration of one key is valid for the other. Registrations count as equal
+/// within the repeatability of registration.run: 0.2 % of the scale, and lambda/(4d) at the base
+/// spot. An unknown camera or SLM counts as equal.
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b);
 
-/// What a run measured.
+/// Result of calibration.run.
 struct MeasuredCalibration {
-  double amplitude_waves = 0.0;  ///< asked for; single modes may have been pushed by less
-  int frames = 0;                ///< of each picture
+  double amplitude_waves = 0.0;  ///< requested; some modes may have been poked by less
+  int frames = 0;                ///< averaged for each hologram
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
@@ -49,7 +51,7 @@ struct Calibration : MeasuredCalibration {
   CalibrationKey key;
   ModeOperator mode_operator;
   std::shared_ptr<const nlohmann::json> origin;  ///< see ReferenceBench; never null
-  std::string sha256;                            ///< of the file that keeps it; empty: none does
+  std::string sha256;                            ///< of its file; empty: not stored
 };
 
 }  // namespace ovws

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr int kMostSpots = 1 << 12;
 
-/// Column by column; its numbers are floats (see interaction_matrix).
+/// Base64 of the column-major matrix as 32-bit floats, which loses nothing: see interaction_matrix.
 std::string matrix_text(const Eigen::MatrixXd& matrix) {
   const Eigen::MatrixXf values = matrix.cast<float>();
   return base64_of({values.data(), std::size_t(values.size())});
@@ -55,7 +55,7 @@ struct Texts {
   int spots = 0;
 };
 
-/// All but the matrices and the origin.
+/// Reads all fields. Matrices stay base64 text, and the origin stays unparsed JSON.
 Result<Texts> read_plain(const json& content, Calibration& calibration) {
   Texts texts;
   std::string t_taken;

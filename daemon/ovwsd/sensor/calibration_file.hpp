@@ -1,4 +1,4 @@
-/// Calibrations as files.
+/// Calibration files.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,29 +11,31 @@
 
 namespace ovws {
 
-/// What a file holds of a calibration, and back: the matrix and its standard errors bit for bit;
-/// the comparison with the model is not in it. `config`: where the optics and the SLM come from if
-/// no registration was in force. Errors (Errc::invalid) say what does not fit together.
+/// Converts a calibration to the JSON content of its file, and back. The matrix and its standard
+/// errors are preserved bit for bit; the comparison with the model is not stored. `config` supplies
+/// the SLM's geometry, and the optics if no registration was active. Errors (Errc::invalid) name
+/// the inconsistent field.
 nlohmann::json calibration_content(const Calibration& calibration);
 Result<Calibration> calibration_from(const nlohmann::json& content, const Config& config);
 
 /// "the calibration of 2026-01-31T12:00:00.000Z"
 std::string title_of(const Calibration& calibration);
 
-/// See Kept. `bench` is borrowed.
+/// Calibrations as a Kind of Kept. `bench` must outlive it.
 struct CalibrationKind {
   using Item = Calibration;
   static constexpr const char *kKind = "calibration", *kEvent = "calibration";
   const ReferenceBench* bench;
 
   std::string title(const Item& calibration) const { return title_of(calibration); }
-  /// The same for calibrations of one bench, camera, sensor, tracking, region and registration.
+  /// Hash of bench, camera, sensor, tracking, region and registration: calibrations that agree in
+  /// these share one file.
   std::string name(const Item& calibration) const;
   nlohmann::json content(const Item& calibration) const { return calibration_content(calibration); }
   Result<Item> read(const nlohmann::json& content) const {
     return calibration_from(content, bench->config());
   }
-  /// Compares it with the model, whatever that says by now.
+  /// See Kept. Also compares the matrix with the current model, and stores the result.
   std::string obstacle(Item& calibration) const;
   bool needs_other_slm(const Item& calibration) const {
     return bench->has_other_slm_only(*calibration.origin);

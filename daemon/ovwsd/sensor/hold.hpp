@@ -1,4 +1,4 @@
-/// Who has the sensor: the one gate of every change.
+/// Exclusive access to the sensor. Every change of the sensor passes this check.
 #pragma once
 
 #include <string>
@@ -19,9 +19,9 @@ struct Hold {
   friend bool operator==(const Hold&, const Hold&) = default;
 };
 
-/// Whether a change asked for `as` may be made while the sensor is held by `now`: the holder may,
-/// and without a holder anyone but a job or a reload. Changes that are allowed with the loop closed
-/// and with it open are asked for as the loop. Errc::refused names what to wait for.
+/// Whether `as` may change the sensor while `now` holds it. The holder may. While the sensor is
+/// free, anyone but a job or a reload may. Changes that are allowed whether the loop is open or
+/// closed are requested as the loop. Errc::refused: the message says what to wait for.
 inline Result<void> may_change(const Hold& now, const Hold& as) {
   if (now == as || (as.by == Hold::By::loop && now.by == Hold::By::nobody)) return {};
   if (as.by == Hold::By::job) {

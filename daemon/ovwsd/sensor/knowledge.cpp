@@ -12,7 +12,7 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.25;      // lambda/d
-constexpr std::size_t kMaxPictures = 8;  // of the references taken last: some MiB each
+constexpr std::size_t kMaxPictures = 8;  // mean images of the latest references: some MiB each
 constexpr std::size_t kMaxCalibrations = 16;
 
 template <class T>
@@ -47,14 +47,14 @@ bool is_of_key(const Reference& reference, const SensorState& state) {
   return reference.key == reference_key(state.sensor, state.tracking, state.roi);
 }
 
-/// Where the model has its spots, no LUT matters.
+/// The SLM's LUT does not matter for a model reference: its positions are computed.
 bool is_of_slm(const Reference& reference, const SensorState& state) {
   return reference.source == ReferenceSource::model ||
          (*reference.origin)["slm"] == state.slm->identity;
 }
 
-/// A reference is valid only where its registration and the present one predict the same spot
-/// positions, to within kSamePlace: trackers start from there.
+/// Whether the reference's registration and the active one predict the same spot positions, to
+/// within kSamePlace. Trackers start at these positions.
 bool is_at_its_place(const Reference& reference, const SensorState& state,
                      const BenchOptics& bench) {
   if (reference.source == ReferenceSource::model) return true;
@@ -63,7 +63,7 @@ bool is_at_its_place(const Reference& reference, const SensorState& state,
   then.registration.reset();
   if (reference.registration) {
     then.registration = MeasuredRegistration{*reference.registration, {}, ""};
-    // Its base is that of its own sensor, which is the state's.
+    // It was measured with the base grating of its own sensor, which is the state's.
     then.registration->base_cpp = base_grating_cpp(state.sensor, bench.slm);
   }
   const std::vector<Vec2> before = model_positions(then, bench),
@@ -75,7 +75,8 @@ bool is_at_its_place(const Reference& reference, const SensorState& state,
   return farthest_px <= kSamePlace * lambda_d_of(state, bench);
 }
 
-/// The one taken last, if several cameras' are known and which is in use is not.
+/// The latest reference that applies. References of several cameras apply while the camera is
+/// unknown.
 std::shared_ptr<const Reference> find_reference(const SensorState& state,
                                                 const Knowledge& knowledge,
                                                 const BenchOptics& bench) {
@@ -85,7 +86,7 @@ std::shared_ptr<const Reference> find_reference(const SensorState& state,
   });
   if (found == all.rend()) return nullptr;
   if ((*found)->source != ReferenceSource::model) return *found;
-  // A registration says anew where the model's spots are.
+  // A registration may have moved the model's spots since.
   auto model = std::make_shared<Reference>(**found);
   model->positions_px = model_positions(state, bench);
   return model;

@@ -1,5 +1,5 @@
-/// What was measured of this bench and is known now, and what of it belongs to a state of the
-/// sensor.
+/// The references, calibrations and operators that are loaded, and which of them apply to a sensor
+/// state.
 #pragma once
 
 #include <memory>
@@ -15,59 +15,61 @@
 
 namespace ovws {
 
-/// A value; copies share what they hold.
+/// Value type. Copies are cheap: they share the items.
 struct Knowledge {
   std::vector<std::shared_ptr<const Reference>> references;      ///< oldest first
   std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
-  std::optional<CameraInfo> camera;                              ///< none: not known
-  /// Diffractive operators that were made: a cache, shared by all copies.
+  std::optional<CameraInfo> camera;                              ///< none: unknown
+  /// Cache of computed diffractive operators, shared by all copies.
   std::shared_ptr<OperatorShelf> operators = std::make_shared<OperatorShelf>();
 };
 
-/// What belongs to a state.
+/// The reference, calibration and operator that apply to a state.
 struct Bound {
   std::shared_ptr<const Reference> reference;
   std::shared_ptr<const Calibration> calibration;
-  std::shared_ptr<const ModeOperator> mode_operator;  ///< that is asked for; null: the slopes
+  std::shared_ptr<const ModeOperator> mode_operator;  ///< as requested; null: use slope_operator
 };
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
                                const BenchOptics& bench);
-/// The one taken last that belongs to the state; null: none does.
+/// The latest calibration that applies to the state; null: none.
 std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
                                                    const Knowledge& knowledge,
                                                    const BenchOptics& bench);
 OperatorKey operator_key(const SensorState& state, const BenchOptics& bench);
 
-/// Whether the reference is of this state's sensor, tracking and region, of its camera as far as
-/// that is known, and of its SLM.
+/// Whether the reference was taken with this state's sensor, tracking, region and SLM, and with the
+/// same camera, if both cameras are known.
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge);
-/// Why a reference of this state's sensor, tracking and region does not belong to it; empty: it
-/// does, or it is of another sensor.
+/// Why a reference with this state's sensor, tracking and region cannot be used. Empty: it can, or
+/// it was taken with another sensor, tracking or region.
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench);
-/// Why no calibration belongs to the state, by what the likeliest one lacks, and the way out.
+/// Why no calibration applies to the state, and what to do. Names the differences of the
+/// calibration that has the fewest.
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench);
 
-/// In place of those that belong to the same; returns these. Of old ones the picture is forgotten.
+/// Adds a reference and returns the ones that it replaces. Only the latest eight references keep
+/// their mean image in memory.
 std::vector<std::shared_ptr<const Reference>> replace_reference(Knowledge& knowledge,
                                                                 const SensorState& state,
                                                                 Reference reference);
 std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,
                                                                 const SensorState& state);
-/// More of them, found again.
+/// Adds references that were loaded from files.
 void add_references(Knowledge& knowledge, std::vector<std::shared_ptr<const Reference>> more);
 
-// The same of calibrations.
+// The same for calibrations.
 std::vector<std::shared_ptr<const Calibration>> replace_calibration(Knowledge& knowledge,
                                                                     Calibration calibration);
 std::vector<std::shared_ptr<const Calibration>> remove_calibrations(Knowledge& knowledge,
                                                                     const CalibrationKey& key);
 void add_calibrations(Knowledge& knowledge, std::vector<std::shared_ptr<const Calibration>> more);
 
-/// The checksum of the file that keeps what was taken then.
+/// Sets the file checksum of the item that was taken at `t_taken_ns`.
 template <class T>
 void set_checksum(std::vector<std::shared_ptr<const T>>& all, std::int64_t t_taken_ns,
                   const std::string& sha256) {

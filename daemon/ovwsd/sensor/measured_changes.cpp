@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxMotion = 0.05;  // lambda/d, while a reference is taken
+constexpr double kMaxMotion = 0.05;  // lambda/d: of the spots while a reference is taken
 
 using Told = std::function<void(const std::string& sha256)>;
 
@@ -22,7 +22,8 @@ ReferenceKey key_of(const SensorState& state) {
   return reference_key(state.sensor, state.tracking, state.roi);
 }
 
-/// `grey`: the picture shown; null: of no picture.
+/// Provenance record of a measurement. `grey`: the hologram shown, whose checksum is recorded;
+/// null: none.
 nlohmann::json origin_of(const SensorEdit& edit, const std::vector<Mode>& shown,
                          const Image<std::uint8_t>* grey, std::vector<Mode> introduced = {}) {
   return edit.bench.origins.origin(
@@ -38,14 +39,14 @@ std::vector<std::string> names_of(const Kept<Kind>& kept,
   return names;
 }
 
-/// `item` is in `all`, and is to be kept in place of `replaced`.
+/// Schedules writing the newest item of `all` to its file, in place of the files of `replaced`.
 template <class Kind, class T>
 void keep_in(Kept<Kind>& kept, SensorEdit& edit,
              std::vector<std::shared_ptr<const T>> Knowledge::*all,
              const std::vector<std::shared_ptr<const T>>& replaced) {
   const std::shared_ptr<const T> item = (edit.knowledge.*all).back();
   std::vector<std::string> names = names_of(kept, replaced);
-  std::erase(names, kept.kind().name(*item));  // that one is overwritten
+  std::erase(names, kept.kind().name(*item));  // the same file: it is overwritten
   edit.keep = [&kept, item, names](Told told) { kept.keep(*item, names, std::move(told)); };
   edit.set_checksum = [all, t_taken_ns = item->t_taken_ns](SensorEdit& now,
                                                            const std::string& sha256) {
@@ -53,7 +54,8 @@ void keep_in(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// `taken` is no more among what is known.
+/// Schedules removing the files of `taken`, which were just removed from Knowledge; an undo adds
+/// them again.
 template <class Kind, class T>
 void drop_from(Kept<Kind>& kept, SensorEdit& edit,
                void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
@@ -67,7 +69,7 @@ void drop_from(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// Without positions.
+/// A reference with everything but its positions.
 Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   const SensorState& state = edit.state;
   const bool measured = source == ReferenceSource::measured;
@@ -89,7 +91,7 @@ void keep_reference(SensorEdit& edit, Reference reference) {
   keep_in(edit.bench.references, edit, &Knowledge::references, replaced);
 }
 
-/// The SLM with another LUT or flatness: every picture is another one from now on.
+/// Switches the SLM to another LUT or flatness. All holograms change, unless both are the same.
 void drive_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
                std::shared_ptr<const MeasuredFlatness> flatness) {
   const SlmInForce& now = *edit.state.slm;
@@ -185,7 +187,7 @@ SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) -> Result<void> {
     const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
     edit.state.registration = measured;
-    ++edit.state.sensor_epoch;  // tracks of before lead nowhere
+    ++edit.state.sensor_epoch;  // the spots' previous positions are useless as start points
     edit.keep = [&kept = edit.bench.registrations, measured](Told told) {
       kept.keep(measured, {}, std::move(told));
     };

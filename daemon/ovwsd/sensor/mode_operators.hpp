@@ -1,4 +1,4 @@
-/// The matrices that a measurement plan may read modes with: made here, and kept.
+/// Mode operators (matrices between modes and spot displacements): computing and caching them.
 #pragma once
 
 #include <atomic>
@@ -16,20 +16,22 @@
 
 namespace ovws {
 
-/// OSA indices that the sensor reconstructs if its lattice tells them: 1 .. Z_opt (paper eq. 5).
+/// OSA indices of the modes to reconstruct: 1 .. Z_opt (paper eq. 5). The lattice may determine
+/// fewer.
 std::vector<int> reconstructed_modes(const SensorConfig& sensor);
 
-/// The tracker's own slopes of the modes that the lattice tells. Fast.
+/// Slope operator: the tilt of each mode over each subaperture, as the tracker weights it. Contains
+/// only modes that the lattice determines. Fast.
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map);
 
-/// All that a diffractive matrix depends on, with one SLM.
+/// Everything that a diffractive operator depends on, except the SLM. Cache key.
 struct OperatorKey {
   SensorConfig sensor;
-  TrackingSettings tracking;  ///< `templates` as of a tracker that has one
+  TrackingSettings tracking;  ///< normalised by reference_key
   OpticsConfig optics;        ///< as configured, or as registered
   int cols = 0, rows = 0;     ///< of the camera's image
-  /// On one bench only what a registration finds differs of the optics.
+  /// Compares the registered part of the optics only: the rest is fixed for one bench.
   friend bool operator==(const OperatorKey& a, const OperatorKey& b) {
     return a.sensor == b.sensor && a.tracking == b.tracking && a.cols == b.cols &&
            a.rows == b.rows && a.optics.registered == b.optics.registered &&
@@ -39,26 +41,27 @@ struct OperatorKey {
 OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                          const OpticsConfig& optics, const Roi& roi);
 
-/// The same modes by diffraction (diffractive_matrix), found by the tracker in use; templates of a
-/// reference are taken of the model's own flat image. Seconds, many for large lattices: off the
-/// frame path. Errors: as of diffractive_matrix; Errc::refused, field "tracking", if it tells fewer
-/// modes than the slopes, or of a camera that is not straight; Errc::unavailable if memory ends.
+/// Diffractive operator: pokes each mode in the diffraction model and tracks the spots with the
+/// configured tracker (see diffractive_matrix). Templates of a reference are made from the model's
+/// flat image. Takes seconds, many for large lattices: not for the frame path. Errors: those of
+/// diffractive_matrix and of SensorModel::make; Errc::refused, field "tracking", if it determines
+/// fewer modes than the slopes; Errc::unavailable if memory runs out.
 Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,
                                           const std::atomic<bool>* stop = nullptr);
 
-/// Made operators, or why they cannot be made. One thread at a time.
+/// Cache of diffractive operators and of the errors of failed attempts. One thread at a time.
 class OperatorShelf {
  public:
   using Made = std::shared_ptr<const Result<ModeOperator>>;
-  /// Null: never made, or long ago.
+  /// Null: not in the cache.
   Made find(const OperatorKey& key) const;
   void put(const OperatorKey& key, Result<ModeOperator> made);
-  /// Memory that was short once need not be again: forgets what ended with Errc::unavailable,
-  /// except for the key `but`, if there is one.
+  /// Discards attempts that ran out of memory (Errc::unavailable), so that they can be repeated;
+  /// keeps that of `but`, if it is not null.
   void forget_shortages(const OperatorKey* but);
 
  private:
-  static constexpr std::size_t kMost = 8;          // up to some MiB each
+  static constexpr std::size_t kMost = 8;          // operators, up to some MiB each
   std::deque<std::pair<OperatorKey, Made>> made_;  ///< oldest first
 };
 

@@ -1,4 +1,4 @@
-/// Makes diffractive operators, seconds each, on a thread that nobody waits for.
+/// Background computation of diffractive operators, which takes seconds each.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-/// The operator thread's agent: the newest order counts, an older one is given up.
+/// Agent of the `model` thread. It works on the newest order only; an order cancels the one before.
 class OperatorMaker : public Agent {
  public:
   using Done = std::function<void(const OperatorKey&, Result<ModeOperator>)>;
@@ -22,11 +22,13 @@ class OperatorMaker : public Agent {
   bool do_work() override;
 
   // Thread-safe.
-  /// `done` is called in the operator thread, unless the order is given up.
+  /// Requests an operator. `done` is called in the `model` thread, unless the order is cancelled.
+  /// An order for the key that is being computed changes nothing.
   void order(const OperatorKey& key, Done done);
-  /// Nothing is wanted any more.
+  /// Cancels the order, waiting or running.
   void give_up();
-  /// Gives up, for good: what runs ends within two propagations of the model.
+  /// Cancels the order and accepts no more. A running computation ends within two propagations of
+  /// the model.
   void end_soon();
 
  private:
@@ -37,10 +39,10 @@ class OperatorMaker : public Agent {
   SlmGeometry slm_;
   std::mutex mutex_;
   std::condition_variable ordered_;
-  std::optional<Order> order_;         ///< not yet begun
-  std::optional<OperatorKey> making_;  ///< begun
+  std::optional<Order> order_;         ///< waiting
+  std::optional<OperatorKey> making_;  ///< being computed
   bool ending_ = false;
-  std::atomic<bool> stop_{false};  ///< what is being made is not wanted
+  std::atomic<bool> stop_{false};  ///< cancels the running computation
 };
 
 }  // namespace ovws

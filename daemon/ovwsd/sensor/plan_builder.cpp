@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-/// Displacement of every spot by `modes`, camera pixels.
+/// Displacement of every spot by `modes` according to the slope model, camera pixels.
 std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode>& modes) {
   std::vector<int> modes_j;
   Eigen::VectorXd waves(Eigen::Index(modes.size()));

@@ -1,4 +1,4 @@
-/// From what the sensor is to what a frame is measured with: pure computation, off the frame path.
+/// Builds measurement plans from the sensor's state. Pure functions; not for the frame path.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ namespace ovws {
 struct PlanInputs {
   std::uint64_t id = 0;
   std::uint64_t sensor_epoch = 0;
-  std::uint64_t hologram_id = 0;  ///< that shows `aberration`
+  std::uint64_t hologram_id = 0;  ///< the hologram that shows `aberration`
   const Lattice& lattice;
   const SensorConfig& sensor;
   const TrackingConfig& tracking;
@@ -27,32 +27,33 @@ struct PlanInputs {
   const SlmGeometry& slm;
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
-  LitPixels lit{};                       ///< the camera's, of this optics' wavelength
-  const std::vector<Mode>& aberration;   ///< shown on purpose
+  LitPixels lit{};                       ///< pixels of a colour camera that see this wavelength
+  const std::vector<Mode>& aberration;   ///< shown on the SLM: introduced minus correction
   const Reference* reference = nullptr;  ///< null: none
   int workers = 0;
-  const TornSpots* torn = nullptr;  ///< null: none is
-  /// See MatchedTracker; empty: the model's for all.
+  const TornSpots* torn = nullptr;  ///< split spots; null: none
+  /// Templates by subaperture, see MatchedTracker. Empty: the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> templates{};
   const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
 };
 
-/// What the spots of this sensor are on a camera of this pixel format.
+/// Charge, scale (lambda/d) and lit pixels of the sensor's spots on a camera with this pixel
+/// format.
 SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, const SlmGeometry& slm,
                      PixelFormat format);
 
-/// What turns the spots about the pupil's centre, one column (2N x 1) for Reconstructor's nuisance;
-/// empty if positions count from where the bench showed them. Light that falls off towards the rim
-/// moves a vortex's core across the gradient of the amplitude, which is a turn of all, and so does
-/// a camera that stands askew: no wavefront does, but with spots lost the modes would take it for
-/// one.
+/// Rotation of all spots about the pupil's centre, as a nuisance column (2N x 1) for Reconstructor.
+/// Used for vortices with a model reference; otherwise empty, because a measured reference contains
+/// the rotation. Two effects rotate the spots: a rotated camera, and illumination that falls off
+/// towards the rim, which moves each vortex core perpendicular to the amplitude's gradient. No
+/// wavefront rotates the spots, but while spots are lost the modes would absorb the rotation.
 Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
                               const PxPerCycle& map, const Reference* reference);
 
-/// Errc::invalid (field "tracker", "operator") for what is too slow to run on every frame.
+/// Errc::invalid (field "tracker" or "operator"): too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 
-/// Errors as of make_tracker.
+/// Errors: those of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);
 
 }  // namespace ovws

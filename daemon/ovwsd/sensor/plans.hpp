@@ -1,5 +1,4 @@
-/// Measurement plans: built for a state of the sensor, numbered, and retired when no frame is on
-/// its way with them.
+/// Builds and numbers measurement plans, and frees them when no frame uses them any more.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +16,18 @@ namespace ovws {
 /// One thread at a time.
 class Plans {
  public:
-  /// `workers`: threads that track.
+  /// `workers`: number of tracker threads.
   Plans(Pipeline& pipeline, BenchOptics bench, int workers)
       : pipeline_(pipeline), bench_(std::move(bench)), workers_(workers) {}
 
-  /// Errors as of make_tracker.
+  /// Errors: those of make_tracker.
   Result<std::unique_ptr<MeasurementPlan>> build(const SensorState& state, const Bound& bound,
                                                  std::uint64_t hologram_id);
-  /// Frames that come from now on are measured with it.
+  /// Activates the plan at the next frame edge.
   void use(std::unique_ptr<MeasurementPlan> plan);
-  /// Frees those that no frame needs any more.
+  /// Frees superseded plans that no frame record refers to.
   void retire();
-  /// Which spots have templates of their own in such a plan.
+  /// How many spots have a template from the reference in a plan for this state, and why not all.
   TemplateReport templates(const SensorState& state, const Bound& bound);
 
  private:
@@ -39,7 +38,7 @@ class Plans {
   int workers_;
   std::uint64_t next_id_ = 1;
   TemplateShelf templates_;
-  std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is in use
+  std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active
 };
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// The reference: where each spot is without the aberration to be measured, averaged over frames.
+/// The reference: mean spot positions without the aberration to be measured.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace ovws {
 
-/// What a reference belongs to: with anything else its positions mean nothing.
+/// Settings that a reference depends on. Its positions must not be used if any of them differs.
 struct ReferenceKey {
   SensorConfig sensor;
   TrackingSettings tracking;
@@ -29,13 +29,14 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// `templates` matters to a tracker that has one only, `mode_operator` to no position.
+/// Normalises what does not affect positions: `mode_operator`, and `templates` unless the tracker
+/// is `matched`.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 
 enum class ReferenceSource {
   measured,  ///< averaged from frames
-  model,     ///< where the configuration says that spots are: misalignment is in the coefficients
+  model,     ///< computed positions: coefficients then contain the bench's misalignment
 };
 constexpr const char* reference_source_name(ReferenceSource source) {
   return source == ReferenceSource::model ? "model" : "measured";
@@ -46,14 +47,14 @@ struct Reference {
   ReferenceSource source = ReferenceSource::measured;
   int frames = 0;
   std::int64_t t_taken_ns = 0;
-  std::optional<Registration> registration;  ///< in force while it was taken
+  std::optional<Registration> registration;  ///< active while it was taken
   std::vector<Mode> aberration;              ///< shown while it was taken, RMS-normalised waves
-  std::vector<Mode> introduced;  ///< the part of it that was introduced, not a correction
+  std::vector<Mode> introduced;  ///< part of it that was introduced, without the correction
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
-  std::shared_ptr<const ReferencePicture> picture;  ///< none: too few frames, or long ago
-  std::shared_ptr<const nlohmann::json> origin;     ///< see ReferenceBench; none: not of a daemon
-  std::string sha256;                               ///< of the file that keeps it; empty: none does
+  std::shared_ptr<const ReferencePicture> picture;  ///< null: too few frames, or discarded
+  std::shared_ptr<const nlohmann::json> origin;     ///< see ReferenceBench; null: not a daemon's
+  std::string sha256;                               ///< of its file; empty: not stored
 };
 
 /// Root sum square, RMS-normalised waves.

@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostSpots = 1 << 12;
-constexpr int kMostPixels = 1 << 16;  // a side
+constexpr int kMostPixels = 1 << 16;  // width and height of the mean image
 
 tl::unexpected<Error> unfit(std::string field, std::string reason) {
   return fail(Errc::invalid, std::move(field), std::move(reason));
@@ -25,7 +25,7 @@ json points_json(const std::vector<Vec2>& points) {
   return all;
 }
 
-/// `may_lack`: null stands for what is not known.
+/// `may_lack`: null is allowed and becomes NaN.
 Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool may_lack) {
   const auto fits = [may_lack](const json& number) {
     return number.is_number() || (may_lack && number.is_null());
@@ -83,7 +83,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   return picture;
 }
 
-/// What the parts must have in common.
+/// Checks that the parts of a reference agree in size.
 Result<void> check_whole(const Reference& reference) {
   const ReferenceKey& key = reference.key;
   const std::size_t spots = reference.positions_px.size();

@@ -1,4 +1,4 @@
-/// References as files.
+/// Reference files.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,15 +10,15 @@
 
 namespace ovws {
 
-/// What a file holds of a reference, and back: positions, standard errors and the picture, bit for
-/// bit. Errors (Errc::invalid) say what does not fit together.
+/// Converts a reference to the JSON content of its file, and back. Positions, standard errors and
+/// the mean image are preserved bit for bit. Errors (Errc::invalid) name the inconsistent field.
 nlohmann::json reference_content(const Reference& reference);
 Result<Reference> reference_from(const nlohmann::json& content);
 
 /// "the reference of 2026-01-31T12:00:00.000Z"
 std::string title_of(const Reference& reference);
 
-/// See Kept. `bench` is borrowed.
+/// References as a Kind of Kept. `bench` must outlive it.
 struct ReferenceKind {
   using Item = Reference;
   static constexpr const char *kKind = "reference", *kEvent = "reference";

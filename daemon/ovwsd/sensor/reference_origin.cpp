@@ -37,7 +37,7 @@ Result<std::optional<Registration>> registration_from(const json& content) {
   return registration;
 }
 
-/// What a camera says need not be UTF-8, and a file gives back only what is.
+/// Replaces invalid UTF-8: a camera may report any bytes, but JSON files hold UTF-8 only.
 std::string as_utf8(const std::string& text) {
   return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
 }
@@ -46,8 +46,8 @@ std::string hash_of(const Image<std::uint8_t>& grey) {
   return sha256_of(std::span(grey.pixels));
 }
 
-/// The first key below `path` in which they differ, with both values; empty: none. A key that one
-/// of them lacks counts as null.
+/// The first key below `path` whose values differ, with both values; empty: no difference. A
+/// missing key counts as null.
 std::string difference(const std::string& path, const json& then, const json& now) {
   if (!then.is_object() || !now.is_object()) {
     return then == now ? "" : path + " was " + then.dump() + ", and is " + now.dump();
@@ -107,7 +107,7 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
        {"sensor", "tracking", "roi", "aberration", "camera", "settings", "registration"}) {
     if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
   }
-  // Read as the configuration is: as strictly, and with the same ranges.
+  // Parse it as a configuration: equally strict, with the same ranges.
   const auto config = parse_config(json{
       {"sensor", origin["sensor"]},
       {"tracking", origin["tracking"]},
@@ -124,7 +124,7 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
                std::move(modes->modes), std::move(introduced->modes), *registration};
 }
 
-/// As of a bench with this LUT and flatness.
+/// The origin with its LUT and flatness checksums replaced by this bench's.
 json ReferenceBench::with_own_slm(json origin) const {
   json& slm = origin["slm"];
   for (const char* part : {"lut_sha256", "flatness_sha256"}) {
@@ -141,7 +141,7 @@ bool ReferenceBench::has_other_slm_only(const json& origin) const {
 
 std::string ReferenceBench::obstacle(const Reference& reference) const {
   if (reference.source == ReferenceSource::model) {
-    // Where the model has its spots, no LUT matters.
+    // The positions are computed, so the LUT does not matter.
     return obstacle(with_own_slm(*reference.origin), reference.key, reference.positions_px.size());
   }
   return obstacle(*reference.origin, reference.key, reference.positions_px.size());
@@ -191,7 +191,7 @@ std::vector<StaleField> stale_fields(const Reference& reference,
   if (!then.is_object()) return stale;
   const json current = to_json(OriginSettings{*now});
   for (const auto& [field, value] : current.items()) {
-    // A file of another program may lack a key: then the setting is not known, as now.
+    // A file of another version may lack a key: that setting cannot be compared.
     if (then.contains(field) && then[field] != value) {
       stale.push_back({field, then[field], value});
     }

@@ -1,4 +1,5 @@
-/// Where a reference comes from: what decides whether it may be used, and what only makes it stale.
+/// Provenance (`origin`) of references and other measurements: whether they can be used on this
+/// bench, and whether they are stale.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,52 +18,53 @@
 
 namespace ovws {
 
-/// What a reference is taken with.
+/// Everything that the origin of a measurement records.
 struct OriginInputs {
   const ReferenceKey& key;
   const std::vector<Mode>& aberration;
-  const std::optional<CameraSettings>& settings;  ///< none: not known
+  const std::optional<CameraSettings>& settings;  ///< none: unknown
   const std::optional<CameraInfo>& camera;
   const std::optional<Registration>& registration;
-  const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: of the model
-  std::vector<Mode> introduced{};             ///< of a reference: the part of `aberration`
+  const Image<std::uint8_t>* grey = nullptr;  ///< the hologram shown; null: none was needed
+  std::vector<Mode> introduced{};             ///< references: the introduced part of `aberration`
 };
 
-/// None: not known.
+/// None: unknown.
 std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera);
 /// The same as JSON, or null.
 nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
 
-/// The bench as the configuration says it: with another one a reference's positions mean nothing.
+/// The configured bench (optics and SLM). A measurement of another bench cannot be used.
 class ReferenceBench {
  public:
-  /// `hologram`: of that configuration, whose LUT and flatness are known by their checksums.
+  /// `hologram`: the configured one. Its LUT and flatness are identified by checksums.
   ReferenceBench(const Config& config, HologramConfig hologram);
 
-  /// From now on LUT and flatness are these, in place of the configuration's.
+  /// Replaces the configured LUT and flatness with these.
   void use_slm(const SlmInForce& slm);
 
-  /// "origin" of reference.get.
+  /// The field `origin` of reference.get.
   nlohmann::json origin(const OriginInputs& inputs) const;
-  /// Of an origin. Errors: it lacks something, or it is not that of a configuration.
+  /// Parses an origin. Errors (Errc::invalid): a part is missing, or is not valid in a
+  /// configuration.
   struct Known {
     ReferenceKey key;
     std::vector<Mode> aberration, introduced;
-    std::optional<Registration> registration;  ///< its map and time
+    std::optional<Registration> registration;  ///< base, map and time only
   };
   static Result<Known> known(const nlohmann::json& origin);
 
-  /// Why a reference that was kept cannot be used here; empty if it can. Its hologram is rendered
-  /// anew: a program that draws another one says so.
+  /// Why a stored reference cannot be used on this bench; empty: it can. Renders its hologram
+  /// again, because another version of the program may draw it differently.
   std::string obstacle(const Reference& reference) const;
-  /// The same of what else has an origin, as `known` accepts it, and as many spots.
+  /// The same for any measurement whose origin `known` accepts. `spots`: how many it has.
   std::string obstacle(const nlohmann::json& origin, const ReferenceKey& key,
                        std::size_t spots) const;
 
-  /// Whether LUT or flatness are all that is otherwise: then it may be used when they are as they
-  /// were.
+  /// Whether only LUT or flatness differ from this bench. Such a measurement can be used once they
+  /// are restored.
   bool has_other_slm_only(const nlohmann::json& origin) const;
-  /// See slm_identity.
+  /// Identity of the active SLM settings, see slm_identity.
   const nlohmann::json& slm() const { return bench_["slm"]; }
 
   const Config& config() const { return config_; }
@@ -75,15 +77,16 @@ class ReferenceBench {
   nlohmann::json bench_;  ///< {optics, slm}
 };
 
-/// 16 hexadecimal digits, the same for references of which only one can be in force: of one bench,
-/// camera, sensor, tracking and region.
+/// Hash of bench, camera, sensor, tracking and region, 16 hexadecimal digits. Only one reference of
+/// each identity can be active, so it names the file.
 std::string identity_of(const nlohmann::json& origin);
 
-/// Whether both are known and differ: another camera's positions mean nothing.
+/// Whether both cameras are known and differ. Positions of another camera must not be used.
 bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera);
 
-/// Settings that are not those it was taken with, and that its positions outlive: gain, exposure,
-/// pixel format. Of a model reference none, and none while the camera's are not known.
+/// Camera settings (gain, exposure, pixel format) that have changed since the reference was taken.
+/// They make it stale, not invalid. Empty for a model reference, and while the camera's settings
+/// are unknown.
 std::vector<StaleField> stale_fields(const Reference& reference,
                                      const std::optional<CameraSettings>& now);
 

@@ -1,5 +1,4 @@
-/// The reference as a picture: the mean of some frames that a reference's positions were taken
-/// from.
+/// Mean image of a reference: the average of some of the frames that its positions come from.
 #pragma once
 
 #include <memory>
@@ -17,10 +16,10 @@ struct ReferencePicture {
   Image<float> mean_dn;  ///< NaN where a frame had a pixel at the format's full scale
 };
 
-/// Why a reference holds none, and the way out.
+/// Message for a reference without a mean image.
 constexpr const char* kNoPicture = "it holds no picture; take it anew, from ten frames or more";
 
-/// Of one image, whose gain is not known.
+/// Makes a reference image from a single image of unknown gain.
 ReferencePicture picture_of(const ImageView& image);
 
 /// The mean image of frames.

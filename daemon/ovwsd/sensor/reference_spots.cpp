@@ -10,7 +10,8 @@
 namespace ovws {
 namespace {
 
-/// Standard deviations of the modes for spots of equal noise; empty: not determined.
+/// Standard deviations of the modes if all spots have equal noise. Empty: the modes are not
+/// determined.
 Eigen::VectorXd noise_of_modes(const Eigen::MatrixXd& slopes) {
   if (determined_modes(slopes) != int(slopes.cols())) return {};
   return (slopes.transpose() * slopes).inverse().diagonal().cwiseSqrt();

@@ -1,5 +1,5 @@
-/// Which spots a reference knows, and which modes they determine: a spot that is lost costs
-/// information, not the reference.
+/// Lost spots of a reference: which modes the other spots determine, and where to expect the lost
+/// ones. A reference with lost spots is still usable.
 #pragma once
 
 #include <vector>
@@ -13,12 +13,12 @@
 namespace ovws {
 
 struct ReferenceSpots {
-  std::vector<int> lost;          ///< found in fewer than half of the frames: it has no reference
+  std::vector<int> lost;          ///< found in fewer than half of the frames: no reference position
   std::vector<int> weak;          ///< found in fewer than nine of ten frames
-  std::vector<int> weak_modes_j;  ///< their noise is more than kWeakGrowth times that of all spots
+  std::vector<int> weak_modes_j;  ///< modes whose noise grows by more than kWeakGrowth
 };
 
-/// A mode is weak if the lost spots raise its noise by more than this.
+/// A mode is weak if the loss of spots raises its noise by more than this factor.
 constexpr double kWeakGrowth = 1.5;
 
 /// Errors (Errc::refused): without the lost spots a mode is not determined, by the criterion of
@@ -26,12 +26,13 @@ constexpr double kWeakGrowth = 1.5;
 Result<ReferenceSpots> judge_spots(const SpotAverage& average,
                                    const ModeOperator& modes);
 
-/// Gives lost spots the place where the model and the affine displacement of the others have them,
-/// for trackers to look at; their standard error is not a number. `model_px`: one a spot.
+/// Predicts positions for the lost spots, as start points for trackers: the model's position plus
+/// the affine displacement fitted to the other spots. Sets their standard error to NaN. `model_px`:
+/// one position for each spot.
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
                 Reference& reference);
 
-/// What displacements count from: not a number where a spot was lost.
+/// The reference positions that displacements count from; NaN for spots that were lost.
 std::vector<Vec2> known_positions(const Reference& reference);
 
 }  // namespace ovws

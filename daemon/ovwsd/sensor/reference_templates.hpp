@@ -1,4 +1,4 @@
-/// Templates from a reference's picture, for the tracker matched: which spots have their own.
+/// Templates for the tracker `matched`, cut from a reference's mean image.
 #pragma once
 
 #include <memory>
@@ -12,18 +12,18 @@
 namespace ovws {
 
 struct OwnTemplates {
-  /// By subaperture, null: the model's. Empty: the model's for all.
+  /// One for each subaperture; null: use the model's. Empty: use the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> banks;
   TemplateReport report;
 };
 
-/// Those of `reference`, if `tracking` asks for them and its picture holds them. About 20 ms and
-/// 1 MB a spot of the default bench; at most 256 MiB: what needs more keeps the model's template.
-/// Off the frame path.
+/// Makes the templates if `tracking` requests them and the reference has a usable mean image. Takes
+/// about 20 ms and 1 MB for each spot of the default bench. If they need more than 256 MiB, all
+/// spots use the model's template. Not for the frame path.
 OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& spots,
                            const Reference* reference);
 
-/// The same, kept until another picture is asked for. One thread at a time.
+/// Caches the result of the last own_templates call. One thread at a time.
 class TemplateShelf {
  public:
   const OwnTemplates& of(const TrackingSettings& tracking, const SpotModel& spots,

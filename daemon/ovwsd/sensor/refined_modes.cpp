@@ -11,7 +11,8 @@ RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, dou
                            int frames) {
   const RefineSettings settings = in_format(stated, format);
   const double electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
-  // A mean of N frames is the sum of N in numbers N times as small.
+  // The mean of N frames is their sum divided by N, so one DN of it stands for N times the
+  // electrons.
   RefineCamera camera;
   camera.electrons_per_dn = electrons_per_dn * frames;
   camera.read_noise_e =
@@ -23,9 +24,9 @@ RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, dou
 }
 
 std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int frames) const {
-  constexpr double kLeastPeak = 1.0;  // of the read noise: thousands of pixels share the light
+  constexpr double kLeastPeak = 1.0;  // times the read noise: the fit uses thousands of pixels
   constexpr double kMostSigmaWaves = 0.1;
-  constexpr double kMostChi2 = 3.0;  // the noise that a person states may be somewhat off
+  constexpr double kMostChi2 = 3.0;  // above 1: the configured noise may be somewhat off
   const double most_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
   if (!(peak_e > kLeastPeak * std::max(camera.read_noise_e, 1.0))) {
     return fmt::format(

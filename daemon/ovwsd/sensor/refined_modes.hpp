@@ -1,4 +1,5 @@
-/// What a refinement found, and whether it can be believed: of image files and of live frames.
+/// Result of a refinement (maximum-likelihood fit), and whether it is credible. For image files and
+/// live frames.
 #pragma once
 
 #include <cmath>
@@ -11,9 +12,8 @@
 
 namespace ovws {
 
-/// How the camera made a picture of electrons: the mean of `frames` frames of this format and gain,
-/// amplitude gain 10^(gain_db/20). Rounding to whole DN is part of its noise. Requires
-/// electrons_per_dn.
+/// Camera noise model for the mean of `frames` frames of this format and gain (amplitude gain
+/// 10^(gain_db/20)). Its read noise includes the rounding to whole DN. Requires electrons_per_dn.
 RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db,
                            int frames);
 
@@ -23,23 +23,23 @@ inline double rounding_e(double electrons_per_dn) {
 }
 
 struct RefinedModes {
-  std::vector<double> waves;        ///< minus the reference's, in the order of the modes given
-  std::vector<double> sigma_waves;  ///< standard errors, the reference's included
+  std::vector<double> waves;        ///< minus the reference's, in the order of the requested modes
+  std::vector<double> sigma_waves;  ///< standard errors, including the reference's
   double chi2_per_pixel = 0.0;      ///< about 1 if the model explains the image
   double peak_e = 0.0;              ///< of the model's brightest pixel above the background
-  double background_e = 0.0;        ///< a pixel, above the black level
+  double background_e = 0.0;        ///< per pixel, above the black level
   int iterations = 0;
   std::vector<double> amplitudes{};  ///< of each subaperture, see Refinement; empty: not fitted
 
-  /// Why it cannot be believed, for a person: no light, too little to tell the modes, or a model
-  /// that does not explain it. None: it can. `frames`: how many the picture is the mean of, of
-  /// which each may misfit as much as a single one.
+  /// Why the result is not credible, as a message: no light, too few photons for the modes, or a
+  /// model that does not explain the image. None: it is credible. `frames`: how many frames the
+  /// image is the mean of; the limit on chi2 grows with it.
   std::optional<std::string> doubt(const RefineCamera& camera, int frames = 1) const;
 };
 
-/// The same without a reference.
+/// Converts the result of a fit; no reference is subtracted.
 RefinedModes refined_modes(const Refinement& found);
-/// `found` counted from `reference`, whose modes are the same.
+/// Subtracts `reference`, which must have the same modes. Standard errors add in quadrature.
 RefinedModes minus(RefinedModes found, const RefinedModes& reference);
 
 }  // namespace ovws

@@ -11,11 +11,11 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMostPx = 1e5;     ///< of a base spot: far beyond any sensor
-constexpr double kMostCpp = 0.5;    ///< of a grating
-constexpr double kMostScale = 1e6;  ///< of px_per_cycle
+constexpr double kMostPx = 1e5;     ///< base spot: far beyond any camera sensor
+constexpr double kMostCpp = 0.5;    ///< grating: the Nyquist limit of the SLM
+constexpr double kMostScale = 1e6;  ///< px_per_cycle
 
-/// The keys of registration.get, and the grating that base_px is of.
+/// Parses the keys of registration.get, plus base_grating_cpp, the grating that base_px belongs to.
 Result<Registration> registration_from(const json& content) {
   Registration out;
   std::vector<double> base, base_error, map, error, grating;

@@ -1,4 +1,4 @@
-/// The registration as a file.
+/// The registration file.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,13 +10,13 @@
 
 namespace ovws {
 
-/// A registration that was measured here, now or before.
+/// A measured registration, and the camera that it was measured with.
 struct MeasuredRegistration : Registration {
-  nlohmann::json camera;  ///< that it was measured with: {vendor, model, serial}; null: not known
-  std::string sha256;     ///< of the file that keeps it; empty: none does
+  nlohmann::json camera;  ///< {vendor, model, serial}; null: unknown
+  std::string sha256;     ///< of its file; empty: not stored
 };
 
-/// Of this SLM. See Kept.
+/// Registrations of one SLM as a Kind of Kept.
 struct RegistrationKind {
   using Item = MeasuredRegistration;
   static constexpr const char *kKind = "registration", *kEvent = "registration";

@@ -1,39 +1,39 @@
-/// When the whole image is searched for spots that frames lack.
+/// Decides when to search the whole image for lost spots.
 #pragma once
 
 #include <cstdint>
 
 namespace ovws {
 
-/// What the newest frames lack.
+/// How well the newest frames are measured.
 enum class Doubt {
-  none,     ///< nothing: every spot is found, and a wavefront explains where they are
-  partial,  ///< frames are valid, but lack a spot or are barely explained
+  none,     ///< every spot is found, and a wavefront explains the positions
+  partial,  ///< frames are valid, but a spot is lost or the residual is high
   blind,    ///< no frame is valid
 };
 
-/// Exponential back-off that starts again whenever the image changes. Blind, a changed image is
-/// searched at once; otherwise at most every kCalmPauseNs. An image that stays the same is searched
-/// after pauses that double from kFirstPauseNs to kMaxPauseNs: the frames' noise differs. Times are
-/// CLOCK_MONOTONIC. For one thread.
+/// Exponential backoff that restarts whenever the image changes. While blind, a changed image is
+/// searched at once; while partial, at most every kCalmPauseNs. An unchanged image is searched
+/// again after pauses that double from kFirstPauseNs to kMaxPauseNs, because another frame has
+/// other noise. Times are CLOCK_MONOTONIC. For one thread.
 class SearchPolicy {
  public:
   static constexpr std::int64_t kFirstPauseNs = 200'000'000;
   static constexpr std::int64_t kCalmPauseNs = 500'000'000;
   static constexpr std::int64_t kMaxPauseNs = 30'000'000'000;
 
-  /// Frames lack something. `changed`: the image differs from the one that was searched last.
+  /// Whether to search now. `changed`: the image differs from the one searched last.
   bool is_due(Doubt doubt, bool changed, std::int64_t now_ns) const;
-  /// A search began, of an image that had changed or not.
+  /// Call when a search begins. `changed`: as for is_due; restarts the backoff.
   void begin(bool changed);
-  /// It ended.
+  /// Call when the search has ended.
   void end(std::int64_t now_ns);
-  /// Frames lack nothing: the next doubt is searched at once.
+  /// Call when frames are good again: the next search is then due at once.
   void reset() { *this = {}; }
 
-  /// Searches of the same image so far.
+  /// Searches of the unchanged image so far.
   int tries() const { return tries_; }
-  /// When the same image is searched again.
+  /// When the unchanged image is searched again.
   std::int64_t next_ns() const { return next_ns_; }
 
  private:

@@ -19,7 +19,7 @@
 
 namespace ovws {
 
-/// The prepare thread's.
+/// Used by the prepare thread only.
 struct SensorBench {
   SensorBench(const Config& as_configured, HologramConfig with_files, DaemonStore& store,
               Events& events)
@@ -44,9 +44,9 @@ struct SensorBench {
   KeptRegistration registrations;
   Kept<LutKind> luts;
   Kept<FlatnessKind> flatnesses;
-  std::optional<CameraSettings> camera;             ///< as last told
-  std::uint64_t hologram_id = 0;                    ///< shown last
-  std::shared_ptr<const Image<std::uint8_t>> grey;  ///< that picture
+  std::optional<CameraSettings> camera;             ///< as last reported; none: unknown
+  std::uint64_t hologram_id = 0;                    ///< the hologram shown last
+  std::shared_ptr<const Image<std::uint8_t>> grey;  ///< its grey levels
 };
 
 }  // namespace ovws

@@ -5,7 +5,8 @@
 namespace ovws {
 namespace {
 
-/// What is asked for must be there, but what was in use may go with what it belonged to.
+/// Refuses a request for the operator `measured` if no calibration applies. If `measured` is
+/// already set and another change loses the calibration, modes fall back to the slopes.
 Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
   const bool asked = change.gives(&TrackingSettings::mode_operator) &&
                      edit.state.tracking.mode_operator == OperatorKind::measured;

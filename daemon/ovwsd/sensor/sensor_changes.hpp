@@ -13,48 +13,50 @@
 
 namespace ovws {
 
-/// `sensor.set`. Errc::invalid for a sensor whose spots the tracker cannot tell apart, or which is
-/// too slow to run; Errc::refused, field "operator": there is no calibration to read modes with.
+/// `sensor.set`. Errc::invalid: the tracker cannot separate the spots, or is too slow to run on
+/// every frame. Errc::refused, field "operator": `measured` was requested, but no calibration
+/// applies.
 SensorChange set_sensor(SensorSet change);
 SensorChange set_aberration(std::vector<Mode> modes);
 SensorChange set_correction(std::vector<Mode> modes);
 SensorChange show_pattern(HologramKind pattern);
 
-/// Draws a picture of the SLM's size.
+/// Draws an image of the SLM's size.
 using Painter = std::function<void(const HologramRenderer&, Image<std::uint8_t>&)>;
-/// What a job shows: the sensor with these modes for an aberration, or what `paint` draws.
+/// What a job shows: the sensor with these modes introduced, or the image that `paint` draws.
 struct ShowRequest {
   std::vector<Mode> aberration;
-  Painter paint;       ///< none: the sensor
-  SensorSet sensor{};  ///< what of it, and of its tracking, is otherwise from now on
+  Painter paint;       ///< none: show the sensor
+  SensorSet sensor{};  ///< settings of sensor and tracking to change
 };
 SensorChange show_request(ShowRequest what);
-/// What was shown before the job began is shown again.
+/// Restores what was shown before the job began.
 SensorChange give_back();
 
-// What a job measured is active from now on, and kept. `sensor_epoch`: as the job began;
-// Errc::refused, field "camera", if the sensor or its image is another one by now.
+// These activate and store the result of a job. `sensor_epoch`: that of the job's start.
+// Errc::refused, field "camera", if the sensor or the camera's image has changed since.
 
-/// Spots averaged over frames, and their picture (null: none).
+/// Averaged spots, and the mean image (null: none).
 struct TakenReference {
   SpotAverage average;
   std::shared_ptr<const ReferencePicture> picture;
-  CameraSettings settings;  ///< that they were taken with
+  CameraSettings settings;  ///< settings that the frames were taken with
 };
-/// `spots` is set before the change is active. Errors: those of check_average and judge_spots;
-/// Errc::refused, field "camera", if the camera's settings are others by now.
+/// Writes the classified spots to `spots` before the change is active. Errors: those of
+/// check_average and judge_spots; Errc::refused, field "camera", if the camera's settings have
+/// changed since.
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
                            std::shared_ptr<ReferenceSpots> spots);
-/// Where the registration, or else the configuration, says that spots are.
+/// Model reference: positions computed from the registration, or else from the configuration.
 SensorChange use_model_reference();
 SensorChange use_registration(Registration registration);
-/// The sensor is shown without a poke; modes are read with it.
+/// Also selects the operator `measured`. The hologram shown must be one without a poke.
 SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
 SensorChange use_lut(MeasuredLut lut);
 SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
 
-// Of what belongs to the sensor as it is, on the disk, too. An error if it cannot be removed there,
-// and then nothing has changed.
+// These delete what applies to the current sensor, in memory and on disk. If the files cannot be
+// removed, the change is undone and the request fails.
 SensorChange forget_reference();
 SensorChange forget_registration();
 SensorChange forget_calibration();

@@ -1,4 +1,4 @@
-/// A change of the sensor on its way: it comes into force as a whole, or not at all.
+/// A change of the sensor in progress. It takes effect as a whole, or not at all.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-/// What is shown again when the job ends that has the sensor.
+/// What to restore when the job that holds the sensor ends.
 struct Lease {
   SensorConfig sensor;
   TrackingSettings tracking;
@@ -20,25 +20,26 @@ struct Lease {
   std::vector<Mode> aberration;
 };
 
+/// Copies of the sensor's state that a change modifies, and what to do once it is active.
 struct SensorEdit {
   SensorState state;
   Knowledge knowledge;
-  std::optional<Lease> lease;  ///< of the job that has the sensor
+  std::optional<Lease> lease;  ///< of the job that holds the sensor
   SensorBench& bench;
-  bool files_only = false;  ///< state and knowledge are as before
+  bool files_only = false;  ///< state and knowledge are unchanged
 
-  /// Once it is in force: writes a file, and tells its checksum, empty if it cannot be kept; then
-  /// again, if it is kept after all.
+  /// Called when the change is active: writes a file and reports its checksum. Reports an empty
+  /// checksum if writing fails, and the real one if a retry succeeds later.
   std::function<void(std::function<void(const std::string& sha256)>)> keep{};
-  /// With that checksum; changes no more than what is said of the file.
+  /// Called with that checksum. Changes nothing but the checksum of the item.
   std::function<void(SensorEdit&, const std::string& sha256)> set_checksum{};
-  /// Once it is in force: removes files.
+  /// Called when the change is active: removes files.
   std::function<void(DaemonStore::Dropped)> drop{};
-  /// If they cannot be removed: a change that puts things back as they were.
+  /// Called if they cannot be removed: a change that restores the previous state.
   std::function<Result<void>(SensorEdit&)> undo{};
 };
 
-/// Errors: why it cannot be; then nothing changes.
+/// Modifies the edit. On an error nothing changes.
 using SensorChange = std::function<Result<void>(SensorEdit&)>;
 
 }  // namespace ovws

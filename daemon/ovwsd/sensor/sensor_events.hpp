@@ -17,15 +17,16 @@ class SensorEvents {
  public:
   SensorEvents(BenchOptics bench, Events& events) : bench_(std::move(bench)), events_(events) {}
 
-  /// The spots that are followed as split ones, and the operator, if they are others than before.
+  /// Publishes changes of the set of split spots and of the active operator.
   void publish_changes(const SensorSnapshot& before, const SensorSnapshot& now);
-  /// The reference was in use before, is still known, and does not belong to this state any more.
+  /// Publishes why a reference that was active is not used in this state.
   void publish_unused(const Reference& reference, const SensorState& state,
                       const Knowledge& knowledge);
-  /// When another set of settings is not that of the reference (null: none); not for every value.
+  /// Publishes when the set of camera settings that differ from the reference's has changed (null:
+  /// no reference). Further changes of the same settings are not published.
   void publish_stale(const Reference* reference, const std::optional<CameraSettings>& camera);
-  /// Why the camera cannot see the spots, or the tracker tell them apart; empty: nothing is known
-  /// to be wrong. Judged, and told, once for all that decides it.
+  /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
+  /// problem. Checks again, and publishes a fault, only when an input of the check has changed.
   const std::string& layout_fault(const SensorState& state);
 
  private:
@@ -40,8 +41,8 @@ class SensorEvents {
 
   BenchOptics bench_;
   Events& events_;
-  std::vector<std::string> stale_told_;  ///< fields, by the last event
-  std::optional<LayoutKey> layout_key_;  ///< of layout_fault_
+  std::vector<std::string> stale_told_;  ///< fields in the last event
+  std::optional<LayoutKey> layout_key_;  ///< inputs of layout_fault_
   std::string layout_fault_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
-/// Whether the same reference and calibration belong to both.
+/// Whether both have the same reference and calibration.
 bool is_same(const Bound& a, const Bound& b) {
   const bool same_reference = a.reference && b.reference
                                   ? a.reference->t_taken_ns == b.reference->t_taken_ns
@@ -47,7 +47,7 @@ SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
   state_.format = config.camera.settings.pixel_format;
 }
 
-/// With what the disk holds.
+/// Loads what is stored on disk and activates the first plan.
 Result<void> SensorKeeper::begin() {
   SensorEdit edit = new_edit();
   SensorState& state = edit.state;
@@ -152,7 +152,7 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
     ++next.sensor_epoch;
     if (const auto used = activate(edit, Show::when_possible); !used) {
       knowledge_ = std::move(edit.knowledge);
-      state_.roi = camera.roi;  // so that what is changed next is planned for this image
+      state_.roi = camera.roi;  // the next change is planned for this image
       state_.format = camera.pixel_format;
       deps_.events.emit("sensor", Severity::error,
                         "no plan for the camera's image: " + used.error().reason);
@@ -160,8 +160,8 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
   });
 }
 
-/// Discards the registration and the flatness of another camera: it stands at another place, behind
-/// other optics.
+/// Stops using the registration and the flatness if another camera measured them: its position and
+/// optics differ.
 void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   const auto is_other = [camera = camera_json(info)](const nlohmann::json& then) {
     return !camera.is_null() && !then.is_null() && then != camera;
@@ -189,7 +189,7 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   state_.registration = edit.state.registration;  // the next plan is without it
 }
 
-/// Prepares everything, shows it, and only then makes it the state; on any error nothing has
+/// Builds the plan and shows the hologram, and only then adopts the edit. On any error nothing has
 /// changed.
 Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   SensorState& next = edit.state;
@@ -199,7 +199,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
     ++next.sensor_epoch;
   }
   if (auto sampled = check_sampling(next); !sampled) return sampled;
-  next.torn.reset();  // those of the plan that is now left
+  next.torn.reset();  // they belong to the previous plan
   const bool same = same_picture(next, state_);
   const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
   Bound bound = bind(next, edit.knowledge, bench_.optics);
@@ -217,8 +217,8 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   return {};
 }
 
-/// A picture that the display did not take in time has its number all the same: it may have been
-/// shown for a moment.
+/// Shows the hologram if it has changed. A hologram that the display did not take in time keeps its
+/// number, because it may have been visible for a moment.
 Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
   if (hologram_id != bench_.hologram_id) {
     const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, picture_of(next)};
@@ -228,13 +228,14 @@ Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologr
     bench_.hologram_id = hologram_id;
     bench_.grey = request.grey;
   } else if (next.sensor_epoch != state_.sensor_epoch) {
-    // The same picture stays on the SLM, but what is measured of it means something else.
+    // The same hologram stays on the SLM, but measurements of it belong to a new epoch.
     deps_.slm.show_when_possible({hologram_id, shown_epoch(next), next.pattern, bench_.grey});
   }
   return {};
 }
 
-/// Loads what was kept of this LUT and flatness and was not used until now; true: there was any.
+/// Loads the references and calibrations that were set aside because they belong to this LUT and
+/// flatness. Returns whether there were any.
 bool SensorKeeper::load_for_slm(const SlmInForce& slm, Knowledge& knowledge) {
   bench_.origins.use_slm(slm);
   auto references = bench_.references.load_again();
@@ -301,7 +302,8 @@ OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
   return {plan.mode_operator, "its matrix is being made: that takes some seconds"};
 }
 
-/// Positions do not depend on the operator: what is being measured goes on.
+/// Caches the operator, and activates a plan with it if it is still requested. Positions do not
+/// depend on the operator, so a running measurement continues.
 void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> made) {
   if (!made) {
     deps_.events.emit("sensor", Severity::warning,
@@ -317,8 +319,8 @@ void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> m
   if (plan) adopt(new_edit(), bound, std::move(*plan));
 }
 
-/// What is in force is written to, or removed from, the disk, and `done` is told then; what cannot
-/// be written is in force all the same.
+/// Writes or removes the files of an active change, then calls `done`. A change whose file cannot
+/// be written stays active; if a file cannot be removed, the change is undone.
 void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) {
   const auto files = std::make_shared<SensorEdit>(std::move(edit));
   if (files->keep) {

@@ -1,5 +1,5 @@
-/// The sensor's keeper: the only one to change it. It prepares what the frame path uses, shows it,
-/// and tells what is in force.
+/// SensorKeeper owns the sensor's state: it applies changes, shows holograms, activates measurement
+/// plans and publishes snapshots.
 #pragma once
 
 #include <cstdint>
@@ -30,17 +30,17 @@ struct SensorKeeperDeps {
   OperatorMaker& operators;
   Events& events;
   DaemonStore& store;
-  /// Before frames are measured with it; in the prepare thread, but for the first.
+  /// Called before the plan becomes active: in the prepare thread, except for the first plan.
   std::function<void(const MeasurementPlan&, SensorView)> on_plan;
 };
 
-/// The agent of the prepare thread.
+/// Agent of the prepare thread, which makes all changes of the sensor.
 class SensorKeeper : public Agent {
  public:
   using Done = std::function<void(Result<SensorView>)>;
 
-  /// With what the disk holds of this bench. Errors: the configuration's lattice, LUT or flatness
-  /// file cannot be used.
+  /// Loads the stored measurements of this bench. Errors: the configured lattice, LUT file or
+  /// flatness file cannot be used.
   static Result<std::unique_ptr<SensorKeeper>> make(const Config& config,
                                                     const SensorKeeperDeps& deps);
 
@@ -49,37 +49,38 @@ class SensorKeeper : public Agent {
 
   SensorView snapshot() const { return snapshot_.get(); }
 
-  // Any thread. What is asked for is carried out in the prepare thread in order, and answered
-  // there.
+  // Any thread. Requests are carried out in order by the prepare thread, which also calls the
+  // callbacks.
 
-  /// Whole or not at all. `active` is called when the change is in force, unless it cannot be;
-  /// `done` then, or when the disk has answered for its files. Errors: those of may_change and of
-  /// the change; the display does not take the picture; there is no plan for it.
+  /// Applies a change completely, or not at all. `active` is called once the change is active, and
+  /// not if it fails. `done` is called when its files have been written or removed too, or at once
+  /// if there are none. Errors: those of may_change and of the change; the display does not take
+  /// the hologram; no plan can be built.
   void edit(Hold as, SensorChange change, Done done, std::function<void()> active = nullptr);
-  /// Calls `then` when every change asked for so far was carried out.
+  /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
-  /// Releases the hold of `by`. After a job the previous hologram and settings are restored, as
-  /// soon as there is a display.
+  /// Releases the hold of `by`, then calls `then`. After a job the previous hologram and settings
+  /// are restored, as soon as a display is connected.
   void release(Hold by, std::function<void()> then);
-  /// What the camera uses now, and which it is. If its image changed, frames are measured with a
-  /// plan made for it from then on; what belongs to another camera is not used.
+  /// Reports the camera's current settings and identity. If region or pixel format changed, a plan
+  /// for the new image becomes active. Measurements of another camera are no longer used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
-  /// Frames of plan `plan_id` were found to have split spots, or (none) not to: from now on they
-  /// are followed as such. Nothing happens if another plan is in use by then, or while a job has
-  /// the sensor. Any change of the sensor ends it.
+  /// Tracks these split spots in frames of plan `plan_id`; none: tracks all spots as usual again.
+  /// Ignored if another plan is active by then, or while a job holds the sensor. Any change of the
+  /// sensor ends the tracking of split spots.
   void follow(std::uint64_t plan_id, std::optional<TornSpots> torn);
 
-  // The prepare thread.
+  // Prepare thread only.
 
-  /// Errc::refused, and what to wait for, if somebody holds it.
+  /// Whether the sensor is free. Errc::refused: the message says what to wait for.
   Result<void> may_hold() const { return may_change(hold_, Hold::of_nobody()); }
-  /// From now on only `by` changes it, until `release`. It is free.
+  /// Reserves the sensor for `by` until `release`. It must be free.
   void hold(Hold by);
 
  private:
   SensorKeeper(const Config& config, const SensorKeeperDeps& deps, HologramConfig hologram);
   Result<void> begin();
-  /// The display must take it; or may take it when there is one.
+  /// Whether the display must take a hologram now, or may take it once it is connected.
   enum class Show { now, when_possible };
   Result<void> activate(SensorEdit edit, Show show);
   Result<void> present(const SensorState& next, std::uint64_t hologram_id, Show show);
@@ -101,13 +102,13 @@ class SensorKeeper : public Agent {
   Plans plans_;
   SensorEvents events_;
   Hold hold_;
-  std::optional<Lease> lease_;  ///< of the job that holds it
+  std::optional<Lease> lease_;  ///< of the job that holds the sensor
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;
 };
 
-/// Errc::refused (field pixel_format) if the spots are too small for the lit pixels of a colour
+/// Errc::refused (field "pixel_format"): the spots are too small for the lit pixels of a colour
 /// camera.
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format);
 

@@ -1,4 +1,4 @@
-/// What others may know of the sensor at any time.
+/// Snapshot of the sensor for other threads.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,28 @@
 
 namespace ovws {
 
-/// Immutable; shared by all who look.
+/// Immutable and shared by all readers.
 struct SensorSnapshot {
   SensorConfig sensor;
   TrackingSettings tracking;
-  TemplateReport templates;      ///< what of tracking.templates is in use
-  OperatorReport mode_operator;  ///< of plan_id
+  TemplateReport templates;      ///< how much of tracking.templates is active
+  OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   HologramKind pattern = HologramKind::sensor;
-  std::vector<Mode> aberration;  ///< shown on purpose, RMS-normalised waves
+  std::vector<Mode> aberration;  ///< introduced, RMS-normalised waves
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
-  std::uint64_t sensor_epoch = 0;  ///< of the plan
-  OpticsConfig optics;             ///< in the camera's region: as configured, or as registered
-  std::optional<Registration> registration;  ///< the active one, in pixels of the camera's sensor
-  std::uint64_t plan_id = 0;  ///< frames measured with this plan are of all that stands here
+  std::uint64_t sensor_epoch = 0;  ///< of plan `plan_id`
+  OpticsConfig optics;  ///< in the camera's region, registered if there is a registration
+  std::optional<Registration> registration;  ///< active, pixels of the camera's whole sensor
+  std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
   int subapertures = 0;
   std::vector<int> modes_j;
-  std::string layout_fault;  ///< why the camera cannot see the spots, or the tracker tell them
-                             ///< apart; empty: nothing is known to be wrong
-  std::vector<int> torn;  ///< spots that are followed by the shapes that the wavefront gives them
+  /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
+  /// problem.
+  std::string layout_fault;
+  std::vector<int> torn;  ///< split spots, which are tracked by templates of their shape
   std::shared_ptr<const Reference> reference;      ///< the active one; null: none
-  std::shared_ptr<const Calibration> calibration;  ///< that belongs to all this; null: none
+  std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none
   std::shared_ptr<const SlmInForce> slm;           ///< LUT and flatness; never null
 };
 using SensorView = std::shared_ptr<const SensorSnapshot>;

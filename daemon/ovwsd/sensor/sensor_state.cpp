@@ -43,7 +43,7 @@ std::optional<Registration> registration_of(const SensorState& state, const Benc
   return rebased(*state.registration, base_grating_cpp(state.sensor, bench.slm));
 }
 
-/// A registration counts from the corner of the camera's sensor, all else from that of the region.
+/// Converts the registration, which counts from the corner of the camera's sensor, to the region.
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench) {
   OpticsConfig optics = bench.optics;
   if (const auto map = registration_of(state, bench)) {

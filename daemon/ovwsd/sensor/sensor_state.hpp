@@ -1,5 +1,5 @@
-/// The sensor's state: all that decides what is shown and how a frame is measured. A value, and
-/// what follows from it alone.
+/// State of the sensor: everything that determines the hologram and how frames are measured. A
+/// plain value with pure functions.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace ovws {
 
-/// As configured; a registration takes the place of a part of it.
+/// The configured optics. A registration replaces a part of them.
 struct BenchOptics {
   OpticsConfig optics;
   SlmGeometry slm;
@@ -27,45 +27,45 @@ struct SensorState {
   SensorConfig sensor;
   TrackingSettings tracking;
   HologramKind pattern = HologramKind::sensor;
-  std::vector<Mode> aberration;                        ///< shown on purpose, RMS-normalised waves
+  std::vector<Mode> aberration;                        ///< introduced, RMS-normalised waves
   std::vector<Mode> correction;                        ///< subtracted from the hologram
-  std::shared_ptr<const Image<std::uint8_t>> painted;  ///< of pattern `test`
+  std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image of a job, for pattern `test`
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
-  std::optional<MeasuredRegistration> registration;  ///< pixels of the camera's sensor
+  std::optional<MeasuredRegistration> registration;  ///< pixels of the camera's whole sensor
   std::shared_ptr<const SlmInForce> slm;             ///< never null
-  std::shared_ptr<const HologramRenderer> renderer;  ///< of `sensor` and `slm`
-  /// Changes with whatever makes what was measured before mean nothing.
+  std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
+  /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  std::optional<TornSpots>
-      torn;  ///< spots that are followed by the shapes the wavefront gives them
+  std::optional<TornSpots> torn;  ///< split spots, which are tracked by templates of their shape
 };
 
-/// What is added to the pattern: the aberration less the correction. The corrected beam, for which
-/// the grating is shown, has no aberration of ours.
+/// Modes that are added to the pattern: the introduced aberration minus the correction. The pattern
+/// `grating`, which shows the corrected beam, leaves out the introduced aberration.
 std::vector<Mode> shown_modes(const SensorState& state);
-/// 0, nothing to measure, unless the picture is the sensor's.
+/// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.
 std::uint64_t shown_epoch(const SensorState& state);
-/// Whether both show the same picture.
+/// Whether both states show the same hologram.
 bool same_picture(const SensorState& a, const SensorState& b);
 std::shared_ptr<const Image<std::uint8_t>> picture_of(const SensorState& state);
 
-/// The registration with the base of the sensor that is shown, whatever it was measured with.
+/// The registration, converted from the base grating that it was measured with to the current one.
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench);
-/// In the camera's region: as configured, or as registered.
+/// Optics relative to the camera's region of interest, registered if there is a registration.
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench);
-/// Where spots are expected without aberrations, pixels of the camera's region.
+/// Spot positions of a flat wavefront, pixels of the camera's region.
 std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench);
 /// lambda/d, the scale of one spot, camera pixels.
 double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 
-/// Draws with the state's own sensor and SLM from now on. Errors: as of HologramRenderer::make.
+/// Replaces the renderer by one for the state's sensor and SLM. Errors: those of
+/// HologramRenderer::make.
 Result<void> renew_renderer(SensorState& state);
-/// Errors: the SLM cannot show these modes.
+/// Errors: the SLM's pixels cannot sample the phase of these modes.
 Result<void> check_sampling(const SensorState& state);
 /// Errors: neighbouring spots are too close for the tracker.
 Result<void> check_apart(const SensorState& state, const BenchOptics& bench);
-/// Errors: that, or the camera does not see the spots.
+/// Errors: those of check_apart; too many spots fall outside the camera's region.
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench);
 
 }  // namespace ovws

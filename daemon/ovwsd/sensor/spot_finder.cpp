@@ -25,20 +25,20 @@ namespace {
 constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kBlindInARow = 2;
-constexpr int kDoubtfulInARow = 5;  // valid frames: noise loses a spot now and then
+constexpr int kDoubtfulInARow = 5;  // valid frames: noise may lose a spot occasionally
 constexpr std::int64_t kLookPauseNs = 50'000'000;
 constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
 constexpr std::int64_t kWellNs = 1'000'000'000;
 constexpr std::int64_t kAnnounceNs = 500'000'000;
-constexpr double kMostResidual = 0.03;  // lambda/d, RMS of what no mode explains of the positions
+constexpr double kMostResidual = 0.03;  // lambda/d: RMS fit residual of the positions
 constexpr double kElsewhere = 0.5;      // lambda/d
-constexpr double kCell = 0.5;           // lambda/d: images are compared by the means of such cells
-// Memory is locked: what a search needs grows with both, to some hundred MiB here.
+constexpr double kCell = 0.5;           // lambda/d: images are compared after binning to this size
+// Limits of the search's memory, which is locked and grows with both: some hundred MiB here.
 constexpr std::size_t kMostSpots = 200;
-constexpr double kMostSpotPx = 40.0;  // lambda/d
+constexpr double kMostSpotPx = 40.0;  // lambda/d, camera pixels
 
-/// A torn spot may be lost, or found in its wrong half: then no wavefront explains the positions.
-/// One that the reference lacks, too, is dark, and missed by nobody.
+/// Whether a frame needs a search. A split spot is lost, or a wrong fragment of it is tracked,
+/// which raises the fit residual. Spots that the reference lacks do not count: they are dark.
 bool is_doubtful(const FrameRecord& record) {
   const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
   const int lost =
@@ -46,15 +46,15 @@ bool is_doubtful(const FrameRecord& record) {
   return record.settled && (lost > 0 || record.reconstruction.fit_residual_px > explained_px);
 }
 
-/// NaN for lost spots.
+/// Positions of the spots; NaN for lost ones.
 std::vector<Vec2> places(std::span<const SpotFix> fixes) {
   std::vector<Vec2> at_px;
   for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
   return at_px;
 }
 
-/// No spot is split, and every spot that the reference has is followed where a search found it: a
-/// new plan would measure the same.
+/// Whether a new plan would measure the same: no spot is split, and each spot of the reference is
+/// already tracked where the search found it.
 bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
                          const SensorSnapshot& sensor, double lambda_d_px) {
   if (!sensor.torn.empty() || !found.numbers().empty() || !sensor.reference) return false;
@@ -69,7 +69,7 @@ bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
 
 }  // namespace
 
-/// All that one sensor's images of one size need.
+/// What a search needs; rebuilt when the sensor or the image size changes.
 struct SpotFinder::Bench {
   SensorConfig sensor;
   TrackingConfig tracking;
@@ -80,7 +80,7 @@ struct SpotFinder::Bench {
   TrackScratch scratch;
   SpotModel spots;
   ShapedAcquisition acquisition;
-  SpotOptics optics;  ///< of templates
+  SpotOptics optics;  ///< for templates of split spots
   Reconstructor plain;
 };
 
@@ -112,7 +112,8 @@ std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() cons
   return invalid_in_words(*lack, progress_.get(), now_ns, utc_ns());
 }
 
-/// An event when no frame has been valid for a while, and when one is again.
+/// Publishes an event when no frame has been valid for kAnnounceNs, and when frames are valid
+/// again.
 void SpotFinder::announce() {
   const std::int64_t now_ns = monotonic_ns();
   const auto lack = validity_.lack(now_ns);
@@ -156,7 +157,7 @@ bool SpotFinder::do_work() {
   return look(*frame, sensor, doubt);
 }
 
-/// Searches the frame if it is due.
+/// Searches the frame if a search is due.
 bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_lattice().lambda_d_px));
@@ -171,7 +172,7 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
   progress_.change([](SearchProgress& now) { now.running = true; });
   std::optional<TornSpots> found = search(frame, sensor);
   if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
-  // While frames are valid, what follows the spots is better than nothing.
+  // A failed search changes nothing while frames are valid: the current plan still works.
   if (found || doubt == Doubt::blind) {
     if (found && is_followed_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
     const bool changes = found || !sensor.torn.empty();
@@ -189,12 +190,12 @@ std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const Sensor
   try {
     return make_bench(frame, sensor) ? explain(frame) : std::nullopt;
   } catch (const std::bad_alloc&) {
-    bench_.reset();  // the ordinary plan needs nothing more
+    bench_.reset();  // the ordinary plan does not need it
     return std::nullopt;
   }
 }
 
-/// The plain tracker first: when a strong wavefront has gone, nothing more is needed.
+/// Tries the plain tracker first: it suffices once a strong aberration is gone.
 std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   const std::size_t count = bench_->reference_px.size();
   std::vector<SpotFix> fixes(count);
@@ -215,7 +216,7 @@ std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
   return out;
 }
 
-/// All spots that have a reference are found, and a wavefront explains where they are.
+/// Whether all spots that have a reference are found and a wavefront explains their positions.
 bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
   const Reconstructor& plain = bench_->plain;
   Reconstructor::Scratch scratch = plain.make_scratch();
@@ -225,7 +226,7 @@ bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
          found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
 }
 
-/// False: what stands in the snapshot makes no sensor, or one too large to search.
+/// Prepares the search. False: the sensor in the snapshot cannot be modelled, or is too large.
 bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
   const int cols = frame.image.width, rows = frame.image.height;
   const auto lattice = make_lattice(sensor.sensor, slm_);

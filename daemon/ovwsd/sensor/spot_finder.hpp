@@ -1,4 +1,4 @@
-/// Looks for the spots that frames lose, as torn ones, and has them followed.
+/// Searches whole images for lost and split spots, and has them tracked.
 #pragma once
 
 #include <atomic>
@@ -18,11 +18,11 @@
 
 namespace ovws {
 
-/// The search thread's agent. Frames that lack a spot, or whose spots no wavefront explains, make
-/// it search one frame's whole image (ShapedAcquisition), when SearchPolicy says so. What it finds
-/// becomes a new measurement plan: torn spots get templates of the shape that the wavefront gives
-/// them. If all are round again, or the image of invalid frames is not explained, the ordinary plan
-/// returns. Sensors of more than 200 spots, or of spots of more than 40 camera pixels of lambda/d,
+/// Agent of the search thread. If frames lose a spot, or no wavefront explains their spots, it
+/// searches the whole image of one frame (ShapedAcquisition) when SearchPolicy permits. The result
+/// becomes a new measurement plan, with templates for split spots of the shape that the wavefront
+/// gives them. The ordinary plan returns when no spot is split any more, or when frames are invalid
+/// and the search fails. Sensors with more than 200 spots, or with lambda/d above 40 camera pixels,
 /// are not searched.
 class SpotFinder : public Agent {
  public:
@@ -31,11 +31,11 @@ class SpotFinder : public Agent {
 
   bool do_work() override;
 
-  /// Publish thread: every frame.
+  /// Publish thread: call for every frame.
   void saw(const FrameRecord& record);
   /// Any thread: why no frame is valid; nothing if frames are.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
-  /// Any thread: CLOCK_MONOTONIC time of the last search that found the spots; 0: none did.
+  /// Any thread: CLOCK_MONOTONIC time of the last successful search; 0: none.
   std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }
 
  private:
@@ -56,16 +56,16 @@ class SpotFinder : public Agent {
   std::atomic<std::int64_t> found_ns_{0};
   ValidityWatch validity_;
   Guarded<SearchProgress> progress_;
-  // The publish thread's.
+  // Publish thread only.
   int doubtful_in_a_row_ = 0, blind_in_a_row_ = 0;
-  // The search thread's.
+  // Search thread only.
   SearchPolicy policy_;
   std::optional<CellImage> searched_;  ///< the image searched last
-  std::int64_t doubted_ns_ = 0;        ///< when frames last lacked something
+  std::int64_t doubted_ns_ = 0;        ///< when frames were last doubtful
   std::int64_t next_look_ns_ = 0;
-  std::uint64_t left_plan_id_ = 0;  ///< what it found takes the place of this plan
+  std::uint64_t left_plan_id_ = 0;  ///< the plan that the last search replaced
   std::int64_t left_ns_ = 0;
-  std::int64_t announced_ns_ = 0;  ///< since when no frame is valid, as announced; 0: frames are
+  std::int64_t announced_ns_ = 0;  ///< start of the announced invalid period; 0: none
 };
 
 }  // namespace ovws

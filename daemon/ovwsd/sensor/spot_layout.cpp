@@ -17,15 +17,15 @@
 namespace ovws {
 namespace {
 
-constexpr int kRegionStep = 16;  // px: a multiple that every camera takes
+constexpr int kRegionStep = 16;  // px: every camera accepts multiples of it
 
-/// Where the spots of a flat wavefront fall, camera pixels.
+/// Spot layout of a flat wavefront on the camera.
 struct Layout {
   std::vector<Vec2> spots_px;
   double lambda_d_px = 0.0;
-  double nearest = std::numeric_limits<double>::infinity();  ///< of two spots, lambda/d
-  Vec2 reach_px;           ///< farthest from the base spot in x and in y
-  double margin_px = 0.0;  ///< that a spot needs between its centre and the edge to be seen well
+  double nearest = std::numeric_limits<double>::infinity();  ///< distance of two spots, lambda/d
+  Vec2 reach_px;           ///< largest distance from the base spot, in x and in y
+  double margin_px = 0.0;  ///< recommended distance of a spot's centre from the edge
 };
 
 Layout layout_of(const SpotBench& bench) {
@@ -47,8 +47,8 @@ Layout layout_of(const SpotBench& bench) {
   return layout;
 }
 
-/// Size of the smallest region about the base spot that sees all spots, once their distances are
-/// `stretched`.
+/// Size of the smallest region, centred on the base spot, that contains all spots after their
+/// distances are multiplied by `stretched`.
 Vec2 region_for(const Layout& layout, double stretched) {
   const auto side = [&](double reach_px) {
     const double px = 2.0 * (stretched * reach_px + layout.margin_px) + 1.0;
@@ -61,7 +61,7 @@ bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
 }
 
-/// Whether a region about the base spot would see the undiffracted light, which outshines the
+/// Whether a region centred on the base spot would contain the zeroth order, which outshines the
 /// spots.
 bool sees_zero_order(Vec2 region, const SpotBench& bench) {
   const Vec2 away_px =
@@ -69,7 +69,7 @@ bool sees_zero_order(Vec2 region, const SpotBench& bench) {
   return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
 }
 
-/// Up: a value that is to be reached, with two digits.
+/// Rounds up, or down, to two significant digits.
 double rounded_up(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return unit * std::ceil(value / unit - 1e-9);
@@ -83,7 +83,7 @@ std::string spot_name(int charge) {
   return charge == 0 ? "bright spots" : fmt::format("vortices of charge {}", charge);
 }
 
-/// How many spots the region does not see, and whether the others tell the modes.
+/// How many spots fall outside the region, and whether the others determine the modes.
 struct Seen {
   int missing = 0;
   bool determined = false;
@@ -115,7 +115,7 @@ Seen seen_of(const SpotBench& bench, const Layout& layout) {
   return seen;
 }
 
-/// Values with which neighbouring spots are far enough apart.
+/// Proposes settings that put neighbouring spots far enough apart.
 std::string farther_apart(const SpotBench& bench, const Layout& layout) {
   const double stretched = good_spot_distance(bench.sensor.charge) / layout.nearest;
   const int fewer = int(bench.sensor.subapertures_across / std::sqrt(stretched));
@@ -132,7 +132,7 @@ std::string farther_apart(const SpotBench& bench, const Layout& layout) {
          fmt::format("sensor.subapertures_across to {}", fewer);
 }
 
-/// Another way than a larger region.
+/// Proposes a setting that avoids a larger region.
 std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
   const auto share = [&](double fixed_px) {
     const double x = (0.5 * (bench.roi.width - 1) - fixed_px) / layout.reach_px.x;

@@ -1,4 +1,4 @@
-/// Spots that no ordinary tracker follows, because the wavefront has torn them.
+/// Split spots, which a strong aberration has split into fragments and ordinary trackers lose.
 #pragma once
 
 #include <memory>
@@ -10,10 +10,11 @@
 namespace ovws {
 
 struct TornSpots {
-  std::vector<Vec2> at_px;  ///< of every spot, torn or not, camera pixels
-  /// What a torn spot is followed by; null for the others.
+  std::vector<Vec2> at_px;  ///< positions of all spots, split or not, camera pixels
+  /// Template of each split spot; null for the others. May be empty: no spot is split.
   std::vector<std::shared_ptr<const TemplateBank>> templates;
 
+  /// Indices of the split spots.
   std::vector<int> numbers() const {
     std::vector<int> out;
     for (std::size_t i = 0; i < templates.size(); ++i) {

@@ -1,4 +1,4 @@
-/// Since when no frame has been valid, why, and what is done about it.
+/// Watches for periods without a valid frame: since when, why, and what the daemon does about it.
 #pragma once
 
 #include <atomic>
@@ -9,28 +9,29 @@
 
 namespace ovws {
 
-/// What the search of whole images does. Times are CLOCK_MONOTONIC.
+/// Progress of the whole-image search. Times are CLOCK_MONOTONIC.
 struct SearchProgress {
   bool running = false;
-  int searches = 0;          ///< since frames were valid last
-  std::int64_t next_ns = 0;  ///< of the same image
+  int searches = 0;          ///< since frames were last valid
+  std::int64_t next_ns = 0;  ///< next search of the unchanged image
 };
 
-/// Counts settled frames of a sensor with a reference. One thread calls `saw`, any other the rest.
+/// Watches settled frames of a sensor with a reference. One thread calls `saw`; any thread may call
+/// the rest.
 class ValidityWatch {
  public:
-  /// What the newest of the invalid frames lacks.
+  /// What is wrong with the newest invalid frame.
   struct Lack {
-    std::int64_t since_ns = 0;  ///< CLOCK_MONOTONIC, of the first one
+    std::int64_t since_ns = 0;  ///< start of the invalid period, CLOCK_MONOTONIC
     int tracked = 0, spots = 0;
-    bool explained = true;  ///< false: no wavefront explains where the spots are
+    bool explained = true;  ///< false: no wavefront explains the spots' positions
   };
 
   void saw(bool valid, const Lack& lack, std::int64_t now_ns);
 
-  /// Nothing if the newest frame was valid, or none came for 1.5 s: then something else is wrong.
+  /// None if the newest frame was valid, or if no frame came for 1.5 s, which has another cause.
   std::optional<Lack> lack(std::int64_t now_ns) const;
-  /// Whether the newest frame was, or none came yet.
+  /// Whether the newest frame was valid, or there was none yet.
   bool is_valid() const { return since_ns_ == 0; }
 
  private:
@@ -40,7 +41,8 @@ class ValidityWatch {
   std::atomic<bool> explained_{true};
 };
 
-/// In words. `now_ns` CLOCK_MONOTONIC, `utc_ns` the same moment.
+/// Describes an invalid period for status and events. `now_ns` (CLOCK_MONOTONIC) and `utc_ns` are
+/// the same moment.
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
                                                     const SearchProgress& search,
                                                     std::int64_t now_ns, std::int64_t utc_ns);
