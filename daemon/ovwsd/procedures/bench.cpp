@@ -13,7 +13,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kLook(20);  // how often a wait sees a stop
+constexpr std::chrono::milliseconds kLook(20);  // how often a waiting call checks for a stop
 constexpr double kLeastPatienceS = 10.0;
 constexpr std::chrono::milliseconds kFilePatience(2000);
 
@@ -21,7 +21,7 @@ Error stopped_error() {
   return {Errc::refused, "", "it was told to end"};
 }
 
-/// Without a frame for so long, none will come.
+/// Longest wait for the next frame.
 double patience_s(const CameraSettings& camera) {
   return std::max(kLeastPatienceS,
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
@@ -66,7 +66,8 @@ Result<void> Bench::check_shown(std::int64_t presented_mono_ns) const {
               "the SLM's display was lost and came back in the middle of the job: start it again");
 }
 
-/// Who is asked may be gone by the time it answers: what it answers into is shared.
+/// Waits for the answer of another thread, or for a stop. The promise is shared, because the answer
+/// may come after this call has returned.
 template <class T>
 Result<T> Bench::wait_for(std::future<Result<T>> future) {
   while (future.wait_for(kLook) != std::future_status::ready) {
@@ -74,14 +75,14 @@ Result<T> Bench::wait_for(std::future<Result<T>> future) {
   }
   try {
     return future.get();
-  } catch (const std::future_error&) {  // asked of a thread that has ended
+  } catch (const std::future_error&) {  // the thread that was asked has ended
     return fail(stopped_error());
   }
 }
 
 Result<void> Bench::edit(SensorChange change) {
   if (stopped()) return fail(stopped_error());
-  // Answered once, in the prepare thread: when the change is active, or cannot be.
+  // Answered once, in the prepare thread: when the change is active or has failed.
   auto promise = std::make_shared<std::optional<std::promise<Result<void>>>>(std::in_place);
   auto future = (*promise)->get_future();
   const auto answer = [promise](Result<void> result) {

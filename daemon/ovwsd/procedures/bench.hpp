@@ -1,4 +1,5 @@
-/// The bench in the hands of a procedure: show, wait until it stands, look.
+/// The interface of procedures to the bench: show a hologram, wait until it has settled, measure
+/// frames.
 #pragma once
 
 #include <atomic>
@@ -33,36 +34,37 @@ struct BenchDeps {
   Events& events;
 };
 
-/// For the thread of one procedure. Every call waits for what it promises, and fails once the job
-/// was cancelled or the daemon ends; a procedure then returns at once. What it showed is taken back
-/// when it ends, however it ends.
+/// Used by the thread of one procedure. Calls block until their result is there. They fail once the
+/// job is cancelled or the daemon stops; the procedure must then return at once. Whatever it showed
+/// is restored when it ends, also after an error.
 class Bench {
  public:
-  /// `stop` and `progress` outlive it.
+  /// `stop` and `progress` must outlive the Bench.
   Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
         std::atomic<double>& progress);
 
-  /// As it is now.
+  /// The current state.
   SensorView sensor() const { return deps_.keeper.snapshot(); }
   CameraSnapshot camera() const { return deps_.camera.snapshot(); }
 
-  /// The sensor with these modes, RMS-normalised waves, in place of the aberration of before.
+  /// Shows the sensor with these modes (RMS-normalised waves) in place of the introduced
+  /// aberration.
   Result<void> show(const std::vector<Mode>& aberration);
-  /// The same, and what of the sensor is otherwise until the procedure ends.
+  /// The same with changed sensor settings, which are restored when the procedure ends.
   Result<void> show(const SensorSet& sensor, const std::vector<Mode>& aberration);
-  /// What `paint` draws; it is called once, in the prepare thread, and after this has returned if
-  /// the job is cancelled meanwhile: it holds copies.
+  /// Shows the image that `paint` draws. `paint` is called once, in the prepare thread. If the job
+  /// is cancelled, that may be after this call has returned, so it must capture by value.
   Result<void> show(const Painter& paint);
-  /// What the procedure has measured comes into force, and is kept. Returns when it is in force,
-  /// and its file is written or the disk has not answered for two seconds.
+  /// Activates the procedure's result and stores it. Returns when it is active and its file has
+  /// been written, or the disk has not answered for two seconds.
   Result<void> use(SensorChange change);
-  /// Those that the disk has not answered for: the job ends when it has.
+  /// Files whose writing has not finished; the job ends when none is left.
   std::shared_ptr<PendingFiles> pending_files() const { return files_; }
-  /// A warning for a person.
+  /// Publishes a warning event.
   void warn(std::string kind, std::string text, nlohmann::json data);
 
-  /// The gain as read back. What it was is put back when the procedure ends. A camera that is away
-  /// is waited for as long as a frame is.
+  /// Sets the gain and returns the value read back. The previous gain is restored when the
+  /// procedure ends. Waits for a disconnected camera as long as for a frame.
   Result<double> set_gain(double gain_db);
 
   /// The next `frames` settled frames of the sensor shown last, at the gain set last; `windows_px`
@@ -85,13 +87,13 @@ class Bench {
   Result<void> watch_on(const IntensityWatch& watch, double min_ms, int frames);
   /// Errors: the display was lost since it took, at that time, what was shown last.
   Result<void> check_shown(std::int64_t presented_mono_ns) const;
-  /// When the display took what was shown last, CLOCK_MONOTONIC ns.
+  /// When the display presented the current hologram, CLOCK_MONOTONIC ns.
   std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
 
-  /// 0 .. 1, of the whole procedure.
+  /// Reports the progress of the whole procedure, 0 .. 1.
   void tell(double progress);
-  /// Procedure thread, when the procedure has ended: returns when the gain is what it was, or the
-  /// camera thread has ended.
+  /// Procedure thread, after the procedure: restores the gain. Returns when that is done, or when
+  /// the camera thread has ended.
   void put_back_gain();
   bool stopped() const { return stop_.load(); }
 
@@ -113,7 +115,7 @@ class Bench {
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
   std::atomic<double>& progress_;
-  std::optional<double> gain_before_db_;  ///< none: it was not changed
+  std::optional<double> gain_before_db_;  ///< none: the gain was not changed
   std::shared_ptr<PendingFiles> files_ = std::make_shared<PendingFiles>();
 };
 

@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostDrift = 0.05;  // lambda/d, from the first picture to the last
+constexpr double kMostDrift = 0.05;  // lambda/d, from the first average without a poke to the last
 constexpr int kMostHalvings = 2;     // of the amplitude
 
 std::vector<Mode> with_push(std::vector<Mode> shown, int j, double waves) {
@@ -78,8 +78,8 @@ Result<Pushed> push_and_pull(Bench& bench, const std::vector<Mode>& shown, int j
   return pushed;
 }
 
-/// By less, if the SLM can show that, or if it keeps the spots: a strong push of a high mode may
-/// lose those at the rim.
+/// Pokes a mode, and halves the amplitude up to kMostHalvings times if the SLM cannot show it or
+/// spots are lost: a strong poke of a high mode may lose spots at the rim.
 Result<Pushed> gentle_push(Bench& bench, const std::vector<Mode>& shown, int j,
                            const CalibrationRun& run, const SpotMeans& resting) {
   Result<Pushed> pushed = fail(Errc::refused, "", "");
@@ -90,8 +90,8 @@ Result<Pushed> gentle_push(Bench& bench, const std::vector<Mode>& shown, int j,
   return pushed;
 }
 
-/// Without a mode what it holds is read as other modes: frames that are valid, and wrong. So if
-/// spots were lost, and `all` modes were asked for, none may be missing.
+/// Refuses an incomplete matrix if `all` modes were requested. A missing mode would be read as
+/// other modes, so frames would be valid but wrong.
 Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
   if (!all || matrix.dropped.empty()) return {};
   std::string modes;

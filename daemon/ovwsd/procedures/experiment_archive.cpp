@@ -15,7 +15,7 @@ void ExperimentArchive::load() {
   if (const auto run = files_.latest()) read(*run);
 }
 
-/// What is there of the run.
+/// Loads the stored results of the run.
 void ExperimentArchive::read(const ExperimentRun& run) {
   auto kept = files_.measured(run);
   const std::lock_guard lock(mutex_);
@@ -45,7 +45,7 @@ Result<void> ExperimentArchive::open(bool anew) {
   return {};
 }
 
-/// Files without a header are what a kill left of a run that was being removed.
+/// Ignores files without a header: they are left over from a run whose deletion was interrupted.
 void ExperimentArchive::read_if_known(ExperimentRun run) {
   {
     const std::lock_guard lock(mutex_);
@@ -82,7 +82,7 @@ void ExperimentArchive::put_reference(int arm, json reference) {
   note(files_.put_reference(run, arm, std::move(reference)));
 }
 
-/// The disk has answered before it is told: who was told of a cell finds it again.
+/// Writes the cell to disk before publishing it, so that a published cell survives a restart.
 void ExperimentArchive::put_cell(int cell, json measured) {
   const ExperimentRun run = held();
   json& picture = measured["picture"];

@@ -1,5 +1,5 @@
-/// The gain sweeps of this bench: what was measured of them stays, cell by cell, until all of it is
-/// there.
+/// Archive of gain sweeps. Stores each cell as it is measured, so that an interrupted sweep can be
+/// continued.
 #pragma once
 
 #include <cstdint>
@@ -15,37 +15,38 @@
 
 namespace ovws {
 
-/// Holds one run, that was asked for last; those of before stay on the disk (ExperimentFiles).
+/// Holds the most recently requested run in memory; earlier runs stay on disk (ExperimentFiles).
 /// Thread-safe.
 class ExperimentArchive {
  public:
   explicit ExperimentArchive(DaemonStore& store) : files_(store) {}
 
-  /// At the start: the run that was asked for last. Waits for the disk.
+  /// At the daemon's start: loads the most recently requested run. Waits for the disk.
   void load();
 
-  // The job's thread; they wait for the disk. What cannot be kept is measured all the same, and
-  // `report` says why it is not kept.
-  /// All that is known of the run of `begin_job`; nothing if `anew`. What the disk did not take of
-  /// it before is offered again. Errors (Errc::unavailable): what was measured before cannot be
-  /// removed.
+  // Called by the job's thread; these wait for the disk. If a file cannot be written, the sweep
+  // continues and `result` reports why.
+  /// Opens the run of `begin_job`: loads what was measured of it before, or deletes it if `anew`.
+  /// Retries earlier failed writes. Errors (Errc::unavailable): the earlier results cannot be
+  /// deleted.
   Result<void> open(bool anew);
   void put_reference(int arm, nlohmann::json reference);
   void put_cell(int cell, nlohmann::json measured);
   nlohmann::json reference(int arm) const;  ///< null: not measured yet
   bool has_cell(int cell) const;
 
-  /// Before anybody is told of it: job `job` measures that run now. It is the run that is held from
-  /// now on; one that was not, or is measured anew, has no cells before `open`. Never waits.
+  /// Makes `run` the current run, which job `job` measures. Call it before the job's number is
+  /// published. If it was not the current run, or if it starts over (`anew`), it has no cells until
+  /// `open`. Never waits.
   void begin_job(const ExperimentRun& run, int job);
   void end_job();
-  /// The job that measures it now.
+  /// The job that is measuring the run; none: no job is.
   std::optional<int> job_of(const std::string& run) const;
 
-  nlohmann::json result() const;  ///< of experiment.get
-  /// Of experiment.cell; `done` at once, or in the disk thread if a picture belongs to it.
-  /// Errc::invalid if there is no such cell, Errc::refused if it was not measured yet,
-  /// Errc::unavailable if too many wait for the disk.
+  nlohmann::json result() const;  ///< result of experiment.get
+  /// Result of experiment.cell. Calls `done` at once, or in the disk thread if the cell's image
+  /// must be read. Errc::invalid: no such cell. Errc::refused: it has not been measured yet.
+  /// Errc::unavailable: too many requests are waiting for the disk.
   void cell(int number, std::function<void(Result<nlohmann::json>)> done);
 
  private:
@@ -58,21 +59,21 @@ class ExperimentArchive {
   void read(const ExperimentRun& run);
   void read_if_known(ExperimentRun run);
   ExperimentRun held() const;
-  /// False: the store has none of it, and why is remembered.
+  /// False: the write failed, and the reason is remembered.
   bool note(const Result<void>& kept);
   std::optional<std::string> picture_in_memory(const ExperimentRun& run, int cell) const;
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
   std::optional<double> time_left_s() const;        // call with mutex_ locked
 
   ExperimentFiles files_;
-  mutable std::mutex mutex_;  ///< never held while the disk works
+  mutable std::mutex mutex_;  ///< never held during disk access
   std::optional<ExperimentRun> run_;
-  bool to_read_ = false;  ///< what the store has of it is not in memory yet
+  bool to_read_ = false;  ///< the stored results have not been loaded yet
   std::vector<nlohmann::json> references_;
-  std::vector<nlohmann::json> cells_;    ///< as of experiment.cell, but the pictures' pixels
-  std::map<int, std::string> pictures_;  ///< that the store does not hold, by cell
+  std::vector<nlohmann::json> cells_;    ///< as in experiment.cell, without the images' pixels
+  std::map<int, std::string> pictures_;  ///< images that could not be stored, by cell
   std::optional<Job> job_;
-  std::optional<std::string> not_kept_reason_;  ///< of what the store does not hold
+  std::optional<std::string> not_kept_reason_;  ///< why a write failed; none: no failure
 };
 
 }  // namespace ovws

@@ -18,11 +18,11 @@ std::string kind_of(const std::string& run) {
   return fmt::format("{}-{}", kKind, run);
 }
 
-/// Of which measuring of a run a file is: `anew` leaves none of before behind, even if a file of it
-/// stays.
+/// Key that identifies the execution of a run that a file belongs to. After `anew`, files of an
+/// earlier execution are ignored even if they could not be deleted.
 constexpr const char* kStamp = "run_t_begun_ns";
 
-/// Of their own kind: many megabytes each, and read only when one is asked for.
+/// Images have a kind of their own: they take many megabytes and are read only on request.
 std::string picture_kind_of(const std::string& run) {
   return fmt::format("{}-picture-{}", kKind, run);
 }
@@ -39,11 +39,12 @@ std::string picture_name(std::size_t cell) {
   return fmt::format("picture-{:05}", cell);
 }
 
-/// None: it is not of this program.
+/// The header of a run.
 struct Header {
   ExperimentRun run;
   std::int64_t t_opened_ns = 0;
 };
+/// None: the file is not a valid header.
 std::optional<Header> header_of(const StateItem& item) {
   const json& content = item.content;
   if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
@@ -57,7 +58,7 @@ std::optional<Header> header_of(const StateItem& item) {
                 opened.get<std::int64_t>()};
 }
 
-/// Oldest first, by when they were asked for last.
+/// All headers, the run opened longest ago first.
 std::vector<Header> headers(const DaemonStore& store) {
   std::vector<Header> all;
   store.load(kKind, [&all](const StateItem& item) {
@@ -165,12 +166,13 @@ Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
   return {};
 }
 
-/// The time of day may have been set back: the run that is open need not seem the latest.
+/// `current` is excluded by name, because the clock may have been set back and it may not look the
+/// latest.
 void ExperimentFiles::drop_oldest(const std::string& current) {
   auto known = headers(store_);
   std::erase_if(known, [&current](const Header& one) { return one.run.name == current; });
   for (std::size_t k = 0; k + kMostKept <= known.size(); ++k) {
-    // The header last: with it the rest is found again after a kill, or when a file stays.
+    // The header is deleted last, so that an interrupted deletion can be continued.
     if (drop_measured(known[k].run)) (void)store_.drop_and_wait(kKind, known[k].run.name);
   }
 }

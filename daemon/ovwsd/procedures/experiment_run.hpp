@@ -1,4 +1,4 @@
-/// A gain sweep on a bench.
+/// One run of a gain sweep on a bench.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 namespace ovws {
 
 struct ExperimentRun {
-  std::string name;  ///< 16 hexadecimal digits: the same for the same sweep on the same bench
+  std::string name;  ///< hash of request and bench, 16 hexadecimal digits
   GainSweep request;
-  nlohmann::json bench;  ///< what its numbers are of, and the same while it lasts
+  nlohmann::json bench;  ///< bench settings, see sweep_bench; must not change during the run
   std::int64_t t_begun_ns = 0;
-  bool anew = false;  ///< cells that are known already are measured again
+  bool anew = false;  ///< delete earlier results and start over
 };
-/// It begins now.
+/// A run that begins now.
 ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
 
 }  // namespace ovws

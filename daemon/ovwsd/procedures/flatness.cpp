@@ -14,16 +14,16 @@ namespace ovws {
 namespace {
 
 constexpr int kMostScans = 5;
-constexpr double kEnough = 2.0;           // times the fit's standard error
-constexpr double kLeastChange = 0.003;    // waves RMS: less is not looked for
-constexpr double kMostChange = 0.01;      // more is no result
-constexpr double kMostUnexplained = 0.1;  // lambda/d RMS that no mode explains
-constexpr int kFirstMode = 3;             // tilts are no error of the SLM
-// Of a subaperture's diameter. A bright spot's peak goes with the fourth power; that of a vortex of
-// charge 1 is a quarter of it, that of charge 2 a tenth.
+constexpr double kEnough = 2.0;           // converged below this many standard errors of the fit
+constexpr double kLeastChange = 0.003;    // waves RMS: or below this change
+constexpr double kMostChange = 0.01;      // waves RMS: a larger change is refused
+constexpr double kMostUnexplained = 0.1;  // lambda/d RMS: limit of the fit residual
+constexpr int kFirstMode = 3;             // tilts (j = 1, 2) are not part of the flatness
+// Diameter of the probe, relative to a subaperture. A bright spot's peak scales with its fourth
+// power. A vortex of charge 1 has a quarter of the peak of a bright spot, one of charge 2 a tenth.
 constexpr double kProbe = 0.7, kProbeOfHighCharge = 0.5;
 
-/// Modes of j >= kFirstMode: root sum square of the difference.
+/// Root sum square of the difference over the modes j >= kFirstMode.
 double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
            const std::vector<double>& b) {
   double sum = 0.0;
@@ -49,7 +49,7 @@ class Scanner {
 
   const std::vector<int>& modes_j() const { return fit_.modes_j(); }
   double spot_lambda_d_px() const { return spots_.lambda_d_px; }
-  /// With the opposite of `error` shown. `from` .. `to` is its part of the progress.
+  /// One scan while the opposite of `error` is shown. `from` .. `to`: its share of the progress.
   Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to);
 
  private:
@@ -88,7 +88,7 @@ Result<ScanFit::Found> Scanner::scan(const std::vector<double>& error, double fr
   return fit_.fit(at_px, shown);
 }
 
-/// And what was in force before.
+/// Adds the previously active flatness, because the scan measured on top of it.
 void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
   for (std::size_t k = 0; k < before.modes.size(); ++k) {
     const auto same = std::find_if(measured.modes.begin(), measured.modes.end(),

@@ -19,8 +19,8 @@ namespace {
 using nlohmann::json;
 using Places = std::vector<Vec2>;
 
-constexpr int kMostFramesToFind = 20;  // the frame path tries at every sixteenth at least
-constexpr std::size_t kMostPicturePixels = 9'000'000;  // a reply with it stays below 16 MiB
+constexpr int kMostFramesToFind = 20;  // the frame path searches at least every 16th
+constexpr std::size_t kMostPicturePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
 
 SensorSet sensor_of(const SweepArm& arm) {
   SensorSet set;
@@ -73,7 +73,7 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
                           measured.positions_px.size(), arm.charge));
 }
 
-/// A whole frame as 8 bits. None if it is too large.
+/// One frame, reduced to 8 bits. None: it is too large for a reply.
 Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
   const auto seen = bench.picture(1);
   if (!seen) return fail(seen.error());
@@ -88,7 +88,8 @@ Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
                                base64_of(std::span<const std::uint8_t>(bytes))};
 }
 
-/// Of the first aberration, with the first arm of each charge.
+/// Whether to store an image: at the requested gains, for the first aberration and the first arm of
+/// each charge.
 bool wants_picture(const GainSweep& sweep, const GainSweep::Cell& at) {
   const auto first = std::find_if(sweep.arms.begin(), sweep.arms.end(), [&](const SweepArm& arm) {
     return arm.charge == sweep.arms[at.arm].charge;
@@ -103,9 +104,9 @@ class Sweep {
   Sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run, ExperimentArchive& archive)
       : bench_(bench), slm_(slm), run_(run), sweep_(run.request), archive_(archive) {}
 
-  /// Still the bench of the run?
+  /// Refused if the bench's settings differ from those of the run.
   Result<void> check_bench() const;
-  /// Nothing on the table moved since the run's first reference? One arm's spots tell it for all.
+  /// Refused if the spots have moved since the run's references were taken. Checks one arm only.
   Result<void> check_table();
   Result<void> measure_reference(int arm);
   Result<void> measure_cell(int number);
@@ -125,9 +126,9 @@ Result<void> Sweep::check_bench() const {
                           sweep_bench(*bench_.sensor(), bench_.camera(), run_.bench["optics"]));
 }
 
-/// A sensor that has lost its spots at the gain before looks for them every some frames only: until
-/// they are found, frames would tell of that gain. Where there is nothing to find, that is
-/// measured.
+/// Waits until all spots are found. After spots were lost at the previous gain, the frame path
+/// searches only every few frames; frames before that would still show the effect of that gain.
+/// Gives up after kMostFramesToFind frames: the spots then count as lost at this gain.
 Result<void> Sweep::find_spots() {
   for (int k = 0; k < kMostFramesToFind; ++k) {
     const auto frame = bench_.series(1);
@@ -138,7 +139,7 @@ Result<void> Sweep::find_spots() {
   return {};
 }
 
-/// As the arm's tracker finds the spots, without an aberration, at the reference's gain.
+/// Frames without an aberration at the reference's gain, measured with the arm's tracker.
 Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
   if (auto shown = bench_.show(sensor_of(arm), {}); !shown) return fail(shown.error());
   if (auto set = set_gain(bench_, sweep_.reference_gain_db); !set) return fail(set.error());
@@ -146,7 +147,8 @@ Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
   return bench_.series(sweep_.reference_frames);
 }
 
-/// Fixed cells follow their spots by a part only, and are compared as their tracker found them.
+/// For fixed windows it compares the tracker's positions: the centroid in a fixed window follows
+/// only part of a spot's motion.
 Result<void> Sweep::check_table() {
   for (int arm = 0; arm < int(sweep_.arms.size()); ++arm) {
     const SweepArm& with = sweep_.arms[std::size_t(arm)];
@@ -231,8 +233,8 @@ Result<void> Sweep::measure_cell(int number) {
   return {};
 }
 
-/// At every second gain the arms come in the reverse order: a slow drift of the bench favours none
-/// of them, and the SLM changes its charge once a gain only.
+/// Order of the cells: arms in alternating direction from gain to gain. A slow drift of the bench
+/// then favours no arm, and the charge changes only once for each gain.
 std::vector<int> order_of(const GainSweep& sweep) {
   std::vector<int> order;
   const int arms = int(sweep.arms.size());

@@ -7,11 +7,12 @@
 
 namespace ovws {
 
-/// Measures what of `run` the archive does not have, and puts it there: first the reference of each
-/// arm, without an aberration, then cell by cell. Modes by the tracker's slopes. A run that has
-/// references already goes on only where the spots of one still stand (check_unmoved). Errors:
-/// those of Bench, of show_request and of the camera; Errc::refused if a reference is
-/// saturated, or its spots are lost or have moved.
+/// Measures the missing references and cells of `run` and stores them in the archive: first the
+/// reference of each arm, without an aberration, then the cells. Modes are reconstructed with the
+/// tracker's slopes. A run that already has references continues only if the spots of one of them
+/// have not moved (check_unmoved). Errors: those of Bench, of show_request and of the camera;
+/// Errc::refused: the bench has changed, a reference is saturated, or its spots are lost or have
+/// moved.
 Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run,
                                 ExperimentArchive& archive);
 

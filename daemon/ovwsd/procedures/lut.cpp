@@ -10,17 +10,17 @@
 namespace ovws {
 namespace {
 
-/// Of a subaperture's diameter: the largest that saturates nothing is taken.
+/// Patch diameters to try, relative to a subaperture. The largest that does not saturate is used.
 constexpr std::array<double, 5> kShares{1.0, 0.7, 0.5, 0.35, 0.25};
 constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
-constexpr double kLeastContrast = 4.0;  // brightest pixel over that of the darkest trial
+constexpr double kLeastContrast = 4.0;  // brightest pixel, relative to that at grey level 0
 
 Error saturated_error() {
   return {Errc::refused, "camera.exposure_us",
           "the spot is saturated: lower the exposure or the gain"};
 }
 
-/// One bench, and the patches that suit its light.
+/// Shows the patches and reads their interference fringes.
 class LutBench {
  public:
   LutBench(Bench& bench, const SlmGeometry& slm, int frames)
@@ -30,10 +30,11 @@ class LutBench {
         now_(bench.sensor()),
         map_(px_per_cycle(now_->optics, slm)) {}
 
-  /// Finds patches that saturate nothing, and the fixed grey level that is brightest.
+  /// Chooses the largest patches that do not saturate, and the brightest grey level as the fixed
+  /// one.
   Result<void> choose();
   Result<std::complex<double>> beat(int grey);
-  /// Whether the phase rises or falls with the grey level.
+  /// Determines whether the phase rises or falls with the grey level.
   Result<PhaseResponse> find_sign(PhaseResponse rising);
 
  private:
@@ -59,7 +60,7 @@ Result<FringeReading> LutBench::read(const Painter& paint) {
                      map_);
 }
 
-// Painters by value: once the job was cancelled they may be called after this has returned.
+// Captures by value: after a cancel the painter may be called when this function has returned.
 Result<FringeReading> LutBench::read(int grey, int fixed) {
   return read([patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
                   const HologramRenderer&, Image<std::uint8_t>& picture) {
@@ -89,7 +90,7 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
   return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
 }
 
-/// False: something is saturated.
+/// Tries one patch diameter. False: a pixel is saturated.
 Result<bool> LutBench::try_share(double share) {
   patches_ =
       fringe_patches(now_->sensor, map_, share,
@@ -127,8 +128,8 @@ Result<std::complex<double>> LutBench::beat(int grey) {
   return fail(saturated_error());
 }
 
-/// Up and down again: what drifts meanwhile shows between the two. From `from` to `to` of the
-/// procedure.
+/// Measures all grey levels upwards and then downwards; drift shows as the difference of the two.
+/// `from` .. `to`: its share of the progress.
 Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
                                     const std::vector<int>& greys, double from, double to) {
   std::vector<GreyBeat> beats;
@@ -145,13 +146,14 @@ Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
   return beats;
 }
 
-/// So many levels evenly spaced, and those between until neighbours are close. All in one sweep at
-/// the end: what drifts from one sweep to the next would bend the curve.
+/// Adaptive sampling: starts with evenly spaced levels and adds levels until the phases of
+/// neighbours are close. Each pass measures all levels again, because drift between passes would
+/// bend the curve.
 Result<std::vector<GreyBeat>> measure_beats(Bench& bench, LutBench& lut_bench, int levels) {
   std::vector<int> greys;
   for (int k = 0; k < levels; ++k) greys.push_back(int(std::lround(255.0 * k / (levels - 1))));
   for (double from = 0.0;;) {
-    const double to = 0.5 * (1.0 + from);  // how many rounds come nobody knows
+    const double to = 0.5 * (1.0 + from);  // the number of passes is not known in advance
     auto beats = sweep(bench, lut_bench, greys, from, to);
     if (!beats) return beats;
     const auto between = levels_between(*beats);

@@ -8,10 +8,11 @@
 
 namespace ovws {
 
-/// Shows two patches of the pupil that beat with each other (core/optics/grey_fringe.hpp), the one
-/// with each grey level in turn, up and down again, as large as the camera's range allows. Without
-/// an origin. Errors: those of Bench and of phase_response; Errc::refused if the spot is saturated
-/// or dark.
+/// Measures the SLM's phase response by interference of two patches of the pupil
+/// (core/optics/grey_fringe.hpp). One patch shows each grey level in turn, upwards and then
+/// downwards, the other a fixed level. The patches are as large as possible without saturating the
+/// camera. The result's origin is not set. Errors: those of Bench and of phase_response;
+/// Errc::refused: the spot is saturated or too dark.
 Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run);
 
 }  // namespace ovws

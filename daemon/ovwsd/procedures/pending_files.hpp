@@ -1,4 +1,4 @@
-/// The files that a job's results are written to, and that the disk has not answered for yet.
+/// Counts a job's files whose writing has not finished.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,8 @@ namespace ovws {
 /// Thread-safe.
 class PendingFiles : public std::enable_shared_from_this<PendingFiles> {
  public:
-  /// A file is pending as long as the token lives: it belongs to the callback that is called when
-  /// the disk has answered, so that it ends with that callback, called or not.
+  /// Returns a token; a file is pending as long as its token lives. Store the token in the callback
+  /// for the end of the write, so that it is released even if the callback is never called.
   std::shared_ptr<void> add() {
     {
       const std::lock_guard lock(mutex_);
@@ -22,12 +22,13 @@ class PendingFiles : public std::enable_shared_from_this<PendingFiles> {
     }
     return {nullptr, [self = shared_from_this()](void*) { self->end_one(); }};
   }
-  /// False: some are still pending.
+  /// Waits until no file is pending. False: some still are after `patience`.
   bool wait_for(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     return none_.wait_for(lock, patience, [this] { return count_ == 0; });
   }
-  /// Calls `then` once when none is pending: now, or in the thread that ends the last one.
+  /// Calls `then` once when no file is pending: at once, or in the thread that releases the last
+  /// token.
   void when_none(std::function<void()> then) {
     {
       const std::lock_guard lock(mutex_);

@@ -8,14 +8,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kRim = 1.5;  // lambda/d: nearer to the rim a spot is cut off
+constexpr double kRim = 1.5;  // lambda/d: a spot closer to the edge is cut off
 
 bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
   return at.x < rim_px || at.y < rim_px || at.x > light.width - 1.0 - rim_px ||
          at.y > light.height - 1.0 - rim_px;
 }
 
-/// A picture has NaN there.
+/// Saturated pixels are NaN in a mean image.
 bool is_saturated(const Image<float>& light, Vec2 at, double reach_px) {
   const int reach = int(std::ceil(reach_px)), cx = int(at.x), cy = int(at.y);
   for (int y = std::max(0, cy - reach); y < std::min(light.height, cy + reach + 1); ++y) {

@@ -1,4 +1,4 @@
-/// Lone spots of known slopes on the bench: what registration and flatness look at.
+/// Probes: single spots with a known grating, used by registration and flatness.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,12 @@ namespace ovws {
 /// For the thread of one procedure.
 class ProbeBench {
  public:
-  /// `frames` are averaged for each picture.
+  /// `frames` are averaged for each image.
   ProbeBench(Bench& bench, int frames) : bench_(bench), frames_(frames) {}
 
-  /// Shows the probe and returns its light, DN: with it less without, NaN where it is saturated.
-  /// Errors: those of Bench; Errc::refused, "camera" if its region changed meanwhile.
+  /// Shows the probe and returns its image minus the image without a probe, DN. NaN where a frame
+  /// was saturated. Errors: those of Bench; Errc::refused, field "camera": the camera's region
+  /// changed meanwhile.
   Result<Image<float>> light(const Probe& probe);
 
  private:
@@ -25,12 +26,13 @@ class ProbeBench {
 };
 
 struct ProbeSpot {
-  Vec2 rough;                ///< the middle of the light, camera pixels
-  std::optional<Vec2> fine;  ///< by the matched filter, if that finds it
+  Vec2 rough;                ///< centre of the intensity, camera pixels
+  std::optional<Vec2> fine;  ///< found by the matched filter; none: it found nothing
 };
 
-/// The one spot of such a light; none if nothing stands out of the noise, or nearer than 1.5
-/// lambda/d to the picture's rim. Errors (Errc::refused, "camera.exposure_us"): it is saturated.
+/// Finds the spot in an image of ProbeBench::light. None: no spot stands out of the noise, or it is
+/// closer than 1.5 lambda/d to the image's edge. Errors (Errc::refused, field
+/// "camera.exposure_us"): the spot is saturated.
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots);
 
 }  // namespace ovws

@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kTurn(50);
 
 void Procedures::start(const std::string& kind, Procedure procedure,
                        std::function<void(Result<int>)> done) {
-  // In the prepare thread, which alone knows whether the sensor is free.
+  // Only the prepare thread knows whether the sensor is free.
   deps_.bench.keeper.after_changes(
       [this, kind, procedure = std::move(procedure), done = std::move(done)]() mutable {
         begin(kind, std::move(procedure), done);
@@ -34,7 +34,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
       return done(fail(Errc::refused, "", "another job is running: wait for its end or cancel it"));
     }
     run_ = run;
-    begun_ = true;  // not to be carried out before it has all it needs
+    begun_ = true;  // do_work must not start it before it is complete
   }
   if (auto free = deps_.bench.keeper.may_hold(); !free) {
     release();
@@ -61,7 +61,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
   asked_.notify_one();
 }
 
-/// Nothing runs any more; who waits for that is told.
+/// Marks the sensor as free and calls the callbacks of when_free.
 void Procedures::release() {
   std::vector<std::function<void()>> waiting;
   {
@@ -98,20 +98,21 @@ bool Procedures::do_work() {
   return true;
 }
 
-/// Memory is locked, and pictures of many megapixels may not fit.
+/// Runs the procedure. Turns exceptions into errors: images of many megapixels may exceed the
+/// locked memory.
 Result<nlohmann::json> Procedures::carry_out(Run& run) {
   try {
     return run.procedure(*run.bench);
   } catch (const std::bad_alloc&) {
     return fail(Errc::unavailable, "",
                 "there is not enough memory: choose a smaller region of interest");
-  } catch (const std::exception& error) {  // the job fails, and the sensor is given back
+  } catch (const std::exception& error) {  // the job fails and releases the sensor
     return fail(Errc::internal, "", std::string("an error of the daemon: ") + error.what());
   }
 }
 
-/// All is as it was, and the sensor free again, before the job ends: a client that hears of the end
-/// may start the next job. A disk that does not answer delays the end, and nothing else.
+/// Restores gain and hologram and releases the sensor before the job ends. A client may start the
+/// next job as soon as it sees the end. A disk that does not answer delays only the end of the job.
 void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
   run->bench->put_back_gain();
   auto given_back = std::make_shared<std::promise<void>>();
@@ -126,7 +127,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
   }
   deps_.on_job(false);
   release();
-  // The run tells the job's progress until the job has ended.
+  // Keeps `run` alive: it provides the progress until the job has ended.
   run->bench->pending_files()->when_none([run, &jobs = deps_.bench.jobs, job, result] {
     if (result) return jobs.finish(job, *result);
     jobs.fail_job(job, result.error());

@@ -1,4 +1,4 @@
-/// Long commands that show pictures and look at what the camera makes of them, one at a time, in a
+/// Runs procedures: long measurements that show holograms and evaluate frames, one at a time, in a
 /// thread of their own.
 #pragma once
 
@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-/// Returns what the job's result shall be.
+/// Measures, and returns the job's result.
 using Procedure = std::function<Result<nlohmann::json>(Bench&)>;
 
 struct ProceduresDeps {
@@ -27,18 +27,19 @@ struct ProceduresDeps {
   std::function<void(bool)> on_job;
 };
 
-/// The agent of the procedure thread.
+/// Agent of the procedure thread.
 class Procedures : public Agent {
  public:
   explicit Procedures(ProceduresDeps deps) : deps_(std::move(deps)) {}
 
-  /// Thread-safe: the job's number; the sensor is lent to it from now on. Errc::refused if one
-  /// runs.
+  /// Thread-safe: starts a job, which holds the sensor until it ends. Calls `done` in the prepare
+  /// thread with the job's number. Errc::refused: another job is running, the loop or a reload
+  /// holds the sensor, or the daemon is stopping.
   void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done);
-  /// Thread-safe: calls `then` when no procedure has the sensor, in the procedure thread or at
-  /// once.
+  /// Thread-safe: calls `then` when no procedure holds the sensor: at once, or in the procedure
+  /// thread.
   void when_free(std::function<void()> then);
-  /// Thread-safe: what runs ends within a fraction of a second.
+  /// Thread-safe: refuses new jobs and stops the running one within a fraction of a second.
   void end_soon();
 
   bool do_work() override;
@@ -60,9 +61,9 @@ class Procedures : public Agent {
   ProceduresDeps deps_;
   std::mutex mutex_;
   std::condition_variable asked_;
-  std::shared_ptr<Run> run_;  ///< none: nothing runs or waits to run
+  std::shared_ptr<Run> run_;  ///< null: no job runs or waits to run
   std::vector<std::function<void()>> waiting_;
-  bool begun_ = false;  ///< run_ is being carried out
+  bool begun_ = false;  ///< run_ is not ready yet, or is running
   bool ending_ = false;
 };
 

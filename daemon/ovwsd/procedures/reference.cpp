@@ -30,7 +30,7 @@ void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
   bench.warn("reference", text, {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
 }
 
-/// A reference that was taken under an aberration is right, and seldom what was wanted.
+/// A reference taken under an introduced aberration is valid, but rarely intended.
 void warn_of_introduced(Bench& bench, double rms_waves) {
   if (rms_waves == 0.0) return;
   bench.warn("reference",

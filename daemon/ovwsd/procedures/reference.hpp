@@ -8,13 +8,13 @@
 
 namespace ovws {
 
-/// Errc::refused: the SLM does not show the sensor; field "allow_aberration": an aberration is
-/// introduced, which the reference would hold.
+/// Errc::refused: the SLM does not show the sensor; or, field "allow_aberration", an aberration is
+/// introduced, which would become part of the reference.
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take);
 
-/// Averages the spots of settled frames, and some of the frames, and puts them to use; returns the
-/// job's result. Errors: those of can_take_reference, of Bench and of use_reference;
-/// Errc::refused, field "camera", if its settings changed meanwhile.
+/// Takes a reference: averages the spots of settled frames and the pixels of some of them,
+/// activates the result and returns the job's result. Errors: those of can_take_reference, Bench
+/// and use_reference; Errc::refused, field "camera": the camera's settings changed meanwhile.
 Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take);
 
 }  // namespace ovws

@@ -13,15 +13,16 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 0.7;    // of the field that the sensor's own spots take
-constexpr double kMostCpp = 0.5;  // the SLM's limit
-// lambda/d, of what the map leaves: of the matched filter's places, and of the light's middles.
+constexpr double kReach = 0.7;    // of the field that the sensor's spots occupy
+constexpr double kMostCpp = 0.5;  // Nyquist limit of the SLM
+// lambda/d: limits of the fit residual, for the matched filter's positions and for intensity
+// centres.
 constexpr double kMostResidual = 0.02, kMostRoughResidual = 0.1;
-constexpr std::size_t kMostLeftOut = 2;  // sights that may be ghosts
-constexpr int kMostCharge = 2;           // of a probe
-constexpr double kOtherScale = 0.03;     // relative: the spots are then looked for anew
+constexpr std::size_t kMostLeftOut = 2;  // positions that may be ghosts
+constexpr int kMostCharge = 2;           // of the probe
+constexpr double kOtherScale = 0.03;     // relative: from this scale error on, search again
 
-/// All around the base, and the first ones again: has nothing moved meanwhile?
+/// Grating steps around the base. The first ones are repeated at the end to reveal motion.
 constexpr std::array<Vec2, 12> kSteps{{{0, 0},
                                        {1, 0},
                                        {-1, 0},
@@ -37,7 +38,7 @@ constexpr std::array<Vec2, 12> kSteps{{{0, 0},
 
 struct Look {
   Vec2 offset_cpp;
-  Image<float> light;  ///< with the probe, minus without
+  Image<float> light;  ///< minus the image without the probe
 };
 
 double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
@@ -45,7 +46,7 @@ double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
   for (const Subaperture& s : lattice.subapertures) {
     most = std::max(most, norm(s.frequency_cpp - base_cpp));
   }
-  // A diagonal step is longer by the root of two.
+  // Diagonal steps are longer by sqrt(2).
   const double free = kMostCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
   return std::min(kReach * most / std::sqrt(2.0), free);
 }
@@ -63,7 +64,7 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
   return looks;
 }
 
-/// Where the light's middle is, and where the matched filter finds the spot.
+/// Positions of the probe: intensity centres, and the matched filter's.
 struct Sights {
   std::vector<ProbeSight> rough, fine;
 };
@@ -85,7 +86,7 @@ double distance_px(const Registration& map, const ProbeSight& sight) {
   return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
 }
 
-/// A sight may be a ghost: leaves out the one or two that fit the others worst.
+/// Fits the map. Leaves out up to kMostLeftOut positions that fit worst, which may be ghosts.
 Result<Registration> consistent(std::vector<ProbeSight> sights, double most_residual_px) {
   for (std::size_t left_out = 0;; ++left_out) {
     const auto map = fit_registration(sights);
@@ -103,8 +104,8 @@ Result<Registration> consistent(std::vector<ProbeSight> sights, double most_resi
   }
 }
 
-/// By the matched filter if that finds as much; under a strong aberration only the light's middle
-/// is sure.
+/// Uses the matched filter's positions unless it lost some of the spots. Under a strong aberration
+/// only the intensity centre is reliable.
 Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
                             const SpotModel& spots) {
   const auto sights = sights_of(bench, looks, spots);

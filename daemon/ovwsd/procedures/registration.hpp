@@ -7,10 +7,10 @@
 
 namespace ovws {
 
-/// Shows the base subaperture alone, with gratings that move its spot over most of the sensor's
-/// field, and finds it each time: whatever the camera's angle, parity and scale. Base spot in
-/// pixels of the camera's sensor. Errors: those of Bench; Errc::refused if the spot is not seen, or
-/// does not move as a map says.
+/// Registers the camera to the SLM. Shows the base subaperture alone with several gratings, which
+/// move its spot over most of the field. Then fits an affine map to the spot's positions. Works for
+/// any rotation, parity and scale. The base spot is in pixels of the camera's whole sensor. Errors:
+/// those of Bench; Errc::refused: the spot is not found, or no affine map fits its positions.
 Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames);
 
 }  // namespace ovws

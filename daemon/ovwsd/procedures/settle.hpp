@@ -8,9 +8,9 @@
 
 namespace ovws {
 
-/// Moves one spot to and fro, and watches the light at both places in every frame that comes,
-/// settled or not, from the moment the display took each picture. Errors: those of Bench and of
-/// step_time.
+/// Measures the SLM's settle time. Moves one spot to and fro, and records the intensity at both
+/// places in every frame, settled or not. Times count from the moment the display presented each
+/// hologram. Errors: those of Bench, Bench::check_shown and step_time.
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run);
 
 }  // namespace ovws

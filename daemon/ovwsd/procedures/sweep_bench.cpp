@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSameExposure = 1e-3;  // a camera that is opened again may round otherwise
+constexpr double kSameExposure = 1e-3;  // relative: a reopened camera may round differently
 
 bool same_part(const std::string& name, const json& before, const json& now) {
   if (name == "camera" && now.is_null()) return true;

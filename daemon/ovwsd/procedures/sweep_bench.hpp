@@ -1,4 +1,4 @@
-/// What the numbers of a gain sweep are of.
+/// Bench settings that the results of a gain sweep depend on.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,12 +9,13 @@
 
 namespace ovws {
 
-/// `bench` of experiment.get: all that a sweep does not change itself. `optics` as in the
-/// configuration.
+/// Field `bench` of experiment.get: all settings that the sweep itself does not change. `optics`:
+/// as configured.
 nlohmann::json sweep_bench(const SensorSnapshot& sensor, const CameraSnapshot& camera,
                            nlohmann::json optics);
 
-/// Errc::refused, naming what is not as it was. A camera that is away just now has not changed.
+/// Errc::refused: the message names the settings that have changed. A disconnected camera counts as
+/// unchanged.
 Result<void> check_same_bench(const nlohmann::json& before, const nlohmann::json& now);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// What the frames of a gain sweep's cell tell: pure computation.
+/// Evaluates the frames of one cell of a gain sweep. Pure functions.
 #pragma once
 
 #include <vector>
@@ -10,10 +10,11 @@
 
 namespace ovws {
 
-/// Where each spot is on average; NaN if it is found in fewer than half of the frames.
+/// Mean position of each spot; NaN if it is found in fewer than half of the frames.
 std::vector<Vec2> mean_positions(const std::vector<SeriesFrame>& frames);
+/// Median level and noise of the found spots, and the brightest pixel.
 SpotLevels levels_of(const std::vector<SeriesFrame>& frames);
-/// Each frame's modes, and how far they are from `introduced`.
+/// Reconstructs each frame's modes and their residual variance against `introduced`.
 std::vector<CellMeasured::Frame> judge_frames(const std::vector<SeriesFrame>& frames,
                                               const Reconstructor& reconstructor,
                                               const std::vector<Mode>& introduced);

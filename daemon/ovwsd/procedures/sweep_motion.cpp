@@ -10,12 +10,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kStandardErrors = 4.0;  // the largest of a hundred spots seldom has more by chance
+constexpr double kStandardErrors =
+    4.0;  // rarely exceeded by chance, even by the worst of 100 spots
 constexpr const char* kWayOn =
     "the cells measured so far are kept: put back what moved and ask again, or start a new run "
     "with \"anew\": true";
 
-/// Of one frame's position along one axis, and in how many frames the spot is found.
+/// Standard deviation of a single frame's position along one axis, and the number of frames with
+/// the spot.
 struct Scatter {
   double deviation_px = 0.0;
   int found = 0;

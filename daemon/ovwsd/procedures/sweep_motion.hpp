@@ -1,5 +1,4 @@
-/// Whether the bench still stands where it stood when a gain sweep took its references: pure
-/// computation.
+/// Detects motion of the bench since a gain sweep took its references. Pure functions.
 #pragma once
 
 #include <string>
@@ -11,29 +10,28 @@
 
 namespace ovws {
 
-/// From one mean of positions to another, camera pixels. All that moves counts, the tilt that all
-/// spots share included.
+/// Motion between two mean positions of the spots, camera pixels. Includes the common tilt.
 struct SpotMotion {
-  int lost = 0;             ///< spots found in fewer than half of the frames; the rest is of others
-  Vec2 mean_px;             ///< over the spots
-  double largest_px = 0.0;  ///< of one spot, any direction
-  int largest_at = 0;       ///< that subaperture
-  /// Of one spot's motion along one axis, the largest: by how the spots scatter in `frames`, which
-  /// is taken for the scatter of before.
+  int lost = 0;  ///< spots found in fewer than half of the frames; the other fields leave them out
+  Vec2 mean_px;  ///< mean over the spots
+  double largest_px = 0.0;  ///< largest distance that a single spot moved
+  int largest_at = 0;       ///< subaperture of that spot
+  /// Largest standard error of a spot's motion along one axis, from the scatter in `frames`. The
+  /// earlier frames are assumed to have the same scatter.
   double standard_error_px = 0.0;
 };
 
-/// From `before_px`, the mean of `frames_before` frames, to the mean of `frames`. NaN in
-/// `before_px`: no such spot.
+/// Motion from `before_px`, the mean of `frames_before` frames, to the mean of `frames`. Spots with
+/// NaN in `before_px` are ignored.
 SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
                        const std::vector<SeriesFrame>& frames);
 
-/// The most that a spot may have moved, of lambda/d: 1/20.
+/// Largest allowed motion of a spot, in lambda/d: 1/20.
 constexpr double kMostMotion = 0.05;
 
-/// Errc::refused if a spot is lost or has moved by more than `limit_px` (field "anew"), or if four
-/// standard errors are more than that and nothing can be told (field "reference_frames").
-/// `arm`: its name, for the reason.
+/// Errc::refused, field "anew": a spot is lost, or has moved by more than `limit_px`.
+/// Errc::refused, field "reference_frames": four standard errors exceed the limit, so motion cannot
+/// be excluded. `arm`: its name, for the message.
 Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std::string& arm);
 
 }  // namespace ovws
