@@ -30,7 +30,7 @@ Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Ei
   const auto values = floats_of(text, std::size_t(rows * cols));
   const auto finite = [](float value) { return std::isfinite(value); };
   if (!values || !std::all_of(values->begin(), values->end(), finite)) {
-    return fail(Errc::invalid, key, "has not the numbers that its modes and spots ask for");
+    return fail(Errc::invalid, key, "does not hold one finite value for each mode and coordinate");
   }
   return Eigen::MatrixXd(
       Eigen::Map<const Eigen::MatrixXf>(values->data(), rows, cols).cast<double>());
@@ -43,7 +43,7 @@ Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& o
   for (const double number : numbers) {
     const bool again = std::find(out.begin(), out.end(), int(number)) != out.end();
     if (number != std::floor(number) || again) {
-      return fail(Errc::invalid, key, "are not numbers that count");
+      return fail(Errc::invalid, key, "must be distinct integers");
     }
     out.push_back(int(number));
   }
@@ -92,13 +92,15 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
     if (!*part) return fail(part->error());
   }
   if (matrix.amplitude_waves.size() != matrix.modes_j.size()) {
-    return fail(Errc::invalid, "amplitudes_waves", "are not as many as the modes");
+    return fail(Errc::invalid, "amplitudes_waves", "must have one value for each mode");
   }
   for (const int spot : matrix.lost_spots) {
-    if (spot >= texts.spots) return fail(Errc::invalid, "lost_spots", "are not among the spots");
+    if (spot >= texts.spots)
+      return fail(Errc::invalid, "lost_spots", "must be numbers of existing spots");
   }
-  if (!t_taken_ns->is_number_integer()) return fail(Errc::invalid, "t_taken_ns", "is not a time");
-  if (!origin->is_object()) return fail(Errc::invalid, "origin", "is not an object");
+  if (!t_taken_ns->is_number_integer())
+    return fail(Errc::invalid, "t_taken_ns", "must be a time in nanoseconds");
+  if (!origin->is_object()) return fail(Errc::invalid, "origin", "must be an object");
   calibration.t_taken_ns = t_taken_ns->get<std::int64_t>();
   calibration.origin = std::make_shared<const json>(*origin);
   return texts;

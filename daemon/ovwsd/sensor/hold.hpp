@@ -25,12 +25,12 @@ struct Hold {
 inline Result<void> may_change(const Hold& now, const Hold& as) {
   if (now == as || (as.by == Hold::By::loop && now.by == Hold::By::nobody)) return {};
   if (as.by == Hold::By::job) {
-    return fail(Errc::refused, "", "the sensor does not belong to this job");
+    return fail(Errc::refused, "", "this job does not hold the sensor");
   }
   switch (now.by) {
     case Hold::By::job:
       return fail(Errc::refused, "",
-                  "job " + std::to_string(now.job) + " has the sensor: wait for it or cancel it");
+                  "job " + std::to_string(now.job) + " holds the sensor: wait for it or cancel it");
     case Hold::By::loop:
       return fail(Errc::refused, "", "the loop is closed; open it with loop.open first");
     case Hold::By::reload:
@@ -39,7 +39,7 @@ inline Result<void> may_change(const Hold& now, const Hold& as) {
     case Hold::By::nobody:
       break;
   }
-  return fail(Errc::refused, "", "the sensor is not held by the reload");
+  return fail(Errc::refused, "", "the reload does not hold the sensor");
 }
 
 }  // namespace ovws

@@ -142,10 +142,10 @@ std::string unused_reason(const Reference& reference, const SensorState& state,
   if (!is_of_key(reference, state)) return {};
   if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
   if (!is_of_slm(reference, state)) {
-    return "the SLM is driven otherwise than when it was taken; take another one";
+    return "it was taken with another look-up table or flatness; take a new reference";
   }
   if (!is_at_its_place(reference, state, bench)) {
-    return "spots are now expected elsewhere than when it was taken; take another one";
+    return "the expected spot positions have changed since it was taken; take a new reference";
   }
   return {};
 }

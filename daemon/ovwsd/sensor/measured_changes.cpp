@@ -15,7 +15,8 @@ using Told = std::function<void(const std::string& sha256)>;
 
 Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
   if (edit.state.sensor_epoch == sensor_epoch) return {};
-  return fail(Errc::refused, "camera", "the camera or its region changed meanwhile");
+  return fail(Errc::refused, "camera",
+              "the camera, its region or its pixel format changed during the job; start it again");
 }
 
 ReferenceKey key_of(const SensorState& state) {
@@ -125,7 +126,7 @@ void drop_of_slm(Kept<Kind>& kept, SensorEdit& edit, std::shared_ptr<const SlmIn
   };
   edit.undo = [before = std::move(before),
                without = edit.state.slm](SensorEdit& now) -> Result<void> {
-    if (now.state.slm != without) return fail(Errc::refused, "", "it was changed meanwhile");
+    if (now.state.slm != without) return fail(Errc::refused, "", "it has been changed since");
     now.state.slm = before;
     return {};
   };
@@ -139,7 +140,8 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
           spots = std::move(spots)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
     if (edit.bench.camera && !(*edit.bench.camera == taken.settings)) {
-      return fail(Errc::refused, "camera", "the camera's settings changed meanwhile");
+      return fail(Errc::refused, "camera",
+                  "the camera's settings changed during the job; start it again");
     }
     const SensorState& state = edit.state;
     const BenchOptics& optics = edit.bench.optics;

@@ -40,9 +40,10 @@ Result<ModeOperator> by_diffraction(const OperatorKey& key, const SlmGeometry& s
   auto matrix = diffractive_matrix(*model, key.sensor, **tracker, modes_j, kDiffractiveStep, stop);
   if (!matrix) return fail(matrix.error());
   if (determined_modes(matrix->slopes) < int(modes_j.size())) {
-    return fail(Errc::refused, "tracking",
-                "the spots that the tracker finds in the model do not tell every mode: move the "
-                "camera's region to the spots, or take another tracker");
+    return fail(
+        Errc::refused, "tracking",
+        "the spots that the tracker finds in the model do not determine every mode: move the "
+        "camera's region to the spots, or use another tracker");
   }
   return ModeOperator{OperatorKind::diffractive, std::move(modes_j), std::move(matrix->slopes),
                       std::move(matrix->reference_px)};

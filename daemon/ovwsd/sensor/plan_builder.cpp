@@ -71,12 +71,14 @@ Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor
 Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
   if (tracking.tracker == TrackerKind::lg_contour) {
     return fail(Errc::invalid, "tracker",
-                "lg_contour is exact and slow, for work offline: choose lg, which finds the same");
+                "lg_contour is too slow for the daemon and works offline only: use lg, which finds "
+                "the same positions");
   }
   if (tracking.mode_operator == OperatorKind::relinearised) {
-    return fail(Errc::invalid, "operator",
-                "relinearised takes a tenth of a second an image, for work offline: enable refine, "
-                "which is better, at a rate of its own");
+    return fail(
+        Errc::invalid, "operator",
+        "relinearised is too slow for the daemon and works offline only: enable refine, which "
+        "is more accurate and has its own rate");
   }
   return {};
 }

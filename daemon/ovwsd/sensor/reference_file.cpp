@@ -34,12 +34,12 @@ Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool
     return number.is_null() ? NAN : number.get<double>();
   };
   if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMostSpots) {
-    return unfit(key, "is not a list of positions");
+    return unfit(key, "must be a list of positions");
   }
   std::vector<Vec2> points;
   for (const json& point : content[key]) {
     const bool pair = point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
-    if (!pair) return unfit(key, "is not a list of [x, y]");
+    if (!pair) return unfit(key, "must be a list of [x, y]");
     points.push_back({value(point[0]), value(point[1])});
   }
   return points;
@@ -74,7 +74,8 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   if (auto read = r.finish(); !read) return fail(read.error());
   const auto known = pixel_format_from_name(format);
   auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
-  if (!known || !values) return unfit("picture", "has not the pixels that it says");
+  if (!known || !values)
+    return unfit("picture", "does not match its pixel format, width and height");
   picture->gain_db = gain_db.value_or(kNotKnown);
   picture->format = *known;
   picture->mean_dn.width = width;
@@ -88,12 +89,12 @@ Result<void> check_whole(const Reference& reference) {
   const ReferenceKey& key = reference.key;
   const std::size_t spots = reference.positions_px.size();
   if (spots == 0 || reference.standard_error_px.size() != spots) {
-    return unfit("positions_px", "are not as many as their standard errors");
+    return unfit("positions_px", "and standard_error_px must be of equal length, and not empty");
   }
   const auto* const picture = reference.picture.get();
   if (picture != nullptr &&
       (picture->mean_dn.width != key.roi.width || picture->mean_dn.height != key.roi.height)) {
-    return unfit("picture", "is not of the region of interest");
+    return unfit("picture", "must have the size of the region of interest");
   }
   return {};
 }
@@ -132,8 +133,8 @@ Result<Reference> reference_from(const json& content) {
   r.raw("positions_px");
   r.raw("standard_error_px");
   if (auto read = r.finish(); !read) return fail(read.error());
-  if (!t_taken_ns->is_number_integer()) return unfit("t_taken_ns", "is not a time");
-  if (!origin->is_object()) return unfit("origin", "is not an object");
+  if (!t_taken_ns->is_number_integer()) return unfit("t_taken_ns", "must be a time in nanoseconds");
+  if (!origin->is_object()) return unfit("origin", "must be an object");
   reference.source = ReferenceSource(source);
   reference.t_taken_ns = t_taken_ns->get<std::int64_t>();
   auto positions = points_from(content, "positions_px", false);

@@ -31,7 +31,7 @@ Result<std::optional<Registration>> registration_from(const json& content) {
   registration.px_per_cycle = {map[0], map[1], map[2], map[3]};
   const bool mappable = registration.px_per_cycle.scale() >= limits::kLeastPxPerCycle;
   if (!t_taken_ns->is_number_integer() || !mappable) {
-    return fail(Errc::invalid, "registration", "is not a map of slopes");
+    return fail(Errc::invalid, "registration", "has no valid t_taken_ns or px_per_cycle");
   }
   registration.t_taken_ns = t_taken_ns->get<std::int64_t>();
   return registration;
@@ -158,7 +158,7 @@ std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key
   const auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return renderer.error().reason;
   if (renderer->lattice().subapertures.size() != spots) {
-    return "it has not as many spots as its sensor";
+    return "its number of spots does not match its sensor";
   }
   const json hash = origin.value("hologram_sha256", json());
   if (hash.is_null()) return {};
@@ -166,7 +166,7 @@ std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key
   const auto modes = ModesSet::decode({{"modes", origin["aberration"]}});
   if (!modes) return modes.error().reason;
   renderer->render(HologramKind::sensor, modes->modes, grey);
-  return hash == hash_of(grey) ? "" : "this program draws its hologram otherwise";
+  return hash == hash_of(grey) ? "" : "this version of the program draws its hologram differently";
 }
 
 std::string identity_of(const json& origin) {

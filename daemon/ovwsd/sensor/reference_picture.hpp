@@ -17,7 +17,8 @@ struct ReferencePicture {
 };
 
 /// Message for a reference without a mean image.
-constexpr const char* kNoPicture = "it holds no picture; take it anew, from ten frames or more";
+constexpr const char* kNoPicture =
+    "the reference has no mean image; take it again with ten frames or more";
 
 /// Makes a reference image from a single image of unknown gain.
 ReferencePicture picture_of(const ImageView& image);

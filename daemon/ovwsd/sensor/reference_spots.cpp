@@ -54,12 +54,13 @@ Result<ReferenceSpots> judge_spots(const SpotAverage& average,
   Growth growth = growth_without(spots.lost, modes);
   spots.weak_modes_j = std::move(growth.weak_j);
   if (growth.undetermined_j.empty()) return spots;
-  return fail(Errc::refused, "",
-              fmt::format("spots {} were found in fewer than half of the frames, and without them "
-                          "the modes j = {} are not determined: check that the light reaches the "
-                          "whole pupil, the exposure, and that the region of interest holds the "
-                          "spots, or use fewer subapertures",
-                          listed_spots(spots.lost), listed_spots(growth.undetermined_j)));
+  return fail(
+      Errc::refused, "",
+      fmt::format("spots {} were found in fewer than half of the frames, and without them "
+                  "the modes j = {} are not determined: check the illumination of the whole "
+                  "pupil, the exposure, and that the region of interest contains the "
+                  "spots; or use fewer subapertures",
+                  listed_spots(spots.lost), listed_spots(growth.undetermined_j)));
 }
 
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,

@@ -40,18 +40,19 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
                            const Reference* reference) {
   if (tracking.templates == TemplateKind::model) return none("");
   if (tracking.tracker != TrackerKind::matched) {
-    return none("only the tracker matched has a template: set it");
+    return none("only the tracker matched uses templates: set tracker to matched");
   }
   if (reference == nullptr) return none("there is no reference: take one");
-  if (!reference->picture) return none(fmt::format("the reference: {}", kNoPicture));
+  if (!reference->picture) return none(kNoPicture);
   if (!shows(reference->picture->format, spots.lit)) {
-    return none(fmt::format("the reference's picture was taken in {}: take it anew",
+    return none(fmt::format("the reference's mean image has the pixel format {}: take it again",
                             pixel_format_name(reference->picture->format)));
   }
   const double needed_mib = bank_mib(spots) * double(reference->positions_px.size());
   if (needed_mib > kMostMiB) {
-    return none(fmt::format("they would take {:.0f} MiB of memory, more than {:.0f}: use \"model\"",
-                            needed_mib, kMostMiB));
+    return none(
+        fmt::format("they would need {:.0f} MiB of memory (limit {:.0f}): set template to model",
+                    needed_mib, kMostMiB));
   }
   OwnTemplates own;
   own.banks = reference_templates(spots, reference->picture->mean_dn, reference->positions_px);
@@ -59,8 +60,8 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
   own.report.own = int(own.banks.size() - std::count(own.banks.begin(), own.banks.end(), nullptr));
   if (!without.empty()) {
     own.report.reason = fmt::format(
-        "the reference's picture of spots {} is saturated or dark: mend the exposure, and take it "
-        "anew",
+        "the reference's mean image of spots {} is saturated or too dark: correct the exposure, "
+        "then take it again",
         without);
   }
   if (own.report.own == 0) own.banks.clear();

@@ -30,18 +30,21 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int f
   const double most_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
   if (!(peak_e > kLeastPeak * std::max(camera.read_noise_e, 1.0))) {
     return fmt::format(
-        "the brightest pixel, {:.0f} electrons, is below the read noise: expose longer", peak_e);
+        "the brightest pixel ({:.0f} electrons) is below the read noise: increase the exposure",
+        peak_e);
   }
   const bool told = std::all_of(sigma_waves.begin(), sigma_waves.end(),
                                 [](double sigma) { return sigma < kMostSigmaWaves; });  // no NaN
   if (!told) {
-    return fmt::format("too little light to tell all modes: one's standard error is {:.2f} wave",
-                       most_sigma);
+    return fmt::format(
+        "too few photons to determine all modes: the largest standard error is {:.2f} wave; "
+        "increase the exposure",
+        most_sigma);
   }
   if (!((chi2_per_pixel - 1.0) / frames + 1.0 < kMostChi2)) {
     return fmt::format(
-        "the model does not explain the pixels, chi2 per pixel is {:.1f}: the noise stated, the "
-        "optics configured, or what is in the light differs",
+        "the model does not explain the image (chi2 per pixel is {:.1f}): check the "
+        "configured noise, the optics and the illumination",
         chi2_per_pixel);
   }
   return std::nullopt;

@@ -45,7 +45,7 @@ Result<Registration> registration_from(const json& content) {
   out.px_per_cycle = {map[0], map[1], map[2], map[3]};
   out.standard_error = {error[0], error[1], error[2], error[3]};
   if (out.px_per_cycle.scale() < limits::kLeastPxPerCycle) {
-    return fail(Errc::invalid, "registration.px_per_cycle", "is not a map of slopes");
+    return fail(Errc::invalid, "registration.px_per_cycle", "has too small a scale");
   }
   return out;
 }
@@ -64,7 +64,7 @@ json RegistrationKind::content(const MeasuredRegistration& registration) const {
 
 Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
   if (!content.is_object() || !content.contains("registration") || !content.contains("slm")) {
-    return fail(Errc::invalid, "", "it is not that of a registration");
+    return fail(Errc::invalid, "", "it contains no registration");
   }
   if (content["slm"] != to_json(slm)) {
     return fail(Errc::invalid, "",

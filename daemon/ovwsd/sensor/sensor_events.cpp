@@ -12,16 +12,16 @@ void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSna
   if (now.torn != before.torn) {
     events_.emit("spots", Severity::info,
                  now.torn.empty()
-                     ? "all spots are followed as round ones again"
-                     : fmt::format("the wavefront has torn spots {}: they are followed by the "
-                                   "shapes that it gives them",
+                     ? "no spot is split any more: all spots are tracked as usual"
+                     : fmt::format("the wavefront has split spots {}: they are tracked with "
+                                   "templates of their shapes",
                                    fmt::join(now.torn, ", ")),
                  {{"torn", now.torn}});
   }
   const OperatorKind in_use = now.mode_operator.in_force;
   if (in_use == before.mode_operator.in_force) return;
   events_.emit("sensor", Severity::info,
-               fmt::format("modes are read by the operator {}", operator_name(in_use)),
+               fmt::format("modes are reconstructed with the operator {}", operator_name(in_use)),
                {{"operator", operator_name(in_use)}});
 }
 
@@ -46,11 +46,12 @@ void SensorEvents::publish_stale(const Reference* reference,
   if (fields == stale_told_) return;
   stale_told_ = fields;
   if (reference == nullptr) return;
-  const std::string how = words.empty() ? "the camera is set as it was then"
+  const std::string how = words.empty() ? "the camera's settings are those that it was taken with"
                                         : fmt::format("{}", fmt::join(words, "; "));
-  events_.emit("reference", fields.empty() ? Severity::info : Severity::warning,
-               title_of(*reference) + " is in force: " + how,
-               {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
+  events_.emit(
+      "reference", fields.empty() ? Severity::info : Severity::warning,
+      title_of(*reference) + (fields.empty() ? " is active: " : " is active, but stale: ") + how,
+      {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
 }
 
 const std::string& SensorEvents::layout_fault(const SensorState& state) {

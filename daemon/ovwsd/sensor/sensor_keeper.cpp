@@ -155,7 +155,7 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
       state_.roi = camera.roi;  // the next change is planned for this image
       state_.format = camera.pixel_format;
       deps_.events.emit("sensor", Severity::error,
-                        "no plan for the camera's image: " + used.error().reason);
+                        "the camera's image cannot be measured: " + used.error().reason);
     }
   });
 }
@@ -179,7 +179,7 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   const auto& flatness = state.slm->flatness;
   if (flatness && is_other(flatness->origin.value("camera", nlohmann::json()))) {
     deps_.events.emit("slm", Severity::warning,
-                      "the flatness is not used, and left on the disk: it was measured with "
+                      "the flatness is not used, and its file is kept: it was measured with "
                       "another camera",
                       {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
     state.slm = slm_in_force(bench_.config, bench_.hologram, state.slm->lut, nullptr);
@@ -299,7 +299,7 @@ OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
     mailbox_.post(
         [this, of, made = std::move(made)]() mutable { store_operator(of, std::move(made)); });
   });
-  return {plan.mode_operator, "its matrix is being made: that takes some seconds"};
+  return {plan.mode_operator, "its matrix is being computed, which takes some seconds"};
 }
 
 /// Caches the operator, and activates a plan with it if it is still requested. Positions do not
@@ -307,7 +307,7 @@ OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
 void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> made) {
   if (!made) {
     deps_.events.emit("sensor", Severity::warning,
-                      "there is no diffractive operator: " + made.error().reason,
+                      "the diffractive operator cannot be computed: " + made.error().reason,
                       {{"operator", "diffractive"}});
   }
   knowledge_.operators->put(key, std::move(made));
@@ -347,7 +347,7 @@ void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
   SensorEdit undo = new_edit();
   const bool undone =
       may_hold() && edit.undo(undo) && activate(std::move(undo), Show::when_possible);
-  if (!undone) why.reason += "; it is not used any more, and a restart loads it";
+  if (!undone) why.reason += "; it is no longer used, but the next restart will load it again";
   done(fail(std::move(why)));
 }
 

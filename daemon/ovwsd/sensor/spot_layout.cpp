@@ -146,7 +146,7 @@ std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
   const double whole_x = (layout.reach_px.x + layout.margin_px) / (0.5 * (bench.roi.width - 1));
   const double whole_y = (layout.reach_px.y + layout.margin_px) / (0.5 * (bench.roi.height - 1));
   const double smaller = 1.0 / std::max(whole_x, whole_y);
-  return fmt::format("optics.focal_length_mm to {:g}, with such a lens",
+  return fmt::format("optics.focal_length_mm to {:g}, and use such a lens",
                      rounded_down(bench.optics.focal_length_mm * smaller));
 }
 
@@ -170,10 +170,11 @@ Result<void> check_spots_apart(const SpotBench& bench) {
   if (layout.nearest >= least) return {};
   return fail(
       Errc::invalid, "sensor.spacing",
-      fmt::format("neighbouring spots are {:.2f} lambda/d apart, and {} cannot tell {} apart below "
-                  "{:.2f}: set {}",
-                  layout.nearest, tracker_name(bench.tracking.tracker),
-                  spot_name(bench.sensor.charge), least, farther_apart(bench, layout)));
+      fmt::format(
+          "neighbouring spots are {:.2f} lambda/d apart, but the tracker {} separates {} only "
+          "from {:.2f} lambda/d on: set {}",
+          layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench.sensor.charge),
+          least, farther_apart(bench, layout)));
 }
 
 Result<void> check_spots_in_region(const SpotBench& bench) {
@@ -186,9 +187,9 @@ Result<void> check_spots_in_region(const SpotBench& bench) {
   if (bench.optics.centre_px) {
     return fail(
         Errc::invalid, "camera.roi",
-        fmt::format("{}: they lie about ({:.0f}, {:.0f}) px of it, as optics.centre_px or "
-                    "the registration says, up to {:.0f} px in x and {:.0f} px in y; move "
-                    "the region there, or run registration.run again",
+        fmt::format("{}: by optics.centre_px or the registration they lie around ({:.0f}, "
+                    "{:.0f}) px of the region, up to {:.0f} px away in x and {:.0f} px in y; "
+                    "move the region there, or run registration.run again",
                     what, bench.optics.centre_px->x, bench.optics.centre_px->y,
                     layout.reach_px.x + layout.margin_px, layout.reach_px.y + layout.margin_px));
   }

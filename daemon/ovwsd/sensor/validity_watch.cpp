@@ -43,7 +43,7 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
   StatusMessage::SensorPart::Invalid invalid;
   invalid.t_since_ns = utc_ns - (now_ns - lack.since_ns);
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
-                               lack.explained ? "" : ", and no wavefront explains where they are");
+                               lack.explained ? "" : ", but no wavefront explains their positions");
   invalid.action = action_of(search, now_ns);
   invalid.searches = search.searches;
   if (!search.running)

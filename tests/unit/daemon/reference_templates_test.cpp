@@ -72,7 +72,7 @@ TEST(OwnTemplates, SayWhyThereAreNone) {
             std::string::npos);
   EXPECT_NE(reason(kAsked, nullptr).find("take one"), std::string::npos);
   reference.picture.reset();
-  EXPECT_NE(reason(kAsked, &reference).find("no picture"), std::string::npos);
+  EXPECT_NE(reason(kAsked, &reference).find("no mean image"), std::string::npos);
 }
 
 TEST(OwnTemplates, AreNotMadeOfAPictureThroughOtherFilters) {

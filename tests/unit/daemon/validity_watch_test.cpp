@@ -38,7 +38,7 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   const ValidityWatch::Lack lack{2 * kS, 19, 19, false};
   const auto waiting = invalid_in_words(lack, {false, 3, 5 * kS}, 4 * kS, utc_ns);
   EXPECT_EQ(waiting.t_since_ns, 998 * kS);
-  EXPECT_EQ(waiting.reason, "19 of 19 spots are found, and no wavefront explains where they are");
+  EXPECT_EQ(waiting.reason, "19 of 19 spots are found, but no wavefront explains their positions");
   EXPECT_EQ(waiting.action,
             "the whole image was searched 3 times for spots; again in 1.0 s, or at once when it "
             "changes");
