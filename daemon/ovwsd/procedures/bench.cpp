@@ -18,7 +18,7 @@ constexpr double kLeastPatienceS = 10.0;
 constexpr std::chrono::milliseconds kFilePatience(2000);
 
 Error stopped_error() {
-  return {Errc::refused, "", "it was told to end"};
+  return {Errc::refused, "", "the job was stopped"};
 }
 
 /// Longest wait for the next frame.
@@ -44,8 +44,8 @@ Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
 Error Bench::no_frame(double waited_s) const {
   if (auto there = check_display(); !there) return there.error();
   return {Errc::unavailable, "",
-          fmt::format("no settled frame came for {:.0f} s: see system.status for what the camera "
-                      "and the SLM do",
+          fmt::format("no settled frame arrived for {:.0f} s: check the camera and the SLM in "
+                      "system.status",
                       waited_s)};
 }
 
@@ -53,9 +53,9 @@ Result<void> Bench::check_display() const {
   const SlmSnapshot slm = deps_.slm.snapshot();
   if (slm.healthy) return {};
   return fail(Errc::unavailable, "slm",
-              fmt::format("the SLM's display was lost in the middle of the job: {}; what the job "
-                          "found is dropped, start it again when system.status says that the SLM "
-                          "is connected",
+              fmt::format("the SLM's display was lost in the middle of the job: {}; the job's "
+                          "results are discarded, start it again when system.status reports the "
+                          "SLM as connected",
                           slm.fault));
 }
 
@@ -211,7 +211,8 @@ Result<TakenReference> Bench::reference(int frames) {
   const CameraSettings settings = camera().settings;
   const auto same_camera = [&]() -> Result<void> {
     if (camera().settings == settings) return {};
-    return fail(Errc::refused, "camera", "the camera's settings changed meanwhile");
+    return fail(Errc::refused, "camera",
+                "the camera's settings changed during the job; start it again");
   };
   PictureMean picture;
   auto pictures = request_pictures(PictureMean::kMaxFrames, picture);

@@ -50,7 +50,7 @@ Result<std::vector<int>> modes_to_push(const CalibrationRun& run, const ModeOper
     const auto& told = model.modes_j;
     if (std::find(told.begin(), told.end(), j) != told.end()) continue;
     return fail(Errc::invalid, "modes",
-                "this lattice does not tell j = " + std::to_string(j) + ": it tells j = 1 to " +
+                "this lattice does not determine j = " + std::to_string(j) + ", only j = 1 to " +
                     std::to_string(told.empty() ? 0 : told.back()));
   }
   std::vector<int> modes_j = run.modes_j;
@@ -102,8 +102,8 @@ Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
   return fail(Errc::refused, "modes",
               "spots were lost, and without them the modes j = " + modes +
                   " cannot be measured (j = " + std::to_string(first.j) + ": " + first.reason +
-                  "): see that the light reaches the whole pupil, push by fewer waves "
-                  "(amplitude_waves), or ask for the others alone (modes)");
+                  "): check that the light reaches the whole pupil, poke by fewer waves "
+                  "(amplitude_waves), or request the other modes only (modes)");
 }
 
 Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& modes_j,

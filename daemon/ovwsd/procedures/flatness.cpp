@@ -104,17 +104,18 @@ void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
 
 Result<void> check_bench(const SensorSnapshot& now) {
   if (!now.registration) {
-    return fail(Errc::refused, "", "no registration is in force: call registration.run first");
+    return fail(Errc::refused, "", "no registration is active: call registration.run first");
   }
   if (!now.correction.empty()) {
-    return fail(Errc::refused, "", "a correction is shown: call correction.clear first");
+    return fail(Errc::refused, "", "a correction is active: call correction.clear first");
   }
   const auto& before = now.slm->flatness;
   if (before && before->pupil_diameter_px != now.sensor.pupil_diameter_px) {
-    return fail(Errc::refused, "sensor.pupil_diameter_px",
-                fmt::format("a flatness measured over {} SLM pixels is in force, the pupil has {}: "
-                            "call flatness.clear first",
-                            before->pupil_diameter_px, now.sensor.pupil_diameter_px));
+    return fail(
+        Errc::refused, "sensor.pupil_diameter_px",
+        fmt::format("the active flatness was measured over {} SLM pixels, but the pupil has {}: "
+                    "call flatness.clear first",
+                    before->pupil_diameter_px, now.sensor.pupil_diameter_px));
   }
   return {};
 }
@@ -122,21 +123,23 @@ Result<void> check_bench(const SensorSnapshot& now) {
 Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found& last,
                           double noise_waves, double lambda_d_px) {
   if (last.residual_px > kMostUnexplained * lambda_d_px) {
-    return fail(Errc::refused, "",
-                fmt::format("no wavefront explains where the spots are, {:.2f} px RMS are left: "
-                            "see that nothing moves, and run registration.run",
-                            last.residual_px));
+    return fail(
+        Errc::refused, "",
+        fmt::format("no wavefront explains the spots' positions (residual {:.2f} px RMS): check "
+                    "that nothing moves, and run registration.run",
+                    last.residual_px));
   }
   if (measured.residual_rms_waves <= kMostChange) return {};
   if (measured.residual_rms_waves < kEnough * noise_waves) {
-    return fail(Errc::refused, "camera.exposure_us",
-                fmt::format("the spots are too weak, the modes are known to {:.3f} waves RMS: "
-                            "raise the exposure, or average more frames",
-                            noise_waves));
+    return fail(
+        Errc::refused, "camera.exposure_us",
+        fmt::format("the spots are too weak (standard error of the modes {:.3f} waves RMS): "
+                    "increase the exposure, or average more frames",
+                    noise_waves));
   }
   return fail(Errc::refused, "",
-              fmt::format("it does not settle: after {} scans {:.3f} waves RMS still change; see "
-                          "that nothing moves, and run registration.run",
+              fmt::format("the scans do not converge: after {} of them the modes still change by "
+                          "{:.3f} waves RMS; check that nothing moves, and run registration.run",
                           measured.iterations, measured.residual_rms_waves));
 }
 

@@ -41,7 +41,7 @@ Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGe
   const auto lattice = make_lattice(sensor.sensor, slm);
   if (!lattice) return fail(lattice.error());
   if (lattice->subapertures.size() != reference_px.size()) {
-    return fail(Errc::internal, "", "the reference is of another lattice");
+    return fail(Errc::internal, "", "the reference belongs to another lattice");
   }
   const ModeOperator model =
       slope_operator(*lattice, sensor.sensor, sensor.tracking, px_per_cycle(sensor.optics, slm));
@@ -66,11 +66,12 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
   }
   const auto lost = lost_of(measured.positions_px);
   if (lost == 0) return {};
-  return fail(Errc::refused, "camera.exposure_us",
-              fmt::format("at the reference's gain of {} dB {} finds {} of {} spots of charge {} "
-                          "too rarely: give more light, or look at the alignment",
-                          measured.gain_db, to_json(arm.tracker).get<std::string>(), lost,
-                          measured.positions_px.size(), arm.charge));
+  return fail(
+      Errc::refused, "camera.exposure_us",
+      fmt::format("at the reference's gain of {} dB {} finds {} of {} spots of charge {} in "
+                  "too few frames: increase the exposure, or check the alignment",
+                  measured.gain_db, to_json(arm.tracker).get<std::string>(), lost,
+                  measured.positions_px.size(), arm.charge));
 }
 
 /// One frame, reduced to 8 bits. None: it is too large for a reply.

@@ -108,8 +108,8 @@ Result<bool> LutBench::try_share(double share) {
   }
   if (most > kLeastContrast * std::max(1.0, dark->brightest_dn)) return true;
   return fail(Errc::refused, "camera.exposure_us",
-              "no light comes where the base spot belongs: run registration.run, raise the "
-              "exposure, or see that slm.settle_ms is long enough (slm.settle measures it)");
+              "there is no light where the base spot is expected: run registration.run, increase "
+              "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)");
 }
 
 Result<void> LutBench::choose() {

@@ -45,7 +45,8 @@ Result<Image<float>> ProbeBench::light(const Probe& probe) {
   auto picture = bench_.picture(frames_);
   if (!picture) return picture;
   if (picture->width != without_->width || picture->height != without_->height) {
-    return fail(Errc::refused, "camera", "the camera's region changed meanwhile");
+    return fail(Errc::refused, "camera",
+                "the camera's region changed during the job; start it again");
   }
   for (std::size_t k = 0; k < picture->pixels.size(); ++k) {
     picture->pixels[k] -= without_->pixels[k];

@@ -107,7 +107,7 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
     return fail(Errc::unavailable, "",
                 "there is not enough memory: choose a smaller region of interest");
   } catch (const std::exception& error) {  // the job fails and releases the sensor
-    return fail(Errc::internal, "", std::string("an error of the daemon: ") + error.what());
+    return fail(Errc::internal, "", std::string("internal error of the daemon: ") + error.what());
   }
 }
 

@@ -11,21 +11,22 @@ namespace {
 
 void warn_of_saturated(Bench& bench, const std::vector<int>& saturated) {
   if (saturated.empty()) return;
-  bench.warn("reference",
-             fmt::format("spots {} are saturated in frames of the reference: a lower exposure or "
-                         "gain makes a better one",
-                         listed_spots(saturated)),
-             {{"saturated_spots", saturated}});
+  bench.warn(
+      "reference",
+      fmt::format("spots {} are saturated in some frames of the reference: for a better one, "
+                  "lower the exposure or the gain and take it again",
+                  listed_spots(saturated)),
+      {{"saturated_spots", saturated}});
 }
 
 void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
   if (spots.lost.empty()) return;
   std::string text = fmt::format(
-      "the reference lacks spots {}, which were found in fewer than half of its frames: they are "
-      "not used",
+      "the reference does not use spots {}, which were found in fewer than half of its frames",
       listed_spots(spots.lost));
   if (!spots.weak_modes_j.empty()) {
-    text += fmt::format("; the modes j = {} are noisier for it", listed_spots(spots.weak_modes_j));
+    text += fmt::format("; without them the modes j = {} are noisier",
+                        listed_spots(spots.weak_modes_j));
   }
   bench.warn("reference", text, {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
 }
@@ -34,9 +35,9 @@ void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
 void warn_of_introduced(Bench& bench, double rms_waves) {
   if (rms_waves == 0.0) return;
   bench.warn("reference",
-             fmt::format("the reference holds the introduced aberration of {:.4f} wave RMS: "
-                         "coefficients count from it, and the loop keeps it; for one without: "
-                         "aberration.clear, and take it again",
+             fmt::format("the reference contains the introduced aberration of {:.4f} wave RMS: "
+                         "coefficients count from it, and the loop keeps it; for a reference "
+                         "without it call aberration.clear, then take it again",
                          rms_waves),
              {{"introduced_rms_waves", rms_waves}});
 }
@@ -52,10 +53,10 @@ Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTak
   if (take.allow_aberration || introduced == 0.0) return {};
   return fail(
       Errc::refused, "allow_aberration",
-      fmt::format("the SLM shows an introduced aberration of {:.4f} wave RMS, which the reference "
-                  "would make the zero of all coefficients: clear it first (aberration.clear), or "
-                  "set \"allow_aberration\": true",
-                  introduced));
+      fmt::format(
+          "the SLM shows an introduced aberration of {:.4f} wave RMS, which would become part "
+          "of the reference: clear it first (aberration.clear), or set \"allow_aberration\": true",
+          introduced));
 }
 
 Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {

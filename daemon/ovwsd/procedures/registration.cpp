@@ -72,7 +72,7 @@ Result<Sights> sights_of(const Bench& bench, const std::vector<Look>& looks,
                          const SpotModel& spots) {
   Sights sights;
   for (const Look& one : looks) {
-    if (bench.stopped()) return fail(Errc::refused, "", "it was told to end");
+    if (bench.stopped()) return fail(Errc::refused, "", "the job was stopped");
     const auto spot = probe_spot(one.light, spots);
     if (!spot) return fail(spot.error());
     if (!*spot) continue;
@@ -92,11 +92,12 @@ Result<Registration> consistent(std::vector<ProbeSight> sights, double most_resi
     const auto map = fit_registration(sights);
     if (!map || map->residual_px < most_residual_px) return map;
     if (left_out == kMostLeftOut) {
-      return fail(Errc::refused, "",
-                  fmt::format("the spot does not move as a map of slopes says, {:.2f} px RMS are "
-                              "left: see that nothing moves on the bench, that the spot is not "
-                              "saturated, and that the region of interest holds the sensor's field",
-                              map->residual_px));
+      return fail(
+          Errc::refused, "",
+          fmt::format("the spot does not move as an affine map predicts (residual {:.2f} px "
+                      "RMS): check that nothing else moves on the bench, that the spot is not "
+                      "saturated, and that the region of interest contains the sensor's field",
+                      map->residual_px));
     }
     sights.erase(std::max_element(sights.begin(), sights.end(), [&](const auto& a, const auto& b) {
       return distance_px(*map, a) < distance_px(*map, b);

@@ -46,8 +46,8 @@ Result<void> check_same_bench(const json& before, const json& now) {
   }
   if (changed.empty()) return {};
   return fail(Errc::refused, "",
-              "the bench is not the one the sweep was asked for on: other " + changed +
-                  "; set it as it was and ask again, or ask for a sweep of what it is now");
+              "the bench has changed since the sweep began: " + changed +
+                  "; restore it and call again to continue, or call again for a new sweep");
 }
 
 }  // namespace ovws

@@ -113,7 +113,7 @@ TEST(SweepBench, IsTheSameUntilAPartOfItDiffers) {
   const auto changed = check_same_bench(before, now);
   ASSERT_FALSE(changed);
   EXPECT_EQ(changed.error().code, Errc::refused);
-  EXPECT_NE(changed.error().reason.find("other camera, exposure_us;"), std::string::npos);
+  EXPECT_NE(changed.error().reason.find(": camera, exposure_us;"), std::string::npos);
 }
 
 class Experiments : public testing::Test {
