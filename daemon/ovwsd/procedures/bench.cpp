@@ -13,8 +13,9 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kLook(20);  // how often a waiting call checks for a stop
-constexpr double kLeastPatienceS = 10.0;
+constexpr std::chrono::milliseconds kPollInterval(
+    20);  // how often a waiting call checks for a stop
+constexpr double kMinPatienceS = 10.0;
 constexpr std::chrono::milliseconds kFilePatience(2000);
 
 Error stopped_error() {
@@ -23,7 +24,7 @@ Error stopped_error() {
 
 /// Longest wait for the next frame.
 double patience_s(const CameraSettings& camera) {
-  return std::max(kLeastPatienceS,
+  return std::max(kMinPatienceS,
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
 }
 
@@ -70,7 +71,7 @@ Result<void> Bench::check_shown(std::int64_t presented_mono_ns) const {
 /// may come after this call has returned.
 template <class T>
 Result<T> Bench::wait_for(std::future<Result<T>> future) {
-  while (future.wait_for(kLook) != std::future_status::ready) {
+  while (future.wait_for(kPollInterval) != std::future_status::ready) {
     if (stopped()) return fail(stopped_error());
   }
   try {
@@ -151,7 +152,7 @@ Result<double> Bench::set_gain(double gain_db) {
     auto set = try_gain(gain_db);
     if (set || needs_a_person(set.error())) return set;
     if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before.settings)) return set;
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -176,7 +177,7 @@ Result<void> Bench::watch_on(const IntensityWatch& watch, double min_ms, int fra
   return {};
 }
 
-void Bench::tell(double progress) {
+void Bench::report_progress(double progress) {
   progress_.store(progress);
   deps_.jobs.tell_progress(job_);
 }

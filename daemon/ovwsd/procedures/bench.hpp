@@ -91,7 +91,7 @@ class Bench {
   std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
 
   /// Reports the progress of the whole procedure, 0 .. 1.
-  void tell(double progress);
+  void report_progress(double progress);
   /// Procedure thread, after the procedure: restores the gain. Returns when that is done, or when
   /// the camera thread has ended.
   void put_back_gain();

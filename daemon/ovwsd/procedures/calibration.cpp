@@ -12,10 +12,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostDrift = 0.05;  // lambda/d, from the first average without a poke to the last
-constexpr int kMostHalvings = 2;     // of the amplitude
+constexpr double kMaxDrift = 0.05;  // lambda/d, from the first average without a poke to the last
+constexpr int kMaxHalvings = 2;     // of the amplitude
 
-std::vector<Mode> with_push(std::vector<Mode> shown, int j, double waves) {
+std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
   const auto at =
       std::find_if(shown.begin(), shown.end(), [j](const Mode& mode) { return mode.j == j; });
   if (at == shown.end()) {
@@ -37,62 +37,62 @@ SpotMeans means_of(const SpotAverage& average) {
   return means;
 }
 
-Result<SpotMeans> look(Bench& bench, const std::vector<Mode>& aberration, int frames) {
+Result<SpotMeans> measure_spots(Bench& bench, const std::vector<Mode>& aberration, int frames) {
   if (auto shown = bench.show(aberration); !shown) return fail(shown.error());
   const auto average = bench.spots(frames);
   if (!average) return fail(average.error());
   return means_of(*average);
 }
 
-Result<std::vector<int>> modes_to_push(const CalibrationRun& run, const ModeOperator& model) {
+Result<std::vector<int>> modes_to_poke(const CalibrationRun& run, const ModeOperator& model) {
   if (run.modes_j.empty()) return model.modes_j;
   for (const int j : run.modes_j) {
-    const auto& told = model.modes_j;
-    if (std::find(told.begin(), told.end(), j) != told.end()) continue;
+    const auto& determined = model.modes_j;
+    if (std::find(determined.begin(), determined.end(), j) != determined.end()) continue;
     return fail(Errc::invalid, "modes",
                 "this lattice does not determine j = " + std::to_string(j) + ", only j = 1 to " +
-                    std::to_string(told.empty() ? 0 : told.back()));
+                    std::to_string(determined.empty() ? 0 : determined.back()));
   }
   std::vector<int> modes_j = run.modes_j;
   std::sort(modes_j.begin(), modes_j.end());
   return modes_j;
 }
 
-struct Pushed {
-  std::optional<PushPull> push;  ///< none: the SLM cannot show it
+struct Poked {
+  std::optional<PushPull> push_pull;  ///< none: the SLM cannot show it
   std::string reason;
 };
 
-Result<Pushed> push_and_pull(Bench& bench, const std::vector<Mode>& shown, int j,
-                             double amplitude_waves, int frames) {
-  Pushed pushed{PushPull{j, amplitude_waves, {}, {}}, ""};
+Result<Poked> poke_mode(Bench& bench, const std::vector<Mode>& shown, int j, double amplitude_waves,
+                        int frames) {
+  Poked poked{PushPull{j, amplitude_waves, {}, {}}, ""};
   for (const double sign : {1.0, -1.0}) {
-    auto spots = look(bench, with_push(shown, j, sign * amplitude_waves), frames);
+    auto spots = measure_spots(bench, with_poke(shown, j, sign * amplitude_waves), frames);
     if (!spots) {
       const Error& why = spots.error();
       if (why.code != Errc::invalid || why.field != "modes") return fail(why);
-      return Pushed{std::nullopt, "the SLM cannot show it: " + why.reason};
+      return Poked{std::nullopt, "the SLM cannot show it: " + why.reason};
     }
-    (sign > 0.0 ? pushed.push->plus : pushed.push->minus) = std::move(*spots);
+    (sign > 0.0 ? poked.push_pull->plus : poked.push_pull->minus) = std::move(*spots);
   }
-  return pushed;
+  return poked;
 }
 
-/// Pokes a mode, and halves the amplitude up to kMostHalvings times if the SLM cannot show it or
+/// Pokes a mode, and halves the amplitude up to kMaxHalvings times if the SLM cannot show it or
 /// spots are lost: a strong poke of a high mode may lose spots at the rim.
-Result<Pushed> gentle_push(Bench& bench, const std::vector<Mode>& shown, int j,
-                           const CalibrationRun& run, const SpotMeans& resting) {
-  Result<Pushed> pushed = fail(Errc::refused, "", "");
-  for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
-    pushed = push_and_pull(bench, shown, j, std::ldexp(run.amplitude_waves, -halvings), run.frames);
-    if (!pushed || (pushed->push && lost_by(*pushed->push, resting).empty())) return pushed;
+Result<Poked> poke_gently(Bench& bench, const std::vector<Mode>& shown, int j,
+                          const CalibrationRun& run, const SpotMeans& resting) {
+  Result<Poked> poked = fail(Errc::refused, "", "");
+  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
+    poked = poke_mode(bench, shown, j, std::ldexp(run.amplitude_waves, -halvings), run.frames);
+    if (!poked || (poked->push_pull && lost_by(*poked->push_pull, resting).empty())) return poked;
   }
-  return pushed;
+  return poked;
 }
 
 /// Refuses an incomplete matrix if `all` modes were requested. A missing mode would be read as
 /// other modes, so frames would be valid but wrong.
-Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
+Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
   if (!all || matrix.dropped.empty()) return {};
   std::string modes;
   for (const DroppedMode& mode : matrix.dropped) {
@@ -108,35 +108,35 @@ Result<void> check_whole(const InteractionMatrix& matrix, bool all) {
 
 Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& modes_j,
                                          const CalibrationRun& run, const ModeOperator& model,
-                                         double most_drift_px) {
+                                         double max_drift_px) {
   const std::vector<Mode> shown = bench.sensor()->aberration;
-  PushPullRun pictures;
+  PushPullRun run_data;
   std::vector<DroppedMode> dropped;
   bool any_lost = false;
-  auto before = look(bench, shown, run.frames);
+  auto before = measure_spots(bench, shown, run.frames);
   if (!before) return fail(before.error());
-  pictures.before = std::move(*before);
+  run_data.before = std::move(*before);
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    bench.tell(double(k + 1) / double(modes_j.size() + 2));
-    auto pushed = gentle_push(bench, shown, modes_j[k], run, pictures.before);
-    if (!pushed) return fail(pushed.error());
-    if (pushed->push) {
+    bench.report_progress(double(k + 1) / double(modes_j.size() + 2));
+    auto poked = poke_gently(bench, shown, modes_j[k], run, run_data.before);
+    if (!poked) return fail(poked.error());
+    if (poked->push_pull) {
       const auto at = std::find(model.modes_j.begin(), model.modes_j.end(), modes_j[k]);
-      any_lost = any_lost || !lost_by(*pushed->push, pictures.before).empty();
-      fill_lost(pictures.before, model.slopes.col(at - model.modes_j.begin()), *pushed->push);
-      pictures.modes.push_back(std::move(*pushed->push));
+      any_lost = any_lost || !lost_by(*poked->push_pull, run_data.before).empty();
+      fill_lost(run_data.before, model.slopes.col(at - model.modes_j.begin()), *poked->push_pull);
+      run_data.modes.push_back(std::move(*poked->push_pull));
     }
-    if (!pushed->push) dropped.push_back({modes_j[k], pushed->reason});
+    if (!poked->push_pull) dropped.push_back({modes_j[k], poked->reason});
   }
-  auto after = look(bench, shown, run.frames);
+  auto after = measure_spots(bench, shown, run.frames);
   if (!after) return fail(after.error());
-  pictures.after = std::move(*after);
-  auto matrix = interaction_matrix(pictures, most_drift_px);
+  run_data.after = std::move(*after);
+  auto matrix = interaction_matrix(run_data, max_drift_px);
   if (!matrix) return matrix;
   any_lost = any_lost || !matrix->lost_spots.empty();
   matrix->dropped.insert(matrix->dropped.begin(), dropped.begin(), dropped.end());
-  if (auto whole = check_whole(*matrix, any_lost && run.modes_j.empty()); !whole) {
-    return fail(whole.error());
+  if (auto complete = check_complete(*matrix, any_lost && run.modes_j.empty()); !complete) {
+    return fail(complete.error());
   }
   return matrix;
 }
@@ -151,10 +151,10 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
   if (!lattice) return fail(lattice.error());
   const ModeOperator model =
       slope_operator(*lattice, now.sensor, now.tracking, px_per_cycle(now.optics, slm));
-  const auto modes_j = modes_to_push(run, model);
+  const auto modes_j = modes_to_poke(run, model);
   if (!modes_j) return fail(modes_j.error());
   auto matrix = measure_matrix(bench, *modes_j, run, model,
-                               kMostDrift * lambda_d_px(now.optics, slm, now.sensor));
+                               kMaxDrift * lambda_d_px(now.optics, slm, now.sensor));
   if (!matrix) return fail(matrix.error());
   MeasuredCalibration measured;
   measured.amplitude_waves = run.amplitude_waves;

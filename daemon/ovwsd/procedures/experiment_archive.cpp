@@ -24,7 +24,7 @@ void ExperimentArchive::read(const ExperimentRun& run) {
   cells_ = std::move(kept.cells);
 }
 
-ExperimentRun ExperimentArchive::held() const {
+ExperimentRun ExperimentArchive::current_run() const {
   const std::lock_guard lock(mutex_);
   return *run_;
 }
@@ -32,12 +32,12 @@ ExperimentRun ExperimentArchive::held() const {
 Result<void> ExperimentArchive::open(bool anew) {
   if (anew) {
     const std::lock_guard lock(mutex_);
-    to_read_ = false;
+    load_pending_ = false;
   }
-  read_if_known(held());
-  const ExperimentRun opened = held();
+  load_if_stored(current_run());
+  const ExperimentRun opened = current_run();
   files_.try_again();
-  note(files_.put_header(opened));
+  remember_failure(files_.put_header(opened));
   if (anew) {
     if (auto dropped = files_.drop_measured(opened); !dropped) return dropped;
   }
@@ -46,18 +46,18 @@ Result<void> ExperimentArchive::open(bool anew) {
 }
 
 /// Ignores files without a header: they are left over from a run whose deletion was interrupted.
-void ExperimentArchive::read_if_known(ExperimentRun run) {
+void ExperimentArchive::load_if_stored(ExperimentRun run) {
   {
     const std::lock_guard lock(mutex_);
-    if (!std::exchange(to_read_, false)) return;
+    if (!std::exchange(load_pending_, false)) return;
   }
-  const auto known = files_.find(run.name);
-  if (!known) return;
-  run.t_begun_ns = known->t_begun_ns;
+  const auto stored = files_.find(run.name);
+  if (!stored) return;
+  run.t_begun_ns = stored->t_begun_ns;
   read(run);
 }
 
-bool ExperimentArchive::note(const Result<void>& kept) {
+bool ExperimentArchive::remember_failure(const Result<void>& kept) {
   if (kept) return true;
   const std::lock_guard lock(mutex_);
   not_kept_reason_ = kept.error().reason;
@@ -79,22 +79,22 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  note(files_.put_reference(run, arm, std::move(reference)));
+  remember_failure(files_.put_reference(run, arm, std::move(reference)));
 }
 
 /// Writes the cell to disk before publishing it, so that a published cell survives a restart.
 void ExperimentArchive::put_cell(int cell, json measured) {
-  const ExperimentRun run = held();
+  const ExperimentRun run = current_run();
   json& picture = measured["picture"];
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!note(files_.put_picture(run, cell, base64))) {
+    if (!remember_failure(files_.put_picture(run, cell, base64))) {
       const std::lock_guard lock(mutex_);
       pictures_[cell] = std::move(base64);
     }
   }
-  note(files_.put_cell(run, cell, measured));
+  remember_failure(files_.put_cell(run, cell, measured));
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;
@@ -119,7 +119,7 @@ void ExperimentArchive::begin_job(const ExperimentRun& run, int job) {
   references_.assign(run.request.arms.size(), nullptr);
   cells_.assign(run.request.cells(), nullptr);
   pictures_.clear();
-  to_read_ = true;
+  load_pending_ = true;
 }
 
 void ExperimentArchive::end_job() {

@@ -57,10 +57,10 @@ class ExperimentArchive {
     int done = 0;
   };
   void read(const ExperimentRun& run);
-  void read_if_known(ExperimentRun run);
-  ExperimentRun held() const;
+  void load_if_stored(ExperimentRun run);
+  ExperimentRun current_run() const;
   /// False: the write failed, and the reason is remembered.
-  bool note(const Result<void>& kept);
+  bool remember_failure(const Result<void>& kept);
   std::optional<std::string> picture_in_memory(const ExperimentRun& run, int cell) const;
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
   std::optional<double> time_left_s() const;        // call with mutex_ locked
@@ -68,7 +68,7 @@ class ExperimentArchive {
   ExperimentFiles files_;
   mutable std::mutex mutex_;  ///< never held during disk access
   std::optional<ExperimentRun> run_;
-  bool to_read_ = false;  ///< the stored results have not been loaded yet
+  bool load_pending_ = false;  ///< the stored results have not been loaded yet
   std::vector<nlohmann::json> references_;
   std::vector<nlohmann::json> cells_;    ///< as in experiment.cell, without the images' pixels
   std::map<int, std::string> pictures_;  ///< images that could not be stored, by cell

@@ -72,14 +72,14 @@ std::vector<Header> headers(const DaemonStore& store) {
 }  // namespace
 
 std::optional<ExperimentRun> ExperimentFiles::latest() const {
-  const auto known = headers(store_);
-  if (known.empty()) return std::nullopt;
-  return known.back().run;
+  const auto stored = headers(store_);
+  if (stored.empty()) return std::nullopt;
+  return stored.back().run;
 }
 
 std::optional<ExperimentRun> ExperimentFiles::find(const std::string& name) const {
-  for (const Header& known : headers(store_)) {
-    if (known.run.name == name) return known.run;
+  for (const Header& stored : headers(store_)) {
+    if (stored.run.name == name) return stored.run;
   }
   return std::nullopt;
 }
@@ -169,11 +169,11 @@ Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
 /// `current` is excluded by name, because the clock may have been set back and it may not look the
 /// latest.
 void ExperimentFiles::drop_oldest(const std::string& current) {
-  auto known = headers(store_);
-  std::erase_if(known, [&current](const Header& one) { return one.run.name == current; });
-  for (std::size_t k = 0; k + kMostKept <= known.size(); ++k) {
+  auto stored = headers(store_);
+  std::erase_if(stored, [&current](const Header& one) { return one.run.name == current; });
+  for (std::size_t k = 0; k + kMaxRuns <= stored.size(); ++k) {
     // The header is deleted last, so that an interrupted deletion can be continued.
-    if (drop_measured(known[k].run)) (void)store_.drop_and_wait(kKind, known[k].run.name);
+    if (drop_measured(stored[k].run)) (void)store_.drop_and_wait(kKind, stored[k].run.name);
   }
 }
 

@@ -16,7 +16,7 @@ namespace ovws {
 /// retries failed writes.
 class ExperimentFiles {
  public:
-  static constexpr std::size_t kMostKept = 4;  ///< runs; the oldest is deleted first
+  static constexpr std::size_t kMaxRuns = 4;  ///< runs; the oldest is deleted first
 
   explicit ExperimentFiles(DaemonStore& store) : store_(store) {}
 
@@ -50,7 +50,7 @@ class ExperimentFiles {
 
   /// Deletes all files of the run but the header.
   Result<void> drop_measured(const ExperimentRun& run);
-  /// Deletes all but the latest kMostKept runs. Always keeps `current`.
+  /// Deletes all but the latest kMaxRuns runs. Always keeps `current`.
   void drop_oldest(const std::string& current);
 
  private:

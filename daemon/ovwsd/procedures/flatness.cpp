@@ -13,15 +13,15 @@
 namespace ovws {
 namespace {
 
-constexpr int kMostScans = 5;
-constexpr double kEnough = 2.0;           // converged below this many standard errors of the fit
-constexpr double kLeastChange = 0.003;    // waves RMS: or below this change
-constexpr double kMostChange = 0.01;      // waves RMS: a larger change is refused
-constexpr double kMostUnexplained = 0.1;  // lambda/d RMS: limit of the fit residual
-constexpr int kFirstMode = 3;             // tilts (j = 1, 2) are not part of the flatness
+constexpr int kMaxScans = 5;
+constexpr double kNoiseFactor = 2.0;  // converged below this many standard errors of the fit
+constexpr double kMinChange = 0.003;  // waves RMS: or below this change
+constexpr double kMaxChange = 0.01;   // waves RMS: a larger change is refused
+constexpr double kMaxResidual = 0.1;  // lambda/d RMS: limit of the fit residual
+constexpr int kFirstMode = 3;         // tilts (j = 1, 2) are not part of the flatness
 // Diameter of the probe, relative to a subaperture. A bright spot's peak scales with its fourth
 // power. A vortex of charge 1 has a quarter of the peak of a bright spot, one of charge 2 a tenth.
-constexpr double kProbe = 0.7, kProbeOfHighCharge = 0.5;
+constexpr double kProbeDiameter = 0.7, kProbeDiameterHighCharge = 0.5;
 
 /// Root sum square of the difference over the modes j >= kFirstMode.
 double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
@@ -54,7 +54,7 @@ class Scanner {
 
  private:
   static ScanGrid grid_of(const SensorConfig& sensor) {
-    const double part = std::abs(sensor.charge) <= 1 ? kProbe : kProbeOfHighCharge;
+    const double part = std::abs(sensor.charge) <= 1 ? kProbeDiameter : kProbeDiameterHighCharge;
     return scan_grid(sensor.pupil_diameter_px,
                      part * sensor.pupil_diameter_px / sensor.subapertures_across);
   }
@@ -83,7 +83,7 @@ Result<ScanFit::Found> Scanner::scan(const std::vector<double>& error, double fr
     if (!spot) return fail(spot.error());
     at_px.push_back(*spot ? (*spot)->fine : std::nullopt);
     const double done = double(at_px.size()) / double(fit_.grid().centres_px.size());
-    bench_.tell(from + done * (to - from));
+    bench_.report_progress(from + done * (to - from));
   }
   return fit_.fit(at_px, shown);
 }
@@ -122,15 +122,15 @@ Result<void> check_bench(const SensorSnapshot& now) {
 
 Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found& last,
                           double noise_waves, double lambda_d_px) {
-  if (last.residual_px > kMostUnexplained * lambda_d_px) {
+  if (last.residual_px > kMaxResidual * lambda_d_px) {
     return fail(
         Errc::refused, "",
         fmt::format("no wavefront explains the spots' positions (residual {:.2f} px RMS): check "
                     "that nothing moves, and run registration.run",
                     last.residual_px));
   }
-  if (measured.residual_rms_waves <= kMostChange) return {};
-  if (measured.residual_rms_waves < kEnough * noise_waves) {
+  if (measured.residual_rms_waves <= kMaxChange) return {};
+  if (measured.residual_rms_waves < kNoiseFactor * noise_waves) {
     return fail(
         Errc::refused, "camera.exposure_us",
         fmt::format("the spots are too weak (standard error of the modes {:.3f} waves RMS): "
@@ -155,15 +155,15 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
   ScanFit::Found last;
   std::vector<double> error = none;
   double noise = 0.0;
-  for (int k = 1; k <= kMostScans; ++k) {
-    auto found = scanner.scan(error, double(k - 1) / kMostScans, double(k) / kMostScans);
+  for (int k = 1; k <= kMaxScans; ++k) {
+    auto found = scanner.scan(error, double(k - 1) / kMaxScans, double(k) / kMaxScans);
     if (!found) return fail(found.error());
     last = std::move(*found);
     measured.iterations = k;
     measured.residual_rms_waves = rms(scanner.modes_j(), last.waves, error);
     error = last.waves;
     noise = rms(scanner.modes_j(), last.standard_error, none);
-    if (measured.residual_rms_waves < std::max(kLeastChange, kEnough * noise)) break;
+    if (measured.residual_rms_waves < std::max(kMinChange, kNoiseFactor * noise)) break;
   }
   if (auto good = check_result(measured, last, noise, scanner.spot_lambda_d_px()); !good) {
     return fail(good.error());

@@ -19,8 +19,8 @@ namespace {
 using nlohmann::json;
 using Places = std::vector<Vec2>;
 
-constexpr int kMostFramesToFind = 20;  // the frame path searches at least every 16th
-constexpr std::size_t kMostPicturePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
+constexpr int kMaxFramesToFind = 20;                  // the frame path searches at least every 16th
+constexpr std::size_t kMaxPicturePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
 
 SensorSet sensor_of(const SweepArm& arm) {
   SensorSet set;
@@ -53,7 +53,7 @@ Result<double> set_gain(Bench& bench, double gain_db) {
   return now_db == gain_db ? Result<double>(now_db) : bench.set_gain(gain_db);
 }
 
-std::ptrdiff_t lost_of(const Places& places) {
+std::ptrdiff_t count_lost(const Places& places) {
   return std::count_if(places.begin(), places.end(), [](Vec2 p) { return std::isnan(p.x); });
 }
 
@@ -64,7 +64,7 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
                             "saturated: lower the exposure",
                             measured.gain_db, arm.charge));
   }
-  const auto lost = lost_of(measured.positions_px);
+  const auto lost = count_lost(measured.positions_px);
   if (lost == 0) return {};
   return fail(
       Errc::refused, "camera.exposure_us",
@@ -78,7 +78,7 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
 Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
   const auto seen = bench.picture(1);
   if (!seen) return fail(seen.error());
-  if (seen->pixels.size() > kMostPicturePixels) return std::nullopt;
+  if (seen->pixels.size() > kMaxPicturePixels) return std::nullopt;
   const int shift = significant_bits(bench.camera().settings.pixel_format) - 8;
   std::vector<std::uint8_t> bytes;
   bytes.reserve(seen->pixels.size());
@@ -129,9 +129,9 @@ Result<void> Sweep::check_bench() const {
 
 /// Waits until all spots are found. After spots were lost at the previous gain, the frame path
 /// searches only every few frames; frames before that would still show the effect of that gain.
-/// Gives up after kMostFramesToFind frames: the spots then count as lost at this gain.
+/// Gives up after kMaxFramesToFind frames: the spots then count as lost at this gain.
 Result<void> Sweep::find_spots() {
-  for (int k = 0; k < kMostFramesToFind; ++k) {
+  for (int k = 0; k < kMaxFramesToFind; ++k) {
     const auto frame = bench_.series(1);
     if (!frame) return fail(frame.error());
     const auto& spots = frame->front().spots;
@@ -162,7 +162,7 @@ Result<void> Sweep::check_table() {
     const SensorView now = bench_.sensor();
     return check_unmoved(
         spot_motion(*before_px, reference.value("frames", 1), *frames),
-        kMostMotion * lambda_d_px(now->optics, slm_, now->sensor),
+        kMaxMotion * lambda_d_px(now->optics, slm_, now->sensor),
         fmt::format("charge {}, {}", with.charge, to_json(with.tracker).get<std::string>()));
   }
   return {};
@@ -178,7 +178,7 @@ Result<void> Sweep::measure_reference(int arm) {
   auto frames = reference_series(with);
   if (frames && with.tracker.fixed_cell) {
     measured.cells_px = mean_positions(*frames);
-    if (lost_of(measured.cells_px) == 0) {
+    if (count_lost(measured.cells_px) == 0) {
       frames = bench_.series(sweep_.reference_frames, measured.cells_px);
     }
   }
@@ -262,7 +262,7 @@ Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const Expe
   }
   for (std::size_t k = 0; k < order.size(); ++k) {
     if (auto measured = sweep.measure_cell(order[k]); !measured) return measured;
-    bench.tell(double(k + 1) / double(order.size()));
+    bench.report_progress(double(k + 1) / double(order.size()));
   }
   return {};
 }

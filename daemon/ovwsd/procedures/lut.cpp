@@ -11,9 +11,9 @@ namespace ovws {
 namespace {
 
 /// Patch diameters to try, relative to a subaperture. The largest that does not saturate is used.
-constexpr std::array<double, 5> kShares{1.0, 0.7, 0.5, 0.35, 0.25};
+constexpr std::array<double, 5> kRelativeDiameters{1.0, 0.7, 0.5, 0.35, 0.25};
 constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
-constexpr double kLeastContrast = 4.0;  // brightest pixel, relative to that at grey level 0
+constexpr double kMinContrast = 4.0;  // brightest pixel, relative to that at grey level 0
 
 Error saturated_error() {
   return {Errc::refused, "camera.exposure_us",
@@ -38,7 +38,7 @@ class LutBench {
   Result<PhaseResponse> find_sign(PhaseResponse rising);
 
  private:
-  Result<bool> try_share(double share);
+  Result<bool> try_patches(double relative_diameter);
   Result<FringeReading> read(const Painter& paint);
   Result<FringeReading> read(int grey, int fixed);
   Result<double> blazed_dn(const PhaseLut& lut);
@@ -91,9 +91,9 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
 }
 
 /// Tries one patch diameter. False: a pixel is saturated.
-Result<bool> LutBench::try_share(double share) {
+Result<bool> LutBench::try_patches(double relative_diameter) {
   patches_ =
-      fringe_patches(now_->sensor, map_, share,
+      fringe_patches(now_->sensor, map_, relative_diameter,
                      lit_pixels(bench_.camera().settings.pixel_format, now_->optics.wavelength_nm));
   const auto dark = read(0, 0);
   if (!dark) return fail(dark.error());
@@ -106,15 +106,15 @@ Result<bool> LutBench::try_share(double share) {
     most = seen->brightest_dn;
     fixed_ = grey;
   }
-  if (most > kLeastContrast * std::max(1.0, dark->brightest_dn)) return true;
+  if (most > kMinContrast * std::max(1.0, dark->brightest_dn)) return true;
   return fail(Errc::refused, "camera.exposure_us",
               "there is no light where the base spot is expected: run registration.run, increase "
               "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)");
 }
 
 Result<void> LutBench::choose() {
-  for (const double share : kShares) {
-    const auto fits = try_share(share);
+  for (const double diameter : kRelativeDiameters) {
+    const auto fits = try_patches(diameter);
     if (!fits) return fail(fits.error());
     if (*fits) return {};
   }
@@ -136,7 +136,7 @@ Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
   for (const int grey : greys) beats.push_back({grey, {}, {}});
   const std::size_t looks = 2 * beats.size();
   for (std::size_t k = 0; k < looks; ++k) {
-    bench.tell(from + (to - from) * double(k + 1) / double(looks + 1));
+    bench.report_progress(from + (to - from) * double(k + 1) / double(looks + 1));
     const bool up = k < beats.size();
     GreyBeat& beat = beats[up ? k : looks - 1 - k];
     const auto seen = lut_bench.beat(beat.grey);

@@ -26,7 +26,7 @@ void Procedures::start(const std::string& kind, Procedure procedure,
 void Procedures::begin(const std::string& kind, Procedure procedure,
                        const std::function<void(Result<int>)>& done) {
   auto run = std::make_shared<Run>();
-  const std::weak_ptr<Run> known = run;
+  const std::weak_ptr<Run> weak_run = run;
   {
     const std::lock_guard lock(mutex_);
     if (ending_) return done(fail(Errc::refused, "", "the daemon is stopping"));
@@ -42,11 +42,11 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
   }
   run->job = deps_.bench.jobs.begin(
       kind,
-      [known] {
-        if (const auto it = known.lock()) it->stop = true;
+      [weak_run] {
+        if (const auto it = weak_run.lock()) it->stop = true;
       },
-      [known] {
-        const auto it = known.lock();
+      [weak_run] {
+        const auto it = weak_run.lock();
         return it ? it->progress.load() : 0.0;
       });
   run->procedure = std::move(procedure);

@@ -13,14 +13,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 0.7;    // of the field that the sensor's spots occupy
-constexpr double kMostCpp = 0.5;  // Nyquist limit of the SLM
+constexpr double kReach = 0.7;   // of the field that the sensor's spots occupy
+constexpr double kMaxCpp = 0.5;  // Nyquist limit of the SLM
 // lambda/d: limits of the fit residual, for the matched filter's positions and for intensity
 // centres.
-constexpr double kMostResidual = 0.02, kMostRoughResidual = 0.1;
-constexpr std::size_t kMostLeftOut = 2;  // positions that may be ghosts
-constexpr int kMostCharge = 2;           // of the probe
-constexpr double kOtherScale = 0.03;     // relative: from this scale error on, search again
+constexpr double kMaxResidual = 0.02, kMaxRoughResidual = 0.1;
+constexpr std::size_t kMaxOutliers = 2;  // positions that may be ghosts
+constexpr int kMaxCharge = 2;            // of the probe
+constexpr double kMaxScaleError = 0.03;  // relative: from this scale error on, search again
 
 /// Grating steps around the base. The first ones are repeated at the end to reveal motion.
 constexpr std::array<Vec2, 12> kSteps{{{0, 0},
@@ -47,7 +47,7 @@ double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
     most = std::max(most, norm(s.frequency_cpp - base_cpp));
   }
   // Diagonal steps are longer by sqrt(2).
-  const double free = kMostCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
+  const double free = kMaxCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
   return std::min(kReach * most / std::sqrt(2.0), free);
 }
 
@@ -59,7 +59,7 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
     auto light = probes.light({base_cpp + offset, charge});
     if (!light) return fail(light.error());
     looks.push_back({offset, std::move(*light)});
-    bench.tell(double(looks.size()) / (kSteps.size() + 1));
+    bench.report_progress(double(looks.size()) / (kSteps.size() + 1));
   }
   return looks;
 }
@@ -86,12 +86,12 @@ double distance_px(const Registration& map, const ProbeSight& sight) {
   return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
 }
 
-/// Fits the map. Leaves out up to kMostLeftOut positions that fit worst, which may be ghosts.
-Result<Registration> consistent(std::vector<ProbeSight> sights, double most_residual_px) {
-  for (std::size_t left_out = 0;; ++left_out) {
+/// Fits the map. Leaves out up to kMaxOutliers positions that fit worst, which may be ghosts.
+Result<Registration> fit_without_outliers(std::vector<ProbeSight> sights, double max_residual_px) {
+  for (std::size_t outliers = 0;; ++outliers) {
     const auto map = fit_registration(sights);
-    if (!map || map->residual_px < most_residual_px) return map;
-    if (left_out == kMostLeftOut) {
+    if (!map || map->residual_px < max_residual_px) return map;
+    if (outliers == kMaxOutliers) {
       return fail(
           Errc::refused, "",
           fmt::format("the spot does not move as an affine map predicts (residual {:.2f} px "
@@ -112,9 +112,9 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
   const auto sights = sights_of(bench, looks, spots);
   if (!sights) return fail(sights.error());
   if (sights->fine.size() < sights->rough.size()) {
-    return consistent(sights->rough, kMostRoughResidual * spots.lambda_d_px);
+    return fit_without_outliers(sights->rough, kMaxRoughResidual * spots.lambda_d_px);
   }
-  return consistent(sights->fine, kMostResidual * spots.lambda_d_px);
+  return fit_without_outliers(sights->fine, kMaxResidual * spots.lambda_d_px);
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
   const Vec2 base_cpp = base_grating_cpp(now.sensor, slm);
-  const int charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
+  const int charge = std::clamp(now.sensor.charge, -kMaxCharge, kMaxCharge);
   const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
   if (!looks) return fail(looks.error());
   SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor),
@@ -134,7 +134,7 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   auto map = map_of(bench, *looks, spots);
   if (!map) return map;
   const double ratio = map->px_per_cycle.scale() / camera_px_per_cycle(now.optics, slm);
-  if (std::abs(ratio - 1.0) > kOtherScale) {
+  if (std::abs(ratio - 1.0) > kMaxScaleError) {
     spots.lambda_d_px *= ratio;
     map = map_of(bench, *looks, spots);
     if (!map) return map;

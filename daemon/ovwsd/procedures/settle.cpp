@@ -33,7 +33,7 @@ ToAndFro to_and_fro(const SensorSnapshot& now, const SlmGeometry& slm, const Roi
     moves.places_px[k] = base_px + map * offset;
   }
   moves.radius_px = kRadius * lambda_px;
-  moves.charge = std::clamp(now.sensor.charge, -kMostCharge, kMostCharge);
+  moves.charge = std::clamp(now.sensor.charge, -kMaxCharge, kMaxCharge);
   return moves;
 }
 

@@ -10,13 +10,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSameExposure = 1e-3;  // relative: a reopened camera may round differently
+constexpr double kExposureTolerance = 1e-3;  // relative: a reopened camera may round differently
 
-bool same_part(const std::string& name, const json& before, const json& now) {
+bool is_same(const std::string& name, const json& before, const json& now) {
   if (name == "camera" && now.is_null()) return true;
   if (name == "exposure_us" && before.is_number() && now.is_number()) {
     const double was_us = before.get<double>();
-    return std::abs(now.get<double>() - was_us) <= kSameExposure * was_us;
+    return std::abs(now.get<double>() - was_us) <= kExposureTolerance * was_us;
   }
   return before == now;
 }
@@ -41,7 +41,7 @@ json sweep_bench(const SensorSnapshot& sensor, const CameraSnapshot& camera, jso
 Result<void> check_same_bench(const json& before, const json& now) {
   std::string changed;
   for (const auto& [name, value] : now.items()) {
-    if (same_part(name, before.value(name, json()), value)) continue;
+    if (is_same(name, before.value(name, json()), value)) continue;
     changed += (changed.empty() ? "" : ", ") + name;
   }
   if (changed.empty()) return {};

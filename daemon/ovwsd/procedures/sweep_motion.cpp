@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStandardErrors =
     4.0;  // rarely exceeded by chance, even by the worst of 100 spots
-constexpr const char* kWayOn =
+constexpr const char* kHowToContinue =
     "the cells measured so far are kept: restore the alignment and call again, or start a new run "
     "with \"anew\": true";
 
@@ -72,25 +72,25 @@ Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std:
         Errc::refused, "anew",
         fmt::format("{} spots of the run's reference ({}) are no longer found: the bench moved, "
                     "or there is less light; {}",
-                    motion.lost, arm, kWayOn));
+                    motion.lost, arm, kHowToContinue));
   }
-  const double doubt_px = kStandardErrors * motion.standard_error_px;
-  if (motion.largest_px > std::fmax(limit_px, doubt_px)) {
+  const double uncertainty_px = kStandardErrors * motion.standard_error_px;
+  if (motion.largest_px > std::fmax(limit_px, uncertainty_px)) {
     return fail(Errc::refused, "anew",
                 fmt::format("the bench moved since the run's reference ({}) was taken: the spot of "
                             "subaperture {} by {:.2f} px, all spots by ({:+.2f}, {:+.2f}) px on "
                             "average, and {:.2f} px (lambda/(20 d)) are allowed; {}",
                             arm, motion.largest_at, motion.largest_px, motion.mean_px.x,
-                            motion.mean_px.y, limit_px, kWayOn));
+                            motion.mean_px.y, limit_px, kHowToContinue));
   }
-  if (doubt_px <= limit_px) return {};
+  if (uncertainty_px <= limit_px) return {};
   return fail(
       Errc::refused, "reference_frames",
       fmt::format("motion since the run's reference ({}) was taken cannot be excluded: four "
                   "standard errors of a spot's motion are {:.2f} px, more than the {:.2f} px "
                   "(lambda/(20 d)) that are allowed; the cells measured so far are kept: "
                   "start a new run with more reference_frames or more light",
-                  arm, doubt_px, limit_px));
+                  arm, uncertainty_px, limit_px));
 }
 
 }  // namespace ovws

@@ -27,7 +27,7 @@ SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
                        const std::vector<SeriesFrame>& frames);
 
 /// Largest allowed motion of a spot, in lambda/d: 1/20.
-constexpr double kMostMotion = 0.05;
+constexpr double kMaxMotion = 0.05;
 
 /// Errc::refused, field "anew": a spot is lost, or has moved by more than `limit_px`.
 /// Errc::refused, field "reference_frames": four standard errors exceed the limit, so motion cannot

@@ -6,17 +6,17 @@
 namespace ovws {
 namespace {
 
-constexpr double kSameMap = 0.002;   // of the scale
-constexpr double kSamePlace = 0.25;  // lambda/d
+constexpr double kScaleTolerance = 0.002;    // of the scale
+constexpr double kPositionTolerance = 0.25;  // lambda/d
 
 bool same_registration(const CalibrationKey& a, const CalibrationKey& b) {
   const PxPerCycle &p = a.px_per_cycle, &q = b.px_per_cycle;
   const double off = std::max(std::hypot(p.xx - q.xx, p.yx - q.yx),  //
                               std::hypot(p.xy - q.xy, p.yy - q.yy));
-  if (off > kSameMap * p.scale()) return false;
+  if (off > kScaleTolerance * p.scale()) return false;
   // The base spot of an unregistered camera moves with the region, which is compared separately.
   return !(a.sensor.roi == b.sensor.roi) ||
-         norm(a.base_px - b.base_px) <= kSamePlace * a.lambda_d_px;
+         norm(a.base_px - b.base_px) <= kPositionTolerance * a.lambda_d_px;
 }
 
 }  // namespace

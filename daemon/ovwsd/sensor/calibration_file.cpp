@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMostSpots = 1 << 12;
+constexpr int kMaxSpots = 1 << 12;
 
 /// Base64 of the column-major matrix as 32-bit floats, which loses nothing: see interaction_matrix.
 std::string matrix_text(const Eigen::MatrixXd& matrix) {
@@ -37,9 +37,9 @@ Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Ei
 }
 
 Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& out,
-                      std::size_t most, int least_value, int most_value) {
+                      std::size_t max_count, int min_value, int max_value) {
   std::vector<double> numbers;
-  reader.numbers(key, numbers, 0, most, least_value, most_value);
+  reader.numbers(key, numbers, 0, max_count, min_value, max_value);
   for (const double number : numbers) {
     const bool again = std::find(out.begin(), out.end(), int(number)) != out.end();
     if (number != std::floor(number) || again) {
@@ -50,14 +50,14 @@ Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& o
   return {};
 }
 
-struct Texts {
+struct EncodedMatrices {
   std::string slopes, standard_error;
   int spots = 0;
 };
 
 /// Reads all fields. Matrices stay base64 text, and the origin stays unparsed JSON.
-Result<Texts> read_plain(const json& content, Calibration& calibration) {
-  Texts texts;
+Result<EncodedMatrices> read_fields(const json& content, Calibration& calibration) {
+  EncodedMatrices encoded;
   std::string t_taken;
   InteractionMatrix& matrix = calibration.matrix;
   ObjectReader r(content, "");
@@ -73,9 +73,9 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
            limits::kPushWaves.max);
   r.numbers("amplitudes_waves", matrix.amplitude_waves, 0, kMaxZernikeIndex, 0.0,
             limits::kPushWaves.max);
-  r.integer("spots", texts.spots, 1, kMostSpots);
+  r.integer("spots", encoded.spots, 1, kMaxSpots);
   auto modes = integers(r, "modes_j", matrix.modes_j, kMaxZernikeIndex, 1, kMaxZernikeIndex);
-  auto lost = integers(r, "lost_spots", matrix.lost_spots, kMostSpots, 0, kMostSpots - 1);
+  auto lost = integers(r, "lost_spots", matrix.lost_spots, kMaxSpots, 0, kMaxSpots - 1);
   r.objects("dropped", kMaxZernikeIndex, [&](ObjectReader& one, std::size_t) {
     DroppedMode dropped;
     one.integer("j", dropped.j, 1, kMaxZernikeIndex);
@@ -84,8 +84,8 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
   });
   r.number("drift_px", matrix.drift_px, 0.0, 1e6);
   r.number("drift_noise_px", matrix.drift_noise_px, 0.0, 1e6);
-  r.string("slopes", texts.slopes);
-  r.string("standard_error", texts.standard_error);
+  r.string("slopes", encoded.slopes);
+  r.string("standard_error", encoded.standard_error);
   const json* const origin = r.raw("origin");
   if (auto read = r.finish(); !read) return fail(read.error());
   for (const Result<void>* const part : {&modes, &lost}) {
@@ -95,7 +95,7 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
     return fail(Errc::invalid, "amplitudes_waves", "must have one value for each mode");
   }
   for (const int spot : matrix.lost_spots) {
-    if (spot >= texts.spots)
+    if (spot >= encoded.spots)
       return fail(Errc::invalid, "lost_spots", "must be numbers of existing spots");
   }
   if (!t_taken_ns->is_number_integer())
@@ -103,7 +103,7 @@ Result<Texts> read_plain(const json& content, Calibration& calibration) {
   if (!origin->is_object()) return fail(Errc::invalid, "origin", "must be an object");
   calibration.t_taken_ns = t_taken_ns->get<std::int64_t>();
   calibration.origin = std::make_shared<const json>(*origin);
-  return texts;
+  return encoded;
 }
 
 }  // namespace
@@ -154,23 +154,23 @@ json calibration_content(const Calibration& calibration) {
 
 Result<Calibration> calibration_from(const json& content, const Config& config) {
   Calibration calibration;
-  const auto texts = read_plain(content, calibration);
-  if (!texts) return fail(texts.error());
+  const auto encoded = read_fields(content, calibration);
+  if (!encoded) return fail(encoded.error());
   InteractionMatrix& matrix = calibration.matrix;
-  const Eigen::Index rows = 2 * texts->spots, cols = Eigen::Index(matrix.modes_j.size());
-  auto slopes = matrix_from("slopes", texts->slopes, rows, cols);
+  const Eigen::Index rows = 2 * encoded->spots, cols = Eigen::Index(matrix.modes_j.size());
+  auto slopes = matrix_from("slopes", encoded->slopes, rows, cols);
   if (!slopes) return fail(slopes.error());
-  auto error = matrix_from("standard_error", texts->standard_error, rows, cols);
+  auto error = matrix_from("standard_error", encoded->standard_error, rows, cols);
   if (!error) return fail(error.error());
   if (cols == 0 || determined_modes(*slopes) != int(cols)) {
     return fail(Errc::invalid, "slopes", "do not determine the modes");
   }
   matrix.slopes = std::move(*slopes);
   matrix.standard_error = std::move(*error);
-  const auto known = ReferenceBench::known(*calibration.origin);
-  if (!known) return fail(known.error());
-  calibration.key = calibration_key(known->key, config.optics, config.slm.geometry,
-                                    known->registration, (*calibration.origin)["camera"]);
+  const auto parsed = ReferenceBench::parse(*calibration.origin);
+  if (!parsed) return fail(parsed.error());
+  calibration.key = calibration_key(parsed->key, config.optics, config.slm.geometry,
+                                    parsed->registration, (*calibration.origin)["camera"]);
   calibration.key.slm = calibration.origin->value("slm", json());
   calibration.mode_operator = mode_operator_of(matrix);
   return calibration;

@@ -11,8 +11,8 @@
 namespace ovws {
 namespace {
 
-constexpr double kSamePlace = 0.25;      // lambda/d
-constexpr std::size_t kMaxPictures = 8;  // mean images of the latest references: some MiB each
+constexpr double kPositionTolerance = 0.25;  // lambda/d
+constexpr std::size_t kMaxPictures = 8;      // mean images of the latest references: some MiB each
 constexpr std::size_t kMaxCalibrations = 16;
 
 template <class T>
@@ -43,20 +43,20 @@ void limit_pictures(Knowledge& knowledge) {
   }
 }
 
-bool is_of_key(const Reference& reference, const SensorState& state) {
+bool has_same_key(const Reference& reference, const SensorState& state) {
   return reference.key == reference_key(state.sensor, state.tracking, state.roi);
 }
 
 /// The SLM's LUT does not matter for a model reference: its positions are computed.
-bool is_of_slm(const Reference& reference, const SensorState& state) {
+bool has_same_slm(const Reference& reference, const SensorState& state) {
   return reference.source == ReferenceSource::model ||
          (*reference.origin)["slm"] == state.slm->identity;
 }
 
 /// Whether the reference's registration and the active one predict the same spot positions, to
-/// within kSamePlace. Trackers start at these positions.
-bool is_at_its_place(const Reference& reference, const SensorState& state,
-                     const BenchOptics& bench) {
+/// within kPositionTolerance. Trackers start at these positions.
+bool predicts_same_positions(const Reference& reference, const SensorState& state,
+                             const BenchOptics& bench) {
   if (reference.source == ReferenceSource::model) return true;
   if (!reference.registration && !state.registration) return true;
   SensorState then = state;
@@ -72,7 +72,7 @@ bool is_at_its_place(const Reference& reference, const SensorState& state,
   for (std::size_t i = 0; i < now.size(); ++i) {
     farthest_px = std::max(farthest_px, norm(now[i] - before[i]));
   }
-  return farthest_px <= kSamePlace * lambda_d_of(state, bench);
+  return farthest_px <= kPositionTolerance * lambda_d_of(state, bench);
 }
 
 /// The latest reference that applies. References of several cameras apply while the camera is
@@ -82,7 +82,7 @@ std::shared_ptr<const Reference> find_reference(const SensorState& state,
                                                 const BenchOptics& bench) {
   const auto& all = knowledge.references;
   const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
-    return is_for(*one, state, knowledge) && is_at_its_place(*one, state, bench);
+    return is_for(*one, state, knowledge) && predicts_same_positions(*one, state, bench);
   });
   if (found == all.rend()) return nullptr;
   if ((*found)->source != ReferenceSource::model) return *found;
@@ -133,18 +133,18 @@ Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOpti
 }
 
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge) {
-  return is_of_key(reference, state) && !of_other_camera(reference, knowledge.camera) &&
-         is_of_slm(reference, state);
+  return has_same_key(reference, state) && !of_other_camera(reference, knowledge.camera) &&
+         has_same_slm(reference, state);
 }
 
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench) {
-  if (!is_of_key(reference, state)) return {};
+  if (!has_same_key(reference, state)) return {};
   if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
-  if (!is_of_slm(reference, state)) {
+  if (!has_same_slm(reference, state)) {
     return "it was taken with another look-up table or flatness; take a new reference";
   }
-  if (!is_at_its_place(reference, state, bench)) {
+  if (!predicts_same_positions(reference, state, bench)) {
     return "the expected spot positions have changed since it was taken; take a new reference";
   }
   return {};
@@ -153,17 +153,17 @@ std::string unused_reason(const Reference& reference, const SensorState& state,
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench) {
   const CalibrationKey key = calibration_key(state, knowledge, bench);
-  const Calibration* likeliest = nullptr;
-  std::vector<std::string> lacks;
-  for (const auto& known : knowledge.calibrations) {
-    std::vector<std::string> other = differences(known->key, key);
-    if (likeliest != nullptr && other.size() > lacks.size()) continue;
-    likeliest = known.get();
-    lacks = std::move(other);
+  const Calibration* closest = nullptr;
+  std::vector<std::string> closest_differences;
+  for (const auto& candidate : knowledge.calibrations) {
+    std::vector<std::string> other = differences(candidate->key, key);
+    if (closest != nullptr && other.size() > closest_differences.size()) continue;
+    closest = candidate.get();
+    closest_differences = std::move(other);
   }
-  if (likeliest == nullptr) return "there is no calibration: run calibration.run";
-  return fmt::format("{} was measured with another {}: run calibration.run", title_of(*likeliest),
-                     fmt::join(lacks, ", "));
+  if (closest == nullptr) return "there is no calibration: run calibration.run";
+  return fmt::format("{} was measured with another {}: run calibration.run", title_of(*closest),
+                     fmt::join(closest_differences, ", "));
 }
 
 std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,

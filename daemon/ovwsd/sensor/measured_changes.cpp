@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMaxMotion = 0.05;  // lambda/d: of the spots while a reference is taken
 
-using Told = std::function<void(const std::string& sha256)>;
+using Written = std::function<void(const std::string& sha256)>;
 
 Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
   if (edit.state.sensor_epoch == sensor_epoch) return {};
@@ -42,13 +42,13 @@ std::vector<std::string> names_of(const Kept<Kind>& kept,
 
 /// Schedules writing the newest item of `all` to its file, in place of the files of `replaced`.
 template <class Kind, class T>
-void keep_in(Kept<Kind>& kept, SensorEdit& edit,
-             std::vector<std::shared_ptr<const T>> Knowledge::*all,
-             const std::vector<std::shared_ptr<const T>>& replaced) {
+void schedule_write(Kept<Kind>& kept, SensorEdit& edit,
+                    std::vector<std::shared_ptr<const T>> Knowledge::*all,
+                    const std::vector<std::shared_ptr<const T>>& replaced) {
   const std::shared_ptr<const T> item = (edit.knowledge.*all).back();
   std::vector<std::string> names = names_of(kept, replaced);
   std::erase(names, kept.kind().name(*item));  // the same file: it is overwritten
-  edit.keep = [&kept, item, names](Told told) { kept.keep(*item, names, std::move(told)); };
+  edit.keep = [&kept, item, names](Written done) { kept.keep(*item, names, std::move(done)); };
   edit.set_checksum = [all, t_taken_ns = item->t_taken_ns](SensorEdit& now,
                                                            const std::string& sha256) {
     set_checksum(now.knowledge.*all, t_taken_ns, sha256);
@@ -58,11 +58,11 @@ void keep_in(Kept<Kind>& kept, SensorEdit& edit,
 /// Schedules removing the files of `taken`, which were just removed from Knowledge; an undo adds
 /// them again.
 template <class Kind, class T>
-void drop_from(Kept<Kind>& kept, SensorEdit& edit,
-               void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
-               const std::vector<std::shared_ptr<const T>>& taken) {
-  edit.drop = [&kept, names = names_of(kept, taken)](DaemonStore::Dropped told) {
-    kept.drop(names, std::move(told));
+void schedule_removal(Kept<Kind>& kept, SensorEdit& edit,
+                      void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
+                      const std::vector<std::shared_ptr<const T>>& taken) {
+  edit.drop = [&kept, names = names_of(kept, taken)](DaemonStore::Dropped done) {
+    kept.drop(names, std::move(done));
   };
   edit.undo = [add, taken](SensorEdit& now) -> Result<void> {
     add(now.knowledge, taken);
@@ -89,12 +89,12 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
 
 void keep_reference(SensorEdit& edit, Reference reference) {
   const auto replaced = replace_reference(edit.knowledge, edit.state, std::move(reference));
-  keep_in(edit.bench.references, edit, &Knowledge::references, replaced);
+  schedule_write(edit.bench.references, edit, &Knowledge::references, replaced);
 }
 
 /// Switches the SLM to another LUT or flatness. All holograms change, unless both are the same.
-void drive_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
-               std::shared_ptr<const MeasuredFlatness> flatness) {
+void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
+                std::shared_ptr<const MeasuredFlatness> flatness) {
   const SlmInForce& now = *edit.state.slm;
   if (lut == now.lut && flatness == now.flatness) return;
   edit.state.slm =
@@ -102,15 +102,15 @@ void drive_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
 }
 
 template <class Kind, class T>
-void keep_of_slm(Kept<Kind>& kept, SensorEdit& edit, T measured,
-                 std::shared_ptr<const T> SlmInForce::*part) {
+void schedule_slm_write(Kept<Kind>& kept, SensorEdit& edit, T measured,
+                        std::shared_ptr<const T> SlmInForce::*part) {
   const auto item = std::make_shared<const T>(std::move(measured));
-  edit.keep = [&kept, item](Told told) { kept.keep(*item, {}, std::move(told)); };
+  edit.keep = [&kept, item](Written done) { kept.keep(*item, {}, std::move(done)); };
   edit.set_checksum = [part, t_taken_ns = item->t_taken_ns](SensorEdit& now,
                                                             const std::string& sha256) {
-    const std::shared_ptr<const T> known = (*now.state.slm).*part;
-    if (!known || known->t_taken_ns != t_taken_ns) return;
-    auto with_file = std::make_shared<T>(*known);
+    const std::shared_ptr<const T> current = (*now.state.slm).*part;
+    if (!current || current->t_taken_ns != t_taken_ns) return;
+    auto with_file = std::make_shared<T>(*current);
     with_file->sha256 = sha256;
     auto slm = std::make_shared<SlmInForce>(*now.state.slm);
     (*slm).*part = std::move(with_file);
@@ -119,10 +119,11 @@ void keep_of_slm(Kept<Kind>& kept, SensorEdit& edit, T measured,
 }
 
 template <class Kind>
-void drop_of_slm(Kept<Kind>& kept, SensorEdit& edit, std::shared_ptr<const SlmInForce> before) {
+void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
+                          std::shared_ptr<const SlmInForce> before) {
   edit.files_only = edit.state.slm == before;
-  edit.drop = [&kept](DaemonStore::Dropped told) {
-    kept.drop({kept.kind().name({})}, std::move(told));
+  edit.drop = [&kept](DaemonStore::Dropped done) {
+    kept.drop({kept.kind().name({})}, std::move(done));
   };
   edit.undo = [before = std::move(before),
                without = edit.state.slm](SensorEdit& now) -> Result<void> {
@@ -179,8 +180,8 @@ SensorChange use_model_reference() {
 
 SensorChange forget_reference() {
   return [](SensorEdit& edit) -> Result<void> {
-    drop_from(edit.bench.references, edit, add_references,
-              remove_references(edit.knowledge, edit.state));
+    schedule_removal(edit.bench.references, edit, add_references,
+                     remove_references(edit.knowledge, edit.state));
     return {};
   };
 }
@@ -190,8 +191,8 @@ SensorChange use_registration(Registration registration) {
     const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
     edit.state.registration = measured;
     ++edit.state.sensor_epoch;  // the spots' previous positions are useless as start points
-    edit.keep = [&kept = edit.bench.registrations, measured](Told told) {
-      kept.keep(measured, {}, std::move(told));
+    edit.keep = [&kept = edit.bench.registrations, measured](Written done) {
+      kept.keep(measured, {}, std::move(done));
     };
     return {};
   };
@@ -199,8 +200,8 @@ SensorChange use_registration(Registration registration) {
 
 SensorChange forget_registration() {
   return [](SensorEdit& edit) -> Result<void> {
-    edit.drop = [&kept = edit.bench.registrations](DaemonStore::Dropped told) {
-      kept.drop({kept.kind().name({})}, std::move(told));
+    edit.drop = [&kept = edit.bench.registrations](DaemonStore::Dropped done) {
+      kept.drop({kept.kind().name({})}, std::move(done));
     };
     edit.undo = [before = edit.state.registration](SensorEdit& now) -> Result<void> {
       if (now.state.registration || !before) return {};
@@ -223,7 +224,7 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
     calibration.origin = std::make_shared<const nlohmann::json>(
         origin_of(edit, shown_modes(edit.state), edit.bench.grey.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
-    keep_in(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
+    schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
     edit.state.tracking.mode_operator = OperatorKind::measured;
     if (edit.lease) edit.lease->tracking.mode_operator = OperatorKind::measured;
     return {};
@@ -233,8 +234,8 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
 SensorChange forget_calibration() {
   return [](SensorEdit& edit) -> Result<void> {
     const auto key = calibration_key(edit.state, edit.knowledge, edit.bench.optics);
-    drop_from(edit.bench.calibrations, edit, add_calibrations,
-              remove_calibrations(edit.knowledge, key));
+    schedule_removal(edit.bench.calibrations, edit, add_calibrations,
+                     remove_calibrations(edit.knowledge, key));
     return {};
   };
 }
@@ -243,8 +244,8 @@ SensorChange use_lut(MeasuredLut lut) {
   return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
     MeasuredLut measured = lut;
     measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
-    drive_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
-    keep_of_slm(edit.bench.luts, edit, std::move(measured), &SlmInForce::lut);
+    switch_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
+    schedule_slm_write(edit.bench.luts, edit, std::move(measured), &SlmInForce::lut);
     return {};
   };
 }
@@ -255,8 +256,8 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
     MeasuredFlatness measured = flatness;
     measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
     measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
-    drive_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
-    keep_of_slm(edit.bench.flatnesses, edit, std::move(measured), &SlmInForce::flatness);
+    switch_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
+    schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &SlmInForce::flatness);
     return {};
   };
 }
@@ -264,8 +265,8 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
 SensorChange forget_lut() {
   return [](SensorEdit& edit) -> Result<void> {
     const auto before = edit.state.slm;
-    drive_slm(edit, nullptr, before->flatness);
-    drop_of_slm(edit.bench.luts, edit, before);
+    switch_slm(edit, nullptr, before->flatness);
+    schedule_slm_removal(edit.bench.luts, edit, before);
     return {};
   };
 }
@@ -273,8 +274,8 @@ SensorChange forget_lut() {
 SensorChange forget_flatness() {
   return [](SensorEdit& edit) -> Result<void> {
     const auto before = edit.state.slm;
-    drive_slm(edit, before->lut, nullptr);
-    drop_of_slm(edit.bench.flatnesses, edit, before);
+    switch_slm(edit, before->lut, nullptr);
+    schedule_slm_removal(edit.bench.flatnesses, edit, before);
     return {};
   };
 }

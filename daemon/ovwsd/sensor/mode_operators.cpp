@@ -88,16 +88,17 @@ OperatorShelf::Made OperatorShelf::find(const OperatorKey& key) const {
   return at == made_.end() ? nullptr : at->second;
 }
 
-void OperatorShelf::forget_shortages(const OperatorKey* but) {
+void OperatorShelf::forget_shortages(const OperatorKey* except) {
   std::erase_if(made_, [&](const auto& entry) {
     const auto& [key, made] = entry;
-    return !*made && made->error().code == Errc::unavailable && !(but != nullptr && key == *but);
+    return !*made && made->error().code == Errc::unavailable &&
+           !(except != nullptr && key == *except);
   });
 }
 
 void OperatorShelf::put(const OperatorKey& key, Result<ModeOperator> made) {
   std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
-  if (made_.size() == kMost) made_.pop_front();
+  if (made_.size() == kCapacity) made_.pop_front();
   made_.emplace_back(key, std::make_shared<const Result<ModeOperator>>(std::move(made)));
 }
 

@@ -57,11 +57,11 @@ class OperatorShelf {
   Made find(const OperatorKey& key) const;
   void put(const OperatorKey& key, Result<ModeOperator> made);
   /// Discards attempts that ran out of memory (Errc::unavailable), so that they can be repeated;
-  /// keeps that of `but`, if it is not null.
-  void forget_shortages(const OperatorKey* but);
+  /// keeps that of `except`, if it is not null.
+  void forget_shortages(const OperatorKey* except);
 
  private:
-  static constexpr std::size_t kMost = 8;          // operators, up to some MiB each
+  static constexpr std::size_t kCapacity = 8;      // operators, up to some MiB each
   std::deque<std::pair<OperatorKey, Made>> made_;  ///< oldest first
 };
 

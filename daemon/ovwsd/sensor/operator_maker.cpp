@@ -11,45 +11,45 @@ constexpr std::chrono::milliseconds kTurn(50);
 }  // namespace
 
 bool OperatorMaker::do_work() {
-  std::optional<Order> order;
+  std::optional<Request> request;
   {
     std::unique_lock lock(mutex_);
-    if (!ordered_.wait_for(lock, kTurn, [this] { return order_.has_value(); })) return false;
-    order.swap(order_);
-    making_ = order->key;
+    if (!requested_.wait_for(lock, kTurn, [this] { return request_.has_value(); })) return false;
+    request.swap(request_);
+    making_ = request->key;
     stop_ = false;
   }
-  auto made = diffractive_operator(order->key, slm_, &stop_);
+  auto made = diffractive_operator(request->key, slm_, &stop_);
   {
     const std::lock_guard lock(mutex_);
     making_.reset();
     if (stop_) return true;
   }
-  order->done(order->key, std::move(made));
+  request->done(request->key, std::move(made));
   return true;
 }
 
-void OperatorMaker::order(const OperatorKey& key, Done done) {
+void OperatorMaker::request(const OperatorKey& key, Done done) {
   {
     const std::lock_guard lock(mutex_);
-    order_.reset();
+    request_.reset();
     if (ending_ || (making_ == key && !stop_)) return;
     stop_ = true;
-    order_ = Order{key, std::move(done)};
+    request_ = Request{key, std::move(done)};
   }
-  ordered_.notify_one();
+  requested_.notify_one();
 }
 
-void OperatorMaker::give_up() {
+void OperatorMaker::cancel() {
   const std::lock_guard lock(mutex_);
-  order_.reset();
+  request_.reset();
   stop_ = true;
 }
 
 void OperatorMaker::end_soon() {
   const std::lock_guard lock(mutex_);
   ending_ = true;
-  order_.reset();
+  request_.reset();
   stop_ = true;
 }
 

@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-/// Agent of the `model` thread. It works on the newest order only; an order cancels the one before.
+/// Agent of the `model` thread. It works on the newest request only; it cancels the one before.
 class OperatorMaker : public Agent {
  public:
   using Done = std::function<void(const OperatorKey&, Result<ModeOperator>)>;
@@ -22,24 +22,24 @@ class OperatorMaker : public Agent {
   bool do_work() override;
 
   // Thread-safe.
-  /// Requests an operator. `done` is called in the `model` thread, unless the order is cancelled.
-  /// An order for the key that is being computed changes nothing.
-  void order(const OperatorKey& key, Done done);
-  /// Cancels the order, waiting or running.
-  void give_up();
-  /// Cancels the order and accepts no more. A running computation ends within two propagations of
+  /// Requests an operator. `done` is called in the `model` thread, unless the request is cancelled.
+  /// A request for the key that is being computed changes nothing.
+  void request(const OperatorKey& key, Done done);
+  /// Cancels the request, waiting or running.
+  void cancel();
+  /// Cancels the request and accepts no more. A running computation ends within two propagations of
   /// the model.
   void end_soon();
 
  private:
-  struct Order {
+  struct Request {
     OperatorKey key;
     Done done;
   };
   SlmGeometry slm_;
   std::mutex mutex_;
-  std::condition_variable ordered_;
-  std::optional<Order> order_;         ///< waiting
+  std::condition_variable requested_;
+  std::optional<Request> request_;     ///< waiting
   std::optional<OperatorKey> making_;  ///< being computed
   bool ending_ = false;
   std::atomic<bool> stop_{false};  ///< cancels the running computation

@@ -52,8 +52,8 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
           lit_pixels(format, optics.wavelength_nm)};
 }
 
-Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
-                              const PxPerCycle& map, const Reference* reference) {
+Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sensor,
+                                const PxPerCycle& map, const Reference* reference) {
   const bool of_model = reference != nullptr && reference->source == ReferenceSource::model;
   if (!of_model || sensor.charge == 0) return {};
   const auto& spots = lattice.subapertures;
@@ -102,11 +102,11 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
-  if (inputs.torn != nullptr) {
-    plan->search_px = inputs.torn->at_px;
-    if (!inputs.torn->numbers().empty()) {
+  if (inputs.split_spots != nullptr) {
+    plan->search_px = inputs.split_spots->at_px;
+    if (!inputs.split_spots->numbers().empty()) {
       plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
-                                                     inputs.torn->templates);
+                                                     inputs.split_spots->templates);
     }
   }
   const ModeOperator& modes = inputs.mode_operator != nullptr
@@ -116,8 +116,8 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->mode_operator = modes.kind;
   plan->reconstructor = std::make_unique<Reconstructor>(
       modes.slopes, modes.modes_j, plan->reference_px,
-      turn_of_spots(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
-                    inputs.reference));
+      rotation_column(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
+                      inputs.reference));
   return plan;
 }
 

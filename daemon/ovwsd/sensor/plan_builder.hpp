@@ -12,7 +12,7 @@
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/mode_operator.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/torn_spots.hpp"
+#include "daemon/ovwsd/sensor/split_spots.hpp"
 
 namespace ovws {
 
@@ -31,7 +31,7 @@ struct PlanInputs {
   const std::vector<Mode>& aberration;   ///< shown on the SLM: introduced minus correction
   const Reference* reference = nullptr;  ///< null: none
   int workers = 0;
-  const TornSpots* torn = nullptr;  ///< split spots; null: none
+  const SplitSpots* split_spots = nullptr;  ///< null: none
   /// Templates by subaperture, see MatchedTracker. Empty: the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> templates{};
   const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
@@ -47,8 +47,8 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 /// the rotation. Two effects rotate the spots: a rotated camera, and illumination that falls off
 /// towards the rim, which moves each vortex core perpendicular to the amplitude's gradient. No
 /// wavefront rotates the spots, but while spots are lost the modes would absorb the rotation.
-Eigen::MatrixXd turn_of_spots(const Lattice& lattice, const SensorConfig& sensor,
-                              const PxPerCycle& map, const Reference* reference);
+Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sensor,
+                                const PxPerCycle& map, const Reference* reference);
 
 /// Errc::invalid (field "tracker" or "operator"): too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);

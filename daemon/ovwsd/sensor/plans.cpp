@@ -10,8 +10,8 @@ Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, 
                      state.sensor, state.tracking, optics_of(state, bench_), bench_.slm, state.roi,
                      state.format, lit_pixels(state.format, bench_.optics.wavelength_nm),
                      shown_modes(state), bound.reference.get(), workers_,
-                     state.torn ? &*state.torn : nullptr, templates_of(state, bound).banks,
-                     bound.mode_operator.get()});
+                     state.split_spots ? &*state.split_spots : nullptr,
+                     templates_of(state, bound).banks, bound.mode_operator.get()});
 }
 
 void Plans::use(std::unique_ptr<MeasurementPlan> plan) {

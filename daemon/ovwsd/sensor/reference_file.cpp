@@ -12,10 +12,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostSpots = 1 << 12;
-constexpr int kMostPixels = 1 << 16;  // width and height of the mean image
+constexpr std::size_t kMaxSpots = 1 << 12;
+constexpr int kMaxSide = 1 << 16;  // width and height of the mean image
 
-tl::unexpected<Error> unfit(std::string field, std::string reason) {
+tl::unexpected<Error> invalid(std::string field, std::string reason) {
   return fail(Errc::invalid, std::move(field), std::move(reason));
 }
 
@@ -25,21 +25,21 @@ json points_json(const std::vector<Vec2>& points) {
   return all;
 }
 
-/// `may_lack`: null is allowed and becomes NaN.
-Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool may_lack) {
-  const auto fits = [may_lack](const json& number) {
-    return number.is_number() || (may_lack && number.is_null());
+/// `allow_null`: null is allowed and becomes NaN.
+Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool allow_null) {
+  const auto fits = [allow_null](const json& number) {
+    return number.is_number() || (allow_null && number.is_null());
   };
   const auto value = [](const json& number) {
     return number.is_null() ? NAN : number.get<double>();
   };
-  if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMostSpots) {
-    return unfit(key, "must be a list of positions");
+  if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMaxSpots) {
+    return invalid(key, "must be a list of positions");
   }
   std::vector<Vec2> points;
   for (const json& point : content[key]) {
     const bool pair = point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
-    if (!pair) return unfit(key, "must be a list of [x, y]");
+    if (!pair) return invalid(key, "must be a list of [x, y]");
     points.push_back({value(point[0]), value(point[1])});
   }
   return points;
@@ -68,16 +68,16 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   r.integer("frames", picture->frames, 1, PictureMean::kMaxFrames);
   r.optional_number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
-  r.integer("width", width, 1, kMostPixels);
-  r.integer("height", height, 1, kMostPixels);
+  r.integer("width", width, 1, kMaxSide);
+  r.integer("height", height, 1, kMaxSide);
   r.string("mean_dn", pixels);
   if (auto read = r.finish(); !read) return fail(read.error());
-  const auto known = pixel_format_from_name(format);
+  const auto pixel_format = pixel_format_from_name(format);
   auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
-  if (!known || !values)
-    return unfit("picture", "does not match its pixel format, width and height");
+  if (!pixel_format || !values)
+    return invalid("picture", "does not match its pixel format, width and height");
   picture->gain_db = gain_db.value_or(kNotKnown);
-  picture->format = *known;
+  picture->format = *pixel_format;
   picture->mean_dn.width = width;
   picture->mean_dn.height = height;
   picture->mean_dn.pixels = std::move(*values);
@@ -85,16 +85,16 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
 }
 
 /// Checks that the parts of a reference agree in size.
-Result<void> check_whole(const Reference& reference) {
+Result<void> check_sizes(const Reference& reference) {
   const ReferenceKey& key = reference.key;
   const std::size_t spots = reference.positions_px.size();
   if (spots == 0 || reference.standard_error_px.size() != spots) {
-    return unfit("positions_px", "and standard_error_px must be of equal length, and not empty");
+    return invalid("positions_px", "and standard_error_px must be of equal length, and not empty");
   }
   const auto* const picture = reference.picture.get();
   if (picture != nullptr &&
       (picture->mean_dn.width != key.roi.width || picture->mean_dn.height != key.roi.height)) {
-    return unfit("picture", "must have the size of the region of interest");
+    return invalid("picture", "must have the size of the region of interest");
   }
   return {};
 }
@@ -133,27 +133,28 @@ Result<Reference> reference_from(const json& content) {
   r.raw("positions_px");
   r.raw("standard_error_px");
   if (auto read = r.finish(); !read) return fail(read.error());
-  if (!t_taken_ns->is_number_integer()) return unfit("t_taken_ns", "must be a time in nanoseconds");
-  if (!origin->is_object()) return unfit("origin", "must be an object");
+  if (!t_taken_ns->is_number_integer())
+    return invalid("t_taken_ns", "must be a time in nanoseconds");
+  if (!origin->is_object()) return invalid("origin", "must be an object");
   reference.source = ReferenceSource(source);
   reference.t_taken_ns = t_taken_ns->get<std::int64_t>();
   auto positions = points_from(content, "positions_px", false);
   if (!positions) return fail(positions.error());
   auto errors = points_from(content, "standard_error_px", true);
   if (!errors) return fail(errors.error());
-  auto known = ReferenceBench::known(*origin);
-  if (!known) return fail(known.error());
+  auto parsed = ReferenceBench::parse(*origin);
+  if (!parsed) return fail(parsed.error());
   auto mean = picture_from(*picture);
   if (!mean) return fail(mean.error());
-  reference.key = known->key;
-  reference.aberration = std::move(known->aberration);
-  reference.introduced = std::move(known->introduced);
-  reference.registration = known->registration;
+  reference.key = parsed->key;
+  reference.aberration = std::move(parsed->aberration);
+  reference.introduced = std::move(parsed->introduced);
+  reference.registration = parsed->registration;
   reference.positions_px = std::move(*positions);
   reference.standard_error_px = std::move(*errors);
   reference.origin = std::make_shared<const json>(*origin);
   reference.picture = std::move(*mean);
-  if (auto whole = check_whole(reference); !whole) return fail(whole.error());
+  if (auto sizes = check_sizes(reference); !sizes) return fail(sizes.error());
   return reference;
 }
 

@@ -102,7 +102,7 @@ json ReferenceBench::origin(const OriginInputs& inputs) const {
   return to_json(origin);
 }
 
-Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
+Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
   for (const char* part :
        {"sensor", "tracking", "roi", "aberration", "camera", "settings", "registration"}) {
     if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
@@ -120,8 +120,8 @@ Result<ReferenceBench::Known> ReferenceBench::known(const json& origin) {
   if (!introduced) return fail(introduced.error());
   auto registration = registration_from(origin["registration"]);
   if (!registration) return fail(registration.error());
-  return Known{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
-               std::move(modes->modes), std::move(introduced->modes), *registration};
+  return Parsed{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
+                std::move(modes->modes), std::move(introduced->modes), *registration};
 }
 
 /// The origin with its LUT and flatness checksums replaced by this bench's.

@@ -47,17 +47,17 @@ class ReferenceBench {
   nlohmann::json origin(const OriginInputs& inputs) const;
   /// Parses an origin. Errors (Errc::invalid): a part is missing, or is not valid in a
   /// configuration.
-  struct Known {
+  struct Parsed {
     ReferenceKey key;
     std::vector<Mode> aberration, introduced;
     std::optional<Registration> registration;  ///< base, map and time only
   };
-  static Result<Known> known(const nlohmann::json& origin);
+  static Result<Parsed> parse(const nlohmann::json& origin);
 
   /// Why a stored reference cannot be used on this bench; empty: it can. Renders its hologram
   /// again, because another version of the program may draw it differently.
   std::string obstacle(const Reference& reference) const;
-  /// The same for any measurement whose origin `known` accepts. `spots`: how many it has.
+  /// The same for any measurement whose origin `parse` accepts. `spots`: how many it has.
   std::string obstacle(const nlohmann::json& origin, const ReferenceKey& key,
                        std::size_t spots) const;
 

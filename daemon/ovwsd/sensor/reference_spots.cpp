@@ -66,15 +66,15 @@ Result<ReferenceSpots> judge_spots(const SpotAverage& average,
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
                 Reference& reference) {
   if (lost.empty()) return;
-  std::vector<bool> known(model_px.size(), true);
-  for (const int i : lost) known[std::size_t(i)] = false;
+  std::vector<bool> found(model_px.size(), true);
+  for (const int i : lost) found[std::size_t(i)] = false;
   Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
   Eigen::Matrix<double, 3, 2> rhs = Eigen::Matrix<double, 3, 2>::Zero();
   const auto basis = [&](std::size_t i) {
     return Eigen::Vector3d(1.0, 1e-2 * model_px[i].x, 1e-2 * model_px[i].y);
   };
   for (std::size_t i = 0; i < model_px.size(); ++i) {
-    if (!known[i]) continue;
+    if (!found[i]) continue;
     const Vec2 moved = reference.positions_px[i] - model_px[i];
     normal += basis(i) * basis(i).transpose();
     rhs += basis(i) * Eigen::RowVector2d(moved.x, moved.y);
@@ -89,13 +89,13 @@ void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
 }
 
 std::vector<Vec2> known_positions(const Reference& reference) {
-  std::vector<Vec2> known = reference.positions_px;
-  if (reference.standard_error_px.size() != known.size()) return known;
-  for (std::size_t i = 0; i < known.size(); ++i) {
+  std::vector<Vec2> positions = reference.positions_px;
+  if (reference.standard_error_px.size() != positions.size()) return positions;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec2& error = reference.standard_error_px[i];
-    if (std::isnan(error.x) || std::isnan(error.y)) known[i] = {NAN, NAN};
+    if (std::isnan(error.x) || std::isnan(error.y)) positions[i] = {NAN, NAN};
   }
-  return known;
+  return positions;
 }
 
 }  // namespace ovws

@@ -9,9 +9,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostMiB = 256.0;
+constexpr double kMaxMiB = 256.0;
 
-OwnTemplates none(std::string reason) {
+OwnTemplates no_templates(std::string reason) {
   return {{}, {0, std::move(reason)}};
 }
 
@@ -22,15 +22,15 @@ double bank_mib(const SpotModel& spots) {
   return planes * shifts * bank.columns() * bank.rows() * double(sizeof(float)) / 1048576.0;
 }
 
-std::string missing(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
-  constexpr int kMostNamed = 8;
+std::string missing_spots(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
+  constexpr int kMaxNamed = 8;
   std::string text;
   int count = 0;
   for (std::size_t i = 0; i < banks.size(); ++i) {
-    if (banks[i] || ++count > kMostNamed) continue;
+    if (banks[i] || ++count > kMaxNamed) continue;
     text += (text.empty() ? "" : ", ") + std::to_string(i);
   }
-  if (count > kMostNamed) text += fmt::format(" and {} more", count - kMostNamed);
+  if (count > kMaxNamed) text += fmt::format(" and {} more", count - kMaxNamed);
   return text;
 }
 
@@ -38,25 +38,26 @@ std::string missing(const std::vector<std::shared_ptr<const TemplateBank>>& bank
 
 OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& spots,
                            const Reference* reference) {
-  if (tracking.templates == TemplateKind::model) return none("");
+  if (tracking.templates == TemplateKind::model) return no_templates("");
   if (tracking.tracker != TrackerKind::matched) {
-    return none("only the tracker matched uses templates: set tracker to matched");
+    return no_templates("only the tracker matched uses templates: set tracker to matched");
   }
-  if (reference == nullptr) return none("there is no reference: take one");
-  if (!reference->picture) return none(kNoPicture);
+  if (reference == nullptr) return no_templates("there is no reference: take one");
+  if (!reference->picture) return no_templates(kNoPicture);
   if (!shows(reference->picture->format, spots.lit)) {
-    return none(fmt::format("the reference's mean image has the pixel format {}: take it again",
-                            pixel_format_name(reference->picture->format)));
+    return no_templates(
+        fmt::format("the reference's mean image has the pixel format {}: take it again",
+                    pixel_format_name(reference->picture->format)));
   }
   const double needed_mib = bank_mib(spots) * double(reference->positions_px.size());
-  if (needed_mib > kMostMiB) {
-    return none(
+  if (needed_mib > kMaxMiB) {
+    return no_templates(
         fmt::format("they would need {:.0f} MiB of memory (limit {:.0f}): set template to model",
-                    needed_mib, kMostMiB));
+                    needed_mib, kMaxMiB));
   }
   OwnTemplates own;
   own.banks = reference_templates(spots, reference->picture->mean_dn, reference->positions_px);
-  const std::string without = missing(own.banks);
+  const std::string without = missing_spots(own.banks);
   own.report.own = int(own.banks.size() - std::count(own.banks.begin(), own.banks.end(), nullptr));
   if (!without.empty()) {
     own.report.reason = fmt::format(
@@ -72,9 +73,9 @@ const OwnTemplates& TemplateShelf::of(const TrackingSettings& tracking, const Sp
                                       const Reference* reference) {
   const bool referenced = reference != nullptr;
   const auto picture = referenced ? reference->picture : nullptr;
-  const bool known = made_ && tracking == tracking_ && referenced_ == referenced &&
-                     picture == picture_ && spots == spots_;
-  if (!known) {
+  const bool cached = made_ && tracking == tracking_ && referenced_ == referenced &&
+                      picture == picture_ && spots == spots_;
+  if (!cached) {
     made_.reset();
     made_ = own_templates(tracking, spots, reference);
     tracking_ = tracking;

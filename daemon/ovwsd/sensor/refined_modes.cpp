@@ -24,24 +24,25 @@ RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, dou
 }
 
 std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int frames) const {
-  constexpr double kLeastPeak = 1.0;  // times the read noise: the fit uses thousands of pixels
-  constexpr double kMostSigmaWaves = 0.1;
-  constexpr double kMostChi2 = 3.0;  // above 1: the configured noise may be somewhat off
-  const double most_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
-  if (!(peak_e > kLeastPeak * std::max(camera.read_noise_e, 1.0))) {
+  constexpr double kMinPeak = 1.0;  // times the read noise: the fit uses thousands of pixels
+  constexpr double kMaxSigmaWaves = 0.1;
+  constexpr double kMaxChi2 = 3.0;  // above 1: the configured noise may be somewhat off
+  const double max_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
+  if (!(peak_e > kMinPeak * std::max(camera.read_noise_e, 1.0))) {
     return fmt::format(
         "the brightest pixel ({:.0f} electrons) is below the read noise: increase the exposure",
         peak_e);
   }
-  const bool told = std::all_of(sigma_waves.begin(), sigma_waves.end(),
-                                [](double sigma) { return sigma < kMostSigmaWaves; });  // no NaN
-  if (!told) {
+  const bool determined = std::all_of(sigma_waves.begin(), sigma_waves.end(), [](double sigma) {
+    return sigma < kMaxSigmaWaves;
+  });  // no NaN
+  if (!determined) {
     return fmt::format(
         "too few photons to determine all modes: the largest standard error is {:.2f} wave; "
         "increase the exposure",
-        most_sigma);
+        max_sigma);
   }
-  if (!((chi2_per_pixel - 1.0) / frames + 1.0 < kMostChi2)) {
+  if (!((chi2_per_pixel - 1.0) / frames + 1.0 < kMaxChi2)) {
     return fmt::format(
         "the model does not explain the image (chi2 per pixel is {:.1f}): check the "
         "configured noise, the optics and the illumination",

@@ -11,30 +11,30 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMostPx = 1e5;     ///< base spot: far beyond any camera sensor
-constexpr double kMostCpp = 0.5;    ///< grating: the Nyquist limit of the SLM
-constexpr double kMostScale = 1e6;  ///< px_per_cycle
+constexpr double kMaxPx = 1e5;     ///< base spot: far beyond any camera sensor
+constexpr double kMaxCpp = 0.5;    ///< grating: the Nyquist limit of the SLM
+constexpr double kMaxScale = 1e6;  ///< px_per_cycle
 
 /// Parses the keys of registration.get, plus base_grating_cpp, the grating that base_px belongs to.
 Result<Registration> registration_from(const json& content) {
   Registration out;
   std::vector<double> base, base_error, map, error, grating;
   ObjectReader r(content, "registration");
-  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size, double most) {
+  const auto list = [&r](const char* key, std::vector<double>& to, std::size_t size, double max) {
     r.require(key);
-    r.numbers(key, to, size, size, -most, most);
+    r.numbers(key, to, size, size, -max, max);
   };
-  list("base_px", base, 2, kMostPx);
-  list("base_standard_error_px", base_error, 2, kMostPx);
-  list("base_grating_cpp", grating, 2, kMostCpp);
-  list("px_per_cycle", map, 4, kMostScale);
-  list("px_per_cycle_standard_error", error, 4, kMostScale);
+  list("base_px", base, 2, kMaxPx);
+  list("base_standard_error_px", base_error, 2, kMaxPx);
+  list("base_grating_cpp", grating, 2, kMaxCpp);
+  list("px_per_cycle", map, 4, kMaxScale);
+  list("px_per_cycle_standard_error", error, 4, kMaxScale);
   r.require("residual_px");
-  r.number("residual_px", out.residual_px, 0.0, kMostPx);
+  r.number("residual_px", out.residual_px, 0.0, kMaxPx);
   r.require("sights");
   r.integer("sights", out.sights, 0, 1 << 20);
-  for (const char* known : {"registered", "scale_px_per_cycle", "rotation_deg", "mirrored"}) {
-    r.raw(known);
+  for (const char* key : {"registered", "scale_px_per_cycle", "rotation_deg", "mirrored"}) {
+    r.raw(key);
   }
   const json* const taken = r.raw("t_taken_ns");
   if (taken != nullptr && taken->is_number_integer()) out.t_taken_ns = taken->get<std::int64_t>();

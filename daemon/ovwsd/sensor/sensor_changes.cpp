@@ -71,7 +71,7 @@ SensorChange show_request(ShowRequest what) {
   };
 }
 
-SensorChange give_back() {
+SensorChange restore_previous() {
   return [](SensorEdit& edit) -> Result<void> {
     if (!edit.lease) return {};
     edit.state.sensor = edit.lease->sensor;

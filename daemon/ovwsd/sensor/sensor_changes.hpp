@@ -31,7 +31,7 @@ struct ShowRequest {
 };
 SensorChange show_request(ShowRequest what);
 /// Restores what was shown before the job began.
-SensorChange give_back();
+SensorChange restore_previous();
 
 // These activate and store the result of a job. `sensor_epoch`: that of the job's start.
 // Errc::refused, field "camera", if the sensor or the camera's image has changed since.

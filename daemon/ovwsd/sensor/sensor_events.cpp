@@ -43,8 +43,8 @@ void SensorEvents::publish_stale(const Reference* reference,
           fmt::format("{} was {}, and is {}", one.field, one.then.dump(), one.now.dump()));
     }
   }
-  if (fields == stale_told_) return;
-  stale_told_ = fields;
+  if (fields == published_stale_) return;
+  published_stale_ = fields;
   if (reference == nullptr) return;
   const std::string how = words.empty() ? "the camera's settings are those that it was taken with"
                                         : fmt::format("{}", fmt::join(words, "; "));

@@ -41,8 +41,8 @@ class SensorEvents {
 
   BenchOptics bench_;
   Events& events_;
-  std::vector<std::string> stale_told_;  ///< fields in the last event
-  std::optional<LayoutKey> layout_key_;  ///< inputs of layout_fault_
+  std::vector<std::string> published_stale_;  ///< fields in the last event
+  std::optional<LayoutKey> layout_key_;       ///< inputs of layout_fault_
   std::string layout_fault_;
 };
 

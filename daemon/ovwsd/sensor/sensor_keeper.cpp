@@ -112,18 +112,18 @@ void SensorKeeper::release(Hold by, std::function<void()> then) {
 
 void SensorKeeper::restore_lease() {
   SensorEdit edit = new_edit();
-  (void)give_back()(edit);
+  (void)restore_previous()(edit);
   lease_.reset();
   if (same_picture(edit.state, state_) && edit.state.tracking == state_.tracking) return;
   (void)activate(std::move(edit), Show::when_possible);
 }
 
-void SensorKeeper::follow(std::uint64_t plan_id, std::optional<TornSpots> torn) {
-  mailbox_.post([this, plan_id, torn = std::move(torn)]() mutable {
+void SensorKeeper::track_split_spots(std::uint64_t plan_id, std::optional<SplitSpots> split) {
+  mailbox_.post([this, plan_id, split = std::move(split)]() mutable {
     const bool of_a_job = hold_.by == Hold::By::job;
-    if (snapshot()->plan_id != plan_id || of_a_job || (!torn && !state_.torn)) return;
+    if (snapshot()->plan_id != plan_id || of_a_job || (!split && !state_.split_spots)) return;
     SensorEdit edit = new_edit();
-    edit.state.torn = std::move(torn);
+    edit.state.split_spots = std::move(split);
     const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
     auto plan = plans_.build(edit.state, bound, bench_.hologram_id);
     if (plan) adopt(std::move(edit), bound, std::move(*plan));
@@ -199,7 +199,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
     ++next.sensor_epoch;
   }
   if (auto sampled = check_sampling(next); !sampled) return sampled;
-  next.torn.reset();  // they belong to the previous plan
+  next.split_spots.reset();  // they belong to the previous plan
   const bool same = same_picture(next, state_);
   const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
   Bound bound = bind(next, edit.knowledge, bench_.optics);
@@ -268,7 +268,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->subapertures = plan->subapertures();
   now->modes_j = plan->reconstructor->modes_j();
   now->layout_fault = events_.layout_fault(state_);
-  if (state_.torn) now->torn = state_.torn->numbers();
+  if (state_.split_spots) now->torn = state_.split_spots->numbers();
   now->reference = bound.reference;
   now->calibration = bound.calibration;
   now->slm = state_.slm;
@@ -288,14 +288,14 @@ OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
   const bool diffractive = asked == OperatorKind::diffractive;
   knowledge_.operators->forget_shortages(diffractive ? &key : nullptr);
   if (plan.mode_operator == asked || !diffractive) {
-    deps_.operators.give_up();
+    deps_.operators.cancel();
     if (plan.mode_operator == asked) return {asked, ""};
     return {plan.mode_operator, missing_calibration_reason(state_, knowledge_, bench_.optics)};
   }
   if (const auto made = knowledge_.operators->find(key)) {
     return {plan.mode_operator, made->error().reason};
   }
-  deps_.operators.order(key, [this](const OperatorKey& of, Result<ModeOperator> made) {
+  deps_.operators.request(key, [this](const OperatorKey& of, Result<ModeOperator> made) {
     mailbox_.post(
         [this, of, made = std::move(made)]() mutable { store_operator(of, std::move(made)); });
   });
@@ -358,11 +358,11 @@ void SensorKeeper::set_checksum(SensorEdit& edit, const std::string& sha256) {
   state_ = std::move(now.state);
   knowledge_ = std::move(now.knowledge);
   const Bound bound = bind(state_, knowledge_, bench_.optics);
-  auto known = std::make_shared<SensorSnapshot>(*snapshot());
-  known->reference = bound.reference;
-  known->calibration = bound.calibration;
-  known->slm = state_.slm;
-  snapshot_.set(std::move(known));
+  auto updated = std::make_shared<SensorSnapshot>(*snapshot());
+  updated->reference = bound.reference;
+  updated->calibration = bound.calibration;
+  updated->slm = state_.slm;
+  snapshot_.set(std::move(updated));
 }
 
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {

@@ -68,7 +68,7 @@ class SensorKeeper : public Agent {
   /// Tracks these split spots in frames of plan `plan_id`; none: tracks all spots as usual again.
   /// Ignored if another plan is active by then, or while a job holds the sensor. Any change of the
   /// sensor ends the tracking of split spots.
-  void follow(std::uint64_t plan_id, std::optional<TornSpots> torn);
+  void track_split_spots(std::uint64_t plan_id, std::optional<SplitSpots> split);
 
   // Prepare thread only.
 

@@ -12,7 +12,7 @@
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
-#include "daemon/ovwsd/sensor/torn_spots.hpp"
+#include "daemon/ovwsd/sensor/split_spots.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
@@ -37,7 +37,7 @@ struct SensorState {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  std::optional<TornSpots> torn;  ///< split spots, which are tracked by templates of their shape
+  std::optional<SplitSpots> split_spots;  ///< tracked by templates of their shape
 };
 
 /// Modes that are added to the pattern: the introduced aberration minus the correction. The pattern

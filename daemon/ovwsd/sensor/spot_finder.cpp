@@ -26,28 +26,28 @@ constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kBlindInARow = 2;
 constexpr int kDoubtfulInARow = 5;  // valid frames: noise may lose a spot occasionally
-constexpr std::int64_t kLookPauseNs = 50'000'000;
+constexpr std::int64_t kCheckPauseNs = 50'000'000;
 constexpr std::int64_t kAdoptPatienceNs = 300'000'000;
-constexpr std::int64_t kWellNs = 1'000'000'000;
+constexpr std::int64_t kRecoveredNs = 1'000'000'000;
 constexpr std::int64_t kAnnounceNs = 500'000'000;
-constexpr double kMostResidual = 0.03;  // lambda/d: RMS fit residual of the positions
-constexpr double kElsewhere = 0.5;      // lambda/d
-constexpr double kCell = 0.5;           // lambda/d: images are compared after binning to this size
+constexpr double kMaxResidual = 0.03;  // lambda/d: RMS fit residual of the positions
+constexpr double kMaxOffset = 0.5;     // lambda/d
+constexpr double kCell = 0.5;          // lambda/d: images are compared after binning to this size
 // Limits of the search's memory, which is locked and grows with both: some hundred MiB here.
-constexpr std::size_t kMostSpots = 200;
-constexpr double kMostSpotPx = 40.0;  // lambda/d, camera pixels
+constexpr std::size_t kMaxSpots = 200;
+constexpr double kMaxSpotPx = 40.0;  // lambda/d, camera pixels
 
 /// Whether a frame needs a search. A split spot is lost, or a wrong fragment of it is tracked,
 /// which raises the fit residual. Spots that the reference lacks do not count: they are dark.
 bool is_doubtful(const FrameRecord& record) {
-  const double explained_px = kMostResidual * record.plan->spots.lambda_d_px;
+  const double explained_px = kMaxResidual * record.plan->spots.lambda_d_px;
   const int lost =
       record.plan->referenced() ? record.reconstruction.lost : record.spot_count - record.tracked;
   return record.settled && (lost > 0 || record.reconstruction.fit_residual_px > explained_px);
 }
 
 /// Positions of the spots; NaN for lost ones.
-std::vector<Vec2> places(std::span<const SpotFix> fixes) {
+std::vector<Vec2> positions(std::span<const SpotFix> fixes) {
   std::vector<Vec2> at_px;
   for (const SpotFix& fix : fixes) at_px.push_back({double(fix.x), double(fix.y)});
   return at_px;
@@ -55,14 +55,14 @@ std::vector<Vec2> places(std::span<const SpotFix> fixes) {
 
 /// Whether a new plan would measure the same: no spot is split, and each spot of the reference is
 /// already tracked where the search found it.
-bool is_followed_already(const TornSpots& found, const FrameCopy& frame,
-                         const SensorSnapshot& sensor, double lambda_d_px) {
+bool is_tracked_already(const SplitSpots& found, const FrameCopy& frame,
+                        const SensorSnapshot& sensor, double lambda_d_px) {
   if (!sensor.torn.empty() || !found.numbers().empty() || !sensor.reference) return false;
-  const std::vector<Vec2> known = known_positions(*sensor.reference);
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    const Vec2 followed{double(frame.spots[i].x), double(frame.spots[i].y)};
-    const bool there = norm(found.at_px[i] - followed) <= kElsewhere * lambda_d_px;
-    if (!std::isnan(known[i].x) && !there) return false;
+  const std::vector<Vec2> reference_px = known_positions(*sensor.reference);
+  for (std::size_t i = 0; i < reference_px.size(); ++i) {
+    const Vec2 tracked_px{double(frame.spots[i].x), double(frame.spots[i].y)};
+    const bool there = norm(found.at_px[i] - tracked_px) <= kMaxOffset * lambda_d_px;
+    if (!std::isnan(reference_px[i].x) && !there) return false;
   }
   return true;
 }
@@ -138,13 +138,13 @@ bool SpotFinder::do_work() {
   const std::int64_t now_ns = monotonic_ns();
   announce();
   if (doubt == Doubt::none) {
-    if (now_ns - doubted_ns_ >= kWellNs) policy_.reset();
+    if (now_ns - doubted_ns_ >= kRecoveredNs) policy_.reset();
     inbox_.forget();
     progress_.set({});
   } else {
     doubted_ns_ = now_ns;
   }
-  if (doubt == Doubt::none || now_ns < next_look_ns_) {
+  if (doubt == Doubt::none || now_ns < next_check_ns_) {
     std::this_thread::sleep_for(kTurn);
     return false;
   }
@@ -153,31 +153,31 @@ bool SpotFinder::do_work() {
   const SensorView view = keeper_.snapshot();
   const SensorSnapshot& sensor = *view;
   if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since
-  if (frame->plan_id == left_plan_id_ && now_ns - left_ns_ < kAdoptPatienceNs) return false;
-  return look(*frame, sensor, doubt);
+  if (frame->plan_id == replaced_plan_id_ && now_ns - replaced_ns_ < kAdoptPatienceNs) return false;
+  return search_if_due(*frame, sensor, doubt);
 }
 
 /// Searches the frame if a search is due.
-bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
+bool SpotFinder::search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_lattice().lambda_d_px));
   CellImage cells = average_cells(frame.image, spots.lit.lattice, bin);
   const bool changed = !searched_ || is_other_image(*searched_, cells);
   if (!policy_.is_due(doubt, changed, monotonic_ns())) {
-    next_look_ns_ = monotonic_ns() + kLookPauseNs;
+    next_check_ns_ = monotonic_ns() + kCheckPauseNs;
     return false;
   }
   policy_.begin(changed);
   searched_ = std::move(cells);
   progress_.change([](SearchProgress& now) { now.running = true; });
-  std::optional<TornSpots> found = search(frame, sensor);
+  std::optional<SplitSpots> found = search(frame, sensor);
   if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   // A failed search changes nothing while frames are valid: the current plan still works.
   if (found || doubt == Doubt::blind) {
-    if (found && is_followed_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
+    if (found && is_tracked_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
     const bool changes = found || !sensor.torn.empty();
-    if (changes) left_plan_id_ = sensor.plan_id, left_ns_ = monotonic_ns();
-    keeper_.follow(sensor.plan_id, std::move(found));
+    if (changes) replaced_plan_id_ = sensor.plan_id, replaced_ns_ = monotonic_ns();
+    keeper_.track_split_spots(sensor.plan_id, std::move(found));
   }
   policy_.end(monotonic_ns());
   progress_.change([&](SearchProgress& now) {
@@ -186,7 +186,7 @@ bool SpotFinder::look(const FrameCopy& frame, const SensorSnapshot& sensor, Doub
   return true;
 }
 
-std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
+std::optional<SplitSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
   try {
     return make_bench(frame, sensor) ? explain(frame) : std::nullopt;
   } catch (const std::bad_alloc&) {
@@ -196,23 +196,23 @@ std::optional<TornSpots> SpotFinder::search(const FrameCopy& frame, const Sensor
 }
 
 /// Tries the plain tracker first: it suffices once a strong aberration is gone.
-std::optional<TornSpots> SpotFinder::explain(const FrameCopy& frame) {
+std::optional<SplitSpots> SpotFinder::explain(const FrameCopy& frame) {
   const std::size_t count = bench_->reference_px.size();
   std::vector<SpotFix> fixes(count);
   ShapedAcquisition& acquisition = bench_->acquisition;
-  const std::vector<Vec2> followed = places(frame.spots);
-  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, true, followed);
+  const std::vector<Vec2> tracked_px = positions(frame.spots);
+  acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, true, tracked_px);
   if (acquisition.shapes().empty()) {
-    if (is_explained_plain(fixes)) return TornSpots{places(fixes), {}};
-    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false, followed);
+    if (is_explained_plain(fixes)) return SplitSpots{positions(fixes), {}};
+    acquisition.acquire(frame.image, *bench_->tracker, bench_->scratch, fixes, false, tracked_px);
   }
   if (acquisition.shapes().empty()) return std::nullopt;
-  TornSpots out;
+  SplitSpots out;
   for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
-  const std::vector<bool>& torn = acquisition.torn();
-  if (std::none_of(torn.begin(), torn.end(), [](bool one) { return one; })) return out;
+  const std::vector<bool>& split = acquisition.torn();
+  if (std::none_of(split.begin(), split.end(), [](bool one) { return one; })) return out;
   out.templates =
-      shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), torn);
+      shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), split);
   return out;
 }
 
@@ -223,7 +223,7 @@ bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
   std::vector<float> coefficients(plain.modes_j().size());
   const Reconstruction found = plain.solve(fixes, scratch, coefficients);
   return found.determined && found.lost == 0 &&
-         found.fit_residual_px <= kMostResidual * bench_->spots.lambda_d_px;
+         found.fit_residual_px <= kMaxResidual * bench_->spots.lambda_d_px;
 }
 
 /// Prepares the search. False: the sensor in the snapshot cannot be modelled, or is too large.
@@ -242,7 +242,7 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
                     bench_->px_per_cycle == map && bench_->spots == spots;
   if (same) return true;
   bench_.reset();
-  if (reference_px.size() > kMostSpots || spots.lambda_d_px > kMostSpotPx) return false;
+  if (reference_px.size() > kMaxSpots || spots.lambda_d_px > kMaxSpotPx) return false;
   auto tracker = make_tracker(sensor.tracking, spots);
   if (!tracker) return false;
   const Eigen::MatrixXd slopes =
@@ -258,7 +258,7 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
                             spots.on_lattice()),
             Reconstructor(slopes, sensor.modes_j,
                           sensor.reference ? known_positions(*sensor.reference) : reference_px,
-                          turn_of_spots(*lattice, sensor.sensor, map, sensor.reference.get()))});
+                          rotation_column(*lattice, sensor.sensor, map, sensor.reference.get()))});
   return true;
 }
 

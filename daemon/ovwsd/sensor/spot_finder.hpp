@@ -42,9 +42,9 @@ class SpotFinder : public Agent {
   struct Bench;
   bool make_bench(const FrameCopy& frame, const SensorSnapshot& sensor);
   void announce();
-  bool look(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt);
-  std::optional<TornSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
-  std::optional<TornSpots> explain(const FrameCopy& frame);
+  bool search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt);
+  std::optional<SplitSpots> search(const FrameCopy& frame, const SensorSnapshot& sensor);
+  std::optional<SplitSpots> explain(const FrameCopy& frame);
   bool is_explained_plain(std::span<const SpotFix> fixes) const;
 
   SlmGeometry slm_;
@@ -62,9 +62,9 @@ class SpotFinder : public Agent {
   SearchPolicy policy_;
   std::optional<CellImage> searched_;  ///< the image searched last
   std::int64_t doubted_ns_ = 0;        ///< when frames were last doubtful
-  std::int64_t next_look_ns_ = 0;
-  std::uint64_t left_plan_id_ = 0;  ///< the plan that the last search replaced
-  std::int64_t left_ns_ = 0;
+  std::int64_t next_check_ns_ = 0;
+  std::uint64_t replaced_plan_id_ = 0;  ///< the plan that the last search replaced
+  std::int64_t replaced_ns_ = 0;
   std::int64_t announced_ns_ = 0;  ///< start of the announced invalid period; 0: none
 };
 

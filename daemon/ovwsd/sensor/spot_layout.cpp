@@ -48,10 +48,10 @@ Layout layout_of(const SpotBench& bench) {
 }
 
 /// Size of the smallest region, centred on the base spot, that contains all spots after their
-/// distances are multiplied by `stretched`.
-Vec2 region_for(const Layout& layout, double stretched) {
+/// distances are multiplied by `factor`.
+Vec2 region_for(const Layout& layout, double factor) {
   const auto side = [&](double reach_px) {
-    const double px = 2.0 * (stretched * reach_px + layout.margin_px) + 1.0;
+    const double px = 2.0 * (factor * reach_px + layout.margin_px) + 1.0;
     return kRegionStep * std::ceil(px / kRegionStep);
   };
   return {side(layout.reach_px.x), side(layout.reach_px.y)};
@@ -63,7 +63,7 @@ bool fits(Vec2 region, const Roi& roi) {
 
 /// Whether a region centred on the base spot would contain the zeroth order, which outshines the
 /// spots.
-bool sees_zero_order(Vec2 region, const SpotBench& bench) {
+bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
   const Vec2 away_px =
       px_per_cycle(bench.optics, bench.slm) * base_grating_cpp(bench.sensor, bench.slm);
   return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
@@ -84,14 +84,14 @@ std::string spot_name(int charge) {
 }
 
 /// How many spots fall outside the region, and whether the others determine the modes.
-struct Seen {
+struct Visibility {
   int missing = 0;
   bool determined = false;
 };
 
-Seen seen_of(const SpotBench& bench, const Layout& layout) {
+Visibility visibility_of(const SpotBench& bench, const Layout& layout) {
   const double edge_px = spot_geometry(bench.sensor.charge).ring_outer * layout.lambda_d_px;
-  Seen seen;
+  Visibility visibility;
   std::vector<SpotFix> found(layout.spots_px.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Vec2 at = layout.spots_px[i];
@@ -99,30 +99,30 @@ Seen seen_of(const SpotBench& bench, const Layout& layout) {
                         at.x <= bench.roi.width - 1 - edge_px &&
                         at.y <= bench.roi.height - 1 - edge_px;
     if (!inside) {
-      ++seen.missing;
+      ++visibility.missing;
       continue;
     }
     found[i].x = float(at.x);
     found[i].y = float(at.y);
   }
-  if (seen.missing == 0) return {0, true};
+  if (visibility.missing == 0) return {0, true};
   const ModeOperator modes = slope_operator(bench.lattice, bench.sensor, bench.tracking,
                                             px_per_cycle(bench.optics, bench.slm));
   const Reconstructor reconstructor(modes.slopes, modes.modes_j, layout.spots_px);
   auto scratch = reconstructor.make_scratch();
   std::vector<float> waves(modes.modes_j.size());
-  seen.determined = reconstructor.solve(found, scratch, waves).determined;
-  return seen;
+  visibility.determined = reconstructor.solve(found, scratch, waves).determined;
+  return visibility;
 }
 
 /// Proposes settings that put neighbouring spots far enough apart.
-std::string farther_apart(const SpotBench& bench, const Layout& layout) {
-  const double stretched = good_spot_distance(bench.sensor.charge) / layout.nearest;
-  const int fewer = int(bench.sensor.subapertures_across / std::sqrt(stretched));
-  const double spacing = rounded_up(bench.sensor.spacing * stretched);
+std::string wider_spacing(const SpotBench& bench, const Layout& layout) {
+  const double factor = recommended_spot_distance(bench.sensor.charge) / layout.nearest;
+  const int fewer = int(bench.sensor.subapertures_across / std::sqrt(factor));
+  const double spacing = rounded_up(bench.sensor.spacing * factor);
   const Vec2 region = region_for(layout, spacing / bench.sensor.spacing);
   std::string ways;
-  if (fewer < 3 || fits(region, bench.roi) || !sees_zero_order(region, bench)) {
+  if (fewer < 3 || fits(region, bench.roi) || !contains_zeroth_order(region, bench)) {
     ways = fmt::format("sensor.spacing to {:g}", spacing);
     if (!fits(region, bench.roi))
       ways += fmt::format(" and camera.roi to at least {:.0f} x {:.0f} px", region.x, region.y);
@@ -133,14 +133,14 @@ std::string farther_apart(const SpotBench& bench, const Layout& layout) {
 }
 
 /// Proposes a setting that avoids a larger region.
-std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
+std::string alternative_to_region(const SpotBench& bench, const Layout& layout) {
   const auto share = [&](double fixed_px) {
     const double x = (0.5 * (bench.roi.width - 1) - fixed_px) / layout.reach_px.x;
     const double y = (0.5 * (bench.roi.height - 1) - fixed_px) / layout.reach_px.y;
     return std::min(x, y);
   };
   const double closer = share(layout.margin_px);
-  if (closer * layout.nearest >= good_spot_distance(bench.sensor.charge)) {
+  if (closer * layout.nearest >= recommended_spot_distance(bench.sensor.charge)) {
     return fmt::format("sensor.spacing to {:g}", rounded_down(bench.sensor.spacing * closer));
   }
   const double whole_x = (layout.reach_px.x + layout.margin_px) / (0.5 * (bench.roi.width - 1));
@@ -152,7 +152,7 @@ std::string instead_of_region(const SpotBench& bench, const Layout& layout) {
 
 }  // namespace
 
-double least_spot_distance(int charge, TrackerKind tracker) {
+double min_spot_distance(int charge, TrackerKind tracker) {
   const int l = std::abs(charge);
   constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
   const double by_charge = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
@@ -160,30 +160,30 @@ double least_spot_distance(int charge, TrackerKind tracker) {
   return radii * spot_geometry(l).dark;
 }
 
-double good_spot_distance(int charge) {
+double recommended_spot_distance(int charge) {
   return 1.6 * spot_geometry(std::abs(charge)).dark;
 }
 
 Result<void> check_spots_apart(const SpotBench& bench) {
   const Layout layout = layout_of(bench);
-  const double least = least_spot_distance(bench.sensor.charge, bench.tracking.tracker);
-  if (layout.nearest >= least) return {};
+  const double minimum = min_spot_distance(bench.sensor.charge, bench.tracking.tracker);
+  if (layout.nearest >= minimum) return {};
   return fail(
       Errc::invalid, "sensor.spacing",
       fmt::format(
           "neighbouring spots are {:.2f} lambda/d apart, but the tracker {} separates {} only "
           "from {:.2f} lambda/d on: set {}",
           layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench.sensor.charge),
-          least, farther_apart(bench, layout)));
+          minimum, wider_spacing(bench, layout)));
 }
 
 Result<void> check_spots_in_region(const SpotBench& bench) {
   const Layout layout = layout_of(bench);
-  const Seen seen = seen_of(bench, layout);
-  if (seen.determined) return {};
+  const Visibility visibility = visibility_of(bench, layout);
+  if (visibility.determined) return {};
   const std::string what =
-      fmt::format("{} of {} spots fall outside the camera's region of {} x {} px", seen.missing,
-                  layout.spots_px.size(), bench.roi.width, bench.roi.height);
+      fmt::format("{} of {} spots fall outside the camera's region of {} x {} px",
+                  visibility.missing, layout.spots_px.size(), bench.roi.width, bench.roi.height);
   if (bench.optics.centre_px) {
     return fail(
         Errc::invalid, "camera.roi",
@@ -194,8 +194,8 @@ Result<void> check_spots_in_region(const SpotBench& bench) {
                     layout.reach_px.x + layout.margin_px, layout.reach_px.y + layout.margin_px));
   }
   const Vec2 region = region_for(layout, 1.0);
-  const std::string instead = instead_of_region(bench, layout);
-  if (sees_zero_order(region, bench))
+  const std::string instead = alternative_to_region(bench, layout);
+  if (contains_zeroth_order(region, bench))
     return fail(Errc::invalid, "camera.roi", fmt::format("{}: set {}", what, instead));
   return fail(Errc::invalid, "camera.roi",
               fmt::format("{}: set its width and height to at least {:.0f} x {:.0f} px, or {}",

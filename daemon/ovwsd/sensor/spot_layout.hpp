@@ -14,11 +14,11 @@ namespace ovws {
 /// charge 1, 1.05 for charges 2 and 3, 1.35 for higher charges, 1.5 for bright spots. Measured with
 /// `ovws farfield` and the twin, 5 and 7 subapertures across, charges 0 to 7: just below the
 /// minimum, some or all spots are lost.
-double least_spot_distance(int charge, TrackerKind tracker);
+double min_spot_distance(int charge, TrackerKind tracker);
 
 /// Recommended distance of neighbouring spots, in lambda/d: 1.6 such radii. It leaves room for
 /// aberrations.
-double good_spot_distance(int charge);
+double recommended_spot_distance(int charge);
 
 /// Everything that determines where the spots fall. Holds references to the caller's objects.
 struct SpotBench {
@@ -30,7 +30,7 @@ struct SpotBench {
   const Roi& roi;
 };
 
-/// Errc::invalid, field "sensor.spacing": neighbouring spots are closer than least_spot_distance.
+/// Errc::invalid, field "sensor.spacing": neighbouring spots are closer than min_spot_distance.
 /// The message proposes values that work.
 Result<void> check_spots_apart(const SpotBench& bench);
 

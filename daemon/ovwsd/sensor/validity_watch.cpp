@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kSilenceNs = 1'500'000'000;
+constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
 
 std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
   if (search.running || search.searches == 0) return "the whole image is being searched for spots";
@@ -33,7 +33,7 @@ void ValidityWatch::saw(bool valid, const Lack& lack, std::int64_t now_ns) {
 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
   const std::int64_t since_ns = since_ns_;
-  if (since_ns == 0 || now_ns - newest_ns_ > kSilenceNs) return std::nullopt;
+  if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
   return Lack{since_ns, tracked_, spots_, explained_};
 }
 

@@ -9,7 +9,7 @@
 
 namespace ovws {
 
-struct TornSpots {
+struct SplitSpots {
   std::vector<Vec2> at_px;  ///< positions of all spots, split or not, camera pixels
   /// Template of each split spot; null for the others. May be empty: no spot is split.
   std::vector<std::shared_ptr<const TemplateBank>> templates;
