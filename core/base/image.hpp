@@ -1,4 +1,4 @@
-/// Images: camera pixels where the camera put them, and the pictures this code makes.
+/// Camera images: borrowed views of driver buffers, and owned row-major images.
 #pragma once
 
 #include <cstddef>
@@ -9,26 +9,26 @@
 
 namespace ovws {
 
-/// Borrowed camera pixels, row-major, stride in bytes. Valid while the frame that lends them is
-/// held. Read by core/base/pixels.hpp, which knows the formats.
+/// A borrowed view of camera pixels, row-major, stride in bytes. Valid while the frame that lends
+/// the buffer is held. Read the pixels with core/base/pixels.hpp, which knows every format.
 struct ImageView {
   const std::byte* data = nullptr;
-  int width = 0;   ///< of the lit pixels' lattice, if the view is of one
-  int height = 0;  ///< the same
+  int width = 0;   ///< columns of the colour plane `lattice`
+  int height = 0;  ///< its rows
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::mono8;
-  int left_justified_bits = 0;  ///< by which every 16-bit pixel is to be shifted right
-  PixelLattice lattice{};       ///< which of the camera's pixels these are
+  int left_justified_bits = 0;  ///< right shift for MSB-aligned 16-bit pixels
+  PixelLattice lattice{};       ///< which of the camera's pixels the view holds
 
-  /// The first camera pixel of the camera's row y as T, std::uint8_t or std::uint16_t. Only for
-  /// pixels that are in place, see there.
+  /// The first pixel of row y of the whole camera image as T, std::uint8_t or std::uint16_t. These
+  /// are pixel values only if in_place(image), see core/base/pixels.hpp.
   template <class T>
   const T* row(int y) const {
     return reinterpret_cast<const T*>(data + y * stride_bytes);
   }
 };
 
-/// An owned row-major picture.
+/// An owned row-major image.
 template <class T>
 struct Image {
   int width = 0;
@@ -43,11 +43,11 @@ struct Image {
   const T& at(int x, int y) const { return row(y)[x]; }
 };
 
-/// A view of an owned 8-bit or 16-bit picture, for the same code that reads camera pixels.
+/// A view of an owned 8-bit or 16-bit image, for code that reads camera pixels.
 ImageView view_of(const Image<std::uint8_t>& image);
 ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format);
 
-/// The pixels of a lattice alone, as an image of their own. RT-safe.
+/// One colour plane of an image: as a view (no copy, RT-safe), and as a copy.
 ImageView on_lattice(const ImageView& image, const PixelLattice& lattice);
 Image<float> on_lattice(const Image<float>& image, const PixelLattice& lattice);
 

@@ -1,4 +1,4 @@
-/// The pixel formats of cameras: how numbers lie in memory, and which pixels see the laser.
+/// Camera pixel formats (GenICam PFNC): memory layout, bit depth and Bayer colour planes.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace ovws {
 
-/// GenICam's names (PFNC, the "Pixel Format Naming Convention", 2.4). Words are little-endian.
+/// Formats of GenICam's Pixel Format Naming Convention (PFNC) 2.4. Words are little-endian.
 enum class PixelFormat : std::uint8_t {
   mono8,
   mono10,
@@ -44,24 +44,24 @@ enum class PixelFormat : std::uint8_t {
   bayer_bg12p,
 };
 
-/// How the numbers of a row follow one another.
+/// Memory layout of the pixels of a row.
 enum class PixelLayout : std::uint8_t {
-  bytes,     ///< one each
-  words,     ///< two bytes each, the number in the low bits
-  p10,       ///< 10 bits each, from the lowest bit of the first byte on
-  p12,       ///< 12 bits each, the same way
-  packed10,  ///< GigE Vision 1: two in three bytes, the middle one with the low bits of both
-  packed12,  ///< the same, of 12 bits
+  bytes,     ///< one byte a pixel
+  words,     ///< two bytes a pixel, LSB-aligned
+  p10,       ///< 10 bits a pixel without padding, from the first byte's lowest bit on
+  p12,       ///< 12 bits a pixel, likewise
+  packed10,  ///< GigE Vision 1: 2 pixels in 3 bytes, the middle byte holds both pixels' low bits
+  packed12,  ///< likewise with 12 bits
 };
 
-/// Colours of the square of two by two filters that repeats over the sensor, first row first.
+/// Bayer pattern: the colours in the first row of the repeating 2 x 2 square of filters.
 enum class ColourFilter : std::uint8_t { none, rg, gr, gb, bg };
 
 struct PixelFormatTraits {
   PixelFormat format;
   std::string_view name;  ///< "Mono8", …
-  std::uint32_t code;     ///< PFNC's number
-  int bits;               ///< that count: 8, 10, 12, 14 or 16
+  std::uint32_t code;     ///< PFNC code
+  int bits;               ///< significant bits: 8, 10, 12, 14 or 16
   PixelLayout layout;
   ColourFilter filter;
 };
@@ -69,48 +69,50 @@ struct PixelFormatTraits {
 std::span<const PixelFormatTraits> all_pixel_formats();
 const PixelFormatTraits& traits_of(PixelFormat format);
 int significant_bits(PixelFormat format);
-double full_scale_dn(PixelFormat format);  ///< of significant_bits
+double full_scale_dn(PixelFormat format);  ///< 2^significant_bits - 1
 std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_from_name(std::string_view name);
 std::optional<PixelFormat> pixel_format_from_code(std::uint32_t code);
 
-/// Bytes that `width` pixels of one row take; rows begin at whole bytes.
+/// Bytes of a row of `width` pixels; every row begins at a byte boundary.
 std::size_t row_bytes(PixelFormat format, int width);
-/// The least number of pixels that fill whole bytes (and pairs): a row's length is a multiple of
-/// it. 1, 2 or 4.
+/// Smallest number of pixels that fill whole bytes (and pairs): 1, 2 or 4. A row's length is a
+/// multiple of it.
 int pixels_per_group(PixelFormat format);
 
-/// Every `step`-th pixel of a camera's image, along both axes, from (x, y) on.
+/// A Bayer colour plane: every `step`-th pixel of a camera image along both axes, from (x, y) on.
+/// Step 1 is the whole image.
 struct PixelLattice {
   int step = 1;
   int x = 0, y = 0;
 
   bool everything() const { return step == 1; }
-  /// How many of `size` pixels along an axis, from `first` on.
+  /// Number of the plane's pixels along an axis of `size` camera pixels, counted from `first`.
   int count(int size, int first) const { return (size - first + step - 1) / step; }
-  /// Of a position among the lattice's pixels in the camera's pixels, and back.
+  /// Converts a position in pixels of the plane to camera pixels, and back.
   Vec2 to_image(Vec2 at) const { return {x + step * at.x, y + step * at.y}; }
   Vec2 from_image(Vec2 px) const { return {(px.x - x) / step, (px.y - y) / step}; }
 
   friend bool operator==(const PixelLattice&, const PixelLattice&) = default;
 };
 
-/// The pixels that see the laser: all of them, or those under the filters of its colour.
+/// The pixels that see the laser: all of them, or the colour plane that passes its wavelength.
 struct LitPixels {
   PixelLattice lattice{};
-  bool diagonal = false;  ///< green: those at the other diagonal corner, other(), see it too
+  bool diagonal = false;  ///< green: the diagonal plane, other(), sees it too
 
   PixelLattice other() const { return {lattice.step, lattice.x ^ 1, lattice.y ^ 1}; }
 
   friend bool operator==(const LitPixels&, const LitPixels&) = default;
 };
 
-/// By the filter that passes most: blue below 490 nm, red from 580 nm on, green between (where the
-/// curves of the usual filters cross). The pattern counts from the image's first pixel.
+/// The colour plane whose filter passes most of the light: blue below 490 nm, red from 580 nm on,
+/// green between. There the transmission curves of common filters cross. The Bayer pattern begins
+/// at the image's first pixel. All pixels of a monochrome format.
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm);
 
-/// Whether a picture in this format shows light where `lit` says: pictures without filters always
-/// do.
+/// Whether an image in this format can be measured at the pixels `lit`: `lit` is one of its colour
+/// planes, or the format is monochrome.
 bool shows(PixelFormat format, const LitPixels& lit);
 
 }  // namespace ovws

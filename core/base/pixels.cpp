@@ -6,7 +6,7 @@ namespace ovws {
 
 void unpack(const ImageView& image, int x, int y, int count, std::uint16_t* out) {
   const PixelLattice& lattice = image.lattice;
-  // Up to the lattice's last pixel: less than the camera's row, and so never beyond it.
+  // The row ends at the colour plane's last pixel, so nothing beyond the camera's row is read.
   const int pixels = lattice.x + (image.width - 1) * lattice.step + 1;
   const PackedRow row{image.row<std::byte>(lattice.y + y * lattice.step),
                       std::ptrdiff_t(row_bytes(image.format, pixels)), image.left_justified_bits};

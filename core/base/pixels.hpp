@@ -1,5 +1,5 @@
-/// Reading camera pixels, whatever their format: where they lie if each is a whole byte or word of
-/// its own, unpacked otherwise, and only those that are asked for.
+/// Reading camera pixels of any format: directly from the buffer where each pixel is a whole byte
+/// or word, unpacked otherwise. Only the requested pixels are read.
 #pragma once
 
 #include <algorithm>
@@ -12,28 +12,28 @@
 
 namespace ovws {
 
-/// Whether ImageView::row reads them: neighbours in memory, and nothing to shift.
+/// Whether ImageView::row gives pixel values: bytes or words, no colour plane, no shift.
 inline bool in_place(const ImageView& image) {
   const PixelLayout layout = traits_of(image.format).layout;
   return image.lattice.everything() && image.left_justified_bits == 0 &&
          (layout == PixelLayout::bytes || layout == PixelLayout::words);
 }
 
-/// Bytes of a pixel that is in place, 1 or 2.
+/// Bytes per pixel of an in-place image, 1 or 2.
 inline int bytes_in_place(const ImageView& image) {
   return traits_of(image.format).layout == PixelLayout::bytes ? 1 : 2;
 }
 
-/// Pixels (x, y) to (x + count - 1, y), all of them inside the image, as numbers in the low bits.
-/// No byte outside the camera's own pixels is read. RT-safe.
+/// Unpacks the pixels (x, y) to (x + count - 1, y) of the view, which must lie inside it, to
+/// LSB-aligned numbers. Reads no byte outside the camera's image. RT-safe.
 void unpack(const ImageView& image, int x, int y, int count, std::uint16_t* out) OVWS_NONBLOCKING;
 
-/// Pixels that visit_rows hands out at most at once, of those that are not in place.
+/// Maximum number of pixels that visit_rows unpacks at a time.
 constexpr int kPixelRun = 256;
 
-/// Calls `visit(x, y, pixels, count)` for the rectangle's rows from the top down, from left to
-/// right: `count` pixels from (x, y) on, a whole row if they are in place, runs of kPixelRun
-/// otherwise; `pixels` points to std::uint8_t or std::uint16_t. The rectangle must lie inside the
+/// Calls `visit(x, y, pixels, count)` for the rows of a rectangle, top to bottom, left to right.
+/// `pixels` points to `count` pixels from (x, y) on, std::uint8_t or std::uint16_t: a whole row if
+/// the image is in place, runs of at most kPixelRun otherwise. The rectangle must lie inside the
 /// image. RT-safe if `visit` is.
 template <class Visit>
 void visit_rows(const ImageView& image, int left, int top, int columns, int rows, Visit visit) {

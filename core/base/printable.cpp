@@ -5,7 +5,7 @@
 namespace ovws {
 namespace {
 
-/// Bytes of the character at the begin of `text` and its code point; 0 bytes: it is no UTF-8.
+/// A decoded UTF-8 character: its length and code point; 0 bytes: invalid UTF-8.
 struct Character {
   std::size_t bytes = 0;
   char32_t code = 0;
@@ -25,7 +25,7 @@ Character first_of(std::string_view text) {
     if ((byte(k) & 0xc0U) != 0x80U) return {};
     code = (code << 6) | (byte(k) & 0x3fU);
   }
-  constexpr char32_t kLeast[]{0, 0, 0x80, 0x800, 0x10000};  // of so many bytes
+  constexpr char32_t kLeast[]{0, 0, 0x80, 0x800, 0x10000};  // by length; below: overlong encoding
   const bool surrogate = code >= 0xd800 && code < 0xe000;
   return code < kLeast[bytes] || code > 0x10ffff || surrogate ? Character{}
                                                               : Character{bytes, code};

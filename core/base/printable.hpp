@@ -1,4 +1,4 @@
-/// Text of a device or a file, made fit for a log, a terminal and a message.
+/// Sanitises text from devices and files for logs, terminals and messages.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace ovws {
 
-/// Bytes of one name that a device gives: GigE Vision has at most 32.
+/// Maximum bytes of a name that a device reports; GigE Vision allows 32.
 inline constexpr std::size_t kMaxNameBytes = 64;
 
-/// `text` as UTF-8 of at most `max_bytes` bytes, at least 3. Each control character, character that
-/// changes the direction or the line of what follows, and byte that is no UTF-8 is replaced by "?";
-/// a longer text ends with "...".
+/// `text` as valid UTF-8 of at most `max_bytes` bytes; `max_bytes` must be at least 3. Each
+/// control, zero-width, bidirectional and line-separator character and each invalid byte becomes
+/// "?". A longer text is truncated and ends with "...".
 std::string printable(std::string_view text, std::size_t max_bytes);
 
 }  // namespace ovws

@@ -1,8 +1,8 @@
-/// Marks what runs on the frame path: no lock, no allocation, no call that can block.
+/// OVWS_NONBLOCKING marks real-time functions: no lock, no allocation, no call that can block.
 #pragma once
 
-// Checked by the compiler where it can be (clang 20 and later); everywhere else by the allocation
-// guard of tests/support, which fails a test on any allocation in such a call.
+// clang 20 and later enforce it. With other compilers the allocation guard of tests/support fails a
+// test on any allocation in such a call.
 #if defined(__clang__) && __clang_major__ >= 20
 #define OVWS_NONBLOCKING [[clang::nonblocking]]
 #else

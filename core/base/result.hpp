@@ -1,4 +1,4 @@
-/// Errors as values: what a caller outside this code base could have caused, or must react to.
+/// Result<T>: failures that a caller outside this code can cause or must react to, as values.
 #pragma once
 
 #include <optional>
@@ -8,34 +8,33 @@
 
 namespace ovws {
 
-/// One value per reaction of the caller, not per cause.
+/// Error codes: one per reaction of the caller, not per cause.
 enum class Errc {
-  invalid,      ///< the value given is wrong: mend it and ask again
-  refused,      ///< the value is right, the present state does not allow it: change the state first
-  unavailable,  ///< a device or a resource is not there: wait, or connect it
-  device,       ///< a device answered wrongly or failed while it was used
-  internal,     ///< our own bug; reported, never hidden
+  invalid,      ///< the value given is wrong: correct it and repeat the request
+  refused,      ///< the value is valid, but the state does not allow it: change the state first
+  unavailable,  ///< a device or a resource is missing: wait, or connect it
+  device,       ///< a device failed or answered wrongly while it was in use
+  internal,     ///< a bug in this program; reported, never hidden
 };
 
-/// What went wrong, said so that a person can mend it.
+/// What went wrong, in words that let a person fix it.
 struct Error {
   Errc code = Errc::internal;
   std::string field;   ///< the setting at fault, as a dotted path ("camera.gain_db"); empty if none
   std::string reason;  ///< what was wrong and what to do, one sentence
-  std::optional<double> min{}, max{};  ///< of a value out of range: its limits, in the field's unit
-  std::string
-      nearest{};  ///< of an unknown name: the known one that was meant; empty if none is near
+  std::optional<double> min{}, max{};  ///< limits of a value out of range, in the field's unit
+  std::string nearest{};  ///< closest valid name for an unknown one; empty if none is close
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-/// Waiting does not help: somebody has to mend a value or a state first.
+/// Whether a retry is pointless until a person changes a value or the state.
 inline bool needs_a_person(const Error& error) {
   return error.code == Errc::invalid || error.code == Errc::refused;
 }
 
-/// `return fail(Errc::invalid, "camera.gain_db", "…");` converts to any Result.
+/// An error that converts to any Result: `return fail(Errc::invalid, "camera.gain_db", "…");`
 [[nodiscard]] inline tl::unexpected<Error> fail(Errc code, std::string field, std::string reason) {
   return tl::make_unexpected(Error{code, std::move(field), std::move(reason)});
 }

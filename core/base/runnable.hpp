@@ -1,12 +1,12 @@
-/// Which builds of a loop this CPU can run.
+/// Run-time CPU dispatch: which SIMD builds of a loop this CPU can run.
 #pragma once
 
 #include <cstddef>
 
 namespace ovws {
 
-/// Of the builds for any CPU, for AVX2 with FMA, and for AVX-512F, in this order, those that run.
-/// Asked at run time and not by target_clones, whose resolvers run before a sanitizer is ready.
+/// How many of these builds the CPU can run: baseline, AVX2 with FMA, AVX-512F, in this order.
+/// target_clones is not used because its resolvers run before a sanitizer is initialised.
 inline std::size_t runnable_builds() {
 #ifdef __x86_64__
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return 1;

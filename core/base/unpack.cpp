@@ -20,7 +20,7 @@ constexpr int bits_of(L layout) {
   return layout == L::p10 || layout == L::packed10 ? 10 : 12;
 }
 
-/// Any pixel by itself.
+/// Scalar unpacking of one pixel.
 template <L kLayout>
 std::uint16_t pixel_at(const PackedRow& row, std::ptrdiff_t x) {
   const auto byte = [&](std::ptrdiff_t at) { return std::to_integer<unsigned>(row.first[at]); };
@@ -30,7 +30,7 @@ std::uint16_t pixel_at(const PackedRow& row, std::ptrdiff_t x) {
   } else if constexpr (kLayout == L::words) {
     return std::uint16_t((byte(2 * x) | byte(2 * x + 1) << 8) >> row.shift);
   } else if constexpr (is_p(kLayout)) {
-    const std::ptrdiff_t bit = kBits * x;  // each number reaches into exactly two bytes
+    const std::ptrdiff_t bit = kBits * x;  // each pixel spans exactly two bytes
     const unsigned word = byte(bit / 8) | byte(bit / 8 + 1) << 8;
     return std::uint16_t(word >> (bit % 8) & ((1U << kBits) - 1));
   } else {
@@ -51,14 +51,14 @@ struct Plain {
 #ifdef __x86_64__
 #define OVWS_AVX2 __attribute__((target("avx2")))
 
-/// How eight neighbours come out of 16 bytes: each from two of them, moved up so that what lies
-/// above it is lost.
+/// Byte shuffle and shifts that extract eight adjacent packed pixels from 16 bytes. `pick` gives
+/// each pixel its two bytes; multiplying by `up` shifts its bits into place and drops those above.
 struct Recipe {
   alignas(16) std::array<std::uint8_t, 16> pick{};
   alignas(16) std::array<std::uint16_t, 8> up{};
 };
 
-/// For a block whose first pixel is `phase` pixels after a whole byte.
+/// For a block whose first pixel is number `phase` of its group of whole bytes.
 template <L kLayout>
 constexpr Recipe recipe(int phase) {
   Recipe r;
@@ -86,7 +86,7 @@ struct Avx2 {
     for (; i + 8 <= count && readable<kLayout, kStep>(row, from + i * kStep); i += 8) {
       put<kLayout, kStep>(row, from + i * kStep, out + i);
     }
-    const int last = count - 8;  // may overlap the block before
+    const int last = count - 8;  // may overlap the previous block
     if (i < count && last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
       return put<kLayout, kStep>(row, from + last * kStep, out + last);
     }

@@ -1,4 +1,4 @@
-/// Numbers out of rows of packed, filtered or left-justified pixels, for the CPU that is there.
+/// SIMD unpacking of packed, Bayer and MSB-aligned pixels, with run-time dispatch.
 #pragma once
 
 #include <array>
@@ -11,27 +11,27 @@
 
 namespace ovws {
 
-/// A row of pixels in memory. No byte beyond `bytes` is read.
+/// A row of camera pixels in memory. No byte beyond `bytes` is read.
 struct PackedRow {
   const std::byte* first = nullptr;
   std::ptrdiff_t bytes = 0;
-  int shift = 0;  ///< of 16-bit pixels, to the right
+  int shift = 0;  ///< right shift for MSB-aligned 16-bit pixels
 };
 
-/// `count` pixels, from pixel `from` on every first or every second. RT-safe.
+/// Unpacks `count` pixels from pixel `from` on: all of them, or every second one. RT-safe.
 using UnpackRow = void (*)(const PackedRow& row, int from, int count, std::uint16_t* out);
 
-/// One build of the loops. All builds give the same numbers.
+/// One SIMD build of the unpacking loops. All builds give identical results.
 struct UnpackKernels {
   std::string_view name;
-  /// By PixelLayout, then every pixel and every second.
+  /// By PixelLayout, then by step: every pixel, every second pixel.
   std::array<std::array<UnpackRow, 2>, 6> rows;
 };
 
-/// Those that this CPU can run, the fastest last.
+/// The builds that this CPU can run, the fastest last.
 std::span<const UnpackKernels> all_unpack_kernels();
 
-/// Of the fastest. `step`: 1 or 2.
+/// The fastest build's loop. `step`: 1 or 2.
 UnpackRow unpack_row(PixelLayout layout, int step);
 
 }  // namespace ovws
