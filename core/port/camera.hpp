@@ -1,4 +1,4 @@
-/// The port of a camera: what the core needs of one, and what a driver promises.
+/// The camera port: the interface that camera drivers implement.
 #pragma once
 
 #include <chrono>
@@ -20,7 +20,7 @@ struct Roi {
   friend bool operator==(const Roi&, const Roi&) = default;
 };
 
-/// A number that is not known, or that a camera does not have.
+/// NaN: a number that is unknown, or that a camera does not have.
 inline constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 /// Equal, or both not known.
@@ -29,14 +29,14 @@ inline bool same_number(double a, double b) {
 }
 
 struct CameraSettings {
-  /// kNotKnown of a camera that has gain_raw. As wanted of such a camera, 0 asks for nothing.
+  /// dB. A camera that has gain_raw instead reports kNotKnown; requesting 0 leaves its gain alone.
   double gain_db = 0.0;
   double exposure_us = 2000.0;
   double frame_rate_hz = 100.0;
   PixelFormat pixel_format = PixelFormat::mono8;
   Roi roi;
-  /// Gain in steps of the camera's own, if it has no gain in dB; otherwise kNotKnown. As wanted,
-  /// kNotKnown leaves the gain as it is.
+  /// GenICam GainRaw, in the camera's own steps, of a camera without gain in dB; otherwise
+  /// kNotKnown. Requesting kNotKnown leaves the gain unchanged.
   double gain_raw = kNotKnown;
 
   friend bool same_gain(const CameraSettings& a, const CameraSettings& b) {
@@ -55,7 +55,7 @@ struct Range {
 
 struct CameraLimits {
   Range<double> gain_db, exposure_us, frame_rate_hz;
-  std::optional<Range<double>> gain_raw;  ///< of a camera without gain in dB: gain_db is void
+  std::optional<Range<double>> gain_raw;  ///< camera without gain in dB: gain_db is unused
   Range<int> roi_width, roi_height;
   int sensor_width = 0, sensor_height = 0;
   std::vector<PixelFormat> pixel_formats;
@@ -65,29 +65,29 @@ struct CameraInfo {
   std::string vendor, model, serial, address;
 };
 
-/// A frame lent by the driver until `release`. All stamps in ns; mono = CLOCK_MONOTONIC.
+/// A frame whose buffer the driver lends until `release`. Times in ns; mono = CLOCK_MONOTONIC.
 struct GrabbedFrame {
   ImageView image;
-  std::uint64_t frame_id = 0;  ///< camera's number, unwrapped to 64 bits: consecutive frames differ
-                               ///< by 1, one that comes again has its own again
-  std::int64_t t_device_ns = 0;   ///< as the camera gives it
+  std::uint64_t frame_id = 0;  ///< camera's frame number, unwrapped to 64 bits: consecutive frames
+                               ///< differ by 1, a duplicate repeats its number
+  std::int64_t t_device_ns = 0;   ///< camera's own timestamp; 0: the camera has none
   std::int64_t t_arrival_ns = 0;  ///< frame complete in this host, UNIX epoch UTC
   std::int64_t t_arrival_mono_ns = 0;
-  int slot = -1;                     ///< driver's own buffer number, 0 .. buffer_count()-1
-  bool justification_known = false;  ///< image.left_justified_bits is right as it is
+  int slot = -1;                     ///< driver's buffer number, 0 .. buffer_count()-1
+  bool justification_known = false;  ///< the driver has set image.left_justified_bits
 };
 
 enum class GrabStatus {
   frame,
   timeout,
   incomplete,
-  duplicate,     ///< a frame that had been delivered before, thrown away
-  out_of_order,  ///< a frame whose successor had been delivered before, thrown away
+  duplicate,     ///< a frame that was already delivered; discarded
+  out_of_order,  ///< a frame whose successor was already delivered; discarded
 };
 
-/// One opened camera. Device calls come from one thread (the camera thread), stream calls from one
-/// other (the acquisition thread); `start`, `stop` and `apply` are called only while nobody is in a
-/// stream call. An object whose `alive` is false never recovers: destroy it and open a new one.
+/// One open camera. Device calls come from one thread (the camera thread), stream calls from one
+/// other (the acquisition thread). `start`, `stop` and `apply` are called only while no stream call
+/// is in progress. An object whose `alive` is false never recovers: destroy it and open a new one.
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -95,18 +95,18 @@ class Camera {
   // Camera thread. May block for the device's time-out.
   virtual const CameraInfo& info() const = 0;
   virtual Result<CameraLimits> limits() = 0;
-  /// Applies those settings that differ, reads all back, and returns what the camera really uses.
-  /// While streaming only gain, exposure and frame rate may differ; roi and pixel_format need
+  /// Writes the settings that differ, reads all back and returns the values that the camera uses.
+  /// While streaming only gain, exposure and frame rate may differ; roi and pixel_format require
   /// `stop` first.
   virtual Result<CameraSettings> apply(const CameraSettings& wanted) = 0;
   virtual Result<void>
-  start() = 0;                     ///< allocates buffers for the current payload, begins to stream
-  virtual void stop() = 0;         ///< all lent frames must have been released
+  start() = 0;              ///< allocates buffers for the current payload size and starts streaming
+  virtual void stop() = 0;  ///< all lent frames must have been released
   virtual bool alive() const = 0;  ///< false once control was lost. Thread-safe.
 
   // Acquisition thread.
   virtual int buffer_count() const = 0;
-  /// Waits at most `timeout`. Frames that cannot be used are released inside and only reported.
+  /// Waits at most `timeout` for a frame. Unusable frames are released here and only reported.
   virtual GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout) = 0;
   virtual void release(int slot) OVWS_NONBLOCKING = 0;
 };

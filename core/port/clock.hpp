@@ -1,4 +1,4 @@
-/// The clocks of this code: never mix them, never subtract one from the other.
+/// Monotonic clock for intervals, UTC for timestamps. Never subtract one from the other.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ inline std::int64_t monotonic_ns() {
   return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-/// ns since the UNIX epoch, UTC: for stamps that people and files keep. RT-safe.
+/// ns since the UNIX epoch, UTC: for timestamps in messages and files. RT-safe.
 inline std::int64_t utc_ns() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);

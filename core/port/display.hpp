@@ -1,4 +1,4 @@
-/// The port of the SLM: an output that shows grey levels, pixel for pixel.
+/// The display port: an output that shows the SLM's grey levels, pixel for pixel.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,26 @@
 namespace ovws {
 
 struct DisplayInfo {
-  std::string output;  ///< "DUMMY1", "HDMI-1", …: the name the display system gives it
+  std::string output;  ///< "DUMMY1", "HDMI-1", …: the name in the display system
   int width = 0, height = 0;
   double refresh_hz = 0.0;
   std::string driver;  ///< "x11", "wayland", "KMSDRM"
 };
 
-/// One opened output. All calls from the main thread. After an error, but for those of `read_back`,
-/// the object is dead: destroy it, open a new one.
+/// One open output. All calls come from the main thread. After an error of any call but `read_back`
+/// the object is dead: destroy it and open a new one.
 class Display {
  public:
   virtual ~Display() = default;
   virtual const DisplayInfo& info() const = 0;
-  /// Shows the picture (width and height as in info) and returns when the display system took it:
-  /// CLOCK_MONOTONIC ns.
+  /// Shows an image of the size in info(). Returns the time at which the display system accepted
+  /// it, CLOCK_MONOTONIC ns.
   virtual Result<std::int64_t> present(const Image<std::uint8_t>& grey) = 0;
-  /// What stands on the output now, 0xRRGGBB, whoever drew it; tens of milliseconds.
-  /// Errc::unavailable where the display system lets nobody see that; the object then lives on.
+  /// Reads back what the output shows now, 0xRRGGBB, whichever program drew it; takes tens of
+  /// milliseconds. Errc::unavailable if the display system does not support it; the object stays
+  /// usable.
   virtual Result<Image<std::uint32_t>> read_back() = 0;
-  /// Handles the display system's events and checks output, mode and window. An error says what is
+  /// Handles pending display events and checks output, mode and window. The error says what is
   /// wrong.
   virtual Result<void> check() = 0;
 };

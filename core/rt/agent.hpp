@@ -1,4 +1,4 @@
-/// An agent: a duty cycle that some thread of the thread table turns.
+/// An agent: a duty cycle that a thread of the thread table runs in a loop.
 #pragma once
 
 namespace ovws {
@@ -6,8 +6,8 @@ namespace ovws {
 class Agent {
  public:
   virtual ~Agent() = default;
-  /// One turn. Returns true if something was done. May wait inside only for its own input, and at
-  /// most 50 ms, so that a stop request is seen in time.
+  /// One iteration of the duty cycle. Returns true if it did any work. It may block only for its
+  /// own input and for at most 50 ms, so that the thread sees a stop request in time.
   virtual bool do_work() = 0;
   /// Called once by the same thread before it ends.
   virtual void on_close() {}

@@ -1,4 +1,4 @@
-/// Names of the counters, as `status` messages show them.
+/// Names of the counters in `status` messages.
 #include "core/rt/counters.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-/// Which bucket a latency falls in, and percentiles from the buckets.
+/// Bucket index of a latency, and percentiles from the bucket counts.
 #include "core/rt/latency_histogram.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 constexpr int kFirstOctaveBit = 6;    // the first bucket begins at 2^6 ns
 constexpr int kSubBits = 4;           // 16 buckets an octave
 constexpr int kFirstEdgeBit = 13;     // the totals' first edge is 2^13 ns
-constexpr std::size_t kEdgeStep = 8;  // and they have every eighth bucket's
+constexpr std::size_t kEdgeStep = 8;  // the totals have an edge at every eighth bucket
 
 std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   const auto ns = std::uint64_t(std::max<std::int64_t>(latency_ns, 1 << kFirstOctaveBit));
@@ -21,14 +21,14 @@ std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   return std::min(bucket, bucket_count - 1);
 }
 
-/// The middle of a bucket, so that a percentile is off by at most half its width.
+/// Centre of a bucket: a percentile is off by at most half the bucket's width.
 double bucket_middle_us(std::size_t bucket) {
   const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
   const double sub = double(bucket & ((1U << kSubBits) - 1U)) + 0.5;
   return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
 }
 
-/// The first bucket that is not below the edge.
+/// The bucket that begins at an edge of the totals.
 constexpr std::size_t bucket_at(std::size_t edge) {
   return (std::size_t(kFirstEdgeBit - kFirstOctaveBit) << kSubBits) + edge * kEdgeStep;
 }

@@ -1,4 +1,4 @@
-/// Always-on latency statistics: log-linear buckets, recorded without waiting.
+/// Latency histogram with log-linear buckets; recording is lock-free and always on.
 #pragma once
 
 #include <array>
@@ -10,17 +10,17 @@
 
 namespace ovws {
 
-/// Of all since the start: what is added up over any time and over several daemons.
+/// Cumulative counts since the start, which can be summed over time and over several daemons.
 struct LatencyTotals {
-  /// Two an octave, from 8 us to 134 ms.
+  /// Two edges per octave, from 8 us to 134 ms.
   static constexpr std::size_t kEdges = 29;
-  /// Where they are, us, rising. They are edges of the histogram's buckets, too: the counts are
+  /// The edges in us, ascending. Each is also an edge of the histogram's buckets, so the counts are
   /// exact.
   static const std::array<double, kEdges>& edges_us();
 
   std::uint64_t count = 0;
   double sum_us = 0.0;
-  std::array<std::uint64_t, kEdges> below{};  ///< how many took less than the edge
+  std::array<std::uint64_t, kEdges> below{};  ///< number of latencies below each edge
 };
 
 struct LatencySummary {
@@ -29,12 +29,12 @@ struct LatencySummary {
   LatencyTotals since_start{};
 };
 
-/// Buckets of 1/16 of an octave from 64 ns to 64 s (values outside count in the first or last):
-/// percentiles are right to 6.25 %. One or more recording threads, one reading thread.
+/// 16 buckets per octave from 64 ns to 69 s; values outside count in the first or last bucket.
+/// Percentiles are accurate to 6.25 %. Any number of recording threads, one reading thread.
 class LatencyHistogram {
  public:
   void record(std::int64_t latency_ns) OVWS_NONBLOCKING;  ///< RT-safe
-  /// Percentiles of all that was recorded since the last call, and starts anew; the totals go on.
+  /// Percentiles of the values recorded since the last call; resets them, but not the totals.
   LatencySummary take();
 
  private:
@@ -44,7 +44,7 @@ class LatencyHistogram {
   std::array<std::atomic<std::uint32_t>, kBuckets> buckets_{};
   std::atomic<std::int64_t> max_ns_{0};
   std::atomic<std::int64_t> sum_ns_{0};  ///< since the last take
-  LatencyTotals totals_;                 ///< the reading thread's
+  LatencyTotals totals_;                 ///< reading thread only
 };
 
 }  // namespace ovws

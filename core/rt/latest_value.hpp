@@ -1,4 +1,4 @@
-/// Hands the newest value from one writer thread to one reader thread; older ones are overwritten.
+/// Triple buffer: hands the newest value from one writer thread to one reader thread.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace ovws {
 
-/// Triple buffer: neither side ever waits. One writer, one reader. RT-safe for T whose move does
-/// not allocate.
+/// Wait-free triple buffer for one writer and one reader; unread values are overwritten. RT-safe
+/// for a T whose move does not allocate.
 template <class T>
 class LatestValue {
  public:

@@ -1,4 +1,4 @@
-/// A bounded queue from one thread to one other, over moodycamel's circular buffer.
+/// SPSC ring buffer: a bounded queue between two threads, over moodycamel's circular buffer.
 #pragma once
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
@@ -13,8 +13,8 @@
 
 namespace ovws {
 
-/// One pushing and one popping thread at a time; a role may pass to another thread if that is
-/// synchronised by other means. Memory is allocated by the constructor only.
+/// One producer and one consumer thread at a time; a role may pass to another thread with external
+/// synchronisation. Only the constructor allocates memory.
 template <class T>
 class SpscRing {
  public:
@@ -33,7 +33,7 @@ class SpscRing {
   /// False if the ring is empty. RT-safe.
   [[nodiscard]] bool try_pop(T& item) OVWS_NONBLOCKING {
     if (!buffer_.try_dequeue(item)) return false;
-    sem_trywait(&pushed_);  // else posts would pile up while the ring never runs empty
+    sem_trywait(&pushed_);  // keeps posts from accumulating while the ring is never empty
     return true;
   }
 
@@ -41,8 +41,8 @@ class SpscRing {
   [[nodiscard]] bool pop(T& item, std::chrono::microseconds timeout) {
     if (try_pop(item)) return true;
     const timespec until = after(timeout);
-    // The buffer's own timed wait follows CLOCK_REALTIME: a clock set back would hang the thread.
-    // A post that came after its item was popped only makes this loop once more.
+    // The buffer's own timed wait uses CLOCK_REALTIME: setting that clock back would block the
+    // thread. A post whose item was already popped only costs one more iteration.
     while (sem_clockwait(&pushed_, CLOCK_MONOTONIC, &until) == 0) {
       if (try_pop(item)) return true;
     }
