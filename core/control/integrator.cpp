@@ -45,7 +45,7 @@ Mode& Integrator::mode(int j) {
   return correction_.emplace_back(Mode{j, 0.0});
 }
 
-/// Whether `condition` has held for the settings' patience.
+/// Whether `condition` has held without interruption for `patience_s`.
 bool Integrator::lasts(bool condition, std::optional<std::int64_t>& since_ns,
                        std::int64_t now_ns) const {
   if (!condition) {

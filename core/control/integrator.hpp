@@ -1,5 +1,5 @@
-/// The closed loop's control law: an integrator with leak for each mode, limits, and when to give
-/// up.
+/// Control law of the closed loop: a leaky integrator for each mode, with anti-windup limits and
+/// detection of a loop that fails.
 #pragma once
 
 #include <cstdint>
@@ -15,48 +15,49 @@ namespace ovws {
 
 struct ModeGain {
   int j = 0;          ///< OSA index
-  double gain = 0.0;  ///< of a step, 0 <= gain <= 1
+  double gain = 0.0;  ///< integrator gain, 0 <= gain <= 1
   friend bool operator==(const ModeGain&, const ModeGain&) = default;
 };
 
 struct LoopSettings {
-  double gain = 0.5;            ///< of a step: 0 < gain <= 1
-  double leak = 0.0;            ///< part of the correction that is forgotten a step: 0 <= leak < 1
-  std::vector<int> modes = {};  ///< OSA indices to correct; empty: all that are measured, j >= 1
-  std::vector<ModeGain> gains = {};  ///< of single modes in place of `gain`
-  double limit_waves = 5.0;          ///< of each mode's correction, RMS-normalised; > 0
-  double patience_s = 2.0;           ///< without a usable frame, at the limit, or growing; > 0
-  double growth = 3.0;               ///< times the residual's level of before: that is growing; > 1
-  double floor_waves = 0.05;         ///< residual RMS below which it never counts as growing; >= 0
+  double gain = 0.5;            ///< integrator gain, 0 < gain <= 1
+  double leak = 0.0;            ///< fraction of the correction that decays per step, 0 <= leak < 1
+  std::vector<int> modes = {};  ///< OSA indices to correct; empty: all measured modes, j >= 1
+  std::vector<ModeGain> gains = {};  ///< gains of single modes, instead of `gain`
+  double limit_waves = 5.0;          ///< limit of each mode's correction, RMS-normalised; > 0
+  double patience_s = 2.0;    ///< time-out without a usable frame, at the limit, or growing; > 0
+  double growth = 3.0;        ///< residual over its previous level that counts as growing; > 1
+  double floor_waves = 0.05;  ///< residual RMS below which it never counts as growing; >= 0
 };
 
-/// Errors (Errc::invalid, field as the key).
+/// Errors (Errc::invalid): `field` is the key of the setting that is out of range.
 Result<void> check_loop(const LoopSettings& settings);
 
-/// Why a loop opens by itself.
+/// Why the loop opened by itself.
 enum class LoopEnd { none, too_few_spots, at_limit, growing };
 
-/// One step a usable frame: c <- (1 - leak) c + gain r, where r is the residual measured with the
-/// correction c subtracted from the hologram. A mode at its limit stays there until its residual
-/// leads back, so that nothing winds up. The level that growth is told against follows the residual
-/// RMS downwards within `patience_s` and upwards within ten times that. Times are CLOCK_MONOTONIC.
-/// For one thread.
+/// Leaky integrator, one step per usable frame: c <- (1 - leak) c + gain r, where r is the residual
+/// measured with the correction c subtracted from the hologram. Clamping c itself prevents
+/// integrator windup. Growth is relative to a low-pass filtered residual RMS, whose time constant
+/// is `patience_s` downwards and ten times that upwards. Times are CLOCK_MONOTONIC ns. Not
+/// thread-safe.
 class Integrator {
  public:
-  /// Begins from `correction`, RMS-normalised waves; what of it is not corrected stays.
+  /// Starts from `correction`, RMS-normalised waves; modes that are not corrected keep their value.
   Integrator(LoopSettings settings, std::vector<Mode> correction, std::int64_t now_ns);
 
-  /// A usable frame: settled, valid, and of the hologram that shows the correction.
-  /// `residual_waves` as `modes_j`.
+  /// Processes a usable frame: settled, valid, and taken with the hologram that shows the
+  /// correction. `residual_waves` holds the modes `modes_j`, in that order.
   LoopEnd step(std::span<const int> modes_j, std::span<const float> residual_waves,
                std::int64_t now_ns);
-  /// No usable frame came until now; lost spots were found at `found_ns` (0: never). Patience
-  /// counts from then on, but ends after kMaxPatience times `patience_s`.
+  /// No usable frame came until `now_ns`. The time-out `patience_s` counts from the last step or
+  /// from `found_ns`, when a search last found lost spots (0: never), whichever is later. In any
+  /// case it ends kMaxPatience times `patience_s` after the last step.
   LoopEnd wait(std::int64_t now_ns, std::int64_t found_ns = 0) const;
   static constexpr double kMaxPatience = 5.0;
 
   const std::vector<Mode>& correction() const { return correction_; }
-  double residual_rms_waves() const { return residual_rms_waves_; }  ///< of the corrected modes
+  double residual_rms_waves() const { return residual_rms_waves_; }  ///< over the corrected modes
   std::int64_t steps() const { return steps_; }
 
  private:

@@ -1,4 +1,4 @@
-/// What the live refinement is told, as data.
+/// Settings of the live refinement, and their checks.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +13,25 @@ namespace ovws {
 
 struct RefineSettings {
   bool enabled = false;
-  double rate_hz = 1.0;                    ///< at most so many frames a second are refined
-  std::optional<double> electrons_per_dn;  ///< at a gain of 0 dB; none: not known
-  double read_noise_e = 5.0;               ///< RMS, without the rounding to whole DN
+  double rate_hz = 1.0;                    ///< maximum number of refined frames per second
+  std::optional<double> electrons_per_dn;  ///< electrons per DN at 0 dB gain; none: unknown
+  double read_noise_e = 5.0;               ///< RMS, without quantisation noise
   double black_level_dn = 0.0;
-  std::optional<double> saturation_dn;  ///< from here on not counted; none: the format's full scale
-  PixelFormat format = PixelFormat::mono8;  ///< whose DN these are
+  std::optional<double> saturation_dn;      ///< pixels from here on are left out; none: full scale
+  PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
 
   friend bool operator==(const RefineSettings&, const RefineSettings&) = default;
 };
 
-/// Whether both say the same of the camera.
+/// Whether both describe the same camera: all but `enabled` and `rate_hz` are equal.
 inline bool same_camera(RefineSettings a, const RefineSettings& b) {
   a.enabled = b.enabled;
   a.rate_hz = b.rate_hz;
   return a == b;
 }
 
-/// The same camera's numbers in DN of another format: of two formats, the one with a bit more tells
-/// the same light by twice the number.
+/// Converts the values in DN to another pixel format: each additional bit doubles the DN of the
+/// same intensity. Clamps them to the new full scale.
 inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
   if (settings.format == format) return settings;
   const double factor =
@@ -47,7 +47,7 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
   return settings;
 }
 
-/// Errc::refused (field enabled) for what cannot be refined in this camera's format.
+/// Errc::refused (field "enabled") if the camera's pixel format has colour filters.
 inline Result<void> check_refinable(const RefineSettings& settings) {
   if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
   return fail(Errc::refused, "enabled",
@@ -56,7 +56,7 @@ inline Result<void> check_refinable(const RefineSettings& settings) {
                   "pixel_format to a Mono one first");
 }
 
-/// Errors (Errc::invalid, field as the key): what each number alone does not show.
+/// Checks that involve several settings. Errors (Errc::invalid): `field` is the setting's key.
 inline Result<void> check_refine(const RefineSettings& settings) {
   if (settings.enabled && !settings.electrons_per_dn) {
     return fail(Errc::invalid, "electrons_per_dn",

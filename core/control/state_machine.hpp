@@ -1,4 +1,4 @@
-/// The daemon's states, what moves it from one to another, and what each permits: all as data.
+/// The daemon's state machine as tables: states, events, and the actions that each state permits.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace ovws {
 
-/// Where several hold, the first in this order is the daemon's state, `running` the last.
+/// In order of precedence: the daemon's state is the first one whose condition holds.
 enum class DaemonState : std::uint8_t {
-  stopping,             ///< asked to end
-  starting,             ///< drivers have not been tried yet
-  fault,                ///< a device is there and cannot be used until somebody mends it
-  waiting_for_camera,   ///< no camera; perhaps no display either
-  waiting_for_display,  ///< a camera, and no display
-  job_running,          ///< a job has the sensor
+  stopping,             ///< shutdown requested
+  starting,             ///< drivers have not been opened yet
+  fault,                ///< a device is present but unusable until a person fixes it
+  waiting_for_camera,   ///< no camera; possibly no display either
+  waiting_for_display,  ///< a camera, but no display
+  job_running,          ///< a job controls the sensor
   running,
   count,
 };
@@ -38,7 +38,7 @@ enum class DaemonEvent : std::uint8_t {
   count,
 };
 
-/// What a client may ask for, as far as the state decides.
+/// Client requests that the state may forbid.
 enum class Action : std::uint8_t {
   read,
   set_camera,
@@ -58,7 +58,7 @@ enum class Action : std::uint8_t {
   count,
 };
 
-/// Everything the state is made of.
+/// The conditions that determine the state.
 struct Conditions {
   bool started = false;
   bool camera = false;
@@ -77,7 +77,7 @@ using Table = std::array<Row, std::size_t(Key::count)>;
 
 struct StateRow {
   std::string_view name;
-  /// The condition that makes the daemon be in this state; none for `running`.
+  /// The state holds if this condition equals `when`; nullptr (`running`): always.
   bool Conditions::*condition;
   bool when;
 };
@@ -110,7 +110,7 @@ constexpr Table<DaemonEvent, EventRow> kEvents{{
     {&Conditions::stopping, true},  // stop_requested
 }};
 
-/// What stands in the way of an action, and the way out.
+/// A condition that blocks actions, and the error that tells the client how to proceed.
 struct Obstacle {
   bool Conditions::*condition;
   bool when;
@@ -132,27 +132,27 @@ constexpr std::array<Obstacle, 6> kObstacles{{
     {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
 }};
 
-/// Which obstacles matter to an action, in the order of kObstacles.
+/// Which obstacles block an action, in the order of kObstacles.
 struct ActionRow {
   std::array<bool, kObstacles.size()> minds;
 };
 //                               stopping starting camera display job loop
 constexpr Table<Action, ActionRow> kActions{{
     {{false, false, false, false, false, false}},  // read
-    {{true, true, false, false, true, false}},     // set_camera: the camera's keeper knows more
+    {{true, true, false, false, true, false}},     // set_camera: the camera actor checks further
     {{true, true, false, true, true, true}},       // set_sensor
     {{true, true, false, true, true, false}},      // set_aberration
     {{true, true, false, true, true, true}},       // show_pattern
     {{true, true, true, true, true, true}},        // start_job
     {{true, true, false, false, true, true}},      // clear_reference
     {{true, true, false, false, false, false}},    // cancel_job
-    {{true, true, false, false, true, false}},   // save_config: a job may have settings of its own
-    {{true, true, false, false, false, false}},  // set_refine
-    {{true, true, true, true, true, true}},      // close_loop
-    {{true, true, false, false, false, false}},  // open_loop
-    {{true, true, false, true, true, true}},     // set_correction
-    {{true, true, false, false, true, true}},    // reload_config
-    {{true, true, false, false, false, false}},  // record
+    {{true, true, false, false, true, false}},     // save_config: a job may have changed settings
+    {{true, true, false, false, false, false}},    // set_refine
+    {{true, true, true, true, true, true}},        // close_loop
+    {{true, true, false, false, false, false}},    // open_loop
+    {{true, true, false, true, true, true}},       // set_correction
+    {{true, true, false, false, true, true}},      // reload_config
+    {{true, true, false, false, false, false}},    // record
 }};
 
 }  // namespace control
@@ -175,7 +175,7 @@ constexpr Conditions after(Conditions conditions, DaemonEvent event) {
   return conditions;
 }
 
-/// The first obstacle that `action` minds; nullptr if it is allowed.
+/// The first obstacle that blocks `action`; nullptr if it is allowed.
 constexpr const control::Obstacle* obstacle(const Conditions& conditions, Action action) {
   const control::ActionRow& row = control::kActions[std::size_t(action)];
   for (std::size_t o = 0; o < control::kObstacles.size(); ++o) {
@@ -185,7 +185,7 @@ constexpr const control::Obstacle* obstacle(const Conditions& conditions, Action
   return nullptr;
 }
 
-/// Allowed, or an error whose reason names the obstacle and the way out.
+/// Success, or an error whose reason names the obstacle and how to proceed.
 inline Result<void> permit(const Conditions& conditions, Action action) {
   const control::Obstacle* const it = obstacle(conditions, action);
   if (it == nullptr) return {};
