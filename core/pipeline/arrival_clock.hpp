@@ -1,5 +1,4 @@
-/// When a frame would have arrived had nothing held it up: so that late delivery is not taken for a
-/// late exposure.
+/// Minimum-delay estimate of frame arrival times: separates late delivery from a late exposure.
 #pragma once
 
 #include <cstdint>
@@ -8,24 +7,24 @@
 
 namespace ovws {
 
-/// A frame may wait in queues (network, driver, a busy host) for any time between its exposure and
-/// its arrival here. The camera's own stamps do not: the smallest difference "arrival - device
-/// stamp" of the last seconds is that of a frame that did not wait, and device stamp + that
-/// difference is when this one would have arrived. One thread at a time. RT-safe.
+/// Queues (network, driver, a busy host) may delay a frame by any time between its exposure and its
+/// arrival; the camera's own timestamp has no such delay. The minimum of "arrival - device
+/// timestamp" over the last seconds belongs to a frame without queueing. Device timestamp + this
+/// minimum is the frame's undelayed arrival time. One thread at a time. RT-safe.
 class ArrivalClock {
  public:
-  /// The time from which exposure times are to be counted back, CLOCK_MONOTONIC ns: never later
-  /// than `arrival_mono_ns`, and that itself if the camera gives no stamps. The clocks may drift by
-  /// what they like in 10 s without harm above that drift; a device clock that is set back starts
-  /// anew.
+  /// The undelayed arrival time, from which exposure times count back, CLOCK_MONOTONIC ns. Never
+  /// later than `arrival_mono_ns`; equal to it if the camera has no timestamps (`device_ns` is 0).
+  /// The error is at most the drift between both clocks over 10 s. A device clock that is set back
+  /// restarts the estimate.
   std::int64_t unhindered_mono_ns(std::int64_t arrival_mono_ns,
                                   std::int64_t device_ns) OVWS_NONBLOCKING;
-  /// Another stream, or another exposure time: what was learnt no longer holds.
+  /// Restarts the estimate, for another stream or another exposure time.
   void forget() OVWS_NONBLOCKING { *this = ArrivalClock{}; }
 
  private:
   static constexpr std::int64_t kSpanNs =
-      5'000'000'000;  ///< the minimum is over one to two of these
+      5'000'000'000;  ///< the minimum covers one to two of these spans
   static constexpr std::int64_t kNone = INT64_MAX;
 
   std::int64_t span_end_ns_ = 0;

@@ -1,5 +1,5 @@
-/// How often something dear that fails may be tried: at once, then after 1, 2, 4, 8, 16, 16, …
-/// chances.
+/// Exponential backoff, counted in calls: an expensive operation that fails is tried at the first
+/// call, then after 1, 2, 4, 8, 16, 16, … more calls.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ class BackOff {
  public:
   static constexpr int kLongestGap = 16;
 
-  /// A chance to try: true if it is to be taken.
+  /// Called whenever the operation is needed; true if it shall be tried now.
   bool try_now() {
     if (wait_ > 0) {
       --wait_;
@@ -21,7 +21,7 @@ class BackOff {
     return true;
   }
 
-  /// All is well without trying: the next need is tried at once.
+  /// The operation is not needed at present: the next call of try_now returns true.
   void reset() {
     wait_ = 0;
     gap_ = 1;

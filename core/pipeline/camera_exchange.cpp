@@ -1,4 +1,4 @@
-/// The handshake: a numbered request, served once no buffer is lent any more.
+/// The handshake: numbered requests, served once no camera buffer is lent.
 #include "core/pipeline/camera_exchange.hpp"
 
 #include <string>
@@ -15,8 +15,8 @@ constexpr std::chrono::microseconds kPoll{500};
 
 Result<void> CameraExchange::ask(Camera* wanted) {
   const std::lock_guard lock(control_);
-  // Release: who takes the camera by this pointer sees it as it is now, also if that is before
-  // `asked_` was seen (see `follow`).
+  // Release: the thread that loads this pointer sees the camera as it is now, even if it has not
+  // yet seen `asked_` (see `follow`).
   wanted_.store(wanted, std::memory_order_release);
   const std::uint64_t mine = asked_.load(std::memory_order_relaxed) + 1;
   asked_.store(mine, std::memory_order_release);
@@ -50,8 +50,8 @@ bool CameraExchange::due(int lent) OVWS_NONBLOCKING {
 }
 
 void CameraExchange::follow() OVWS_NONBLOCKING {
-  // A newer request may have replaced `wanted_` since `due`: then its camera is taken early here,
-  // and once more on the next turn.
+  // A newer request may have replaced `wanted_` since `due`. Its camera is then taken early here
+  // and again on the next iteration.
   camera_ = wanted_.load(std::memory_order_acquire);
   served_.store(seen_, std::memory_order_release);
 }

@@ -1,4 +1,4 @@
-/// Gives the acquisition thread a camera and takes it away again, with neither waiting for a lock.
+/// Hands a camera to the acquisition thread and takes it back, without a lock on the frame path.
 #pragma once
 
 #include <atomic>
@@ -17,20 +17,20 @@ class CameraExchange {
   explicit CameraExchange(std::chrono::milliseconds patience = std::chrono::seconds(2))
       : patience_(patience) {}
 
-  // Control side; thread-safe among each other. Both return when the acquisition thread has let go
-  // of the camera before, with all its buffers given back. Out of patience they give up with
-  // Errc::unavailable and say why; the request stands, and may yet be followed.
+  // Control side; thread-safe among each other. Both return when the acquisition thread no longer
+  // uses the previous camera and has released all its buffers. After a time-out (`patience`) they
+  // return Errc::unavailable with the cause; the request remains and may still be served later.
   Result<void> attach(Camera& camera) { return ask(&camera); }
   Result<void> detach() { return ask(nullptr); }
 
   // Acquisition thread.
-  /// Once a turn, with the number of buffers still lent. True: a request can be followed now.
+  /// Once per iteration, with the number of buffers still lent. True: a request can be served now.
   bool due(int lent) OVWS_NONBLOCKING;
-  /// Takes the camera that was asked for, and says so. Only after `due`.
+  /// Serves the request: switches to the requested camera. Only after `due` returned true.
   void follow() OVWS_NONBLOCKING;
-  /// The camera to give buffers back to.
+  /// The camera that owns the lent buffers; nullptr: none.
   Camera* camera() const { return camera_; }
-  /// False: take no more frames, a request waits for the buffers.
+  /// Whether to take frames. False without a camera, and while a request waits for lent buffers.
   bool streaming() const { return camera_ != nullptr && !asked_for_other(); }
 
  private:
@@ -43,7 +43,7 @@ class CameraExchange {
   std::atomic<Camera*> wanted_{nullptr};
   std::atomic<std::uint64_t> asked_{0};
   std::atomic<std::uint64_t> served_{0};
-  std::atomic<std::uint64_t> turns_{0};  ///< proves that somebody turns the agent
+  std::atomic<std::uint64_t> turns_{0};  ///< shows that the acquisition thread runs
   std::atomic<int> lent_{0};
   Camera* camera_ = nullptr;  ///< acquisition thread
   std::uint64_t seen_ = 0;    ///< acquisition thread: the request seen last

@@ -1,4 +1,3 @@
-/// The rules of frame_rules.hpp.
 #include "core/pipeline/frame_rules.hpp"
 
 #include <algorithm>
@@ -7,12 +6,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostResidual = 0.25;        // lambda/d
-constexpr double kMostResidualTorn = 0.045;   // lambda/d, if a spot may be half of one
-constexpr float kWhole = 0.65F;               // quality
-constexpr int kOneLostOf = 6;                 // spots
-constexpr double kResidualOfNoisePx = 1.25;   // px for a noise as large as the spot's level
-constexpr std::int64_t kLateNs = 50'000'000;  // a busy machine is that late now and then
+constexpr double kMostResidual = 0.25;       // lambda/d
+constexpr double kMostResidualTorn = 0.045;  // lambda/d, if a spot may be a fragment of a split one
+constexpr float kWhole = 0.65F;              // quality of a whole spot
+constexpr int kOneLostOf = 6;                // at most one spot of so many may be lost
+constexpr double kResidualOfNoisePx = 1.25;  // px at RMS(noise / level) = 1
+constexpr std::int64_t kLateNs = 50'000'000;  // a busy host delays a frame that much now and then
 constexpr double kLatePeriods = 3.0;
 
 std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
@@ -25,8 +24,8 @@ std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
 SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns) {
   const double longer_us = std::max(settings.exposure_us, settings.previous_exposure_us);
   const std::int64_t earliest = exposure_begin(settings, longer_us, arrival_mono_ns);
-  // A frame of the previous, longer exposure may have begun before the write although one of the
-  // new exposure would not have: only the longer of the two proves that the values are the new.
+  // A frame with the previous, longer exposure may have begun before the write although one with
+  // the new exposure could not have. Only the longer one proves that the new values apply.
   if (settings.exposure_us > 0.0 && earliest >= settings.t_write_end_mono_ns) {
     return {true, settings.gain_db, settings.gain_raw, settings.exposure_us,
             exposure_begin(settings, settings.exposure_us, arrival_mono_ns)};

@@ -1,4 +1,4 @@
-/// Grab, count, refuse what the plan cannot measure, stamp the rest.
+/// Grabs and counts frames, refuses those that the plan cannot measure, and stamps the others.
 #include "core/pipeline/ingest.hpp"
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds kFrameWait = 20ms;
-constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: look again soon
+constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: poll for them
 constexpr std::chrono::microseconds kIdleWait = 2ms;
 constexpr std::uint64_t kLatestNumbers = 100;
 
@@ -50,7 +50,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
 Entry* Ingest::turn(bool& waited_in_vain) {
   waited_in_vain = true;
   if (!serve_camera()) {
-    deps_.plans.adopt();  // so that old plans come out of use without a camera, too
+    deps_.plans.adopt();  // lets old plans retire without a camera, too
     std::this_thread::sleep_for(kIdleWait);
     return nullptr;
   }
@@ -78,14 +78,14 @@ Entry* Ingest::turn(bool& waited_in_vain) {
   return accept(frame);
 }
 
-/// Nothing to measure, but a sign of life.
+/// The frame is not measured, but it shows that the camera sends.
 Entry* Ingest::refuse(Counter why) OVWS_NONBLOCKING {
   deps_.counters.add(why);
   last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   return nullptr;
 }
 
-/// A number far below the last one is no late frame: the camera has begun to count anew.
+/// A frame number far below the last one is a restarted counter, not a frame out of order.
 bool Ingest::is_next(std::uint64_t frame_id) OVWS_NONBLOCKING {
   return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kLatestNumbers;
 }
@@ -139,7 +139,7 @@ Entry* Ingest::measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   return entry;
 }
 
-/// A frame number that does not go up is a stream begun anew, not a loss.
+/// A frame number that does not increase is a restarted counter, not a loss.
 void Ingest::count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING {
   if (any_frame_ && frame_id > last_frame_id_) {
     const std::uint64_t missing = frame_id - last_frame_id_ - 1;
@@ -172,7 +172,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const bool late = is_late(applied, arrival, unhindered);
   if (late) deps_.counters.add(Counter::frames_late);
   entry.still = hologram.still && !late;
-  // Until the plan for a new region is there, positions would be taken for those of the old one.
+  // After a change of the ROI, positions are meaningless until the plan for the new ROI is active.
   entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi;
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);

@@ -1,4 +1,4 @@
-/// The first stage: takes frames from the camera and stamps them with what is known of each.
+/// First pipeline stage: grabs frames and stamps each one with its settings and hologram.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace ovws {
 
-/// Acquisition thread, unless said.
+/// All methods are for the acquisition thread, unless stated otherwise.
 class Ingest {
  public:
   struct Deps {
@@ -27,21 +27,21 @@ class Ingest {
     PlanExchange& plans;
     RecordPool& pool;
     RecordTap& tap;
-    LatencyHistogram& arrived;  ///< how much later than it could have: of cameras with stamps only
+    LatencyHistogram& arrived;  ///< delivery delay (ArrivalClock), only for cameras with timestamps
   };
 
   explicit Ingest(const Deps& deps) : deps_(deps) {}
 
-  /// One turn: gives back buffers, serves camera requests, waits at most 20 ms for a frame. Returns
-  /// a record to be measured, or nullptr. `waited_in_vain` tells whether nothing happened at all.
+  /// One iteration: returns buffers, serves camera requests, waits at most 20 ms for a frame.
+  /// Returns a record to measure, or nullptr. Sets `waited_in_vain` if no frame of any kind came.
   Entry* turn(bool& waited_in_vain);
 
-  /// Gives buffers and records back that nobody holds any more.
+  /// Returns buffers and records that no thread holds any more.
   void give_back() OVWS_NONBLOCKING;
 
-  /// Any thread: the next measured frame's record is to keep its pixels for the image thread.
+  /// Any thread: asks that the next measured frame's record keeps its pixels for the image thread.
   void request_image() { image_requested_.store(true, std::memory_order_relaxed); }
-  /// Any thread.
+  /// Any thread: time of the last complete frame, and of the last frame of any kind; 0: none yet.
   std::int64_t last_frame_mono_ns() const {
     return last_frame_mono_ns_.load(std::memory_order_relaxed);
   }

@@ -8,11 +8,11 @@
 namespace ovws {
 namespace {
 
-constexpr int kPixelsAtFirst = 1 << 18;  // a frame: some ten microseconds
-constexpr int kLooksAtFirst = 2;         // at every row
-constexpr int kBlock = 16;               // a constant number a turn becomes vector instructions
+constexpr int kPixelsAtFirst = 1 << 18;  // per frame: some ten microseconds
+constexpr int kLooksAtFirst = 2;         // passes over all rows
+constexpr int kBlock = 16;               // a constant trip count lets the compiler vectorise
 
-/// All bits that any pixel of the row has.
+/// Bitwise OR of all pixels of the row.
 std::uint16_t bits_of(const std::uint16_t* __restrict row, int width) {
   std::array<std::uint16_t, kBlock> bits{};
   int x = 0;

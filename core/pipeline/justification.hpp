@@ -1,5 +1,5 @@
-/// Where in their 16 bits a camera puts its numbers: some drivers fill them from the left, whatever
-/// the format's name says.
+/// Detects MSB-aligned (left-justified) pixel data: some drivers fill 16-bit words from the top,
+/// although the format's name means LSB-aligned data.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace ovws {
 
-/// For one stream. One thread.
+/// For one stream and one thread.
 class Justification {
  public:
-  /// Bits by which the pixels are to be shifted right: 0 until a pixel is above the format's full
-  /// scale while none had any of the low bits that left-justified numbers leave empty. Looks at
-  /// some rows of each frame, others each time, until it knows; at one row a frame once it has seen
-  /// all rows twice. RT-safe.
+  /// Right shift that makes the pixels LSB-aligned. It is 0 until a pixel exceeds the format's full
+  /// scale and no pixel seen so far had a low bit set that MSB-aligned data leave empty. Until it
+  /// is certain it examines some rows of each frame in turn; one row per frame after two passes
+  /// over all rows. RT-safe.
   int bits_to_shift(const ImageView& image) OVWS_NONBLOCKING;
 
-  /// Another stream begins.
+  /// Restarts the detection for another stream.
   void forget() OVWS_NONBLOCKING { *this = {}; }
 
  private:

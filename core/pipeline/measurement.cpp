@@ -1,4 +1,4 @@
-/// Makes the working memory of a plan.
+/// Validates a plan and allocates its working memory.
 #include "core/pipeline/measurement.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// A plan together with the memory that measuring with it takes, made off the frame path.
+/// A measurement plan with its preallocated working memory, made off the frame path.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace ovws {
 
-/// The plan is only read; the rest is working memory, each part for one thread at a time.
+/// The plan is read-only; the rest is working memory, each part for one thread at a time.
 struct Measurement {
-  /// `workers`: how many threads track at once, at least 1. Throws std::logic_error on a plan that
-  /// is not whole.
+  /// `workers`: number of tracker threads; values below 1 count as 1. Throws std::logic_error on an
+  /// incomplete plan.
   Measurement(const MeasurementPlan& measured_plan, int workers);
 
-  const MeasurementPlan& plan;  ///< may be gone before this object is: then only plan_id is left
+  const MeasurementPlan& plan;  ///< may be destroyed before this object: then only plan_id is valid
   const std::uint64_t plan_id;
-  std::vector<TrackScratch> track_scratch;  ///< one a worker; [0] also for what follows the workers
+  std::vector<TrackScratch> track_scratch;  ///< one per worker; [0] also for the steps after them
   Acquisition acquisition;
   Neighbourhood neighbourhood;
   Reconstructor::Scratch reconstruct_scratch;

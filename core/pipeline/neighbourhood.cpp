@@ -1,4 +1,4 @@
-/// The affine displacement field and the lattice's neighbour lists.
+/// Affine least-squares displacement field, and the lattice's neighbour lists.
 #include "core/pipeline/neighbourhood.hpp"
 
 #include <Eigen/Cholesky>
@@ -58,7 +58,7 @@ DisplacementField Neighbourhood::fit(std::span<const SpotFix> spots) const OVWS_
   }
   DisplacementField field;
   if (normal(0, 0) < 0.5) return field;
-  // A trace of damping on the gradients: where the found spots cannot tell them, they are zero.
+  // Tikhonov damping of the gradients: where the found spots do not determine them, they are zero.
   normal(1, 1) += 1e-6;
   normal(2, 2) += 1e-6;
   field.affine_ = normal.ldlt().solve(rhs);

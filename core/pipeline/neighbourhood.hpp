@@ -1,5 +1,5 @@
-/// What the found spots of a frame say about a lost one: a smooth wavefront moves neighbours
-/// together.
+/// Predicts lost spots by an affine fit to the found ones: a smooth wavefront moves neighbouring
+/// spots together.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace ovws {
 
-/// Displacements from the predicted positions as a smooth function of the predicted position.
+/// Displacement from the predicted position as an affine function of the scaled position.
 class DisplacementField {
  public:
   Vec2 at(Vec2 scaled) const;
@@ -24,32 +24,32 @@ class DisplacementField {
   Eigen::Matrix<double, 3, 2> affine_ = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
-/// The lattice of predicted positions. Immutable after construction, which takes O(N^2) time.
+/// Predicted spot positions and their neighbours. Immutable after construction, which is O(N^2).
 class Neighbourhood {
  public:
   explicit Neighbourhood(const std::vector<Vec2>& predicted_px);
 
-  /// Least-squares affine map (tilt, focus, astigmatism) of the found spots' displacements; with
-  /// too few of them for a map, their mean. RT-safe.
+  /// Least-squares affine map (tilt, focus, astigmatism) of the found spots' displacements. With
+  /// too few spots for that, their mean displacement. RT-safe.
   DisplacementField fit(std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
-  /// Where spot i should be: predicted + field + what i's found neighbours leave over of the field.
+  /// Expected position of spot i: predicted + field + mean fit residual of i's found neighbours.
   /// RT-safe.
   Vec2 expect(int i, const DisplacementField& field,
               std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
-  /// Distance from spot i's predicted position to the nearest other.
+  /// Distance from spot i's predicted position to the nearest other one.
   double pitch_px(int i) const { return sites_[i].pitch_px; }
 
-  /// True if a found neighbour of i lies within a quarter of the pitch of i's own fix: two
-  /// subapertures claim the same spot. RT-safe.
+  /// True if a found neighbour lies within a quarter of the pitch of spot i: both subapertures
+  /// track the same spot. RT-safe.
   bool doubled(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
  private:
   static constexpr int kMaxNeighbours = 8;
   struct Site {
     Vec2 predicted_px;
-    Vec2 scaled;            ///< position in units of the lattice's extent, about its centre
+    Vec2 scaled;            ///< position relative to the lattice's centre, in units of its extent
     double pitch_px = 0.0;  ///< to the nearest neighbour
     int neighbour_count = 0;
     std::array<std::int32_t, kMaxNeighbours> neighbours{};

@@ -1,4 +1,4 @@
-/// Gaps, drops and holds of records that leave the pipeline.
+/// Publishes records: frame gaps, drops and reference counts.
 #include "core/pipeline/outbox.hpp"
 
 #include <chrono>
@@ -21,10 +21,10 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
     count(entry);
     with_publisher_.fetch_add(1, std::memory_order_relaxed);
   }
-  // The rings hold as many as there are records: neither push can fail. This stage's own hold
-  // keeps the entry while the image thread may already be done with it.
+  // The rings have room for every record, so neither push can fail. This stage's own hold keeps the
+  // entry alive even if the image thread has already released it.
   if (entry.image_wanted && !images_.try_push(&entry)) release_image(entry);
-  const bool recorded = entry.recorded;  // else the entry may be another frame's by then
+  const bool recorded = entry.recorded;  // read now: the entry may be reused after its release
   if (!publish) {
     counters_.add(Counter::frames_dropped);
     entry.release();
@@ -44,7 +44,7 @@ void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
   last_frame_id_ = id;
 }
 
-/// Frame numbers begin anew: what the camera would have sent meanwhile.
+/// After a restart of the frame numbers: the frames that the camera would have sent in between.
 std::uint64_t Outbox::gap_between_streams(const Entry& entry) const {
   if (last_arrival_mono_ns_ == 0 || entry.period_ns <= 0) return 0;
   const double periods =

@@ -1,4 +1,4 @@
-/// The way out: finished records for the publisher, and those with pixels for the image thread.
+/// Output queues of the pipeline: finished records for the publisher and for the image thread.
 #pragma once
 
 #include <atomic>
@@ -14,12 +14,12 @@ namespace ovws {
 
 class Outbox {
  public:
-  /// The publisher may hold three quarters of all records and no more, so that frames can still be
-  /// tracked, and history goes on, while it is behind.
+  /// The publisher may hold at most three quarters of all records. The others keep tracking and its
+  /// history going while the publisher is behind.
   Outbox(int records, Counters& counters, RecordTap& tap);
 
-  /// Thread of the last stage: hands the record on, or drops it and counts. Not to be touched
-  /// after.
+  /// Thread of the last stage: queues the record, or drops and counts it (frames_dropped). The
+  /// caller must not use the record afterwards.
   void put(Entry& entry) OVWS_NONBLOCKING;
 
   Entry* next(int timeout_us);                  ///< publisher thread

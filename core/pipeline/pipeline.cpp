@@ -1,4 +1,4 @@
-/// The wiring of the stages, and the agents that turn them.
+/// Connects the stages and provides the agents that run them.
 #include "core/pipeline/pipeline.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// The frame path: grab -> track -> reconstruct -> out, as agents that the thread table runs.
+/// The frame path: grab -> track -> reconstruct -> publish, as agents that the thread table runs.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,8 @@
 namespace ovws {
 
 struct PipelineConfig {
-  int workers = 0;   ///< tracker threads; 0: all stages run inside the acquisition agent ("inline")
-  int records = 64;  ///< frames that may be on their way at once, at least 4
+  int workers = 0;   ///< tracker threads; 0: the acquisition agent runs all stages ("inline")
+  int records = 64;  ///< maximum number of frames in flight, at least 4
 };
 
 struct PipelineDeps {
@@ -26,8 +26,8 @@ struct PipelineDeps {
   LatestValue<AppliedSettings>& settings;  ///< written by the camera's thread
 };
 
-/// Owns the stages, the records and the rings between them. Inline and threaded give identical
-/// numbers.
+/// Owns the stages, the records and the rings between them. Inline and threaded operation give
+/// identical results.
 class Pipeline {
  public:
   Pipeline(const PipelineConfig& config, const PipelineDeps& deps);
@@ -36,63 +36,65 @@ class Pipeline {
   Pipeline& operator=(const Pipeline&) = delete;
 
   // Agents, one thread each. tracker(k): k = 0 .. workers-1. With workers = 0 only acquisition()
-  // has work.
+  // does any work.
   Agent& acquisition();
   Agent& tracker(int k);
   Agent& reconstruction();
 
   // Control side; thread-safe among each other.
-  /// From the next frame edge on, frames are measured with `plan`; nullptr: with none. The caller
-  /// keeps every plan alive until `oldest_plan_in_use` has passed its id. By the time a
-  /// hologram has settled, its plan is to be in use. May take milliseconds: working memory is made
-  /// here.
+  /// Measures frames with `plan` from the next frame on; nullptr: none are measured. The caller
+  /// keeps every plan alive until `oldest_plan_in_use` exceeds its id, and makes a hologram's plan
+  /// active before the hologram has settled. May take milliseconds, because it allocates working
+  /// memory.
   void use_plan(const MeasurementPlan* plan);
   /// Smallest plan id that the frame path or the publisher may still touch.
   std::uint64_t oldest_plan_in_use() const;
-  /// Gives the acquisition agent a camera that streams, or takes it away: returns when the agent
-  /// has let go of the camera before and all its frames were released (bounded by the agent's wait,
-  /// 20 ms, and by the frames on their way). While nobody turns the agent, or somebody keeps an
-  /// image, they give up after 2 s with Errc::unavailable: the request stands, and only a detach
-  /// that succeeds says that a camera may be destroyed. Detach before the agents' threads end.
+  /// Gives the acquisition agent a streaming camera, or takes it away. Both return when the agent
+  /// no longer uses the previous camera and all its frames are released (bounded by the agent's
+  /// wait of 20 ms and by the frames in flight). If the agent's thread does not run or an image is
+  /// not released, they fail after 2 s with Errc::unavailable, and the request remains. A camera
+  /// may be destroyed only after a successful detach. Detach before the agents' threads end.
   Result<void> attach(Camera& camera);
   Result<void> detach();
   /// CLOCK_MONOTONIC ns of the last complete frame; 0: none since attach. Thread-safe.
   std::int64_t last_frame_mono_ns() const;
-  /// The same of any frame, incomplete ones too.
+  /// The same for frames of any kind, including incomplete ones.
   std::int64_t last_sign_mono_ns() const;
 
-  // Publisher thread: the next finished record, in frame order, or nullptr after `timeout_us`; give
-  // it back with release.
+  // Publisher thread: the next finished record in frame order, or nullptr after `timeout_us`.
+  // Return it with release.
   FrameRecord* next(int timeout_us);
   void release(FrameRecord* record);
 
-  /// Asks for one more frame's pixels: the next measured frame's record keeps its image lent until
-  /// release_image.
   // Image thread.
+  /// Requests the pixels of one frame: the next measured frame's record keeps its image until
+  /// release_image.
   void request_image();
   FrameRecord* next_image(int timeout_us);
   void release_image(FrameRecord* record);
 
-  /// Every record from the next frame on, with the pixels of every n-th; 0: of none. Any thread.
+  /// Any thread: starts recording with the next frame: every record, and the pixels of every n-th
+  /// one; 0: no pixels.
   void record(int pixels_every);
   void stop_recording();
-  // Recording thread: the next of them, in frame order, or nullptr after `timeout_us`; those that
-  // were measured before stop_recording still come. Who is behind misses some: `number` tells.
+  // Recording thread: the next recorded record in frame order, or nullptr after `timeout_us`.
+  // Frames measured before stop_recording are still delivered. A slow recorder loses records, which
+  // shows as gaps in `number`.
   FrameRecord* next_recorded(int timeout_us);
-  /// Whether the record's pixels are lent with it.
+  /// Whether the record holds its pixels.
   static bool has_recorded_pixels(const FrameRecord& record);
-  /// Soon: a buffer of the camera may wait.
+  /// Call it soon: the record may hold a camera buffer.
   void release_recorded(FrameRecord* record);
 
-  /// For a replay, while no frame is under way: as if the spots of the next frame were looked for
-  /// there, and the whole image searched or not. `plan` is the one in use, and `starts` are as many
-  /// as its subapertures.
+  /// For a replay: sets the start positions of the next frame's spots, and whether its whole image
+  /// is searched. `plan` is the active plan; `starts` has one element per subaperture. Call it only
+  /// while no frame is in flight.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
 
-  // One histogram a stage; read and reset by the status thread.
-  /// The frame's arrival, since it could have arrived had nothing held it up (ArrivalClock).
+  // One histogram per stage; the status thread reads and resets them.
+  /// Delivery delay: from the frame's undelayed arrival time (ArrivalClock) to its arrival.
   LatencyHistogram& arrived_latency();
-  /// Since the frame's arrival.
+  /// From the frame's arrival to the end of the stage.
   LatencyHistogram& tracked_latency();
   LatencyHistogram& reconstructed_latency();
 

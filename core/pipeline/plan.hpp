@@ -1,5 +1,5 @@
-/// Everything that a frame is measured with, prepared off the frame path and swapped whole at a
-/// frame edge.
+/// The measurement plan: everything needed to measure a frame, prepared off the frame path and
+/// swapped as a whole between two frames.
 #pragma once
 
 #include <cstdint>
@@ -19,22 +19,21 @@ struct MeasurementPlan {
   std::uint64_t id = 0;  ///< increases with each plan
   std::uint64_t sensor_epoch =
       0;  ///< changes when spots of older holograms no longer fit (charge, lattice, ROI)
-  /// The hologram that predicted_px belongs to; 0: not said. Said, it lets the tracks follow a
-  /// change of hologram exactly even if predictions changed for another reason (a reference)
-  /// before.
+  /// The hologram that predicted_px belongs to; 0: not given. With it the tracks follow a change of
+  /// hologram exactly, even if a new reference has changed the predictions before.
   std::uint64_t hologram_id = 0;
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
-  OperatorKind mode_operator = OperatorKind::slopes;  ///< whose inverse `reconstructor` is
+  OperatorKind mode_operator = OperatorKind::slopes;  ///< `reconstructor` is its inverse
   SpotModel spots;
-  Roi roi;  ///< of the camera: what a frame must be an image of
+  Roi roi;  ///< the camera's ROI, which a frame must have
   PixelFormat format = PixelFormat::mono8;
-  /// Where each spot should be: reference, else model, moved by the aberration shown on purpose.
+  /// Expected spot positions: those of the reference (else model) plus the introduced aberration.
   std::vector<Vec2> predicted_px;
-  /// Where to look for each spot without history; empty: at predicted_px.
+  /// Start positions of spots without history; empty: predicted_px.
   std::vector<Vec2> search_px;
-  std::vector<Vec2> reference_px;  ///< what displacements count from; empty: no reference
-  double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
+  std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
+  double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
   std::unique_ptr<const SpotTracker> tracker;
   std::unique_ptr<const Reconstructor> reconstructor;
 

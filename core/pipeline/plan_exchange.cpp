@@ -1,4 +1,4 @@
-/// Plans live until the adopted plan and every record in use are newer.
+/// A plan is freed once the adopted plan and those of all records in use are newer.
 #include "core/pipeline/plan_exchange.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ void PlanExchange::offer(const MeasurementPlan* plan) {
 }
 
 std::uint64_t PlanExchange::oldest_in_use() const {
-  // This order: a record is filled with a plan only after the plan was adopted.
+  // Read in this order, because a record refers to a plan only after the plan was adopted.
   const std::uint64_t adopted = adopted_id_.load(std::memory_order_acquire);
   return std::min(adopted, pool_.oldest_plan_id());
 }

@@ -1,4 +1,4 @@
-/// Hands plans from the control side to the frame path, and tells which ones it may still touch.
+/// Hands measurement plans to the frame path without locks, and reports which are still in use.
 #pragma once
 
 #include <atomic>
@@ -18,12 +18,12 @@ class PlanExchange {
   PlanExchange(const RecordPool& pool, int workers) : pool_(pool), workers_(workers) {}
 
   // Control side; thread-safe among each other.
-  /// Makes the plan's working memory, frees that of plans out of use, and offers the plan. nullptr:
+  /// Allocates the plan's working memory, frees that of unused plans, and offers the plan. nullptr:
   /// nothing is measured. Throws std::logic_error if the plan's id does not increase.
   void offer(const MeasurementPlan* plan);
   std::uint64_t oldest_in_use() const;
 
-  /// Acquisition thread, at a frame edge: the plan offered last, or nullptr.
+  /// Acquisition thread, between two frames: switches to the plan offered last; may be nullptr.
   Measurement* adopt() OVWS_NONBLOCKING;
 
  private:
@@ -34,8 +34,8 @@ class PlanExchange {
   std::uint64_t next_id_ = 0;                               ///< guarded by control_
   std::atomic<Measurement*> offered_{nullptr};
   Measurement* adopted_ = nullptr;  ///< acquisition thread
-  /// All plans below are out of the acquisition thread's hands. It is written before an adopted
-  /// plan is used, so that what control reads is never too new.
+  /// The acquisition thread no longer uses plans with smaller ids. Written when a plan is adopted,
+  /// before its first use.
   std::atomic<std::uint64_t> adopted_id_{0};
 };
 

@@ -1,4 +1,4 @@
-/// The last stage: spots -> modes, and whether the result may be believed.
+/// Last pipeline stage: reconstructs the modes from the spots and decides whether they are valid.
 #pragma once
 
 #include "core/base/realtime.hpp"
@@ -17,7 +17,7 @@ class ReconstructStage {
 
   explicit ReconstructStage(const Deps& deps) : deps_(deps) {}
 
-  /// Frames in order, by one thread at a time. The record is handed on: not to be touched after.
+  /// Frames in order, one thread at a time. Passes the record on; do not use it afterwards.
   void run(Entry& entry) OVWS_NONBLOCKING;
 
  private:

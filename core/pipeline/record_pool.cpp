@@ -1,4 +1,4 @@
-/// Records come and go by hold counts; only the acquisition thread changes who owns them.
+/// Reference-counted records; only the acquisition thread takes and frees them.
 #include "core/pipeline/record_pool.hpp"
 
 #include <algorithm>

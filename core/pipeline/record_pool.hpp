@@ -1,4 +1,4 @@
-/// The records, and who still holds which of them, and which camera buffers they keep lent.
+/// Pool of reference-counted frame records and the camera buffers that they hold.
 #pragma once
 
 #include <atomic>
@@ -15,22 +15,22 @@ namespace ovws {
 
 struct Measurement;
 
-/// A record with what only the pipeline needs to know of it.
+/// A frame record with the pipeline's internal data.
 struct Entry : FrameRecord {
   Measurement* measurement = nullptr;
-  std::uint64_t stream = 0;    ///< counts attached cameras: frame numbers of one do not go on in
-                               ///< the next
-  std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: not known
+  std::uint64_t stream = 0;  ///< number of the attached camera; frame numbers do not continue from
+                             ///< one to the next
+  std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: unknown
   bool image_wanted = false;
   bool recorded = false;         ///< RecordTap holds it
-  bool pixels_recorded = false;  ///< and its pixels
+  bool pixels_recorded = false;  ///< RecordTap holds its pixels, too
 
-  /// Acquisition thread, before any other has seen the entry.
+  /// Adds a hold. Acquisition thread, before any other thread has seen the entry.
   void hold(bool pixels) OVWS_NONBLOCKING {
     holds_.fetch_add(1, std::memory_order_relaxed);
     if (pixels) pixel_holds_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// Let go of from any thread, seen by the acquisition thread on its next turn.
+  /// Releases a hold from any thread; the acquisition thread sees it on its next iteration.
   void release_pixels() OVWS_NONBLOCKING { pixel_holds_.fetch_sub(1, std::memory_order_release); }
   void release() OVWS_NONBLOCKING { holds_.fetch_sub(1, std::memory_order_release); }
 
@@ -43,25 +43,25 @@ struct Entry : FrameRecord {
   int lent_slot_ = -1;  ///< acquisition thread only
 };
 
-/// Acquisition thread, unless said.
+/// All methods are for the acquisition thread, unless stated otherwise.
 class RecordPool {
  public:
   explicit RecordPool(int records);
 
-  /// A free record that holds `frame`'s buffer, or nullptr. `image_wanted` adds a hold of record
-  /// and pixels for the image thread to those of the stages.
+  /// Takes a free record that holds `frame`'s buffer; nullptr: none is free. `image_wanted` adds a
+  /// hold of the record and of its pixels for the image thread.
   Entry* take(const GrabbedFrame& frame, const MeasurementPlan& plan,
               bool image_wanted) OVWS_NONBLOCKING;
 
-  /// Gives buffers that nobody holds any more back to the camera, and makes records free.
+  /// Returns buffers without holds to the camera, and frees records without holds.
   void reclaim(Camera& camera) OVWS_NONBLOCKING;
-  /// Makes records free; no buffer may be lent.
+  /// Frees records without holds, except those whose buffer is still lent.
   void reclaim() OVWS_NONBLOCKING;
 
-  /// Buffers that the camera still has to get back.
+  /// Number of buffers not yet returned to the camera.
   int lent() const { return lent_; }
 
-  /// Smallest id of the plans that records in use refer to; UINT64_MAX if none is. Any thread.
+  /// Smallest plan id among the records in use; UINT64_MAX if none is in use. Any thread.
   std::uint64_t oldest_plan_id() const;
 
  private:

@@ -1,5 +1,4 @@
-/// Holds of records and of their pixels, counted apart: a camera has fewer buffers than there are
-/// records.
+/// Limits on held records and on held pixels: a camera has fewer buffers than there are records.
 #include "core/pipeline/record_tap.hpp"
 
 #include <chrono>
@@ -25,7 +24,7 @@ void RecordTap::offer(Entry& entry, int buffers) OVWS_NONBLOCKING {
 }
 
 void RecordTap::put(Entry& entry, bool published) OVWS_NONBLOCKING {
-  // The ring holds as many as there are records: the push cannot fail.
+  // The ring has room for every record, so the push cannot fail.
   if (published && ring_.try_push(&entry)) return;
   release(entry);
 }

@@ -1,5 +1,4 @@
-/// The second way out, beside the publisher's: every record for who keeps them, with the pixels of
-/// some.
+/// Output queue for recording: every record, and the pixels of some.
 #pragma once
 
 #include <atomic>
@@ -11,28 +10,28 @@
 
 namespace ovws {
 
-/// Whoever takes the records may be behind: then records pass by, and nothing waits. Their numbers
-/// tell how many.
+/// Never blocks the pipeline: a slow recorder loses records, which shows as gaps in their numbers.
+/// Holds at most a quarter of all records.
 class RecordTap {
  public:
   explicit RecordTap(int records)
       : most_held_(records / 4), ring_(static_cast<std::size_t>(records)) {}
 
   // Any thread.
-  /// From the next frame on: the records, and the pixels of every n-th of them; 0: of none.
+  /// Starts with the next frame: all records, and the pixels of every n-th one; 0: no pixels.
   void open(int pixels_every) {
     pixels_every_.store(pixels_every, std::memory_order_relaxed);
     open_.store(true, std::memory_order_release);
   }
   void close() { open_.store(false, std::memory_order_release); }
 
-  /// Acquisition thread, of an entry that no other has seen. At most half of the camera's
-  /// `buffers` are kept.
+  /// Acquisition thread, before any other thread has seen the entry: adds the recorder's holds.
+  /// Keeps at most half of the camera's `buffers`.
   void offer(Entry& entry, int buffers) OVWS_NONBLOCKING;
-  /// Thread of the last stage, of a recorded entry that was published, or not.
+  /// Thread of the last stage: queues a recorded entry, or releases it if it was not published.
   void put(Entry& entry, bool published) OVWS_NONBLOCKING;
 
-  // The taker's thread.
+  // Recording thread.
   Entry* next(int timeout_us);
   void release(Entry& entry) OVWS_NONBLOCKING;
 

@@ -1,4 +1,4 @@
-/// History is kept as positions under one hologram and what was expected under it.
+/// Tracks: the last position of each spot and the prediction for the same hologram.
 #include "core/pipeline/spot_history.hpp"
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kElsewhere = 0.5;  // lambda/d: less may be the wavefront's way since the search
+constexpr double kElsewhere = 0.5;  // lambda/d: the wavefront may move a spot by less meanwhile
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -30,8 +30,8 @@ bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   return !same;
 }
 
-/// A plan that a search made says where the spots are. The tracks may hold some at another spot's
-/// place, where they would be found in every frame. Later plans repeat what an older search found.
+/// Takes over the positions of a new whole-image search. A track may be locked to a neighbour's
+/// spot and would find it there in every frame. Plans that only repeat an older search are ignored.
 void SpotHistory::believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   seen_plan_id_ = plan.id;
   const Vec2 mark = plan.search_px.empty() ? Vec2{kNone, kNone} : plan.search_px.front();
@@ -81,8 +81,8 @@ void SpotHistory::resume(const MeasurementPlan& plan,
 
 void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *record.plan;
-  // With the hologram unchanged, a new plan may already predict for the next one: its predictions
-  // count only once its hologram is seen.
+  // A new plan may predict for the next hologram while the old one is still shown. Its predictions
+  // count only once a frame shows its hologram.
   const bool plan_is_for_this = plan.hologram_id == record.hologram_id && plan.id != plan_id_;
   const bool expect_anew = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
   const bool was_live = live_;

@@ -1,4 +1,4 @@
-/// Where the spots were last, and from that, where to look for them in the next frame.
+/// Frame-to-frame tracking: start positions of the next frame from the last positions of the spots.
 #pragma once
 
 #include <cstdint>
@@ -10,34 +10,34 @@
 
 namespace ovws {
 
-/// Learns from settled frames only. One thread at a time; allocates in the constructor only.
+/// Uses settled frames only. One thread at a time; only the constructor allocates.
 class SpotHistory {
  public:
   SpotHistory();
 
-  /// Forgets everything if `plan` measures other spots (sensor epoch, count or image size) than
-  /// before, and returns true. Spots go to where a new search found them (search_px) if they were
-  /// lost, or more than half of lambda/d from there.
+  /// Adapts to `plan`. Clears the history and returns true if the plan measures other spots (sensor
+  /// epoch, count or ROI) than the previous one. A spot that was lost, or is more than lambda/d / 2
+  /// away, moves to where a new whole-image search found it (search_px).
   bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
-  /// False: nothing is known of any spot, a whole-image search is needed.
+  /// False: no spot has a history, a whole-image search is needed.
   bool live() const { return live_; }
 
-  /// Where to look for each spot in `record`: its last settled position, moved by what the plan
-  /// predicts of a change of hologram.
+  /// Start position of each spot in `record`: its last settled position, moved by the predicted
+  /// shift if the hologram changed.
   void starts(const FrameRecord& record, std::span<SpotStart> starts) const OVWS_NONBLOCKING;
 
-  /// From now on as if the next record with `plan` were to be looked for at `starts`, under the
-  /// hologram that the plan predicts for. NaN everywhere: nothing is known.
+  /// Sets the history for a replay: the next record with `plan` starts from `starts`, under the
+  /// plan's hologram. All NaN: no history.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) OVWS_NONBLOCKING;
 
-  /// Takes over what was found in a settled frame.
+  /// Updates the history with the spots of a settled frame.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;
 
  private:
   struct Track {
     SpotStart last;
-    Vec2 expected_px;  ///< what the plan predicted for hologram_id_
+    Vec2 expected_px;  ///< the plan's prediction for hologram_id_
   };
 
   void believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING;
@@ -49,7 +49,7 @@ class SpotHistory {
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
   std::uint64_t seen_plan_id_ = 0;
-  Vec2 search_mark_;  ///< the first of the searched places that were taken over last
+  Vec2 search_mark_;  ///< identifies the last search: the first of its positions
   std::uint64_t sensor_epoch_ = 0;
   Roi roi_;
 };

@@ -1,4 +1,4 @@
-/// Continuity first, neighbours for single losses, the whole image when continuity is gone.
+/// Spot tracking in three levels: history, affine fit to the neighbours, whole-image search.
 #include "core/pipeline/track_stage.hpp"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ void TrackStage::lose_incredible(Entry& entry) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   const std::span<SpotFix> spots = spots_of(entry);
   drop_faint(spots, entry.spot_count);
-  // Of two subapertures that claim one spot, nobody knows yet whose it is: both are asked again.
+  // Two subapertures that track the same spot are both ambiguous: both are tracked again.
   for (int i = 0; i < entry.spot_count; ++i) doubled_[i] = neighbourhood.doubled(i, spots);
   for (int i = 0; i < entry.spot_count; ++i) {
     if (doubled_[i]) spots[i] = SpotFix{};
@@ -88,7 +88,7 @@ void TrackStage::retry_lost(Entry& entry) OVWS_NONBLOCKING {
   drop_faint(spots, entry.spot_count);
 }
 
-/// A remembered position knows more than the neighbours, as long as they do not contradict it.
+/// Tries the remembered position first if it agrees with the neighbours, then the expected one.
 SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   TrackScratch& scratch = entry.measurement->track_scratch[0];
@@ -125,7 +125,7 @@ void TrackStage::search(Entry& entry, int found) OVWS_NONBLOCKING {
 
 void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
   const std::span<SpotFix> spots = spots_of(entry);
-  // Saturation is what loses spots: those that are lost tell of it too.
+  // Saturation can make spots get lost, so lost spots count for the saturated fraction, too.
   const int half_px = int(entry.plan->spots.lambda_d_px);
   for (int i = 0; i < entry.spot_count; ++i) {
     if (spots[i].found() || spots[i].peak > 0.0F) continue;

@@ -1,4 +1,4 @@
-/// The second stage: finds every spot of a frame, from history or from a whole-image search.
+/// Second pipeline stage: finds every spot of a frame, from its history or by a whole-image search.
 #pragma once
 
 #include <optional>
@@ -14,13 +14,12 @@
 
 namespace ovws {
 
-/// For each frame in order: `begin`, then every slice (by any threads at once), then `finish`. The
-/// caller orders these calls between threads; numbers do not depend on the number of slices.
+/// Call for each frame in order: `begin`, then every slice (in parallel), then `finish`. The caller
+/// synchronises these calls between threads. Results do not depend on the number of slices.
 ///
-/// A frame without history, or with more than a few spots lost, is searched whole, at most every
-/// 16th frame while that does not help (BackOff). The search counts only if it finds more.
-/// A plan with search_px says where spots are looked for that were lost, or are elsewhere
-/// (SpotHistory).
+/// A frame without history, or with more than a few spots lost, is searched as a whole, with
+/// exponential backoff (BackOff) up to every 16th frame. The result is used only if it finds more
+/// spots. A plan with search_px gives start positions for lost or displaced spots (SpotHistory).
 class TrackStage {
  public:
   struct Config {
@@ -34,15 +33,15 @@ class TrackStage {
   TrackStage(const Config& config, const Deps& deps);
 
   void begin(Entry& entry) OVWS_NONBLOCKING;
-  /// Slice k of 0 .. slices-1.
+  /// Tracks slice k = 0 .. slices-1 of the spots.
   void track_slice(Entry& entry, int k) OVWS_NONBLOCKING;
-  /// Retries lost spots, searches if need be, keeps history. The frame's pixels are let go of.
+  /// Retries lost spots, searches if necessary, updates the history and releases the pixels.
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  /// See SpotHistory::resume; and the whole image is searched, or is not, as `searched` says.
+  /// SpotHistory::resume; `searched` decides whether the next frame's whole image is searched.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
 
-  /// How many spots may be lost without a whole-image search.
+  /// Number of spots that may be lost without a whole-image search.
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:

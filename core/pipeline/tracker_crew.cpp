@@ -1,4 +1,4 @@
-/// Fork and join of one frame's slices by atomic countdown.
+/// Fork-join of one frame's slices with an atomic countdown.
 #include "core/pipeline/tracker_crew.hpp"
 
 #include <chrono>
@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Rings have room for every record there is: a push cannot fail.
+/// Every ring has room for all records: a push cannot fail.
 void push(SpscRing<Entry*>& ring, Entry* entry) {
   [[maybe_unused]] const bool had_room = ring.try_push(entry);
 }

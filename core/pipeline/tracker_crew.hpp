@@ -1,4 +1,4 @@
-/// The tracker threads: each takes its slice of every frame, frame after frame, with no lock.
+/// Lock-free fork-join over the tracker threads: each one tracks its slice of every frame.
 #pragma once
 
 #include <atomic>
@@ -12,9 +12,9 @@
 
 namespace ovws {
 
-/// One frame at a time is tracked, by all workers at once. Whoever brings `waiting_` from 0 to 1,
-/// or finishes a frame while others wait, starts the next one: nobody ever waits for another, and
-/// all else that is not atomic here belongs to whoever does so.
+/// All workers track one frame at a time. The thread that increments `waiting_` from 0 to 1, or
+/// that finishes a frame while others wait, starts the next one. No thread waits for another, and
+/// only the thread that starts a frame uses the non-atomic state.
 class TrackerCrew {
  public:
   struct Config {
@@ -30,7 +30,7 @@ class TrackerCrew {
 
   /// Acquisition thread.
   void submit(Entry& entry) OVWS_NONBLOCKING;
-  /// Worker k's thread: waits at most 20 ms for work. True if there was some.
+  /// Worker k's thread: waits at most 20 ms for a slice and tracks it. False: there was none.
   bool turn(int k);
 
  private:
@@ -40,8 +40,8 @@ class TrackerCrew {
   Deps deps_;
   SpscRing<Entry*> inbox_;
   std::vector<std::unique_ptr<SpscRing<Entry*>>> slices_;
-  std::atomic<int> waiting_{0};  ///< frames submitted and not finished
-  std::atomic<int> working_{0};  ///< slices of the present frame not finished
+  std::atomic<int> waiting_{0};  ///< frames submitted but not finished
+  std::atomic<int> working_{0};  ///< unfinished slices of the current frame
 };
 
 }  // namespace ovws
