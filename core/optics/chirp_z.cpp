@@ -15,7 +15,7 @@ std::complex<float> unit_phasor(double turns) {
   return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
 }
 
-/// The next length made of 2, 3 and 5 only, which the FFT has fast butterflies for.
+/// Next 5-smooth length: the FFT has fast butterflies for the factors 2, 3 and 5.
 int fast_length(int at_least) {
   for (int n = at_least;; ++n) {
     int rest = n;
@@ -39,7 +39,7 @@ struct ChirpZ::Impl {
 };
 
 ChirpZ::ChirpZ(const Axis& axis) : impl_(std::make_unique<Impl>()) {
-  // k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
+  // Bluestein: k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
   Impl& d = *impl_;
   d.length = fast_length(axis.inputs + axis.outputs - 1);
   d.before.resize(axis.inputs);

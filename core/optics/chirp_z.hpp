@@ -1,4 +1,4 @@
-/// The Fourier sum of a short line at any equally spaced frequencies (chirp-z, Bluestein).
+/// Chirp-z transform (Bluestein): the Fourier sum of a line at any equally spaced frequencies.
 #pragma once
 
 #include <complex>
@@ -7,9 +7,9 @@
 
 namespace ovws {
 
-/// out[k] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), by three FFTs of which
-/// one is prepared; single precision, chirps computed in double. Movable; `transform` is for one
-/// thread at a time.
+/// out[k] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), by two FFTs a transform
+/// and one in the constructor. Single precision, with chirps computed in double. Movable;
+/// `transform` is for one thread at a time.
 class ChirpZ {
  public:
   struct Axis {

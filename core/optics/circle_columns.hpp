@@ -1,4 +1,4 @@
-/// A circle on a pixel grid, row by row.
+/// Rasterises a circle on a pixel grid, row by row.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@ struct Columns {
   int end = 0;
 };
 
-/// Those of row y, of a grid `width` wide, whose pixel centres lie in a circle or on it; none:
-/// begin == end.
+/// The columns of row y whose pixel centres lie in or on the circle, on a grid `width` pixels wide.
+/// begin == end: none.
 inline Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) {
   const double dy = y - centre_px.y;
   const double half_squared = 0.25 * diameter_px * diameter_px - dy * dy;

@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::uint64_t kResponseStream = 0;  ///< exposures use the streams from 1 on
+constexpr std::uint64_t kResponseStream = 0;  ///< PRNU; exposures use the streams from 1 on
 
 double full_scale_dn(const DetectorConfig& config) {
   return (1 << std::clamp(config.bits, 1, 16)) - 1;

@@ -1,5 +1,5 @@
-/// The camera's noise, stage by stage (after Konnik and Welsh, "High-level numerical simulations of
-/// noise in CCD and CMOS photosensors", 2014).
+/// Detector model: camera noise, stage by stage (after Konnik and Welsh, "High-level numerical
+/// simulations of noise in CCD and CMOS photosensors", 2014).
 #pragma once
 
 #include <cstdint>
@@ -17,22 +17,23 @@ struct DetectorConfig {
   double read_noise_e = 5.0;     ///< electrons RMS
   double full_well_e = 10000.0;  ///< electrons at which a pixel saturates
   double black_level_dn = 2.0;   ///< added before quantisation, DN of the output
-  int bits = 8;                  ///< of the output: full_well_e at 0 dB reaches 2^bits - 1
+  int bits = 8;                  ///< bit depth: full_well_e at 0 dB gives 2^bits - 1
   std::uint64_t seed = 1;
 };
 
-/// DN per electron: full_well_e at 0 dB spans the whole range of 2^bits - 1, the black level is
-/// added on top.
+/// System gain in DN per electron: full_well_e at 0 dB spans the full scale of 2^bits - 1. The
+/// black level is added on top.
 double dn_per_electron(const DetectorConfig& config, double gain_db);
 
 /// photons -> PRNU -> shot noise -> dark signal -> full well -> read noise -> gain -> black level
-/// -> quantise -> clip. Shot noise covers the dark signal too: both are counts of electrons.
+/// -> quantise -> clip. The dark signal has shot noise, too, because it is a count of electrons.
 class Detector {
  public:
   Detector(const DetectorConfig& config, int width, int height);
 
-  /// `photons`: mean photons per pixel and exposure. Each call is a new realisation; the same seed
-  /// gives the same sequence. `gain_db`: 20 log10 of the amplitude gain.
+  /// Simulates one exposure. `photons`: mean number per pixel and exposure, of the constructor's
+  /// size. `gain_db`: 20 log10 of the gain. Each call is a new noise realisation; the same seed
+  /// gives the same sequence.
   void expose(const Image<float>& photons, double exposure_us, double gain_db,
               Image<std::uint16_t>& dn);
 

@@ -26,13 +26,13 @@ struct FarField::Impl {
   FarFieldWindow window;
   ChirpZ along_x;
   ChirpZ along_y;
-  Image<std::complex<float>> columns;  ///< after the pass along x, transposed: one row a column
+  Image<std::complex<float>> columns;  ///< after the pass along x, transposed: one row per column
 };
 
 FarField::FarField(SlmGeometry slm, FarFieldWindow window) {
   assert(slm.width_px > 0 && slm.height_px > 0 && window.cols > 0 && window.rows > 0);
   const double step_y = window.step_y_cpp != 0.0 ? window.step_y_cpp : window.step_cpp;
-  // Along x first: the rows that come out are then only as many as the SLM has.
+  // The pass along x comes first: it needs only as many transforms as the SLM has rows.
   impl_ = std::make_unique<Impl>(
       Impl{slm,
            window,

@@ -1,4 +1,4 @@
-/// The far field of the SLM in the window that the camera sees.
+/// Fraunhofer propagation from the SLM to a window of the far field, such as the camera's.
 #pragma once
 
 #include <complex>
@@ -9,23 +9,23 @@
 
 namespace ovws {
 
-/// A window in the far field: its point (c, r) looks at the frequency origin + step * (c, r).
+/// A sampled window of the far field: point (c, r) has the frequency origin + step * (c, r).
 struct FarFieldWindow {
   int cols = 0;
   int rows = 0;
   Vec2 origin_cpp;          ///< cycles per SLM pixel at (0, 0)
-  double step_cpp = 0.0;    ///< a camera's pixel: 1 / camera_px_per_cycle
-  double step_y_cpp = 0.0;  ///< along y where it differs; 0: step_cpp
+  double step_cpp = 0.0;    ///< for one camera pixel: 1 / camera_px_per_cycle
+  double step_y_cpp = 0.0;  ///< step along y, if it differs; 0: step_cpp
 };
 
-/// The window of an ROI-sized image whose base spot (frequency grooves / SLM size) falls on
-/// base_spot_px.
+/// The window of a camera image of this size: the base grating's frequency (grooves / SLM size)
+/// falls on base_spot_px.
 FarFieldWindow far_field_window(const SensorConfig& sensor, const SlmGeometry& slm,
                                 const OpticsConfig& optics, int image_cols, int image_rows);
 
-/// F(u, v) = sum A(x, y) exp(-2 pi i (u x + v y)), x and y from the pupil's centre, by the chirp-z
-/// transform: any window, any step, no full-size FFT. Prepared once per geometry; `propagate` is
-/// for one thread at a time.
+/// Far field by chirp-z transforms: F(u, v) = sum A(x, y) exp(-2 pi i (u x + v y)), x and y from
+/// the pupil's centre. It allows any window and step and needs no zero-padded FFT. Prepared once
+/// per geometry; `propagate` is for one thread at a time.
 class FarField {
  public:
   FarField(SlmGeometry slm, FarFieldWindow window);

@@ -1,4 +1,4 @@
-/// The SLM's flatness map with a measured phase error taken out.
+/// SLM flatness correction: subtracts a measured phase error from the flatness map.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@
 
 namespace ovws {
 
-/// Waves of phase to add, of the SLM's size: the configured map minus the error. `error_modes` are
-/// RMS-normalised waves over the pupil circle of `pupil_diameter_px` about the SLM's centre;
-/// outside of it the map stays as configured.
+/// The configured flatness map (waves of phase to add, of the SLM's size; none: 0) minus the error.
+/// `error_modes` are RMS-normalised waves over the pupil circle of `pupil_diameter_px` about the
+/// SLM's centre. Outside the circle the map stays as configured.
 std::shared_ptr<const Image<float>> flattened(const HologramConfig& configured,
                                               std::span<const Mode> error_modes,
                                               double pupil_diameter_px);

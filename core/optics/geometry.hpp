@@ -1,4 +1,4 @@
-/// The bench in numbers: SLM, lens and camera, and the sensor shown on the SLM.
+/// Geometry of the bench: SLM, lens, camera, and the sensor's hologram.
 #pragma once
 
 #include <array>
@@ -17,21 +17,21 @@ struct SlmGeometry {
   double pitch_um = 19.0;
 };
 
-/// Camera pixels that a spot moves per cycle-per-SLM-pixel of slope (u, v), x right and y down on
-/// both: (xx u + xy v, yx u + yy v).
+/// The 2 x 2 registration matrix from spatial frequency on the SLM to camera pixels: a slope (u, v)
+/// in cycles per SLM pixel moves a spot by (xx u + xy v, yx u + yy v). x right, y down on both.
 struct PxPerCycle {
   double xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
 
   constexpr PxPerCycle() = default;
-  /// A camera whose axes are those of the SLM.
+  /// A camera aligned with the SLM: `scale` times the identity.
   constexpr PxPerCycle(double scale)  // NOLINT(google-explicit-constructor): a scale is a matrix
       : xx(scale), yy(scale) {}
   constexpr PxPerCycle(double xx_, double xy_, double yx_, double yy_)
       : xx(xx_), xy(xy_), yx(yx_), yy(yy_) {}
 
   Vec2 operator*(Vec2 cpp) const { return {xx * cpp.x + xy * cpp.y, yx * cpp.x + yy * cpp.y}; }
-  /// (1 / scale()) times the transpose: for a camera that only turns and mirrors, the SLM's
-  /// direction that it sees as `camera`.
+  /// Transpose / scale(). For a pure rotation or reflection with one scale: the direction on the
+  /// SLM that the camera sees as `camera`.
   Vec2 back(Vec2 camera) const {
     const double s = scale();
     return {(xx * camera.x + yx * camera.y) / s, (xy * camera.x + yy * camera.y) / s};
@@ -40,10 +40,10 @@ struct PxPerCycle {
     return {xx / divisor, xy / divisor, yx / divisor, yy / divisor};
   }
   double determinant() const { return xx * yy - xy * yx; }
-  /// Of an area's side: the geometric mean of both directions.
+  /// Geometric mean of the scales in both directions: sqrt |determinant|.
   double scale() const { return std::sqrt(std::abs(determinant())); }
   bool mirrored() const { return determinant() < 0.0; }
-  /// By how much the camera turns the SLM's +x towards its own +y.
+  /// Angle by which the camera's view rotates the SLM's +x towards its own +y.
   double rotation_deg() const { return std::atan2(yx, xx) * 180.0 / std::numbers::pi; }
   friend bool operator==(const PxPerCycle&, const PxPerCycle&) = default;
 };
@@ -53,10 +53,10 @@ struct OpticsConfig {
   double focal_length_mm = 200.0;
   double magnification = 1.0;
   double camera_pitch_um = 3.45;
-  /// Camera pixel of the base subaperture's spot, in the ROI; none: the centre of the image.
+  /// Position of the base subaperture's spot in the ROI, camera pixels; none: the image centre.
   std::optional<Vec2> centre_px;
-  /// As a registration measured it; none: S of focal length, magnification and pitches, without
-  /// rotation.
+  /// Measured registration; none: the scale S of wavelength, focal length, magnification and
+  /// pitches, without rotation.
   std::optional<PxPerCycle> registered = std::nullopt;
 };
 
@@ -78,20 +78,21 @@ struct SensorConfig {
 /// `registered`, or S = lambda f M / (p_slm p_cam) in both directions.
 PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
-/// Whether the camera's axes are so nearly the SLM's that models along its axes hold: to 0.002 of
-/// the scale, half a pixel at 250 pixels.
+/// Whether the camera is aligned with the SLM: the matrix is a positive multiple of the identity to
+/// 0.002 of its scale, which is half a pixel at 250 pixels. The diffraction models of whole images
+/// require it.
 bool is_straight(const PxPerCycle& map);
-/// Errc::refused for a camera that is not.
+/// Errc::refused (field "optics.px_per_cycle") unless is_straight.
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 
-/// Its scale alone: camera pixels that a spot moves per cycle-per-SLM-pixel of slope.
+/// Scale of px_per_cycle: camera pixels that a spot moves per cycle per SLM pixel of slope.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.
 double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor);
 
-/// Where the base subaperture's spot falls in an image of this size: centre_px, or ((cols-1)/2,
-/// (rows-1)/2).
+/// Position of the base subaperture's spot in an image of this size: centre_px, or the image centre
+/// ((cols-1)/2, (rows-1)/2).
 Vec2 base_spot_px(const OpticsConfig& optics, int image_cols, int image_rows);
 
 }  // namespace ovws

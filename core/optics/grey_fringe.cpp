@@ -9,11 +9,11 @@
 namespace ovws {
 namespace {
 
-constexpr double kPupilShare = 0.5;  // distance of the patches
+constexpr double kPupilShare = 0.5;  // distance of the patches in pupil diameters
 constexpr double kLeastFringePx = 4.0;
-constexpr double kReach = 1.8;  // lambda over the patches' diameter: 1.22 is the first dark ring
+constexpr double kReach = 1.8;  // in lambda / patch diameter; the first dark ring is at 1.22
 
-/// `side`: -1 the left one, 1 the right one; `level_of` a part 0 .. 1 of the grating's period.
+/// `side`: -1 left, 1 right. `level_of` maps the phase in the grating's period, 0 .. 1, to a level.
 template <class LevelOf>
 void draw_patch(const FringePatches& patches, const SensorConfig& sensor, double side,
                 const LevelOf& level_of, Image<std::uint8_t>& grey) {
@@ -89,11 +89,11 @@ FringeReading read_fringe(const Image<float>& light, const FringePatches& patche
         continue;
       }
       reading.brightest_dn = std::max(reading.brightest_dn, value);
-      // Without an edge, so that the light of neighbouring distances stays out.
+      // A Hann window (no edge) suppresses leakage from neighbouring fringe frequencies.
       const double weight = std::pow(std::cos(0.5 * std::numbers::pi * r), 2);
       const double cycles_x = (map.yy * from.x - map.xy * from.y) / det;  // per SLM pixel
       const double turns = cycles_x * patches.distance_px;
-      // The left patch's phase minus the right one's: the left lies at minus half the distance.
+      // The sign gives the left patch's phase minus the right one's.
       reading.beat += std::polar(weight * value, -2.0 * std::numbers::pi * turns);
     }
   }

@@ -14,14 +14,14 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
-constexpr double kMostWaves = 1e6;  ///< more is a mistake, and would cost the phase its digits
+constexpr double kMostWaves = 1e6;  ///< more is a mistake and loses the phase's precision
 
 Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
 }
 
-/// A subaperture's phase along row y, waves (paper eq. 4): x and y from the pupil's centre, the
-/// angle about the subaperture's own.
+/// Phase of a subaperture along row y, waves (paper eq. 4): the grating counts from the pupil's
+/// centre, the vortex angle from the subaperture's centre.
 void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int charge,
                      int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(slm);
@@ -41,7 +41,8 @@ void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
   }
 }
 
-/// In the pupil: outside of it no correction is known, and light there stays in the zero order.
+/// The base grating inside the pupil. Light outside it, where no correction is known, stays in the
+/// zeroth order.
 void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(config.slm);
   const Columns columns =
@@ -53,7 +54,7 @@ void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
   }
 }
 
-/// Pattern and flatness together, rounded once.
+/// Adds the flatness to the pattern and rounds the sum once.
 void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double> waves,
                            std::uint16_t* phase) {
   const float* flatness = config.flatness_waves ? config.flatness_waves->row(y) : nullptr;
@@ -102,9 +103,9 @@ double largest(std::span<const double> slopes, double carrier_cpp) {
   return most;
 }
 
-/// The steepest |d phase / dx| and |d phase / dy| at the subaperture's pixels, cycles per pixel.
-/// The vortex's own slope, charge / (2 pi r), is left out: it exceeds any limit at its centre, and
-/// no neighbour of the centre needs it sampled.
+/// Maximum |d phase / dx| and |d phase / dy| over the subaperture's pixels, cycles per pixel.
+/// Excludes the vortex's own slope, charge / (2 pi r), which is singular at its centre and needs no
+/// sampling there.
 Vec2 steepest(const WavefrontRows& modes, const Subaperture& s, const Lattice& lattice,
               const SlmGeometry& slm) {
   const Vec2 centre = pupil_centre(slm) + s.centre_px;

@@ -1,11 +1,11 @@
 /// The hologram: phase -> + aberration - correction -> + flatness -> wrap -> LUT -> grey levels.
 ///
-/// Rounding, exactly: pattern and flatness together, and the sum of the modes, are each rounded to
-/// the nearest 1/65536 wave (pattern and flatness: a tie to the even one), added modulo one wave,
-/// and the top 8 bits of the 16 index the LUT. The sum of the modes is known to 1/1024 of such a
-/// step: nearer than that to a tie, either neighbour may be taken. Where double precision cannot
-/// resolve it so well (strong modes of high orders), it is as good as a double sum of powers. The
-/// greys do not depend on the CPU's instruction set.
+/// Exact rounding: pattern plus flatness, and the sum of the modes, are each rounded to the nearest
+/// 1/65536 wave (pattern plus flatness: ties to even) and added modulo one wave. The top 8 of the
+/// 16 bits index the LUT. The sum of the modes is accurate to 1/1024 of such a step; closer than
+/// that to a tie it may round either way. Where double precision does not suffice (strong modes of
+/// high order), it is as accurate as a power sum in double. The grey levels do not depend on the
+/// CPU's instruction set.
 #pragma once
 
 #include <array>
@@ -22,74 +22,73 @@
 
 namespace ovws {
 
-/// Grey level to show for each of 256 equal steps of phase over [0, 2 pi): grey = lut[round-down
-/// step]. The linear one shows step k as grey k.
+/// Phase look-up table: the grey level for each of 256 equal steps of phase over [0, 2 pi), rounded
+/// down. The linear LUT shows step k as grey level k.
 using PhaseLut = std::array<std::uint8_t, 256>;
 PhaseLut linear_lut();
 
 enum class HologramKind {
   sensor,    ///< subapertures with their gratings and vortices
-  grating,   ///< base grating over the pupil, and the correction: the corrected beam
+  grating,   ///< base grating over the pupil plus the modes: the corrected beam
   flat,      ///< flatness map only
-  identify,  ///< a picture that a person recognises: which screen is the SLM
-  test,      ///< what a job paints: a probe, stripes
+  identify,  ///< test image by which a person recognises the SLM's screen
+  test,      ///< image drawn by a job: a probe, stripes
 };
 
-/// One lone subaperture: for finding out where the camera sees which slope, and which slope the
-/// light has where.
+/// A single subaperture shown alone: it measures the registration (slope to camera position) and
+/// the local slope of the incoming light.
 struct Probe {
-  Vec2 frequency_cpp;  ///< of its grating, cycles per SLM pixel
+  Vec2 frequency_cpp;  ///< grating frequency, cycles per SLM pixel
   int charge = 0;
   Vec2 centre_px = {};           ///< SLM pixels from the pupil's centre
-  double diameter_px = 0.0;      ///< 0: that of the lattice's subapertures
+  double diameter_px = 0.0;      ///< 0: as the lattice's subapertures
   std::vector<Mode> modes = {};  ///< wavefront to add, over the sensor's pupil
 };
 
-/// What the hologram is made of. All phases in waves.
+/// Inputs of the hologram. All phases in waves.
 struct HologramConfig {
   SlmGeometry slm;
   SensorConfig sensor;
   PhaseLut lut = linear_lut();
-  /// Phase to add at each SLM pixel so that the SLM becomes flat, waves; empty: none. Size width x
-  /// height.
+  /// Flatness map: phase to add at each SLM pixel to make the SLM flat, waves. Size width x height;
+  /// null: none.
   std::shared_ptr<const Image<float>> flatness_waves;
 };
 
-/// Immutable after construction (which takes milliseconds); `render` is thread-safe and meant for
-/// the prepare thread. Outside the subapertures the sensor's phase is 0 (plus flatness).
+/// Renders holograms. Immutable after construction, which takes milliseconds; all methods are
+/// thread-safe. Outside the subapertures the sensor's phase is 0 (plus flatness).
 class HologramRenderer {
  public:
   static Result<HologramRenderer> make(const HologramConfig& config);
 
   const Lattice& lattice() const { return lattice_; }
 
-  /// Grey levels of `width x height`. `modes` is the wavefront to add (aberration - correction),
-  /// which `check_sampling` must accept: to the pixels in the pupil's circle, so that what lies
-  /// outside, where modes of high order grow without limit, stays in the zero order. `flat` and
-  /// `identify` leave it out. However many modes: a fraction of a millisecond a megapixel, or
-  /// several where only double precision will do.
-  /// `test` is not for it: it shows flat.
+  /// Renders `kind` and resizes `grey` to the SLM's size. `modes` is the wavefront to add
+  /// (aberration - correction); `check_sampling` must accept it. It is added inside the pupil only:
+  /// outside, where high orders diverge, the light stays in the zeroth order. `flat`, `identify`
+  /// and `test` ignore it; `test` shows flat. Takes a fraction of a millisecond per megapixel for
+  /// any number of modes, or several milliseconds where the fixed-point path lacks precision.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
-  /// Requires a frequency of at most 0.5 in x and y, and valid mode indices.
+  /// Renders a single subaperture. Requires a frequency of at most 0.5 in x and y and valid modes.
   void render_probe(const Probe& probe, Image<std::uint8_t>& grey) const;
 
-  /// Errors (Errc::invalid, field "modes") if somewhere inside a subaperture the total phase
-  /// (gratings and `modes`) would exceed half a cycle per SLM pixel in x or y: the SLM cannot
-  /// sample it.
+  /// Nyquist check. Errors (Errc::invalid, field "modes") if the total slope (grating and `modes`)
+  /// exceeds half a cycle per SLM pixel in x or y anywhere inside a subaperture, or if a mode's
+  /// index or coefficient is out of range.
   Result<void> check_sampling(std::span<const Mode> modes) const;
 
  private:
   HologramRenderer() = default;
-  /// Pattern and flatness of row y, `width` pixels, 2 pi = 65536. `waves`: as many of working
-  /// memory.
+  /// Pattern plus flatness of row y, `width` pixels, 2 pi = 65536. `waves`: working memory of the
+  /// same length.
   void pattern_row(HologramKind kind, int y, std::span<double> waves, std::uint16_t* phase) const;
   Image<std::uint8_t>& sized(Image<std::uint8_t>& grey) const;
 
   HologramConfig config_;
   Lattice lattice_;
   std::vector<std::uint16_t>
-      base_phase_;                 ///< sensor phase and flatness, 2 pi = 65536: wraps by itself
-  Image<std::uint8_t> base_grey_;  ///< the sensor without modes: what shows outside the pupil
+      base_phase_;  ///< sensor phase and flatness, 2 pi = 65536: integer overflow wraps it
+  Image<std::uint8_t> base_grey_;  ///< the sensor without modes, for pixels outside the pupil
 };
 
 }  // namespace ovws

@@ -6,8 +6,7 @@
 
 namespace ovws {
 
-// Chosen once at run time and not by target_clones, whose resolvers run before a sanitizer is
-// ready.
+// Dispatched at run time; the resolvers of target_clones run before a sanitizer is initialised.
 std::span<const HologramRowKernels> hologram_row_kernels() {
 #ifdef __x86_64__
   static const std::array all{kPlainRow, kAvx2Row, kAvx512Row};

@@ -1,4 +1,4 @@
-/// The two loops over a hologram's row: the modes' phase, and the grey levels it becomes.
+/// SIMD kernels for a hologram's rows: phase of the modes, and look-up of the grey levels.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,21 @@
 
 namespace ovws {
 
-/// Pixels that advance together: lane L of a stretch has its pixels L, L + 16, L + 32, ...
+/// Number of SIMD lanes: lane L of a row segment computes its pixels L, L + 16, L + 32, ...
 constexpr int kPhaseLanes = 16;
-/// The highest degree of a row's polynomial.
+/// Maximum degree of a row's polynomial.
 constexpr int kMostPhaseDegree = 20;
-/// Steps beyond those asked that `phases` may write.
+/// Steps that `phases` may write beyond the requested ones.
 constexpr int kSpareSteps = 1;
 
-/// One build of the loops. The builds agree bit for bit.
+/// One SIMD build of the kernels. All builds give bit-identical results.
 struct HologramRowKernels {
   std::string_view name;
-  /// Phase, 2 pi = 65536, of steps * kPhaseLanes pixels: the polynomial whose k-th forward
-  /// difference in steps is, for each lane, a polynomial in `y` of degree `degree` - k. `terms`
-  /// holds them by k, rising power of y, and lane; in waves, less than 2^51 each. Rounded to the
-  /// nearest 1/65536 wave, a tie upwards. 64-bit integers from the differences on, 2^64 one wave.
+  /// Evaluates a polynomial by forward differences: the phase of steps * kPhaseLanes pixels, 2 pi =
+  /// 65536, rounded to the nearest 1/65536 wave, ties upwards. In each lane the k-th difference per
+  /// step is a polynomial in `y` of degree `degree` - k. `terms` holds their coefficients by k,
+  /// then rising power of y, then lane, in waves, less than 2^51 each. The differences are summed
+  /// as 64-bit integers, where 2^64 is one wave.
   void (*phases)(const double* terms, int degree, double y, int steps, std::uint16_t* phase);
   /// grey = lut[top 8 bits of (base + added)], modulo 65536, for `count` pixels. `lut` has 256
   /// levels.
@@ -28,7 +29,7 @@ struct HologramRowKernels {
                 int count, std::uint8_t* grey);
 };
 
-/// Those that this CPU can run, the fastest last.
+/// The builds that this CPU can run, the fastest last.
 std::span<const HologramRowKernels> hologram_row_kernels();
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// The loops for AVX2.
+/// Hologram row kernels for AVX2.
 #ifdef __x86_64__
 #include <immintrin.h>
 
@@ -25,7 +25,7 @@ OVWS_TARGET inline void put_words(const Fixed& a0, const Fixed& b0, const Fixed&
                                   const Fixed& b1, std::uint16_t* out) {
   const __m256i words = _mm256_packs_epi32(_mm256_srai_epi32(high_halves(a0, b0), 16),
                                            _mm256_srai_epi32(high_halves(a1, b1), 16));
-  // Pairs of lanes, now a b a' b' in each half: to a a b b, a' a' b' b'.
+  // Reorders pairs of lanes: a b a' b' in each half become a a b b and a' a' b' b'.
   const __m256i sorted =
       _mm256_permutevar8x32_epi32(words, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
   _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm256_castsi256_si128(sorted));
@@ -33,8 +33,8 @@ OVWS_TARGET inline void put_words(const Fixed& a0, const Fixed& b0, const Fixed&
                    _mm256_extracti128_si256(sorted, 1));
 }
 
-/// The LUT in 2 x 8 rows of 16 levels, each row but the first of a half as its difference from the
-/// row before (exclusive or), and twice over: for a look-up that takes one row after the other.
+/// The LUT for pshufb look-up: 2 halves of 8 rows of 16 levels, each row duplicated in both 128-bit
+/// lanes. Rows after the first of a half are stored XORed with the previous row (XOR delta coding).
 struct LutRows {
   __m256i low[8], high[8];
 };
@@ -52,7 +52,7 @@ OVWS_TARGET inline void fill(LutRows& rows, const std::uint8_t* lut) {
   }
 }
 OVWS_TARGET inline __m256i look_up(const LutRows& rows, const __m256i& steps) {
-  // Steps of less than 16 i wrap to 128 and more in the i-th turn, for which a shuffle gives 0.
+  // In iteration i, steps below 16 i have wrapped to 128 or more, for which the shuffle gives 0.
   const __m256i row_length = _mm256_set1_epi8(16);
   __m256i at = _mm256_and_si256(steps, _mm256_set1_epi8(0x7F));
   __m256i low = _mm256_shuffle_epi8(rows.low[0], at);
@@ -62,7 +62,7 @@ OVWS_TARGET inline __m256i look_up(const LutRows& rows, const __m256i& steps) {
     at = _mm256_sub_epi8(at, row_length);
     low = _mm256_xor_si256(low, _mm256_shuffle_epi8(rows.low[i], at));
     high = _mm256_xor_si256(high, _mm256_shuffle_epi8(rows.high[i], at));
-    // Keeps the order: a compiler that sums all turns last runs out of registers.
+    // Keeps this order: a compiler that combines all iterations last runs out of registers.
     __asm__("" : "+x"(at), "+x"(low), "+x"(high));
   }
   return _mm256_blendv_epi8(low, high, steps);
@@ -81,7 +81,7 @@ OVWS_TARGET void greys(const std::uint16_t* base, const std::uint16_t* added,
   LutRows rows;
   fill(rows, lut);
   for (int x = 0; x < count; x += 32) {
-    x = std::min(x, count - 32);  // the last ones once more, rather than one by one
+    x = std::min(x, count - 32);  // the last block overlaps the previous one
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(grey + x),
                         look_up(rows, steps_at(base + x, added + x)));
   }

@@ -1,4 +1,4 @@
-/// The loops for AVX-512 with byte permutations (VBMI).
+/// Hologram row kernels for AVX-512 with byte permutations (VBMI).
 #ifdef __x86_64__
 #include <immintrin.h>
 
@@ -38,7 +38,7 @@ OVWS_TARGET void greys(const std::uint16_t* base, const std::uint16_t* added,
   for (int i = 0; i < 64; ++i) high_bytes[i] = static_cast<std::uint8_t>(2 * i + 1);
   const __m512i high = _mm512_load_si512(high_bytes.data());
   for (int x = 0; x < count; x += 64) {
-    x = std::min(x, count - 64);  // the last ones once more, rather than one by one
+    x = std::min(x, count - 64);  // the last block overlaps the previous one
     const __m512i first =
         _mm512_add_epi16(_mm512_loadu_si512(base + x), _mm512_loadu_si512(added + x));
     const __m512i second =

@@ -10,17 +10,17 @@ namespace {
 
 using Lanes = std::array<double, kPhaseLanes>;
 
-/// Rounding errors in units of the last digit of all that cancels. Each term meets several, but
-/// they fall at random: half of this has been seen for tilts, less for higher orders.
+/// Bound on the rounding error, in units of the last place of the sum of magnitudes that cancel.
+/// The errors of the terms are random: tilts reach half of this bound, higher orders less.
 constexpr double kRoundings = 2.0;
 constexpr double kRoundoff = 0x1p-53;
 constexpr double kMostPaths = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
-constexpr int kFewestSteps = 16;       ///< of a stretch, or finding the differences takes longer
-/// Stretches begin at multiples of so many steps: a row has less than that to the left of its
+constexpr int kFewestSteps = 16;       ///< of a segment; fewer do not repay its initial differences
+/// Segments begin at multiples of this many steps, which bounds the excess to the left of a row's
 /// columns.
 constexpr int kGrain = 4;
 
-/// In how many ways the last bits of the differences at a stretch's begin reach its end.
+/// Error amplification: how often the last bits of the initial differences enter the last step.
 double paths(int degree, int steps) {
   double sum = 0.0;
   double ways = 1.0;  // to choose k of the steps
@@ -34,8 +34,8 @@ double paths(int degree, int steps) {
 }  // namespace
 
 std::uint16_t phase16(double waves) {
-  // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the double: no branch, and no
-  // undefined conversion.
+  // Adding 1.5 * 2^52 leaves the rounded integer in the double's low bits, without a branch and
+  // without an undefined conversion.
   constexpr double kRounder = 6755399441055744.0;
   return static_cast<std::uint16_t>(std::bit_cast<std::uint64_t>(waves * 65536.0 + kRounder));
 }
@@ -55,14 +55,14 @@ PhaseRows::PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diamete
   if (in_fixed_point()) add_stretches();
 }
 
-/// From a multiple of kGrain on.
+/// The steps that cover the columns, from a multiple of kGrain on.
 Columns PhaseRows::steps_of(Columns columns) const {
   return {columns.begin / (kGrain * kPhaseLanes) * kGrain,
           (columns.end + kPhaseLanes - 1) / kPhaseLanes};
 }
 
-/// Sum of the magnitudes that cancel in a sum of differences, over what the grid has of the square
-/// around the pupil.
+/// Bound on the sum of magnitudes that cancel when differences are summed, over the part of the
+/// pupil's bounding square on the grid.
 double PhaseRows::largest_terms(int steps) const {
   const Vec2 first = modes_.in_pupil({0.0, 0.0});
   const Vec2 last = modes_.in_pupil({width_ - 1.0, height_ - 1.0});
@@ -107,8 +107,8 @@ void PhaseRows::add_stretches() {
   }
 }
 
-/// Newton's form of the polynomial in x through each lane's first pixels, by repeated division:
-/// unlike differencing values, it cancels nothing.
+/// Newton form of the polynomial in x at each lane's first pixels, by repeated synthetic division.
+/// Differencing values instead would suffer from cancellation.
 void PhaseRows::add_stretch(int first_x) {
   const int n = degree_;
   std::vector<std::vector<Lanes>> q;

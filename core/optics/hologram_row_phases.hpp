@@ -1,5 +1,5 @@
-/// The phase of a sum of modes, row by row, rounded to 16 bits: by forward differences in fixed
-/// point, where wrapping is free.
+/// Phase of a sum of Zernike modes by fixed-point forward differences, row by row, rounded to 16
+/// bits. Integer overflow wraps the phase at no cost.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,27 @@
 
 namespace ovws {
 
-/// How near to a tie, in waves, a pixel may be rounded to the wrong side: 1/1024 of a step of the
-/// 16-bit phase.
+/// Maximum phase error before rounding, in waves: 1/1024 of a step of the 16-bit phase. Only pixels
+/// closer than this to a tie may round to the wrong side.
 constexpr double kPhaseError = 1.0 / 65536.0 / 1024.0;
 
 /// Immutable after construction, which takes microseconds.
 class PhaseRows {
  public:
-  /// Over the pixels of a `width x height` grid that lie in the pupil: the circle of `diameter_px`
-  /// around `centre_px`. `modes` as WavefrontRows requires.
+  /// For the pixels of a `width x height` grid inside the pupil, the circle of `diameter_px` about
+  /// `centre_px`. Requires valid mode indices, as WavefrontRows does.
   PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px, int width, int height);
 
-  /// Whether double precision resolves the differences of these modes, by a cautious estimate over
-  /// the square around the pupil. If so `row` rounds the sum to the nearest 1/65536 wave, but may
-  /// err within kPhaseError of a tie; otherwise it rounds what WavefrontRows makes of it.
+  /// Whether double precision suffices for the differences of these modes, by a conservative
+  /// estimate over the pupil's bounding square. If so, `row` rounds the sum to the nearest 1/65536
+  /// wave, except within kPhaseError of a tie. Otherwise it rounds the result of WavefrontRows.
   bool in_fixed_point() const { return steps_ > 0; }
 
-  /// Elements that `row` needs to write to: width and some more.
+  /// Number of elements that `row` may write: `width` plus padding.
   std::size_t row_size() const;
-  /// The phase of row y, 2 pi = 65536, in the columns that are returned: those of the pupil.
-  /// `phase[x]` belongs to column x; elements beside the columns are spoilt. `waves`: `width`
-  /// elements of working memory. The same with any of the kernels.
+  /// Computes the phase of row y, 2 pi = 65536, in the pupil's columns, which it returns.
+  /// `phase[x]` belongs to column x; elements outside the columns are overwritten with garbage.
+  /// `waves`: working memory of `width` elements. All kernels give the same result.
   Columns row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
               std::span<double> waves) const;
 
@@ -49,14 +49,14 @@ class PhaseRows {
   int width_;
   int height_;
   int degree_;
-  int steps_ = 0;                 ///< of the longest stretch; 0: not in fixed point
-  std::vector<Columns> columns_;  ///< of each row, in the pupil
-  std::vector<double> terms_;     ///< of HologramRowKernels::phases, stretch after stretch
-  std::vector<int> stretches_;    ///< which of them begins at each kGrain steps; -1: none
+  int steps_ = 0;                 ///< maximum segment length; 0: not in fixed point
+  std::vector<Columns> columns_;  ///< the pupil's columns in each row
+  std::vector<double> terms_;     ///< for HologramRowKernels::phases, segment after segment
+  std::vector<int> stretches_;  ///< index of the segment that begins at each kGrain steps; -1: none
 };
 
-/// Waves to 16-bit phase, to the nearest 1/65536 (a tie to the even one); whole waves overflow
-/// away. Defined, if meaningless, however large the value.
+/// Converts waves to 16-bit phase: rounds to the nearest 1/65536 wave (ties to even) and drops
+/// whole waves. Never undefined behaviour, but meaningless for very large values.
 std::uint16_t phase16(double waves);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// The loops for any CPU: SSE2 where there is one.
+/// Hologram row kernels for any CPU: SSE2 on x86-64, scalar elsewhere.
 #ifdef __x86_64__
 #include <immintrin.h>
 #endif
@@ -19,14 +19,14 @@ namespace {
 using Fixed = std::uint64_t __attribute__((vector_size(16)));
 
 #ifdef __x86_64__
-/// The high halves of two registers.
+/// High 32 bits of each 64-bit lane of two registers.
 inline __m128i high_halves(const Fixed& a, const Fixed& b) {
   return _mm_castps_si128(
       _mm_shuffle_ps(reinterpret_cast<__m128>(a), reinterpret_cast<__m128>(b), 0xDD));
 }
 inline void put_words(const Fixed& a0, const Fixed& b0, const Fixed& a1, const Fixed& b1,
                       std::uint16_t* out) {
-  // An arithmetic shift, so that packing with signed saturation changes nothing.
+  // The arithmetic shift keeps values in 16-bit range, so the saturating pack changes nothing.
   const __m128i words = _mm_packs_epi32(_mm_srai_epi32(high_halves(a0, b0), 16),
                                         _mm_srai_epi32(high_halves(a1, b1), 16));
   _mm_storel_epi64(reinterpret_cast<__m128i*>(out), words);

@@ -1,4 +1,4 @@
-/// The picture by which a person finds out which screen is the SLM, and which way it is turned.
+/// Identification image: shows a person which screen is the SLM and how it is oriented.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace ovws {
 
-/// Fills the image, whatever its size: a frame, "OVWS" upright, an arrow towards +x and one towards
-/// +y. White on black, not through any LUT.
+/// Fills an image of any size with a frame, "OVWS" upright, and arrows towards +x and +y. White on
+/// black, without the LUT.
 void draw_identify_picture(Image<std::uint8_t>& grey);
 
 }  // namespace ovws

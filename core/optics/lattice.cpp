@@ -6,7 +6,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
-/// Relative slack, so that rounding does not drop a subaperture that touches the pupil's edge.
+/// Relative tolerance: rounding must not drop a subaperture that touches the pupil's edge.
 constexpr double kTouch = 1e-9;
 
 /// Rows of increasing y, then x; the base subaperture lies on the pupil's centre.

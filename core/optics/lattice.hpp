@@ -1,4 +1,4 @@
-/// The lattice of subapertures in the pupil, and the grating frequency that each one gets.
+/// The lattice of subapertures in the pupil, and each subaperture's grating frequency.
 #pragma once
 
 #include <vector>
@@ -20,11 +20,11 @@ struct Lattice {
       subapertures;  ///< by rows of increasing V_y, then V_x; whole circles in the pupil
 };
 
-/// The base subaperture lies on the pupil's centre whatever M is; for an even M the outermost ones
-/// therefore stay half a diameter off the pupil's edge. A circle that touches the edge is in.
-/// Errors (Errc::invalid, field "sensor.…"): pupil larger than the SLM's height or width; fewer
-/// than 3 subapertures; more than kMaxSubapertures; a frequency beyond the SLM's Nyquist limit of
-/// 0.5 cycles per pixel.
+/// Places all subapertures that lie entirely inside the pupil; circles that touch its edge count.
+/// The base subaperture is at the pupil's centre for every M, so an even M leaves half a diameter
+/// free at the edge. Errors (Errc::invalid, field "sensor.…"): pupil larger than the SLM's height
+/// or width; fewer than 3 subapertures; more than kMaxSubapertures; a frequency beyond the SLM's
+/// Nyquist limit of 0.5 cycles per pixel.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
 constexpr int kMaxSubapertures = 1024;
@@ -32,8 +32,7 @@ constexpr int kMaxSubapertures = 1024;
 /// Frequency of the base subaperture's grating: grooves over the SLM's size, cycles per SLM pixel.
 Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm);
 
-/// Where each subaperture's spot falls for a flat wavefront: base + S (f_i - f_base), camera
-/// pixels.
+/// Model positions of the spots for a flat wavefront: base + S (f_i - f_base), camera pixels.
 std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,
                                  const SlmGeometry& slm, const OpticsConfig& optics, int image_cols,
                                  int image_rows);

@@ -16,7 +16,7 @@ std::vector<float> make_normals() {
   double z = 0.0;
   for (int k = 0; k < kQuantiles / 2; ++k) {
     const double above_mean = (k + 0.5) / kQuantiles;
-    // Newton's method from the quantile before: it converges from below, as the density falls.
+    // Newton's method from the previous quantile converges from below, because the density falls.
     for (int step = 0; step < 6; ++step) {
       const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
       z += (above_mean - 0.5 * std::erf(z / std::numbers::sqrt2)) / density;

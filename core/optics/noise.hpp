@@ -1,4 +1,4 @@
-/// Random numbers for simulated pixels: quick, and the same again for the same seed.
+/// Fast reproducible pseudo-random numbers (normal, Poisson) for simulated pixels.
 #pragma once
 
 #include <array>
@@ -8,18 +8,17 @@
 
 namespace ovws {
 
-/// A stream of independent draws (SplitMix64). For one thread at a time; cheap to make.
+/// A stream of independent variates (SplitMix64). For one thread at a time; cheap to construct.
 class Noise {
  public:
-  /// Streams of different seeds, or of different numbers with one seed, are independent.
+  /// Streams with different seeds, or with different numbers and the same seed, are independent.
   Noise(std::uint64_t seed, std::uint64_t stream);
 
-  /// Mean 0, variance 1: one of 65536 equally likely quantiles of the normal distribution, so never
-  /// beyond 4.4.
+  /// Standard normal variate: one of 65536 equally likely quantiles, so never beyond 4.4.
   float normal();
 
-  /// Poisson distributed up to a mean of kExactPoisson, beyond it normal with the same mean and
-  /// variance. A mean below 0 or NaN counts as 0.
+  /// Poisson variate for means below kExactPoisson; above, a normal one with the same mean and
+  /// variance. A mean that is negative or NaN counts as 0.
   float poisson(float mean);
 
   static constexpr float kExactPoisson = 30.0F;

@@ -12,17 +12,17 @@ namespace ovws {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kMostMisfit = 0.05;  // of the circle's radius
+constexpr double kMostMisfit = 0.05;  // RMS, in radii of the circle
 constexpr double kMostStepRad = kTwoPi / 24.0;
-constexpr double kMostNoiseRad = 0.1;  // of one level
+constexpr double kMostNoiseRad = 0.1;  // of one grey level
 constexpr double kLeastNoiseRad = 1e-3;
-constexpr double kMostDriftRad = 0.01;  // of the mean of a level's two readings
-constexpr double kChance = 3.0;         // standard deviations of what the noise makes
-constexpr double kLagging = 0.7;        // of the RMS difference: noise has no mean
-constexpr double kLeastDepthRad = 1.0;  // less is no arc to fit a circle to
-constexpr double kFallNoises = 5.0;     // a fall that is no noise
-constexpr double kLeastBlaze = 0.05;    // of the light: 1 rad of depth gives 0.15
-constexpr double kBlazeNoises = 3.0;    // times what the readings differ
+constexpr double kMostDriftRad = 0.01;  // of the mean of a grey level's two readings
+constexpr double kChance = 3.0;         // standard deviations of the statistic under noise alone
+constexpr double kLagging = 0.7;        // |mean| over RMS of the differences: noise has no mean
+constexpr double kLeastDepthRad = 1.0;  // a shorter arc does not determine a circle
+constexpr double kFallNoises = 5.0;     // a fall significant against the noise
+constexpr double kLeastBlaze = 0.05;    // relative difference: 1 rad of depth gives 0.15
+constexpr double kBlazeNoises = 3.0;    // in differences between repeated readings
 constexpr double kStiffest = 1e9, kSoftest = 1.0;
 
 std::string rounded(double value) {
@@ -45,7 +45,7 @@ std::complex<double> mean_of(const GreyBeat& beat) {
   return 0.5 * (beat.first + beat.second);
 }
 
-/// Kasa's linear fit, then Gauss-Newton for the distances themselves.
+/// Circle fit: Kasa's algebraic fit, then Gauss-Newton on the geometric distances.
 Circle fit_circle(std::span<const GreyBeat> beats) {
   const auto n = Eigen::Index(beats.size());
   Eigen::MatrixXd rows(n, 3);
@@ -80,7 +80,7 @@ Result<Circle> checked_circle(std::span<const GreyBeat> beats) {
               "enough (slm.settle measures it)");
 }
 
-/// From level k - 1 to k, less than half a turn.
+/// Phase step from level k - 1 to k, in -pi .. pi.
 double turn_rad(std::span<const GreyBeat> beats, const Circle& circle, std::size_t k) {
   return std::arg((mean_of(beats[k]) - circle.middle) *
                   std::conj(mean_of(beats[k - 1]) - circle.middle));
@@ -96,7 +96,7 @@ std::vector<double> unwrapped(std::span<const GreyBeat> beats, const Circle& cir
   return phases;
 }
 
-/// Half of what the two readings differ, per component: the noise of their mean.
+/// Noise of the mean of two readings in rad: half their difference, RMS per component.
 double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   double sum = 0.0;
   for (const GreyBeat& beat : beats) sum += std::norm(beat.first - beat.second);
@@ -104,8 +104,8 @@ double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::max({readings, circle.misfit, kLeastNoiseRad});
 }
 
-/// What moved between the two readings of each level, beyond noise: von Neumann's test. The noise
-/// of neighbouring levels is independent; what moves shifts neighbours alike.
+/// Drift of the mean of two readings, beyond noise, in rad. As in von Neumann's ratio test, noise
+/// of neighbouring levels is independent, while drift shifts neighbours alike.
 double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
   double squares = 0.0, steps = 0.0;
   std::complex<double> before;
@@ -120,8 +120,8 @@ double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::sqrt(std::max(0.0, squares / n - noise) / 8.0) / circle.radius;
 }
 
-/// Pictures that the camera saw before they stood lag behind; else the bench moved, or there is too
-/// much noise.
+/// Diagnoses inconsistent readings: a lag (exposed before the SLM had settled), drift of the bench,
+/// or too much noise.
 Error unsteady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad,
                double drift_rad) {
   double lag = 0.0, square = 0.0;
@@ -173,9 +173,9 @@ Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<dou
   return {};
 }
 
-/// The squared third derivative of 256 values after the number of the measured level, integrated:
-/// where levels lie close the curve may bend. Its third differences' weight is the fifth power of
-/// the gap; 1 for the widest.
+/// Roughness penalty: the integrated squared third derivative of 256 values with respect to the
+/// index of the measured level, so the curve may bend more where levels are dense. Third
+/// differences have the fifth power of the level gap as weight, normalised to 1 for the widest gap.
 Eigen::MatrixXd bending(std::span<const GreyBeat> beats) {
   Eigen::VectorXd gap(253);  // about the middle of levels k .. k + 3
   std::size_t next = 1;
@@ -196,7 +196,7 @@ struct Curve {
   double residual = 0.0;
 };
 
-/// Whittaker's smoothing: the stiffest curve that leaves no more than the noise.
+/// Whittaker smoothing: the stiffest curve whose residual does not exceed the noise.
 Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phases,
                 double noise_rad) {
   const Eigen::MatrixXd bend = bending(beats);
@@ -218,9 +218,9 @@ Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phas
     const bool last = stiffness / 3.0 < kSoftest;
     if (curve.residual > noise_rad && !last) continue;
     const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
-    // What bends more than the softest curve is no noise, and known no better.
+    // If even the softest curve misses the noise level, the residual is the uncertainty.
     const double excess = std::max(1.0, curve.residual / noise_rad);
-    // Of the differences from grey level 0.
+    // Variance of the difference from grey level 0.
     const Eigen::ArrayXd variance =
         inverse.diagonal().array() + inverse(0, 0) - 2.0 * inverse.col(0).array();
     curve.standard_error = excess * variance.max(0.0).sqrt();

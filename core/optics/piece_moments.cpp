@@ -8,20 +8,20 @@
 namespace ovws {
 namespace {
 
-constexpr int kCellsAcross = 36;  // more than twice the cycles that a box of 8 lambda/d holds
-constexpr int kFitAcross = 24;    // samples across the circle for the modes' polynomials
+constexpr int kCellsAcross = 36;  // more than twice the cycles in a box of 8 lambda/d
+constexpr int kFitAcross = 24;    // samples across the circle for the polynomial fit of the modes
 
 std::complex<double> turn(double cycles) {
   return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
 }
 
-/// The mean of exp(2 pi i f k) over a block of `block` pixels about its middle.
+/// Dirichlet kernel: the mean of exp(2 pi i f k) over `block` pixels about the block's centre.
 double damping(double cpp, int block) {
   const double x = std::numbers::pi * cpp;
   return std::abs(x) < 1e-9 ? 1.0 : std::sin(x * block) / (block * std::sin(x));
 }
 
-/// As std::complex's product, but for what it does about infinities, which takes most of its time.
+/// Complex product without std::complex's costly handling of infinities.
 template <class T>
 std::complex<T> product(std::complex<T> a, std::complex<T> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
@@ -35,8 +35,8 @@ struct Line {
   double carrier_cpp = 0.0;
 };
 
-/// [W; place W; place^2 W; ...], line.count rows each: W(k, p) = exp(-2 pi i f_k x_p) / damping,
-/// places in units of the radius from the centre.
+/// Fills [W; t W; t^2 W; ...], line.count rows each: W(k, p) = exp(-2 pi i f_k x_p) / damping,
+/// where t is the position from the centre in units of the radius.
 void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px, double radius_px,
                  int block, Eigen::MatrixXcf& out) {
   constexpr int kPowers = PieceMoments::kDegree + 1;
@@ -153,7 +153,7 @@ const Eigen::MatrixXcf& PieceMoments::at(int piece, const PixelBox& box) {
               places(patch.y, pupil_centre_px_.y), p.centre_px.y, p.radius_px, patch.block,
               along_y_);
   const Eigen::Index width = box.width, height = box.height;
-  half_.noalias() = along_x_ * patch.cells.transpose();  // powers of xi: width rows each
+  half_.noalias() = along_x_ * patch.cells.transpose();  // `width` rows for each power of xi
   moments_.resize(width * height, kCount);
   Eigen::Index column = 0;
   for (int a = 0; a <= kDegree; ++a) {

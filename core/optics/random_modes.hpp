@@ -1,4 +1,4 @@
-/// Aberrations of many modes, for studies and tests.
+/// Random aberrations for studies and tests.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace ovws {
 
-/// j = 3 .. `last_j`, equally strong on average, scaled to the RMS that is wanted.
+/// Modes j = 3 .. `last_j` with normally distributed coefficients, scaled to `rms_waves` in total.
 inline std::vector<Mode> random_modes(std::mt19937_64& random, int last_j, double rms_waves) {
   std::normal_distribution<double> normal;
   std::vector<Mode> modes;

@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-constexpr int kTilePx = 64;  // of the SLM outside the subapertures
+constexpr int kTilePx = 64;  // side of the pieces outside the subapertures
 
 const std::vector<std::complex<float>>& phasors() {
   static const auto table = [] {
@@ -25,7 +25,7 @@ const std::vector<std::complex<float>>& phasors() {
   return table;
 }
 
-constexpr int kFixed = -2;    // outside the pupil: no mode reaches this pixel
+constexpr int kFixed = -2;    // outside the pupil: modes are not applied
 constexpr int kUnowned = -1;  // in the pupil, outside the subapertures
 
 void give(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {

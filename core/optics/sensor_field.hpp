@@ -1,5 +1,5 @@
-/// The sensor's field as a wavefront that nobody knows makes it: on the SLM and in the camera's
-/// window.
+/// Diffraction model of the sensor for an incoming wavefront: complex field on the SLM and in the
+/// camera's window.
 #pragma once
 
 #include <complex>
@@ -15,16 +15,16 @@
 
 namespace ovws {
 
-/// Like SensorModel, but the wavefront is no part of the 8-bit hologram: it is added to the field
-/// in steps of 1/65536 wave, each subaperture may have an amplitude of its own, and the light
-/// outside the subapertures can be left out. For one thread at a time.
+/// Differs from SensorModel in three ways: the wavefront is added to the field in steps of 1/65536
+/// wave instead of to the 8-bit hologram, each subaperture may have its own amplitude, and stray
+/// light from outside the subapertures can be excluded. For one thread at a time.
 class SensorField {
  public:
-  /// A part of the pupil small enough that a wavefront is a low polynomial on it: a subaperture, or
-  /// what a square of the SLM has of the pupil outside of all of them.
+  /// A part of the pupil on which a wavefront is a low-order polynomial: a subaperture, or the part
+  /// of a square tile that lies in the pupil but in no subaperture.
   struct Piece {
     Vec2 centre_px;    ///< from the pupil's centre
-    double radius_px;  ///< reaches its farthest pixel
+    double radius_px;  ///< to its farthest pixel
     Vec2 grating_cpp;  ///< 0 outside the subapertures
   };
   /// The pixels of one piece in one row of the SLM: columns [begin, end).
@@ -40,25 +40,25 @@ class SensorField {
                                   const OpticsConfig& optics, int cols, int rows);
 
   const FarFieldWindow& window() const { return window_; }
-  /// Middle of the SLM, from which the pupil's coordinates count.
+  /// Centre of the SLM, the origin of pupil coordinates.
   Vec2 pupil_centre_px() const { return pupil_centre_px_; }
   double pupil_radius_px() const { return pupil_radius_px_; }
   /// The first of pieces() are the lattice's subapertures in its order.
   int subapertures() const { return subapertures_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
-  /// Each pixel of the pupil once, by pieces. Outside the pupil no mode is shown.
+  /// All pixels of the pupil, each once, sorted by piece. Modes are not applied outside the pupil.
   const std::vector<Run>& runs() const { return runs_; }
 
-  /// Whether propagate() lets light outside the subapertures in; at first it does.
+  /// Whether propagate() includes the light outside the subapertures; by default it does.
   void set_outside(bool lit) { outside_lit_ = lit; }
   bool outside() const { return outside_lit_; }
-  /// Makes pupil() and far() anew, some 50 ms for the default bench. Requires finite modes of known
-  /// index; `amplitudes` of the field, one a subaperture, or empty: all 1.
+  /// Computes pupil() and far(), some 50 ms for the default bench. Requires finite modes of valid
+  /// index. `amplitudes`: field amplitude of each subaperture; empty: all 1.
   void propagate(std::span<const Mode> modes, std::span<const double> amplitudes);
 
-  /// On the SLM as propagated last.
+  /// The field on the SLM of the last propagate().
   const Image<std::complex<float>>& pupil() const { return pupil_; }
-  /// In the window: F of the pupil, see FarField.
+  /// The far field in the window, see FarField.
   const Image<std::complex<float>>& far() const { return far_; }
 
  private:

@@ -1,4 +1,4 @@
-/// What the camera would see of the sensor, by diffraction: an ideal SLM, lens and camera window.
+/// Diffraction model of the sensor's camera image: ideal SLM, lens and camera window.
 #pragma once
 
 #include <complex>
@@ -13,8 +13,8 @@
 
 namespace ovws {
 
-/// For one thread at a time. The SLM shows the hologram's grey levels exactly, no flatness error,
-/// uniform illumination, everything outside the subapertures included.
+/// Assumes that the SLM shows the hologram's grey levels exactly, without flatness error, under
+/// uniform illumination. Includes the light outside the subapertures. For one thread at a time.
 class SensorModel {
  public:
   /// Errors as of check_straight and HologramRenderer::make. `cols` x `rows`: the camera's image.
@@ -22,16 +22,16 @@ class SensorModel {
                                   const OpticsConfig& optics, int cols, int rows);
 
   const Lattice& lattice() const { return renderer_.lattice(); }
-  /// Where each spot is for a flat wavefront.
+  /// Position of each spot for a flat wavefront.
   const std::vector<Vec2>& spots_px() const { return spots_px_; }
   double lambda_d_px() const { return lambda_d_px_; }
   double px_per_cycle() const { return px_per_cycle_; }
 
-  /// Intensity with these modes shown (RMS-normalised waves), |F|^2 of the far field per camera
-  /// pixel; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
+  /// Far-field intensity |F|^2 at each camera pixel with these modes (RMS-normalised waves) in the
+  /// hologram; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
   Result<Image<float>> light(std::span<const Mode> modes);
-  /// The brightest pixel of all spots: within 2 lambda/d of where the modes move them. What lies
-  /// outside, above all the tail of the zero order, is no part of them.
+  /// Peak intensity of the spots: the brightest pixel within 2 lambda/d of where the modes move
+  /// them. Excludes everything else, above all the tail of the zeroth order.
   double peak_of_spots(const Image<float>& light, std::span<const Mode> modes) const;
 
  private:

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeastFrames = 8;
 constexpr double kNoises = 4.0;
-constexpr double kShare = 0.01;        // of the change
+constexpr double kShare = 0.01;        // tolerance, relative to the change
 constexpr double kLeastChange = 10.0;  // times the noise
 constexpr double kOutlier = 3.0;       // standard deviations
 constexpr double kSigmaPerMad = 1.4826;

@@ -1,4 +1,4 @@
-/// How long the SLM's picture takes to stand, from light that was watched frame by frame.
+/// SLM settle time: step response to hologram changes, measured frame by frame.
 #pragma once
 
 #include <span>
@@ -8,40 +8,41 @@
 
 namespace ovws {
 
-/// One frame after a change of the picture.
+/// One frame around a change of the hologram.
 struct StepFrame {
-  double begin_ms = 0.0;  ///< of its exposure, from the moment the display took the picture
-  double light = 0.0;     ///< any measure that the change moves
+  double begin_ms = 0.0;  ///< start of exposure, from when the display accepted the image
+  double light = 0.0;     ///< any quantity that responds to the change
 };
 
-/// When the light stood: after `after_ms`, and before `until_ms`.
+/// Bounds on one settle time: it is between `after_ms` and `until_ms`.
 struct StepTime {
   double after_ms = 0.0;
   double until_ms = 0.0;
 };
 
-/// The first frame from which on all stand where the last quarter of them does: within four times
-/// that quarter's own noise and a hundredth of the change from `before`. Frames by time; those
-/// begun before the change do not count. Errors (Errc::refused): fewer than 8 frames, no change, or
-/// a light that does not stand by the last half of the time watched.
+/// Settle time of one step: ends with the first frame from which all stay within a tolerance of the
+/// mean of the last quarter. The tolerance is four times that quarter's noise plus 1 % of the
+/// change from `before`. Frames in order of time; those with begin_ms < 0 are ignored. Errors
+/// (Errc::refused): fewer than 8 frames, no significant change, or not settled within the first
+/// half of the frames.
 Result<StepTime> step_time(std::span<const StepFrame> frames, double before);
 
-/// The SLM is as slow at every change; a busy machine is not. A change whose until_ms is more than
-/// three standard deviations (as the median absolute deviation has them), and more than
-/// resolution_ms, above the median is an outlier, and counts for the medians and worst_ms only.
+/// Robust statistics of several steps. Delays by a busy host show as outliers: an until_ms that
+/// exceeds the median by more than three standard deviations (estimated from the median absolute
+/// deviation) and by more than resolution_ms. Outliers count for the medians and worst_ms only.
 struct SettleTime {
-  double p50_ms = 0.0;    ///< of until_ms
+  double p50_ms = 0.0;    ///< median of until_ms
   double mad_ms = 0.0;    ///< median absolute deviation from p50_ms
-  double max_ms = 0.0;    ///< largest until_ms that is no outlier
-  double worst_ms = 0.0;  ///< of all
+  double max_ms = 0.0;    ///< largest until_ms without outliers
+  double worst_ms = 0.0;  ///< largest until_ms of all
   int outliers = 0;
-  double least_ms = 0.0;       ///< the largest after_ms of those: it is no shorter
+  double least_ms = 0.0;       ///< lower bound: largest after_ms without outliers
   double resolution_ms = 0.0;  ///< median of until_ms - after_ms
-  double margin_ms = 0.0;      ///< a fifth of max_ms, 2 ms at least
+  double margin_ms = 0.0;      ///< a fifth of max_ms, but at least 2 ms
   double proposed_ms = 0.0;    ///< max_ms + margin_ms, whole milliseconds, rounded up
 };
 
-/// Requires at least one.
+/// Requires at least one step.
 SettleTime settle_time(std::span<const StepTime> steps);
 
 }  // namespace ovws

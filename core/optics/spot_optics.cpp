@@ -107,7 +107,7 @@ SpotOptics::Picture SpotOptics::light(int subaperture, const Eigen::VectorXd& wa
 SpotOptics::Derived SpotOptics::derive(int subaperture, const Eigen::VectorXd& waves,
                                        Vec2 at) const {
   const auto phasor = phasors(subaperture, waves);
-  // Side by side: the field, and the field times each local mode.
+  // Horizontally concatenated: the field, and the field times each local mode.
   Field fields = Field::Zero(kPlacesAcross, kPlacesAcross * (kLocal + 1));
   for (std::size_t p = 0; p < places_.size(); ++p) {
     const Place& place = places_[p];

@@ -1,4 +1,4 @@
-/// One subaperture's spot by itself under any wavefront, and what each local mode does to it.
+/// Spot model: intensity of one isolated subaperture for any wavefront, and its derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,10 @@
 
 namespace ovws {
 
-/// By Fourier sums over some 450 places of the subaperture, for spots within some five waves of
-/// local aberration. Pictures are squares of cells, rows along y, columns along x, of which each
-/// stands for some camera pixels, along the camera's axes however it stands. Immutable: all methods
-/// are thread-safe, some tenths of a millisecond each.
+/// Fourier sums over some 450 samples of the subaperture, for up to some five waves of local
+/// aberration. Images are squares of cells, rows along y, columns along x. A cell covers a number
+/// of camera pixels, along the camera's axes for any registration. Immutable; all methods are
+/// thread-safe and take some tenths of a millisecond.
 class SpotOptics {
  public:
   /// Local modes: Zernike j = 1 .. kLocal over the subaperture's own circle as the camera sees it,
@@ -23,8 +23,8 @@ class SpotOptics {
   static constexpr int kLocal = 9;
   using Picture = Eigen::MatrixXf;
 
-  /// A spot moves by `cells_per_cycle` for each cycle per SLM pixel of slope. Pictures are
-  /// 2 `half_cells` + 1 cells a side.
+  /// `cells_per_cycle`: cells that a spot moves per cycle per SLM pixel of slope. Images have
+  /// 2 `half_cells` + 1 cells per side.
   SpotOptics(const Lattice& lattice, const SensorConfig& sensor, std::vector<int> modes_j,
              const PxPerCycle& cells_per_cycle, int half_cells);
 
@@ -32,15 +32,15 @@ class SpotOptics {
   int half_cells() const { return half_; }
   const std::vector<int>& modes_j() const { return modes_j_; }
 
-  /// kLocal x Z: the local modes that the modes are over this subaperture, by least squares. Of the
-  /// first two, the tilts, one wave moves the spot by `cells_per_tilt`.
+  /// kLocal x Z: least-squares projection of the modes onto the subaperture's local modes. One wave
+  /// of a local tilt (the first two) moves the spot by `cells_per_tilt`.
   const Eigen::MatrixXd& local_modes(int subaperture) const { return local_[subaperture]; }
   double cells_per_tilt() const { return cells_per_tilt_; }
 
-  /// The light of the modes `waves` (RMS-normalised) without their mean slope, its middle `at` from
-  /// the middle cell. The brightest cell of a flat spot is 1.
+  /// Intensity for the modes `waves` (RMS-normalised) without their mean slope, centred `at` cells
+  /// from the middle cell. Normalised: the brightest cell for a flat wavefront is 1.
   Picture light(int subaperture, const Eigen::VectorXd& waves, Vec2 at) const;
-  /// The same, and its derivatives by each local mode, per wave.
+  /// The same, with its derivative with respect to each local mode, per wave.
   struct Derived {
     Picture light;
     std::array<Picture, kLocal> per_wave;
@@ -50,7 +50,7 @@ class SpotOptics {
  private:
   using Field = Eigen::MatrixXcf;
   struct Place {
-    int row = 0, column = 0;  ///< of the square of places
+    int row = 0, column = 0;  ///< in the square grid of places
     Vec2 from_centre_px;      ///< along the camera's axes
     double vortex_turns = 0.0;
   };
@@ -62,12 +62,12 @@ class SpotOptics {
   double cells_per_tilt_;
   int half_;
   double spacing_px_;
-  double to_light_ = 1.0;  ///< |F|^2 to light
+  double to_light_ = 1.0;  ///< |F|^2 to normalised intensity
   std::vector<Place> places_;
-  Eigen::MatrixXd plane_;               ///< 2 x places: the mean slope, by least squares
+  Eigen::MatrixXd plane_;               ///< 2 x places: least-squares mean slope
   Eigen::MatrixXd local_basis_;         ///< places x kLocal
-  std::vector<Eigen::MatrixXd> phase_;  ///< of a subaperture: places x Z
-  std::vector<Eigen::MatrixXd> local_;  ///< of a subaperture: kLocal x Z
+  std::vector<Eigen::MatrixXd> phase_;  ///< per subaperture: places x Z
+  std::vector<Eigen::MatrixXd> local_;  ///< per subaperture: kLocal x Z
 };
 
 }  // namespace ovws

@@ -15,7 +15,7 @@ double binomial(int n, int k) {
   return value;
 }
 
-/// The sign of x^(m-b) y^b in Re or Im of (x + i y)^m: i^b's real or imaginary part.
+/// Sign of x^(m-b) y^b in Re or Im of (x + i y)^m: the real or imaginary part of i^b.
 double turn_sign(int b, bool imaginary) {
   if ((b % 2 != 0) != imaginary) return 0.0;
   return b % 4 < 2 ? 1.0 : -1.0;

@@ -1,5 +1,5 @@
-/// A sum of modes over a pixel grid, fast: along one row it is a polynomial in x, so that a pixel
-/// costs a few multiply-adds however many modes there are.
+/// Fast evaluation of a sum of Zernike modes on a pixel grid: along a row it is a polynomial in x.
+/// A pixel costs a few multiply-adds for any number of modes.
 #pragma once
 
 #include <span>
@@ -14,19 +14,18 @@ class WavefrontRows {
   /// Over a pupil of `diameter_px` centred on `centre_px`. Requires valid mode indices.
   WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px);
 
-  /// Waves at the pixels (first_x + k, y), k = 0 .. out.size() - 1; inside the pupil and continued
-  /// outside it. Thread-safe, as all below.
+  /// Waves at the pixels (first_x + k, y), k = 0 .. out.size() - 1. Also valid outside the pupil,
+  /// where the polynomial continues. This and all methods below are thread-safe.
   void waves(int y, int first_x, std::span<double> out) const;
   /// The same for the slopes along x and y, waves per pixel.
   void slopes_x(int y, int first_x, std::span<double> out) const;
   void slopes_y(int y, int first_x, std::span<double> out) const;
 
   using Polynomial = std::vector<double>;  ///< by rising power
-  /// terms()[a]: the polynomial in y that multiplies x^a, in pupil radii; as many as the degree and
-  /// one.
+  /// terms()[a]: the polynomial in y that multiplies x^a, both in pupil radii; degree + 1 elements.
   const std::vector<Polynomial>& terms() const { return terms_; }
   double radius_px() const { return radius_px_; }
-  /// A place on the grid in pupil radii from the pupil's centre.
+  /// Converts a grid position to pupil coordinates: pupil radii from the pupil's centre.
   Vec2 in_pupil(Vec2 at_px) const {
     return {(at_px.x - centre_px_.x) / radius_px_, (at_px.y - centre_px_.y) / radius_px_};
   }

@@ -39,7 +39,7 @@ int osa_index(ZernikeIndex index) {
 }
 
 std::optional<int> checked_osa_index(int n, int m) {
-  // n is bounded first, so that nothing below can overflow; (n - |m|) is then safe for any m.
+  // n and m are bounded first, so that nothing below can overflow.
   constexpr int kMaxOrder = 20;
   if (n < 0 || n > kMaxOrder || m < -n || m > n || (n - std::abs(m)) % 2 != 0) return std::nullopt;
   return osa_index({n, m});

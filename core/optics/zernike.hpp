@@ -1,4 +1,4 @@
-/// Zernike modes over the pupil circle: OSA/ANSI index, RMS-normalised unless said.
+/// Zernike modes over the pupil circle: OSA/ANSI index, RMS-normalised unless stated otherwise.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 namespace ovws {
 
 constexpr int kMaxZernikeIndex =
-    230;  ///< n = 20, the highest order whose radial sums double still resolves
+    230;  ///< n = 20, the highest order whose radial sums double precision resolves
 
 struct ZernikeIndex {
   int n = 0;
@@ -22,7 +22,7 @@ enum class ZernikeNorm { rms, unit };  ///< unit: amplitude 1 at the pupil's edg
 
 /// j = (n(n+2)+m)/2 (ANSI Z80.28). Requires n >= 0, |m| <= n, n-|m| even.
 int osa_index(ZernikeIndex index);
-/// None if (n, m) is not a mode or beyond kMaxZernikeIndex.
+/// The OSA index; none if (n, m) is not a mode or exceeds kMaxZernikeIndex.
 std::optional<int> checked_osa_index(int n, int m);
 ZernikeIndex zernike_index(int j);
 /// "oblique astigmatism", "vertical coma", …; "Z(n,m)" for modes without a common name.
@@ -31,7 +31,7 @@ std::string zernike_name(int j);
 /// RMS-normalised value = zernike_rms_factor(j) * unit-amplitude value: sqrt((2 - [m=0]) (n+1)).
 double zernike_rms_factor(int j);
 
-/// A wavefront's part in one mode, RMS-normalised waves.
+/// Coefficient of one mode, RMS-normalised waves.
 struct Mode {
   int j = 0;
   double waves = 0.0;
@@ -41,14 +41,15 @@ struct Mode {
 /// RMS-normalised Z_j at (x, y) in units of the pupil radius, x right, y down, theta from +x
 /// towards +y.
 double zernike(int j, Vec2 at);
-/// Its derivative by x and y, per pupil radius. Finite everywhere, the centre included.
+/// Gradient of Z_j per pupil radius. Finite everywhere, including the centre.
 Vec2 zernike_gradient(int j, Vec2 at);
 
-/// Sum of modes, waves.
+/// Sum of modes at (x, y), waves, and its gradient, waves per pupil radius.
 double wavefront(std::span<const Mode> modes, Vec2 at);
 Vec2 wavefront_gradient(std::span<const Mode> modes, Vec2 at);
 
-/// How many modes M subapertures across can tell, without piston: floor(2.04 M^1.36) (paper eq. 5).
+/// Number of modes without piston that M subapertures across resolve: floor(2.04 M^1.36), paper
+/// eq. 5.
 int optimal_mode_count(int subapertures_across);
 
 }  // namespace ovws

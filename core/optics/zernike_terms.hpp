@@ -1,5 +1,5 @@
-/// The polynomial terms of each Zernike mode, computed once: Z = q(x^2 + y^2) Re or Im (x + i
-/// y)^|m|, which has no angle and no singular centre.
+/// Cartesian polynomial form of the Zernike modes, computed once: Z = q(x^2 + y^2) Re or Im (x + i
+/// y)^|m|. It needs no angle and has no singularity at the centre.
 #pragma once
 
 #include <array>
