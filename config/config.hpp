@@ -1,4 +1,4 @@
-/// The daemon's configuration: one struct a module, every key with a default. `{}` is valid.
+/// The daemon's configuration: one struct per section, every key with a default. `{}` is valid.
 #pragma once
 
 #include <optional>
@@ -23,9 +23,9 @@ struct CameraConfig {
 
 struct SlmConfig {
   std::string driver = "sdl";
-  std::string display = "DUMMY1";  ///< output name, e.g. "HDMI-1"
-  SlmGeometry geometry;            ///< keys width, height, pitch_um
-  std::optional<std::string> lut;  ///< file: 256 grey levels, one a line, for equal steps of phase
+  std::string display = "DUMMY1";       ///< output name, e.g. "HDMI-1"
+  SlmGeometry geometry;                 ///< keys width, height, pitch_um
+  std::optional<std::string> lut;       ///< file: 256 grey levels for equal phase steps
   std::optional<std::string> flatness;  ///< file: see config/README.md
   double settle_ms = 20.0;
   bool allow_primary = false;
@@ -42,19 +42,19 @@ struct ControlConfig {
 };
 
 struct StateConfig {
-  /// What is kept over a restart; none: $STATE_DIRECTORY, and without that nothing is kept.
+  /// Folder of the state kept across restarts; none: $STATE_DIRECTORY, else nothing is kept.
   std::optional<std::string> directory;
 };
 
 struct RecordConfig {
-  /// Where recordings go; none: the folder `recordings` where the state is kept, if it is.
+  /// Folder for recordings; none: `recordings` in the state's folder, if there is one.
   std::optional<std::string> directory;
-  int buffer_mib = 256;  ///< for pictures that wait for the disk, while it is recorded
+  int buffer_mib = 256;  ///< memory for images that wait for the disk while recording
 };
 
 struct SecurityConfig {
-  std::optional<std::string> secret_key;  ///< file of ovws keygen; with it every client needs a key
-  std::optional<std::string> clients;     ///< file: who may connect, and what each may
+  std::optional<std::string> secret_key;  ///< key file of ovws keygen; then clients need keys
+  std::optional<std::string> clients;     ///< file: clients that may connect, and their roles
 };
 
 enum class RealtimePolicy {
@@ -68,7 +68,7 @@ struct LogConfig {
   LogLevel level = LogLevel::info;
 };
 
-/// With the kernel's radius, which only the configuration file sets.
+/// Tracking settings with the LG kernel's radius, which only the configuration file sets.
 struct ConfiguredTracking : TrackingSettings {
   ConfiguredTracking() = default;
   ConfiguredTracking(const TrackingSettings& settings)  // NOLINT(google-explicit-constructor)
@@ -76,7 +76,7 @@ struct ConfiguredTracking : TrackingSettings {
 };
 
 struct ConfiguredPipeline : PipelineConfig {
-  std::vector<int> cpus;  ///< where the threads of the frame path may run; empty: anywhere
+  std::vector<int> cpus;  ///< CPU affinity of the frame path's threads; empty: any CPU
 };
 
 struct Config {
@@ -96,12 +96,12 @@ struct Config {
   LogConfig log;
 };
 
-/// Strict: unknown keys, wrong types and values out of range are errors that name the dotted path
-/// and, for unknown keys, the nearest known one. Comments (// and /* */) are allowed in the text.
+/// Parses strictly: unknown keys, wrong types and values out of range are errors that name the
+/// dotted path and, for an unknown key, the closest valid one. Allows comments (// and /* */).
 Result<Config> parse_config(const std::string& json_text);
-/// Reads and parses a file; the error's reason names the file.
+/// Reads and parses a file. The error's reason names the file.
 Result<Config> load_config(const std::string& path);
-/// All keys, defaults included; parse_config(dump_config(c)) gives c again.
+/// JSON text with all keys, defaults included; parse_config(dump_config(c)) equals c.
 std::string dump_config(const Config& config);
 
 }  // namespace ovws

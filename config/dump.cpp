@@ -1,4 +1,4 @@
-/// From Config to text, keys in the order of ovwsd.json.
+/// Serialises Config to JSON, with the keys in the order of ovwsd.json.
 #include <cmath>
 
 #include "config/tables.hpp"
@@ -7,7 +7,7 @@ namespace ovws {
 
 std::string dump_config(const Config& config) {
   Config written = config;
-  // Of a camera without gain in dB: the value that asks for nothing.
+  // NaN (a camera without gain in dB) becomes 0, which leaves such a camera's gain unchanged.
   double& gain_db = written.camera.settings.gain_db;
   if (std::isnan(gain_db)) gain_db = 0.0;
   using nlohmann::ordered_json;

@@ -1,4 +1,4 @@
-/// From text to Config.
+/// Parses and validates the configuration file.
 #include <fstream>
 #include <string>
 
@@ -28,7 +28,7 @@ Result<Config> read_config(const nlohmann::json& json) {
 
 }  // namespace
 
-/// Two sockets cannot have one address; said here, where the keys are known.
+/// Endpoints must differ. Checked here, so that the error can name the key.
 void Table<Config>::check(const Config& config, ObjectReader& reader) {
   if (config.stream.endpoint == config.stream.image_endpoint) {
     reader.fault("stream.image_endpoint", "must differ from stream.endpoint");
