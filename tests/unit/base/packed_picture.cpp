@@ -6,7 +6,7 @@
 namespace ovws::test {
 namespace {
 
-/// Which bit of its row bit k of pixel x is.
+/// Position of bit k of pixel x within the bits of its row.
 std::size_t bit_of(PixelLayout layout, std::size_t x, int k) {
   const auto bit = std::size_t(k);
   switch (layout) {

@@ -1,4 +1,4 @@
-/// Pictures in every pixel format, put there bit by bit as the formats' definitions say.
+/// Packs images into every pixel format, bit by bit after the formats' definitions.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@
 
 namespace ovws::test {
 
-/// Numbers of at most significant_bits(format). Rows have `padding_bytes` after them. 16-bit ones
-/// are moved up by `shift`.
+/// Packs pixels of at most significant_bits(format), with `padding_bytes` after each row. 16-bit
+/// pixels are shifted left by `shift` (MSB-aligned data).
 std::vector<std::byte> pack(const Image<std::uint16_t>& picture, PixelFormat format,
                             std::size_t padding_bytes = 0, int shift = 0);
 
-/// A view of what `pack` made.
+/// A view of a packed image.
 ImageView packed_view(const std::vector<std::byte>& bytes, int width, int height,
                       PixelFormat format, std::size_t padding_bytes = 0, int shift = 0);
 
-/// The same for the same seed: every number that the format can hold is as likely.
+/// Uniformly distributed pixels over the format's range; the same seed gives the same image.
 Image<std::uint16_t> random_picture(int width, int height, PixelFormat format, unsigned seed);
 
 }  // namespace ovws::test

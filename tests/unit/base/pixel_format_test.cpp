@@ -1,4 +1,4 @@
-// Names, sizes, and which pixels of a colour camera see which laser.
+// Pixel formats: names, sizes, and the colour plane of a Bayer camera for each wavelength.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,4 +1,4 @@
-// Regions of images in every format, through visit_rows: the same numbers as were put in.
+// visit_rows on regions of images in every format gives back the pixels that were packed.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ class Pixels : public testing::TestWithParam<PixelFormat> {
   static constexpr int kWidth = 612, kHeight = 14;  // wider than two runs
   static constexpr std::size_t kPadding = 5;
 
-  /// Every pixel of the rectangle once, and as `expected(x, y)` says.
+  /// Every pixel of the rectangle is visited once and equals `expected(x, y)`.
   template <class Expected>
   static void expect_visited(const ImageView& view, const Place& at, Expected expected) {
     Image<int> visits(at.columns, at.rows);

@@ -1,4 +1,4 @@
-/// What a device says of itself reaches logs and terminals without power over them.
+/// Text from devices is sanitised: no control characters or invalid UTF-8 reach logs and terminals.
 #include "core/base/printable.hpp"
 
 #include <gtest/gtest.h>

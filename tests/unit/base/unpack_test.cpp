@@ -1,5 +1,5 @@
-// Numbers out of packed rows: every layout, for every instruction set there is, from every place in
-// a row, and never a byte beyond it.
+// Unpacking of every layout with every instruction set, from every position in a row, without
+// reading a byte beyond it.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 namespace ovws {
 namespace {
 
-/// Bytes that end where the memory ends: to read one more is a crash.
+/// Bytes that end at an inaccessible memory page: reading one more crashes.
 class AtTheEdge {
  public:
   explicit AtTheEdge(const std::vector<std::byte>& bytes) {
@@ -82,7 +82,7 @@ TEST_P(UnpackWords, MovesLeftJustifiedWordsDown) {
   }
 }
 
-// A filter does not change how numbers lie.
+// Bayer formats have the same memory layout as monochrome ones.
 constexpr PixelFormat kWords[] = {PixelFormat::mono10, PixelFormat::mono12, PixelFormat::mono14,
                                   PixelFormat::mono16};
 constexpr PixelFormat kOthers[] = {PixelFormat::mono8, PixelFormat::mono10p, PixelFormat::mono12p,

@@ -1,4 +1,4 @@
-/// Every state with every event, and every state with every action, against what a person expects.
+/// The state machine's tables against an independent list: every state with every event and action.
 #include "core/control/state_machine.hpp"
 
 #include <gtest/gtest.h>

@@ -198,7 +198,7 @@ TEST(Hologram, IdentifyPictureTellsEachWayOfTurningTheScreen) {
 }
 
 TEST(Hologram, ExtremeModesRenderWithoutHarm) {
-  // Not a useful picture, and check_sampling refuses them; but rendering must not be undefined.
+  // check_sampling refuses such modes, but rendering them must not be undefined behaviour.
   for (const double waves : {1e300, -1e300, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(rendered({}, HologramKind::sensor, {{kMaxZernikeIndex, waves}}).height, 768);

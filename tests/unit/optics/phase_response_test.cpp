@@ -1,4 +1,4 @@
-/// The phase of grey levels, measured through the far field and a noisy camera, against the truth.
+/// The SLM phase response, measured through the far field and a noisy camera, against the truth.
 #include "core/optics/phase_response.hpp"
 
 #include <gtest/gtest.h>
@@ -273,7 +273,7 @@ TEST(PhaseResponse, OfAnSlmWhosePhaseFallsIsFoundFalling) {
   }
 }
 
-/// Each picture seen while the one before it still stood.
+/// Each hologram is exposed while the previous one is still shown.
 TEST(PhaseResponse, OfAnSlmSlowerThanItsSettleTimeIsRefusedWithThatReason) {
   const auto seen = ideal_beats(gamma_curve(1.0, 1.0), 33);
   auto late = seen;

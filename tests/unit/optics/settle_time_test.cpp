@@ -1,4 +1,4 @@
-/// Settling times recovered from light with noise, whatever the phase of the camera.
+/// Settle times recovered from noisy intensities, for any phase of the camera's frames.
 #include "core/optics/settle_time.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-/// Something that keeps failing is tried ever less often, down to every 16th chance.
+/// Exponential backoff: an operation that keeps failing is tried less often, down to every 16th
+/// call.
 #include "core/pipeline/back_off.hpp"
 
 #include <gtest/gtest.h>

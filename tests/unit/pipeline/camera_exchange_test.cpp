@@ -1,4 +1,4 @@
-/// A camera is taken and let go of only when its buffers are back, and waiting for that ends.
+/// A camera is attached and detached only when its buffers are returned; the wait has a time-out.
 #include "core/pipeline/camera_exchange.hpp"
 
 #include <gtest/gtest.h>
@@ -80,8 +80,8 @@ TEST(CameraExchange, WithABufferStillLentItGivesUpAndSaysHowMany) {
   EXPECT_TRUE(exchange.detach());
 }
 
-/// The thread sanitizer judges it: the steps are ordered by relaxed operations, which publish
-/// nothing, so that only the exchange can publish the second camera.
+/// For the thread sanitizer: relaxed operations order the steps without synchronising them, so only
+/// the exchange itself can publish the second camera.
 TEST(CameraExchange, ACameraTakenEarlyIsSeenAsItWasHandedOver) {
   CameraExchange exchange(milliseconds(1));
   ScriptedCamera first(2, 16);
@@ -100,7 +100,7 @@ TEST(CameraExchange, ACameraTakenEarlyIsSeenAsItWasHandedOver) {
   });
   wait_for(1);
   ScriptedCamera second(3, 16);
-  EXPECT_FALSE(exchange.attach(second));  // stands
+  EXPECT_FALSE(exchange.attach(second));  // the request remains
   step.store(2, std::memory_order_relaxed);
   wait_for(3);
   acquisition.join();
@@ -109,7 +109,7 @@ TEST(CameraExchange, ACameraTakenEarlyIsSeenAsItWasHandedOver) {
 TEST(CameraExchange, WhileARequestWaitsNoFrameIsTaken) {
   CameraExchange exchange(milliseconds(1));
   ScriptedCamera camera(2, 16);
-  ASSERT_FALSE(exchange.attach(camera));  // stands, and is followed on the next turn
+  ASSERT_FALSE(exchange.attach(camera));  // the request remains and is served on the next iteration
   EXPECT_TRUE(exchange.due(0));
   exchange.follow();
   EXPECT_TRUE(exchange.streaming());

@@ -1,4 +1,4 @@
-/// The rules of settled and of settings, on each side of every boundary.
+/// Frame validity rules, tested on both sides of every boundary.
 #include "core/pipeline/frame_rules.hpp"
 
 #include <gtest/gtest.h>

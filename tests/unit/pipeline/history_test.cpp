@@ -1,4 +1,5 @@
-/// Tracks follow the spots, survive what may be survived, and are searched anew when they are gone.
+/// Tracks follow the spots, survive short losses, and trigger a whole-image search when they are
+/// lost.
 #include <gtest/gtest.h>
 
 #include "tests/unit/pipeline/pipeline_rig.hpp"

@@ -1,4 +1,4 @@
-// Numbers that fill their 16 bits from the left are known by what they cannot be otherwise.
+// Detection of MSB-aligned 16-bit pixel data.
 #include <gtest/gtest.h>
 
 #include "core/pipeline/justification.hpp"
@@ -37,7 +37,7 @@ TEST(Justified, ToTheLeftIsSeenByANumberAboveFullScale) {
     EXPECT_EQ(settled(justification, frame(33, int(full_scale_dn(format)) / 2), format, shift),
               shift)
         << pixel_format_name(format);
-    // Known once, it is so for dark frames, too.
+    // Once detected, it holds for dark frames, too.
     EXPECT_EQ(settled(justification, frame(-1, 0), format, shift, 1), shift);
   }
 }
@@ -55,7 +55,7 @@ TEST(Justified, NothingIsSaidOfFormatsWithoutSpareBits) {
   }
 }
 
-// A converter of fewer bits leaves low bits empty in right-justified numbers, too.
+// A converter of fewer bits leaves low bits empty in LSB-aligned data, too.
 TEST(Justified, EmptyLowBitsAloneProveNothing) {
   Image<std::uint16_t> dn = frame(33, 255);
   for (std::uint16_t& pixel : dn.pixels) pixel = std::uint16_t(pixel << 4);

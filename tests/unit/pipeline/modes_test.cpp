@@ -57,7 +57,7 @@ std::vector<std::shared_ptr<const Image<std::uint8_t>>> script(const SpotBench& 
   return images;
 }
 
-/// Turns every agent of a pipeline in a thread of its own until it goes.
+/// Runs every agent of a pipeline in its own thread until it is destroyed.
 class Threads {
  public:
   Threads(Pipeline& pipeline, int workers) {
@@ -81,7 +81,7 @@ class Threads {
   std::vector<std::thread> threads_;
 };
 
-/// Runs the script with real threads; images are asked for meanwhile, so that buffers wander.
+/// Runs the script with real threads while images are requested, so that buffers change hands.
 std::vector<Measured> measure_with(int workers) {
   PipelineRig rig(workers, 64, 5);
   rig.use(rig.bench.plan(1));

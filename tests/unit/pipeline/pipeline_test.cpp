@@ -93,7 +93,7 @@ TEST(Pipeline, AFrameThatComesAgainOrTooLateIsCountedAndNotTracked) {
   EXPECT_EQ(Taken(rig, rig.measure(203, rig.still))->gap, 0U);
   EXPECT_EQ(rig.count(Counter::frames_lost), 1U);
   EXPECT_EQ(rig.count(Counter::frames_grabbed), 3U);
-  EXPECT_EQ(Taken(rig, rig.measure(3, rig.still))->frame.frame_id, 3U);  // counted anew
+  EXPECT_EQ(Taken(rig, rig.measure(3, rig.still))->frame.frame_id, 3U);  // numbers restart
 }
 
 TEST(Pipeline, FramesThatTheDriverThrewAwayAreCountedByTheirNames) {

@@ -1,4 +1,4 @@
-/// A camera that sends what a test scripted, and complains about buffers misused.
+/// A camera that sends scripted frames and fails the test on misuse of buffers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -26,8 +26,8 @@ struct ScriptedFrame {
   GrabStatus status = GrabStatus::frame;
 };
 
-/// Each buffer is a copy of the frame's pixels; a released one is overwritten, so that whoever
-/// reads pixels that he no longer holds gets wrong numbers.
+/// Each buffer is a copy of the frame's pixels. A released one is overwritten, so that a read after
+/// release gives wrong pixels.
 class ScriptedCamera final : public Camera {
  public:
   ScriptedCamera(int buffers, std::size_t bytes)

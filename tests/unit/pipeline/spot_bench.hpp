@@ -81,7 +81,7 @@ class SpotBench {
     return at;
   }
 
-  /// A picture with a Gaussian spot at each position; those of `dark` are left out.
+  /// An image with a Gaussian spot at each position except those of `dark`.
   static std::shared_ptr<const Image<std::uint8_t>> draw(const std::vector<Vec2>& at_px,
                                                          const std::vector<int>& dark = {},
                                                          double peak = 200.0) {
