@@ -13,7 +13,7 @@ Result<void> check_loop(const LoopSettings& settings) {
     return fail(Errc::invalid, "gain", "must be above 0 and at most 1");
   }
   if (!(settings.leak >= 0.0 && settings.leak < 1.0)) {
-    return fail(Errc::invalid, "leak", "must be from 0 to below 1");
+    return fail(Errc::invalid, "leak", "must be at least 0 and below 1");
   }
   for (const ModeGain& one : settings.gains) {
     if (one.gain >= 0.0 && one.gain <= 1.0) continue;

@@ -50,17 +50,18 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
 /// Errc::refused (field "enabled") if the camera's pixel format has colour filters.
 inline Result<void> check_refinable(const RefineSettings& settings) {
   if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
-  return fail(Errc::refused, "enabled",
-              "the camera's " + std::string(pixel_format_name(settings.format)) +
-                  " cannot be refined: the model knows no colour filters; set the camera's "
-                  "pixel_format to a Mono one first");
+  return fail(
+      Errc::refused, "enabled",
+      "the camera's " + std::string(pixel_format_name(settings.format)) +
+          " cannot be refined: the diffraction model does not support colour filters; set the "
+          "camera's pixel_format to a Mono one first");
 }
 
 /// Checks that involve several settings. Errors (Errc::invalid): `field` is the setting's key.
 inline Result<void> check_refine(const RefineSettings& settings) {
   if (settings.enabled && !settings.electrons_per_dn) {
     return fail(Errc::invalid, "electrons_per_dn",
-                "must be known to refine: state how many electrons make one DN at a gain of 0 dB");
+                "is required to refine: set the number of electrons per DN at a gain of 0 dB");
   }
   const std::string format(pixel_format_name(settings.format));
   const double full = full_scale_dn(settings.format);
@@ -71,8 +72,8 @@ inline Result<void> check_refine(const RefineSettings& settings) {
   }
   if (!(settings.black_level_dn < saturation)) {
     return fail(Errc::invalid, "black_level_dn",
-                "must be below saturation_dn, which is null for the full scale, " +
-                    std::to_string(int(full)) + " for " + format);
+                "must be below saturation_dn (null: the full scale, " + std::to_string(int(full)) +
+                    " for " + format + ")");
   }
   return {};
 }

@@ -123,12 +123,12 @@ constexpr std::array<Obstacle, 6> kObstacles{{
     {&Conditions::started, false, Errc::refused,
      "the daemon is still starting; repeat the request in a moment"},
     {&Conditions::camera, false, Errc::unavailable,
-     "no camera is in use; system.status says why, and it is opened by itself when it can be"},
+     "no camera is in use; system.status gives the reason, and the daemon reconnects by itself"},
     {&Conditions::display, false, Errc::unavailable,
-     "the SLM's display is not in use; system.status says why, and it is opened by itself when it "
-     "can be"},
+     "the SLM's display is not in use; system.status gives the reason, and the daemon reconnects "
+     "by itself"},
     {&Conditions::job, true, Errc::refused,
-     "a job is running; wait for its end or cancel it with job.cancel"},
+     "a job is running; wait until it ends or cancel it with job.cancel"},
     {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
 }};
 

@@ -34,12 +34,12 @@ Error CameraExchange::why_not(std::uint64_t turns_before) const {
   if (turns_.load(std::memory_order_relaxed) == turns_before) {
     return {Errc::unavailable, "camera",
             "the acquisition thread did not run for " + waited +
-                ": start it, or look in the log why it stands still"};
+                ": look for the cause in the log, and restart the daemon if it does not recover"};
   }
   return {Errc::unavailable, "camera",
           std::to_string(lent_.load(std::memory_order_relaxed)) +
               " camera buffers are still in use after " + waited +
-              ": release the images that were asked for, and see that the tracker threads run"};
+              ": release the requested images, and check that the tracker threads run"};
 }
 
 bool CameraExchange::due(int lent) OVWS_NONBLOCKING {
