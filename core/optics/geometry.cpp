@@ -18,9 +18,10 @@ bool is_straight(const PxPerCycle& map) {
 
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm) {
   if (is_straight(px_per_cycle(optics, slm))) return {};
-  return fail(Errc::refused, "optics.px_per_cycle",
-              "the camera is turned or mirrored against the SLM, or scales its axes differently: "
-              "the diffraction model of whole pictures knows cameras along the SLM's axes only");
+  return fail(
+      Errc::refused, "optics.px_per_cycle",
+      "the camera is rotated or mirrored relative to the SLM, or its axes differ in scale: align "
+      "it with the SLM; the diffraction model of whole images supports no other geometry");
 }
 
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {

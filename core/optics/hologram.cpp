@@ -68,15 +68,15 @@ Result<void> check_flatness(const HologramConfig& config) {
   const Image<float>& map = *config.flatness_waves;
   if (map.width != config.slm.width_px || map.height != config.slm.height_px) {
     return fail(Errc::invalid, "slm.flatness",
-                "the flatness map is " + std::to_string(map.width) + " x " +
-                    std::to_string(map.height) + ", the SLM " +
+                "the flatness map has " + std::to_string(map.width) + " x " +
+                    std::to_string(map.height) + " pixels, but the SLM has " +
                     std::to_string(config.slm.width_px) + " x " +
-                    std::to_string(config.slm.height_px) + ": they must be equal");
+                    std::to_string(config.slm.height_px) + ": the sizes must be equal");
   }
   if (!std::all_of(map.pixels.begin(), map.pixels.end(),
                    [](float v) { return std::isfinite(v); })) {
     return fail(Errc::invalid, "slm.flatness",
-                "the flatness map holds a value that is no number: give a phase for every pixel");
+                "the flatness map contains NaN or infinity: give a finite phase for every pixel");
   }
   return {};
 }
@@ -85,13 +85,13 @@ Result<void> check_modes(std::span<const Mode> modes) {
   for (const Mode& mode : modes) {
     if (mode.j < 0 || mode.j > kMaxZernikeIndex) {
       return fail(Errc::invalid, "modes",
-                  "mode j = " + std::to_string(mode.j) + " is not known: use 0 to " +
+                  "mode j = " + std::to_string(mode.j) + " is not supported: use j = 0 to " +
                       std::to_string(kMaxZernikeIndex));
     }
     if (!(std::abs(mode.waves) <= kMostWaves)) {
       return fail(Errc::invalid, "modes",
                   "the coefficient of mode j = " + std::to_string(mode.j) +
-                      " is no number between -1e6 and 1e6 waves");
+                      " must be a number from -1e6 to 1e6 waves");
     }
   }
   return {};
@@ -234,11 +234,11 @@ Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const
     const Vec2 most = steepest(added, s, lattice_, config_.slm);
     if (most.x <= kNyquistCpp && most.y <= kNyquistCpp) continue;
     return fail(Errc::invalid, "modes",
-                "too steep for the SLM: subaperture " + std::to_string(i) + " would need " +
+                "too steep for the SLM: subaperture " + std::to_string(i) + " needs " +
                     std::to_string(most.x) + " x " + std::to_string(most.y) +
                     " cycles per SLM pixel, of which its grating takes " +
                     std::to_string(s.frequency_cpp.x) + " x " + std::to_string(s.frequency_cpp.y) +
-                    "; the SLM shows at most 0.5: lower the aberration or the grating");
+                    "; the limit is 0.5: reduce the aberration or the grating");
   }
   return {};
 }

@@ -34,7 +34,7 @@ Vec2 frequency(Vec2 centre_px, const SensorConfig& sensor, const SlmGeometry& sl
 
 Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
   if (slm.width_px < 1 || slm.height_px < 1) {
-    return fail(Errc::invalid, "slm.width", "the SLM needs at least one pixel each way");
+    return fail(Errc::invalid, "slm.width", "the SLM must be at least 1 x 1 pixel");
   }
   const int fits = std::min(slm.width_px, slm.height_px);
   if (!(sensor.pupil_diameter_px > 0.0 && sensor.pupil_diameter_px <= fits)) {
@@ -53,12 +53,13 @@ Result<void> check_count(std::size_t count) {
   if (count < 3) {
     return fail(Errc::invalid, "sensor.subapertures_across",
                 "only " + std::to_string(count) +
-                    " subapertures fit in the pupil, the sensor needs 3: ask for more across");
+                    " subapertures fit in the pupil, but at least 3 are required: increase the "
+                    "number across");
   }
   if (count > kMaxSubapertures) {
     return fail(Errc::invalid, "sensor.subapertures_across",
-                std::to_string(count) + " subapertures are more than the " +
-                    std::to_string(kMaxSubapertures) + " possible: ask for fewer across");
+                std::to_string(count) + " subapertures exceed the maximum of " +
+                    std::to_string(kMaxSubapertures) + ": reduce the number across");
   }
   return {};
 }
@@ -77,7 +78,7 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
       return fail(Errc::invalid, "sensor.grooves",
                   "the grating of subaperture " + std::to_string(lattice.subapertures.size()) +
                       " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
-                      " cycles per SLM pixel, the SLM shows at most 0.5: lower grooves or spacing");
+                      " cycles per SLM pixel, but the limit is 0.5: reduce grooves or spacing");
     }
     lattice.subapertures.push_back({centre, f});
   }

@@ -74,10 +74,11 @@ Circle fit_circle(std::span<const GreyBeat> beats) {
 Result<Circle> checked_circle(std::span<const GreyBeat> beats) {
   const Circle circle = fit_circle(beats);
   if (circle.misfit < kMostMisfit) return circle;
-  return fail(Errc::refused, "",
-              "the fringes do not follow the grey level along a circle: see that the light is "
-              "constant and bright enough, that nothing moves, and that slm.settle_ms is long "
-              "enough (slm.settle measures it)");
+  return fail(
+      Errc::refused, "",
+      "the fringes' complex amplitudes do not lie on a circle: check that the illumination is "
+      "constant and bright enough, that nothing moves on the bench, and that slm.settle_ms is "
+      "long enough (slm.settle measures it)");
 }
 
 /// Phase step from level k - 1 to k, in -pi .. pi.
@@ -132,23 +133,24 @@ Error unsteady(std::span<const GreyBeat> beats, const Circle& circle, double noi
     square += off * off / double(beats.size());
   }
   if (std::abs(lag) > kLagging * std::sqrt(square)) {
-    return {Errc::refused, "slm.settle_ms",
-            "the phases seen on the way up and on the way down differ by " +
-                rounded(std::abs(lag)) +
-                " rad: the SLM takes longer than slm.settle_ms, or something moves; slm.settle "
-                "measures how long it takes"};
+    return {
+        Errc::refused, "slm.settle_ms",
+        "the phases measured with rising and with falling grey levels differ by " +
+            rounded(std::abs(lag)) +
+            " rad: the SLM is slower than slm.settle_ms, or the bench moves; slm.settle measures "
+            "the settle time"};
   }
   if (drift_rad > kMostDriftRad) {
     return {Errc::refused, "",
-            "the bench moved while the levels were measured: beyond the noise, the two readings of "
-            "a level differ by " +
+            "the bench moved during the measurement: beyond the noise, the two readings of a level "
+            "differ by " +
                 thousandths(2.0 * drift_rad) + " rad RMS (at most " +
                 thousandths(2.0 * kMostDriftRad) +
-                " are allowed): let the bench come to rest, and measure again"};
+                " are allowed): let the bench come to rest and measure again"};
   }
   return {Errc::refused, "camera.exposure_us",
-          "the fringes are too weak, one level is known to " + rounded(noise_rad) +
-              " rad: raise the exposure, or average more frames"};
+          "the fringes are too weak: the phase noise of one level is " + rounded(noise_rad) +
+              " rad; raise the exposure, or average more frames"};
 }
 
 Result<void> check_steady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
@@ -163,12 +165,13 @@ Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<dou
   for (std::size_t k = 1; k < phases.size(); ++k) {
     if (phases[k] > phases[top]) top = k;
     if (phases[top] - phases[k] < kFallNoises * std::sqrt(2.0) * noise_rad) continue;
-    return fail(Errc::refused, "",
-                "the phase turns back by " + rounded(phases[top] - phases[k]) +
-                    " rad from grey level " + std::to_string(beats[top].grey) + " to " +
-                    std::to_string(beats[k].grey) +
-                    ": no look-up table can mend that; see that nothing moves on the bench, and "
-                    "that the SLM is driven within its range");
+    return fail(
+        Errc::refused, "",
+        "the phase is not monotonic: it turns back by " + rounded(phases[top] - phases[k]) +
+            " rad from grey level " + std::to_string(beats[top].grey) + " to " +
+            std::to_string(beats[k].grey) +
+            ", which no look-up table can correct; check that nothing moves on the bench, and "
+            "that the SLM is driven within its range");
   }
   return {};
 }
@@ -255,8 +258,8 @@ Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
   if (auto rising = check_rising(beats, phases, noise); !rising) return fail(rising.error());
   if (phases.back() < kLeastDepthRad) {
     return fail(Errc::refused, "",
-                "the SLM's phase reaches " + rounded(phases.back()) +
-                    " rad only: see that its output is the one configured");
+                "the SLM's phase range is only " + rounded(phases.back()) +
+                    " rad: check that the configured output is the SLM");
   }
   const Curve curve = smoothest(beats, phases, noise);
   PhaseResponse response;
@@ -286,10 +289,10 @@ Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& risin
                                  std::abs(falling.first_dn - falling.second_dn));
   if (std::abs(up - down) <= std::max(kLeastBlaze * std::max(up, down), kBlazeNoises * spread)) {
     return fail(Errc::refused, "camera.exposure_us",
-                "whether the phase rises or falls with the grey level does not show: a blazed "
+                "cannot tell whether the phase rises or falls with the grey level: a blazed "
                 "grating brings " +
-                    rounded(up) + " DN to the base spot if it rises, " + rounded(down) +
-                    " if it falls; run registration.run, raise the exposure, or average more "
+                    rounded(up) + " DN to the base spot if it rises and " + rounded(down) +
+                    " DN if it falls; run registration.run, raise the exposure, or average more "
                     "frames");
   }
   if (down > up) response.phase_rad = negative(response.phase_rad);

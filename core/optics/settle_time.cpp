@@ -28,7 +28,7 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   if (after.size() < kLeastFrames) {
     return fail(Errc::refused, "watch_ms",
                 "only " + std::to_string(after.size()) +
-                    " frames came: raise the frame rate, or watch for longer");
+                    " frames were received: raise the frame rate, or watch for longer");
   }
   const std::span<const StepFrame> last(after.end() - std::ptrdiff_t(after.size() / 4),
                                         after.end());
@@ -40,17 +40,17 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   if (!(change > kLeastChange * noise)) {
     return fail(
         Errc::refused, "",
-        "the light does not follow the picture: run registration.run, raise the exposure, "
-        "see that nothing moves, and, if the SLM may take longer than was watched, watch for "
-        "longer (watch_ms)");
+        "the camera sees no significant change when the hologram changes: run registration.run, "
+        "raise the exposure, and check that nothing moves on the bench; if the SLM may be slower "
+        "than watch_ms, watch for longer");
   }
   const double tolerance = kNoises * noise + kShare * change;
   std::size_t first = after.size();
   while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
   if (2 * first > after.size()) {
-    return fail(Errc::refused, "watch_ms",
-                "the picture does not stand within the first half of the time watched: watch for "
-                "longer");
+    return fail(
+        Errc::refused, "watch_ms",
+        "the hologram has not settled within the first half of the frames: watch for longer");
   }
   return StepTime{first > 0 ? after[first - 1].begin_ms : 0.0, after[first].begin_ms};
 }
