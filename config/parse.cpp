@@ -52,8 +52,8 @@ Result<Config> load_config(const std::string& path) {
   if (file.bad() || !file.eof()) {
     const bool large = file.good();
     return fail(Errc::unavailable, "",
-                path + (large ? ": larger than 1 MiB, so not a configuration"
-                              : ": cannot be read; is the path right, and are its permissions?"));
+                path + (large ? ": larger than 1 MiB, the limit for a configuration file"
+                              : ": cannot be read; check the path and the permissions"));
   }
   text.resize(std::size_t(file.gcount()));
   auto config = parse_config(text);

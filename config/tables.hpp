@@ -64,10 +64,10 @@ struct Table<SlmConfig> {
       field("driver", &SlmConfig::driver, "which display driver").checked(is_empty),
       field("display", &SlmConfig::display, "name of the output, e.g. HDMI-1").checked(is_empty),
       inlined(&SlmConfig::geometry),
-      field("lut", &SlmConfig::lut, "file of 256 grey levels; null: linear"),
+      field("lut", &SlmConfig::lut, "look-up table: file of 256 grey levels; null: linear"),
       field("flatness", &SlmConfig::flatness,
-            "file of the phase that flattens the SLM; null: none"),
-      field("settle_ms", &SlmConfig::settle_ms, "from present to settled, milliseconds",
+            "flatness map: file of the phase to add at each pixel; null: none"),
+      field("settle_ms", &SlmConfig::settle_ms, "settle time after a new hologram, milliseconds",
             limits::kSettleMs),
       field("allow_primary", &SlmConfig::allow_primary,
             "whether the only or primary display may be the SLM")};
@@ -113,7 +113,7 @@ struct Table<SecurityConfig> {
   static void check(const SecurityConfig& security, ObjectReader& reader) {
     if (security.secret_key.has_value() == security.clients.has_value()) return;
     reader.fault(security.clients ? "secret_key" : "clients",
-                 "secret_key and clients belong together: name both files, or none");
+                 "secret_key and clients are required together: name both files, or neither");
   }
 };
 
