@@ -25,10 +25,10 @@ Character first_of(std::string_view text) {
     if ((byte(k) & 0xc0U) != 0x80U) return {};
     code = (code << 6) | (byte(k) & 0x3fU);
   }
-  constexpr char32_t kLeast[]{0, 0, 0x80, 0x800, 0x10000};  // by length; below: overlong encoding
+  constexpr char32_t kMinCode[]{0, 0, 0x80, 0x800, 0x10000};  // by length; below: overlong encoding
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  return code < kLeast[bytes] || code > 0x10ffff || surrogate ? Character{}
-                                                              : Character{bytes, code};
+  return code < kMinCode[bytes] || code > 0x10ffff || surrogate ? Character{}
+                                                                : Character{bytes, code};
 }
 
 bool is_plain(char32_t code) {
@@ -41,17 +41,17 @@ bool is_plain(char32_t code) {
 }  // namespace
 
 std::string printable(std::string_view text, std::size_t max_bytes) {
-  constexpr std::string_view kCut = "...";
+  constexpr std::string_view kEllipsis = "...";
   std::string out;
-  std::size_t fits = 0;  // bytes of `out` that leave room for kCut
+  std::size_t fits = 0;  // bytes of `out` that leave room for kEllipsis
   while (!text.empty()) {
     const Character next = first_of(text);
     const bool plain = next.bytes > 0 && is_plain(next.code);
     const std::size_t bytes = std::max<std::size_t>(next.bytes, 1);
-    if (out.size() + (plain ? bytes : 1) > max_bytes) return out.substr(0, fits).append(kCut);
+    if (out.size() + (plain ? bytes : 1) > max_bytes) return out.substr(0, fits).append(kEllipsis);
     out.append(plain ? text.substr(0, bytes) : "?");
     text.remove_prefix(bytes);
-    if (out.size() + kCut.size() <= max_bytes) fits = out.size();
+    if (out.size() + kEllipsis.size() <= max_bytes) fits = out.size();
   }
   return out;
 }

@@ -6,8 +6,8 @@
 namespace ovws {
 
 Result<void> check_loop(const LoopSettings& settings) {
-  const auto in = [](double value, double above, double most) {
-    return value > above && value <= most;
+  const auto in = [](double value, double above, double max) {
+    return value > above && value <= max;
   };
   if (!in(settings.gain, 0.0, 1.0)) {
     return fail(Errc::invalid, "gain", "must be above 0 and at most 1");

@@ -42,8 +42,8 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
   if (settings.saturation_dn) {
     settings.saturation_dn = std::clamp(*settings.saturation_dn * factor, 1.0, full);
   }
-  const double most_black = settings.saturation_dn.value_or(full) - 0.5;
-  settings.black_level_dn = std::min(settings.black_level_dn * factor, most_black);
+  const double max_black = settings.saturation_dn.value_or(full) - 0.5;
+  settings.black_level_dn = std::min(settings.black_level_dn * factor, max_black);
   return settings;
 }
 

@@ -134,7 +134,7 @@ constexpr std::array<Obstacle, 6> kObstacles{{
 
 /// Which obstacles block an action, in the order of kObstacles.
 struct ActionRow {
-  std::array<bool, kObstacles.size()> minds;
+  std::array<bool, kObstacles.size()> blocked_by;
 };
 //                               stopping starting camera display job loop
 constexpr Table<Action, ActionRow> kActions{{
@@ -180,7 +180,7 @@ constexpr const control::Obstacle* obstacle(const Conditions& conditions, Action
   const control::ActionRow& row = control::kActions[std::size_t(action)];
   for (std::size_t o = 0; o < control::kObstacles.size(); ++o) {
     const control::Obstacle& it = control::kObstacles[o];
-    if (row.minds[o] && conditions.*it.condition == it.when) return &it;
+    if (row.blocked_by[o] && conditions.*it.condition == it.when) return &it;
   }
   return nullptr;
 }
