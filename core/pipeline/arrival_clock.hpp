@@ -17,10 +17,10 @@ class ArrivalClock {
   /// later than `arrival_mono_ns`; equal to it if the camera has no timestamps (`device_ns` is 0).
   /// The error is at most the drift between both clocks over 10 s. A device clock that is set back
   /// restarts the estimate.
-  std::int64_t unhindered_mono_ns(std::int64_t arrival_mono_ns,
-                                  std::int64_t device_ns) OVWS_NONBLOCKING;
+  std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
+                                 std::int64_t device_ns) OVWS_NONBLOCKING;
   /// Restarts the estimate, for another stream or another exposure time.
-  void forget() OVWS_NONBLOCKING { *this = ArrivalClock{}; }
+  void reset() OVWS_NONBLOCKING { *this = ArrivalClock{}; }
 
  private:
   static constexpr std::int64_t kSpanNs =
@@ -29,8 +29,8 @@ class ArrivalClock {
 
   std::int64_t span_end_ns_ = 0;
   std::int64_t last_device_ns_ = 0;
-  std::int64_t smallest_now_ns_ = kNone;
-  std::int64_t smallest_before_ns_ = kNone;
+  std::int64_t min_now_ns_ = kNone;
+  std::int64_t min_previous_ns_ = kNone;
 };
 
 }  // namespace ovws

@@ -8,7 +8,7 @@ namespace ovws {
 
 class BackOff {
  public:
-  static constexpr int kLongestGap = 16;
+  static constexpr int kMaxGap = 16;
 
   /// Called whenever the operation is needed; true if it shall be tried now.
   bool try_now() {
@@ -17,7 +17,7 @@ class BackOff {
       return false;
     }
     wait_ = gap_ - 1;
-    gap_ = std::min(2 * gap_, kLongestGap);
+    gap_ = std::min(2 * gap_, kMaxGap);
     return true;
   }
 

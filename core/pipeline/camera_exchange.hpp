@@ -14,36 +14,36 @@ namespace ovws {
 
 class CameraExchange {
  public:
-  explicit CameraExchange(std::chrono::milliseconds patience = std::chrono::seconds(2))
-      : patience_(patience) {}
+  explicit CameraExchange(std::chrono::milliseconds timeout = std::chrono::seconds(2))
+      : timeout_(timeout) {}
 
   // Control side; thread-safe among each other. Both return when the acquisition thread no longer
-  // uses the previous camera and has released all its buffers. After a time-out (`patience`) they
+  // uses the previous camera and has released all its buffers. After a time-out (`timeout`) they
   // return Errc::unavailable with the cause; the request remains and may still be served later.
-  Result<void> attach(Camera& camera) { return ask(&camera); }
-  Result<void> detach() { return ask(nullptr); }
+  Result<void> attach(Camera& camera) { return request(&camera); }
+  Result<void> detach() { return request(nullptr); }
 
   // Acquisition thread.
   /// Once per iteration, with the number of buffers still lent. True: a request can be served now.
-  bool due(int lent) OVWS_NONBLOCKING;
-  /// Serves the request: switches to the requested camera. Only after `due` returned true.
-  void follow() OVWS_NONBLOCKING;
+  bool can_serve(int lent) OVWS_NONBLOCKING;
+  /// Serves the request: switches to the requested camera. Only after `can_serve` returned true.
+  void serve() OVWS_NONBLOCKING;
   /// The camera that owns the lent buffers; nullptr: none.
   Camera* camera() const { return camera_; }
   /// Whether to take frames. False without a camera, and while a request waits for lent buffers.
-  bool streaming() const { return camera_ != nullptr && !asked_for_other(); }
+  bool streaming() const { return camera_ != nullptr && !request_pending(); }
 
  private:
-  bool asked_for_other() const { return seen_ != served_.load(std::memory_order_relaxed); }
-  Result<void> ask(Camera* wanted);
-  Error why_not(std::uint64_t turns_before) const;
+  bool request_pending() const { return seen_ != served_.load(std::memory_order_relaxed); }
+  Result<void> request(Camera* camera);
+  Error timeout_error(std::uint64_t iterations_before) const;
 
-  const std::chrono::milliseconds patience_;
+  const std::chrono::milliseconds timeout_;
   std::mutex control_;
-  std::atomic<Camera*> wanted_{nullptr};
-  std::atomic<std::uint64_t> asked_{0};
+  std::atomic<Camera*> requested_camera_{nullptr};
+  std::atomic<std::uint64_t> requested_{0};
   std::atomic<std::uint64_t> served_{0};
-  std::atomic<std::uint64_t> turns_{0};  ///< shows that the acquisition thread runs
+  std::atomic<std::uint64_t> iterations_{0};  ///< shows that the acquisition thread runs
   std::atomic<int> lent_{0};
   Camera* camera_ = nullptr;  ///< acquisition thread
   std::uint64_t seen_ = 0;    ///< acquisition thread: the request seen last

@@ -6,10 +6,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostResidual = 0.25;       // lambda/d
-constexpr double kMostResidualTorn = 0.045;  // lambda/d, if a spot may be a fragment of a split one
-constexpr float kWhole = 0.65F;              // quality of a whole spot
-constexpr int kOneLostOf = 6;                // at most one spot of so many may be lost
+constexpr double kMaxResidual = 0.25;        // lambda/d
+constexpr double kMaxResidualSplit = 0.045;  // lambda/d, if a spot may be a fragment of a split one
+constexpr float kMinWholeQuality = 0.65F;    // quality of a whole spot
+constexpr int kMinSpotsPerLost = 6;          // at most one spot of so many may be lost
 constexpr double kResidualOfNoisePx = 1.25;  // px at RMS(noise / level) = 1
 constexpr std::int64_t kLateNs = 50'000'000;  // a busy host delays a frame that much now and then
 constexpr double kLatePeriods = 3.0;
@@ -41,11 +41,11 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
 }
 
 bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
-             std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING {
+             std::int64_t undelayed_mono_ns) OVWS_NONBLOCKING {
   const double period_ns = settings.frame_rate_hz > 0.0 ? 1e9 / settings.frame_rate_hz : 0.0;
   const std::int64_t patience_ns =
       std::max<std::int64_t>(kLateNs, std::llround(kLatePeriods * period_ns));
-  return arrival_mono_ns - unhindered_mono_ns > settings.transfer_ns + patience_ns;
+  return arrival_mono_ns - undelayed_mono_ns > settings.transfer_ns + patience_ns;
 }
 
 HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,
@@ -65,20 +65,20 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
 }
 
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, double lambda_d_px) {
-  if (kOneLostOf * found.lost > found.used + found.lost) return false;
+  if (kMinSpotsPerLost * found.lost > found.used + found.lost) return false;
   bool all_whole = found.lost == 0;
   double squares = 0.0;
   int count = 0;
   for (const SpotFix& spot : spots) {
     if (!spot.found()) continue;
-    all_whole = all_whole && spot.quality >= kWhole;
+    all_whole = all_whole && spot.quality >= kMinWholeQuality;
     const double noise = spot.level > 0.0F ? double(spot.noise) / double(spot.level) : 0.0;
     squares += noise * noise;
     ++count;
   }
   const double noise_px = kResidualOfNoisePx * std::sqrt(squares / std::max(count, 1));
-  const double light_px = (all_whole ? kMostResidual : kMostResidualTorn) * lambda_d_px;
-  return found.fit_residual_px <= std::hypot(light_px, noise_px);
+  const double limit_px = (all_whole ? kMaxResidual : kMaxResidualSplit) * lambda_d_px;
+  return found.fit_residual_px <= std::hypot(limit_px, noise_px);
 }
 
 }  // namespace ovws

@@ -27,7 +27,7 @@ SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arr
 /// transfer time + max(3 frame periods, 50 ms): its data are too old for control. Never true for a
 /// camera without timestamps. RT-safe.
 bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
-             std::int64_t unhindered_mono_ns) OVWS_NONBLOCKING;
+             std::int64_t undelayed_mono_ns) OVWS_NONBLOCKING;
 
 struct HologramVerdict {
   std::uint64_t hologram_id = 0;

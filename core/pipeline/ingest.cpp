@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::microseconds kFrameWait = 20ms;
 constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: poll for them
 constexpr std::chrono::microseconds kIdleWait = 2ms;
-constexpr std::uint64_t kLatestNumbers = 100;
+constexpr std::uint64_t kRestartGap = 100;
 
 bool fits(const MeasurementPlan& plan, const ImageView& image) {
   return image.width == plan.roi.width && image.height == plan.roi.height &&
@@ -24,7 +24,7 @@ bool fits(const MeasurementPlan& plan, const ImageView& image) {
 
 }  // namespace
 
-void Ingest::give_back() OVWS_NONBLOCKING {
+void Ingest::return_buffers() OVWS_NONBLOCKING {
   Camera* const camera = deps_.cameras.camera();
   if (camera != nullptr) {
     deps_.pool.reclaim(*camera);
@@ -34,21 +34,21 @@ void Ingest::give_back() OVWS_NONBLOCKING {
 }
 
 bool Ingest::serve_camera() OVWS_NONBLOCKING {
-  give_back();
-  if (deps_.cameras.due(deps_.pool.lent())) {
+  return_buffers();
+  if (deps_.cameras.can_serve(deps_.pool.lent())) {
     ++stream_;
     any_frame_ = false;
-    arrivals_.forget();
-    justification_.forget();
+    arrivals_.reset();
+    msb_alignment_.reset();
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
     last_sign_mono_ns_.store(0, std::memory_order_relaxed);
-    deps_.cameras.follow();
+    deps_.cameras.serve();
   }
   return deps_.cameras.streaming();
 }
 
-Entry* Ingest::turn(bool& waited_in_vain) {
-  waited_in_vain = true;
+Entry* Ingest::run_once(bool& idle) {
+  idle = true;
   if (!serve_camera()) {
     deps_.plans.adopt();  // lets old plans retire without a camera, too
     std::this_thread::sleep_for(kIdleWait);
@@ -62,24 +62,24 @@ Entry* Ingest::turn(bool& waited_in_vain) {
       deps_.plans.adopt();
       return nullptr;
     case GrabStatus::incomplete:
-      waited_in_vain = false;
+      idle = false;
       ++incomplete_since_;
-      return refuse(Counter::frames_incomplete);
+      return reject(Counter::frames_incomplete);
     case GrabStatus::duplicate:
-      waited_in_vain = false;
-      return refuse(Counter::frames_duplicated);
+      idle = false;
+      return reject(Counter::frames_duplicated);
     case GrabStatus::out_of_order:
-      waited_in_vain = false;
-      return refuse(Counter::frames_out_of_order);
+      idle = false;
+      return reject(Counter::frames_out_of_order);
     case GrabStatus::frame:
       break;
   }
-  waited_in_vain = false;
+  idle = false;
   return accept(frame);
 }
 
 /// The frame is not measured, but it shows that the camera sends.
-Entry* Ingest::refuse(Counter why) OVWS_NONBLOCKING {
+Entry* Ingest::reject(Counter why) OVWS_NONBLOCKING {
   deps_.counters.add(why);
   last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   return nullptr;
@@ -87,21 +87,21 @@ Entry* Ingest::refuse(Counter why) OVWS_NONBLOCKING {
 
 /// A frame number far below the last one is a restarted counter, not a frame out of order.
 bool Ingest::is_next(std::uint64_t frame_id) OVWS_NONBLOCKING {
-  return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kLatestNumbers;
+  return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kRestartGap;
 }
 
 Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
   if (!is_next(frame.frame_id)) {
     deps_.cameras.camera()->release(frame.slot);
-    return refuse(frame.frame_id == last_frame_id_ ? Counter::frames_duplicated
+    return reject(frame.frame_id == last_frame_id_ ? Counter::frames_duplicated
                                                    : Counter::frames_out_of_order);
   }
   deps_.counters.add(Counter::frames_grabbed);
   last_frame_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   last_sign_mono_ns_.store(frame.t_arrival_mono_ns, std::memory_order_relaxed);
   count_lost(frame.frame_id);
-  justify(frame);
-  Entry* const entry = measurable(frame);
+  align_pixels(frame);
+  Entry* const entry = take_entry(frame);
   if (entry == nullptr) {
     deps_.cameras.camera()->release(frame.slot);
     return nullptr;
@@ -110,13 +110,13 @@ Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
   return entry;
 }
 
-void Ingest::justify(GrabbedFrame& frame) OVWS_NONBLOCKING {
+void Ingest::align_pixels(GrabbedFrame& frame) OVWS_NONBLOCKING {
   ImageView& image = frame.image;
-  if (!frame.justification_known) image.left_justified_bits = justification_.bits_to_shift(image);
+  if (!frame.justification_known) image.left_justified_bits = msb_alignment_.shift_bits(image);
   if (image.left_justified_bits > 0) deps_.counters.add(Counter::frames_left_justified);
 }
 
-Entry* Ingest::measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING {
+Entry* Ingest::take_entry(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   Measurement* const measurement = deps_.plans.adopt();
   if (measurement == nullptr) {
     deps_.counters.add(Counter::frames_unplanned);
@@ -156,12 +156,12 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   deps_.shown.update();
   deps_.settings.update();
   const AppliedSettings& applied = deps_.settings.value();
-  if (applied.exposure_us != last_exposure_us_) arrivals_.forget();
+  if (applied.exposure_us != last_exposure_us_) arrivals_.reset();
   last_exposure_us_ = applied.exposure_us;
   const std::int64_t arrival = entry.frame.t_arrival_mono_ns;
-  const std::int64_t unhindered = arrivals_.unhindered_mono_ns(arrival, entry.frame.t_device_ns);
-  if (entry.frame.t_device_ns != 0) deps_.arrived.record(arrival - unhindered);
-  const SettingsVerdict settings = judge_settings(applied, unhindered);
+  const std::int64_t undelayed = arrivals_.undelayed_mono_ns(arrival, entry.frame.t_device_ns);
+  if (entry.frame.t_device_ns != 0) deps_.arrived.record(arrival - undelayed);
+  const SettingsVerdict settings = judge_settings(applied, undelayed);
   entry.settings_known = settings.known;
   entry.gain_db = settings.gain_db;
   entry.gain_raw = settings.gain_raw;
@@ -169,7 +169,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
                                                   settings.exposure_begin_mono_ns, arrival);
   entry.hologram_id = hologram.hologram_id;
-  const bool late = is_late(applied, arrival, unhindered);
+  const bool late = is_late(applied, arrival, undelayed);
   if (late) deps_.counters.add(Counter::frames_late);
   entry.still = hologram.still && !late;
   // After a change of the ROI, positions are meaningless until the plan for the new ROI is active.

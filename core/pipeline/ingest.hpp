@@ -8,7 +8,7 @@
 #include "core/base/realtime.hpp"
 #include "core/pipeline/arrival_clock.hpp"
 #include "core/pipeline/camera_exchange.hpp"
-#include "core/pipeline/justification.hpp"
+#include "core/pipeline/msb_alignment.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan_exchange.hpp"
 #include "core/pipeline/record_pool.hpp"
@@ -33,11 +33,11 @@ class Ingest {
   explicit Ingest(const Deps& deps) : deps_(deps) {}
 
   /// One iteration: returns buffers, serves camera requests, waits at most 20 ms for a frame.
-  /// Returns a record to measure, or nullptr. Sets `waited_in_vain` if no frame of any kind came.
-  Entry* turn(bool& waited_in_vain);
+  /// Returns a record to measure, or nullptr. Sets `idle` if no frame of any kind came.
+  Entry* run_once(bool& idle);
 
   /// Returns buffers and records that no thread holds any more.
-  void give_back() OVWS_NONBLOCKING;
+  void return_buffers() OVWS_NONBLOCKING;
 
   /// Any thread: asks that the next measured frame's record keeps its pixels for the image thread.
   void request_image() { image_requested_.store(true, std::memory_order_relaxed); }
@@ -51,11 +51,11 @@ class Ingest {
 
  private:
   bool serve_camera() OVWS_NONBLOCKING;
-  Entry* refuse(Counter why) OVWS_NONBLOCKING;
+  Entry* reject(Counter why) OVWS_NONBLOCKING;
   bool is_next(std::uint64_t frame_id) OVWS_NONBLOCKING;
   Entry* accept(GrabbedFrame& frame) OVWS_NONBLOCKING;
-  void justify(GrabbedFrame& frame) OVWS_NONBLOCKING;
-  Entry* measurable(const GrabbedFrame& frame) OVWS_NONBLOCKING;
+  void align_pixels(GrabbedFrame& frame) OVWS_NONBLOCKING;
+  Entry* take_entry(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
   void stamp(Entry& entry) OVWS_NONBLOCKING;
 
@@ -65,7 +65,7 @@ class Ingest {
   std::uint64_t last_frame_id_ = 0;
   std::uint64_t incomplete_since_ = 0;
   ArrivalClock arrivals_;
-  Justification justification_;
+  MsbAlignmentDetector msb_alignment_;
   double last_exposure_us_ = 0.0;
   std::atomic<bool> image_requested_{false};
   std::atomic<std::int64_t> last_frame_mono_ns_{0};

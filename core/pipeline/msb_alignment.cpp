@@ -1,4 +1,4 @@
-#include "core/pipeline/justification.hpp"
+#include "core/pipeline/msb_alignment.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 namespace ovws {
 namespace {
 
-constexpr int kPixelsAtFirst = 1 << 18;  // per frame: some ten microseconds
-constexpr int kLooksAtFirst = 2;         // passes over all rows
-constexpr int kBlock = 16;               // a constant trip count lets the compiler vectorise
+constexpr int kPixelsPerFrame = 1 << 18;  // some ten microseconds
+constexpr int kFullPasses = 2;            // over all rows
+constexpr int kBlock = 16;                // a constant trip count lets the compiler vectorise
 
 /// Bitwise OR of all pixels of the row.
 std::uint16_t bits_of(const std::uint16_t* __restrict row, int width) {
@@ -25,31 +25,31 @@ std::uint16_t bits_of(const std::uint16_t* __restrict row, int width) {
 
 }  // namespace
 
-int Justification::bits_to_shift(const ImageView& image) OVWS_NONBLOCKING {
+int MsbAlignmentDetector::shift_bits(const ImageView& image) OVWS_NONBLOCKING {
   const PixelFormatTraits& format = traits_of(image.format);
   if (format.layout != PixelLayout::words || format.bits == 16) return 0;
   if (image.format != format_) {
-    forget();
+    reset();
     format_ = image.format;
   }
-  if (known_bits_) return *known_bits_;
+  if (shift_bits_) return *shift_bits_;
   std::uint16_t seen = 0;
   const int empty = 16 - format.bits;
-  const bool first = rows_seen_ < kLooksAtFirst * image.height;
+  const bool first = rows_seen_ < kFullPasses * image.height;
   const int rows =
-      first ? std::clamp(kPixelsAtFirst / std::max(1, image.width), 1, image.height) : 1;
+      first ? std::clamp(kPixelsPerFrame / std::max(1, image.width), 1, image.height) : 1;
   for (int k = 0; k < rows && (seen & ((1 << empty) - 1)) == 0; ++k) {
     seen = std::uint16_t(seen |
                          bits_of(image.row<std::uint16_t>(rows_seen_ % image.height), image.width));
     rows_seen_ =
-        first ? rows_seen_ + 1 : kLooksAtFirst * image.height + (rows_seen_ + 1) % image.height;
+        first ? rows_seen_ + 1 : kFullPasses * image.height + (rows_seen_ + 1) % image.height;
   }
   if ((seen & ((1 << empty) - 1)) != 0) {
-    known_bits_ = 0;
+    shift_bits_ = 0;
   } else if ((seen >> format.bits) != 0) {
-    known_bits_ = empty;
+    shift_bits_ = empty;
   }
-  return known_bits_.value_or(0);
+  return shift_bits_.value_or(0);
 }
 
 }  // namespace ovws

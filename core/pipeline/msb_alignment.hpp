@@ -11,20 +11,20 @@
 namespace ovws {
 
 /// For one stream and one thread.
-class Justification {
+class MsbAlignmentDetector {
  public:
   /// Right shift that makes the pixels LSB-aligned. It is 0 until a pixel exceeds the format's full
   /// scale and no pixel seen so far had a low bit set that MSB-aligned data leave empty. Until it
   /// is certain it examines some rows of each frame in turn; one row per frame after two passes
   /// over all rows. RT-safe.
-  int bits_to_shift(const ImageView& image) OVWS_NONBLOCKING;
+  int shift_bits(const ImageView& image) OVWS_NONBLOCKING;
 
   /// Restarts the detection for another stream.
-  void forget() OVWS_NONBLOCKING { *this = {}; }
+  void reset() OVWS_NONBLOCKING { *this = {}; }
 
  private:
   PixelFormat format_ = PixelFormat::mono8;
-  std::optional<int> known_bits_;
+  std::optional<int> shift_bits_;
   int rows_seen_ = 0;
 };
 

@@ -68,20 +68,20 @@ DisplacementField Neighbourhood::fit(std::span<const SpotFix> spots) const OVWS_
 Vec2 Neighbourhood::expect(int i, const DisplacementField& field,
                            std::span<const SpotFix> spots) const OVWS_NONBLOCKING {
   const Site& site = sites_[i];
-  Vec2 left_over;
+  Vec2 residual;
   int found = 0;
   for (int n = 0; n < site.neighbour_count; ++n) {
     const int k = site.neighbours[n];
     if (!spots[k].found()) continue;
     const Site& other = sites_[k];
-    left_over = left_over + (position(spots[k]) - other.predicted_px - field.at(other.scaled));
+    residual = residual + (position(spots[k]) - other.predicted_px - field.at(other.scaled));
     ++found;
   }
   const Vec2 expected = site.predicted_px + field.at(site.scaled);
-  return found > 0 ? expected + (1.0 / found) * left_over : expected;
+  return found > 0 ? expected + (1.0 / found) * residual : expected;
 }
 
-bool Neighbourhood::doubled(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING {
+bool Neighbourhood::is_duplicate(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING {
   const Site& site = sites_[i];
   if (!spots[i].found()) return false;
   return std::any_of(site.neighbours.begin(), site.neighbours.begin() + site.neighbour_count,

@@ -43,7 +43,7 @@ class Neighbourhood {
 
   /// True if a found neighbour lies within a quarter of the pitch of spot i: both subapertures
   /// track the same spot. RT-safe.
-  bool doubled(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
+  bool is_duplicate(int i, std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
  private:
   static constexpr int kMaxNeighbours = 8;

@@ -8,18 +8,18 @@
 namespace ovws {
 
 Outbox::Outbox(int records, Counters& counters, RecordTap& tap)
-    : most_published_(records - records / 4),
+    : max_published_(records - records / 4),
       counters_(counters),
       tap_(tap),
       published_(std::size_t(records)),
       images_(std::size_t(records)) {}
 
 void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
-  const bool publish = with_publisher_.load(std::memory_order_acquire) < most_published_;
+  const bool publish = held_by_publisher_.load(std::memory_order_acquire) < max_published_;
   if (publish) {
     link(entry);
     count(entry);
-    with_publisher_.fetch_add(1, std::memory_order_relaxed);
+    held_by_publisher_.fetch_add(1, std::memory_order_relaxed);
   }
   // The rings have room for every record, so neither push can fail. This stage's own hold keeps the
   // entry alive even if the image thread has already released it.
@@ -69,7 +69,7 @@ Entry* Outbox::next(int timeout_us) {
 
 void Outbox::release(Entry& entry) OVWS_NONBLOCKING {
   entry.release();
-  with_publisher_.fetch_sub(1, std::memory_order_release);
+  held_by_publisher_.fetch_sub(1, std::memory_order_release);
 }
 
 Entry* Outbox::next_image(int timeout_us) {

@@ -33,12 +33,12 @@ class Outbox {
   std::uint64_t gap_between_streams(const Entry& entry) const;
   void count(const Entry& entry) OVWS_NONBLOCKING;
 
-  const int most_published_;
+  const int max_published_;
   Counters& counters_;
   RecordTap& tap_;
   SpscRing<Entry*> published_;
   SpscRing<Entry*> images_;
-  std::atomic<int> with_publisher_{0};
+  std::atomic<int> held_by_publisher_{0};
   std::uint64_t published_count_ = 0;      ///< last stage's thread
   std::uint64_t last_stream_ = 0;          ///< last stage's thread
   std::uint64_t last_frame_id_ = 0;        ///< last stage's thread

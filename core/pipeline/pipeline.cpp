@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kFewestRecords = 4;
+constexpr int kMinRecords = 4;
 
 class InlineAgent final : public Agent {
  public:
@@ -27,12 +27,12 @@ class InlineAgent final : public Agent {
 
   bool do_work() override {
     bool idle = false;
-    Entry* const entry = ingest_.turn(idle);
+    Entry* const entry = ingest_.run_once(idle);
     if (entry == nullptr) return !idle;
     track_.begin(*entry);
     track_.track_slice(*entry, 0);
     track_.finish(*entry);
-    ingest_.give_back();
+    ingest_.return_buffers();
     reconstruct_.run(*entry);
     return true;
   }
@@ -49,7 +49,7 @@ class AcquisitionAgent final : public Agent {
 
   bool do_work() override {
     bool idle = false;
-    Entry* const entry = ingest_.turn(idle);
+    Entry* const entry = ingest_.run_once(idle);
     if (entry != nullptr) crew_.submit(*entry);
     return !idle;
   }
@@ -62,7 +62,7 @@ class AcquisitionAgent final : public Agent {
 class TrackerAgent final : public Agent {
  public:
   TrackerAgent(TrackerCrew& crew, int k) : crew_(crew), k_(k) {}
-  bool do_work() override { return crew_.turn(k_); }
+  bool do_work() override { return crew_.run_worker(k_); }
 
  private:
   TrackerCrew& crew_;
@@ -91,7 +91,7 @@ class ReconstructionAgent final : public Agent {
 struct Pipeline::Impl {
   Impl(const PipelineConfig& config, const PipelineDeps& deps)
       : workers(std::max(config.workers, 0)),
-        records(std::max(config.records, kFewestRecords)),
+        records(std::max(config.records, kMinRecords)),
         pool(records),
         plans(pool, workers),
         tap(records),

@@ -20,9 +20,9 @@ void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
       kCredibleResidual * plan.spots.lambda_d_px);
   entry.tracked = int(
       std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
-  const bool told = entry.settled && entry.reconstruction.determined && plan.referenced();
-  entry.explained = !told || is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
-  entry.valid = told && entry.explained;
+  const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
+  entry.explained = !measured || is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
+  entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
   deps_.latency.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
   deps_.outbox.put(entry);

@@ -13,7 +13,7 @@ void RecordTap::offer(Entry& entry, int buffers) OVWS_NONBLOCKING {
   }
   const int every = pixels_every_.load(std::memory_order_relaxed);
   const bool due = every > 0 && offered_++ % std::uint64_t(every) == 0;
-  if (held_.load(std::memory_order_acquire) >= most_held_) return;
+  if (held_.load(std::memory_order_acquire) >= max_held_) return;
   const bool room = pixels_held_.load(std::memory_order_acquire) < buffers / 2;
   entry.recorded = true;
   entry.pixels_recorded = due && room;

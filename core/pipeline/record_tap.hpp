@@ -15,7 +15,7 @@ namespace ovws {
 class RecordTap {
  public:
   explicit RecordTap(int records)
-      : most_held_(records / 4), ring_(static_cast<std::size_t>(records)) {}
+      : max_held_(records / 4), ring_(static_cast<std::size_t>(records)) {}
 
   // Any thread.
   /// Starts with the next frame: all records, and the pixels of every n-th one; 0: no pixels.
@@ -36,7 +36,7 @@ class RecordTap {
   void release(Entry& entry) OVWS_NONBLOCKING;
 
  private:
-  const int most_held_;
+  const int max_held_;
   std::atomic<bool> open_{false};
   std::atomic<int> pixels_every_{1};
   std::atomic<int> held_{0};

@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kElsewhere = 0.5;  // lambda/d: the wavefront may move a spot by less meanwhile
+constexpr double kMaxSearchOffset = 0.5;  // lambda/d: the wavefront moves spots by less
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -26,13 +26,13 @@ bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
     count_ = plan.subapertures();
     roi_ = plan.roi;
   }
-  if (plan.id != seen_plan_id_) believe_search(plan);
+  if (plan.id != seen_plan_id_) adopt_search(plan);
   return !same;
 }
 
 /// Takes over the positions of a new whole-image search. A track may be locked to a neighbour's
 /// spot and would find it there in every frame. Plans that only repeat an older search are ignored.
-void SpotHistory::believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
+void SpotHistory::adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
   seen_plan_id_ = plan.id;
   const Vec2 mark = plan.search_px.empty() ? Vec2{kNone, kNone} : plan.search_px.front();
   const bool repeated = mark.x == search_mark_.x && mark.y == search_mark_.y;
@@ -44,7 +44,7 @@ void SpotHistory::believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
     const double away_px = norm(found.at_px - track.last.at_px);
     if (!live_) {
       track = {found, plan.predicted_px[i]};
-    } else if (!track.last.fresh || away_px > kElsewhere * plan.spots.lambda_d_px) {
+    } else if (!track.last.fresh || away_px > kMaxSearchOffset * plan.spots.lambda_d_px) {
       track.last = found;
     }
   }
@@ -84,7 +84,7 @@ void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   // A new plan may predict for the next hologram while the old one is still shown. Its predictions
   // count only once a frame shows its hologram.
   const bool plan_is_for_this = plan.hologram_id == record.hologram_id && plan.id != plan_id_;
-  const bool expect_anew = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
+  const bool new_prediction = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
   const bool was_live = live_;
   live_ = false;
   for (int i = 0; i < count_; ++i) {
@@ -96,10 +96,10 @@ void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
     } else {
       track.last = was_live ? SpotStart{moved(track, i, record), false} : kUnknown;
     }
-    if (expect_anew) track.expected_px = plan.predicted_px[i];
+    if (new_prediction) track.expected_px = plan.predicted_px[i];
   }
   hologram_id_ = record.hologram_id;
-  if (expect_anew) plan_id_ = plan.id;
+  if (new_prediction) plan_id_ = plan.id;
 }
 
 }  // namespace ovws

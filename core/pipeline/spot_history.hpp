@@ -40,7 +40,7 @@ class SpotHistory {
     Vec2 expected_px;  ///< the plan's prediction for hologram_id_
   };
 
-  void believe_search(const MeasurementPlan& plan) OVWS_NONBLOCKING;
+  void adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING;
   Vec2 moved(const Track& track, int i, const FrameRecord& record) const;
 
   std::vector<Track> tracks_;

@@ -24,7 +24,7 @@ int count_found(std::span<const SpotFix> spots) {
 }  // namespace
 
 TrackStage::TrackStage(const Config& config, const Deps& deps)
-    : config_(config), deps_(deps), doubled_(kMaxSubapertures), searched_(kMaxSubapertures) {}
+    : config_(config), deps_(deps), duplicate_(kMaxSubapertures), searched_(kMaxSubapertures) {}
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
@@ -36,7 +36,7 @@ void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
 void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
                         bool searched) {
   history_.resume(plan, starts);
-  search_told_ = searched;
+  forced_search_ = searched;
 }
 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
@@ -53,7 +53,7 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
 
 void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
   if (history_.live()) {
-    lose_incredible(entry);
+    reject_implausible(entry);
     retry_lost(entry);
   }
   if (entry.settled) {
@@ -64,14 +64,14 @@ void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
   entry.release_pixels();
 }
 
-void TrackStage::lose_incredible(Entry& entry) OVWS_NONBLOCKING {
+void TrackStage::reject_implausible(Entry& entry) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   const std::span<SpotFix> spots = spots_of(entry);
   drop_faint(spots, entry.spot_count);
   // Two subapertures that track the same spot are both ambiguous: both are tracked again.
-  for (int i = 0; i < entry.spot_count; ++i) doubled_[i] = neighbourhood.doubled(i, spots);
+  for (int i = 0; i < entry.spot_count; ++i) duplicate_[i] = neighbourhood.is_duplicate(i, spots);
   for (int i = 0; i < entry.spot_count; ++i) {
-    if (doubled_[i]) spots[i] = SpotFix{};
+    if (duplicate_[i]) spots[i] = SpotFix{};
   }
 }
 
@@ -97,16 +97,16 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
   const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
   if (!entry.starts[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
     spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch, i);
-    if (spots[i].found() && !neighbourhood.doubled(i, spots)) return spots[i];
+    if (spots[i].found() && !neighbourhood.is_duplicate(i, spots)) return spots[i];
   }
   spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch, i);
-  return neighbourhood.doubled(i, spots) ? SpotFix{} : spots[i];
+  return neighbourhood.is_duplicate(i, spots) ? SpotFix{} : spots[i];
 }
 
 void TrackStage::search_if_needed(Entry& entry) OVWS_NONBLOCKING {
   const int found = count_found(spots_of(entry));
-  if (const auto told = std::exchange(search_told_, std::nullopt)) {
-    if (*told) search(entry, found);
+  if (const auto forced = std::exchange(forced_search_, std::nullopt)) {
+    if (*forced) search(entry, found);
   } else if (history_.live() && entry.spot_count - found <= few(entry.spot_count)) {
     search_back_off_.reset();
   } else if (search_back_off_.try_now()) {

@@ -45,7 +45,7 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
-  void lose_incredible(Entry& entry) OVWS_NONBLOCKING;
+  void reject_implausible(Entry& entry) OVWS_NONBLOCKING;
   void retry_lost(Entry& entry) OVWS_NONBLOCKING;
   SpotFix retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING;
   void search_if_needed(Entry& entry) OVWS_NONBLOCKING;
@@ -56,8 +56,8 @@ class TrackStage {
   Deps deps_;
   SpotHistory history_;
   BackOff search_back_off_;
-  std::optional<bool> search_told_;  ///< for the next frame
-  std::vector<char> doubled_;
+  std::optional<bool> forced_search_;  ///< for the next frame
+  std::vector<char> duplicate_;
   std::vector<SpotFix> searched_;
 };
 

@@ -35,7 +35,7 @@ void TrackerCrew::start_next() OVWS_NONBLOCKING {
   for (const auto& slice : slices_) push(*slice, entry);
 }
 
-bool TrackerCrew::turn(int k) {
+bool TrackerCrew::run_worker(int k) {
   Entry* entry = nullptr;
   if (!slices_[k]->pop(entry, 20ms)) return false;
   deps_.stage.track_slice(*entry, k);

@@ -31,7 +31,7 @@ class TrackerCrew {
   /// Acquisition thread.
   void submit(Entry& entry) OVWS_NONBLOCKING;
   /// Worker k's thread: waits at most 20 ms for a slice and tracks it. False: there was none.
-  bool turn(int k);
+  bool run_worker(int k);
 
  private:
   void start_next() OVWS_NONBLOCKING;

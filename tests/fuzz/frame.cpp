@@ -9,7 +9,7 @@
 
 #include "core/base/pixels.hpp"
 #include "core/base/unpack.hpp"
-#include "core/pipeline/justification.hpp"
+#include "core/pipeline/msb_alignment.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/tracking/patch.hpp"
 
@@ -110,8 +110,8 @@ void track(const ImageView& frame, const SpotModel& spots, Bytes& from) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Bytes from(data, size);
   Frame frame(from);
-  Justification justification;
-  frame.view.left_justified_bits = justification.bits_to_shift(frame.view);
+  MsbAlignmentDetector detector;
+  frame.view.left_justified_bits = detector.shift_bits(frame.view);
   const LitPixels lit = lit_pixels(frame.view.format, 400.0 + from.below(400));
   unpack_alike(frame.view, from);
   const ImageView image = on_lattice(frame.view, lit.lattice);

@@ -19,9 +19,9 @@ class Server {
   Server(CameraExchange& exchange, int lent)
       : lent_(lent), thread_([this, &exchange] {
           while (!stop_) {
-            if (exchange.due(lent_)) {
+            if (exchange.can_serve(lent_)) {
               ++changes_;
-              exchange.follow();
+              exchange.serve();
             }
             std::this_thread::sleep_for(std::chrono::microseconds(100));
           }
@@ -91,10 +91,10 @@ TEST(CameraExchange, ACameraTakenEarlyIsSeenAsItWasHandedOver) {
     while (step.load(std::memory_order_relaxed) < wanted) std::this_thread::yield();
   };
   std::thread acquisition([&] {
-    EXPECT_TRUE(exchange.due(0));  // sees the request for the first
+    EXPECT_TRUE(exchange.can_serve(0));  // sees the request for the first
     step.store(1, std::memory_order_relaxed);
     wait_for(2);
-    exchange.follow();
+    exchange.serve();
     EXPECT_EQ(exchange.camera()->buffer_count(), 3);
     step.store(3, std::memory_order_relaxed);
   });
@@ -110,15 +110,15 @@ TEST(CameraExchange, WhileARequestWaitsNoFrameIsTaken) {
   CameraExchange exchange(milliseconds(1));
   ScriptedCamera camera(2, 16);
   ASSERT_FALSE(exchange.attach(camera));  // the request remains and is served on the next iteration
-  EXPECT_TRUE(exchange.due(0));
-  exchange.follow();
+  EXPECT_TRUE(exchange.can_serve(0));
+  exchange.serve();
   EXPECT_TRUE(exchange.streaming());
   ASSERT_FALSE(exchange.detach());
-  EXPECT_FALSE(exchange.due(1));
+  EXPECT_FALSE(exchange.can_serve(1));
   EXPECT_FALSE(exchange.streaming());
   EXPECT_EQ(exchange.camera(), &camera);  // to give the buffer back to
-  EXPECT_TRUE(exchange.due(0));
-  exchange.follow();
+  EXPECT_TRUE(exchange.can_serve(0));
+  exchange.serve();
   EXPECT_EQ(exchange.camera(), nullptr);
 }
 

@@ -1,7 +1,7 @@
 // Detection of MSB-aligned 16-bit pixel data.
 #include <gtest/gtest.h>
 
-#include "core/pipeline/justification.hpp"
+#include "core/pipeline/msb_alignment.hpp"
 #include "tests/unit/base/packed_picture.hpp"
 
 namespace ovws {
@@ -17,12 +17,12 @@ Image<std::uint16_t> frame(int spot_row, int spot_dn) {
   return dn;
 }
 
-int settled(Justification& justification, const Image<std::uint16_t>& dn, PixelFormat format,
+int settled(MsbAlignmentDetector& detector, const Image<std::uint16_t>& dn, PixelFormat format,
             int shift, int frames = kHeight) {
   const auto bytes = test::pack(dn, format, 0, shift);
   int bits = 0;
   for (int k = 0; k < frames; ++k) {
-    bits = justification.bits_to_shift(test::packed_view(bytes, dn.width, dn.height, format));
+    bits = detector.shift_bits(test::packed_view(bytes, dn.width, dn.height, format));
   }
   return bits;
 }
@@ -33,25 +33,24 @@ TEST(Justified, ToTheLeftIsSeenByANumberAboveFullScale) {
                                       {PixelFormat::mono14, 2},
                                       {PixelFormat::bayer_rg10, 6},
                                       {PixelFormat::bayer_bg12, 4}}) {
-    Justification justification;
-    EXPECT_EQ(settled(justification, frame(33, int(full_scale_dn(format)) / 2), format, shift),
-              shift)
+    MsbAlignmentDetector detector;
+    EXPECT_EQ(settled(detector, frame(33, int(full_scale_dn(format)) / 2), format, shift), shift)
         << pixel_format_name(format);
     // Once detected, it holds for dark frames, too.
-    EXPECT_EQ(settled(justification, frame(-1, 0), format, shift, 1), shift);
+    EXPECT_EQ(settled(detector, frame(-1, 0), format, shift, 1), shift);
   }
 }
 
 TEST(Justified, ToTheRightIsLeftAlone) {
-  Justification justification;
-  EXPECT_EQ(settled(justification, frame(33, 4095), PixelFormat::mono12, 0), 0);
+  MsbAlignmentDetector detector;
+  EXPECT_EQ(settled(detector, frame(33, 4095), PixelFormat::mono12, 0), 0);
 }
 
 TEST(Justified, NothingIsSaidOfFormatsWithoutSpareBits) {
-  Justification justification;
+  MsbAlignmentDetector detector;
   for (const PixelFormat format :
        {PixelFormat::mono8, PixelFormat::mono16, PixelFormat::mono12p, PixelFormat::bayer_gr8}) {
-    EXPECT_EQ(settled(justification, frame(33, 255), format, 0), 0) << pixel_format_name(format);
+    EXPECT_EQ(settled(detector, frame(33, 255), format, 0), 0) << pixel_format_name(format);
   }
 }
 
@@ -59,17 +58,17 @@ TEST(Justified, NothingIsSaidOfFormatsWithoutSpareBits) {
 TEST(Justified, EmptyLowBitsAloneProveNothing) {
   Image<std::uint16_t> dn = frame(33, 255);
   for (std::uint16_t& pixel : dn.pixels) pixel = std::uint16_t(pixel << 4);
-  Justification justification;
-  EXPECT_EQ(settled(justification, dn, PixelFormat::mono12, 0), 0);
+  MsbAlignmentDetector detector;
+  EXPECT_EQ(settled(detector, dn, PixelFormat::mono12, 0), 0);
 }
 
 TEST(Justified, IsFoundAnewForAnotherFormatAndAnotherStream) {
-  Justification justification;
-  EXPECT_EQ(settled(justification, frame(33, 1000), PixelFormat::mono12, 4), 4);
-  EXPECT_EQ(settled(justification, frame(33, 1000), PixelFormat::mono10, 0), 0);
-  EXPECT_EQ(settled(justification, frame(33, 1000), PixelFormat::mono12, 4), 4);
-  justification.forget();
-  EXPECT_EQ(settled(justification, frame(-1, 0), PixelFormat::mono12, 4, 1), 0);
+  MsbAlignmentDetector detector;
+  EXPECT_EQ(settled(detector, frame(33, 1000), PixelFormat::mono12, 4), 4);
+  EXPECT_EQ(settled(detector, frame(33, 1000), PixelFormat::mono10, 0), 0);
+  EXPECT_EQ(settled(detector, frame(33, 1000), PixelFormat::mono12, 4), 4);
+  detector.reset();
+  EXPECT_EQ(settled(detector, frame(-1, 0), PixelFormat::mono12, 4, 1), 0);
 }
 
 }  // namespace

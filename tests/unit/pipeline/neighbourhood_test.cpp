@@ -64,7 +64,7 @@ TEST(Neighbourhood, TwoNeighboursOnOneSpotAreDoubledAndNobodyElseIs) {
   at[10] = at[9] + Vec2{2.0, 1.0};
   const std::vector<SpotFix> spots = fixes_at(at, {});
   for (int i = 0; i < bench.spots(); ++i) {
-    EXPECT_EQ(neighbourhood.doubled(i, spots), i == 9 || i == 10) << "spot " << i;
+    EXPECT_EQ(neighbourhood.is_duplicate(i, spots), i == 9 || i == 10) << "spot " << i;
   }
 }
 
@@ -72,7 +72,7 @@ TEST(Neighbourhood, ALostSpotIsNeverDoubled) {
   const SpotBench bench;
   const Neighbourhood neighbourhood(bench.model_px);
   const std::vector<SpotFix> spots = fixes_at(bench.model_px, {4});
-  EXPECT_FALSE(neighbourhood.doubled(4, spots));
+  EXPECT_FALSE(neighbourhood.is_duplicate(4, spots));
 }
 
 }  // namespace
