@@ -10,10 +10,10 @@ PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
 }
 
 bool is_straight(const PxPerCycle& map) {
-  constexpr double kTurn = 0.002;
-  const double least = kTurn * map.scale();
-  return !map.mirrored() && map.xx > 0.0 && std::abs(map.xy) < least && std::abs(map.yx) < least &&
-         std::abs(map.xx - map.yy) < least;
+  constexpr double kTolerance = 0.002;
+  const double tolerance = kTolerance * map.scale();
+  return !map.mirrored() && map.xx > 0.0 && std::abs(map.xy) < tolerance &&
+         std::abs(map.yx) < tolerance && std::abs(map.xx - map.yy) < tolerance;
 }
 
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm) {

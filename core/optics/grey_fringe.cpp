@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kPupilShare = 0.5;  // distance of the patches in pupil diameters
-constexpr double kLeastFringePx = 4.0;
+constexpr double kMinFringePx = 4.0;
 constexpr double kReach = 1.8;  // in lambda / patch diameter; the first dark ring is at 1.22
 
 /// `side`: -1 left, 1 right. `level_of` maps the phase in the grating's period, 0 .. 1, to a level.
@@ -33,7 +33,7 @@ auto binary(int level) {
   return [level](double part) { return part < 0.5 ? std::uint8_t(level) : std::uint8_t(0); };
 }
 
-void darken(const SlmGeometry& slm, Image<std::uint8_t>& grey) {
+void clear_image(const SlmGeometry& slm, Image<std::uint8_t>& grey) {
   grey.width = slm.width_px;
   grey.height = slm.height_px;
   grey.pixels.assign(std::size_t(grey.width) * std::size_t(grey.height), 0);
@@ -46,7 +46,7 @@ FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, 
   FringePatches patches;
   const int apart = lit.diagonal ? 1 : lit.lattice.step;
   patches.distance_px =
-      std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / (kLeastFringePx * apart));
+      std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / (kMinFringePx * apart));
   patches.diameter_px = std::min(share * sensor.pupil_diameter_px / sensor.subapertures_across,
                                  0.5 * patches.distance_px);
   return patches;
@@ -55,14 +55,14 @@ FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, 
 void draw_fringe_patches(const FringePatches& patches, const SensorConfig& sensor,
                          const SlmGeometry& slm, int grey_left, int grey_right,
                          Image<std::uint8_t>& grey) {
-  darken(slm, grey);
+  clear_image(slm, grey);
   draw_patch(patches, sensor, -1.0, binary(grey_left), grey);
   draw_patch(patches, sensor, 1.0, binary(grey_right), grey);
 }
 
 void draw_blazed_patch(const FringePatches& patches, const SensorConfig& sensor,
                        const SlmGeometry& slm, const PhaseLut& lut, Image<std::uint8_t>& grey) {
-  darken(slm, grey);
+  clear_image(slm, grey);
   const auto blazed = [&lut](double part) {
     return lut[std::min(std::size_t(256.0 * part), std::size_t(255))];
   };

@@ -14,7 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
-constexpr double kMostWaves = 1e6;  ///< more is a mistake and loses the phase's precision
+constexpr double kMaxWaves = 1e6;  ///< more is a mistake and loses the phase's precision
 
 Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
@@ -88,7 +88,7 @@ Result<void> check_modes(std::span<const Mode> modes) {
                   "mode j = " + std::to_string(mode.j) + " is not supported: use j = 0 to " +
                       std::to_string(kMaxZernikeIndex));
     }
-    if (!(std::abs(mode.waves) <= kMostWaves)) {
+    if (!(std::abs(mode.waves) <= kMaxWaves)) {
       return fail(Errc::invalid, "modes",
                   "the coefficient of mode j = " + std::to_string(mode.j) +
                       " must be a number from -1e6 to 1e6 waves");
@@ -97,32 +97,32 @@ Result<void> check_modes(std::span<const Mode> modes) {
   return {};
 }
 
-double largest(std::span<const double> slopes, double carrier_cpp) {
-  double most = 0.0;
-  for (const double slope : slopes) most = std::max(most, std::abs(slope + carrier_cpp));
-  return most;
+double max_abs_slope(std::span<const double> slopes, double carrier_cpp) {
+  double found = 0.0;
+  for (const double slope : slopes) found = std::max(found, std::abs(slope + carrier_cpp));
+  return found;
 }
 
 /// Maximum |d phase / dx| and |d phase / dy| over the subaperture's pixels, cycles per pixel.
 /// Excludes the vortex's own slope, charge / (2 pi r), which is singular at its centre and needs no
 /// sampling there.
-Vec2 steepest(const WavefrontRows& modes, const Subaperture& s, const Lattice& lattice,
-              const SlmGeometry& slm) {
+Vec2 max_slope(const WavefrontRows& modes, const Subaperture& s, const Lattice& lattice,
+               const SlmGeometry& slm) {
   const Vec2 centre = pupil_centre(slm) + s.centre_px;
   const double radius = 0.5 * lattice.diameter_px;
   std::vector<double> slopes;
-  Vec2 most;
+  Vec2 found;
   const int last = std::min(slm.height_px - 1, static_cast<int>(std::floor(centre.y + radius)));
   for (int y = std::max(0, static_cast<int>(std::ceil(centre.y - radius))); y <= last; ++y) {
     const Columns columns = columns_in_circle(centre, lattice.diameter_px, y, slm.width_px);
     if (columns.begin >= columns.end) continue;
     slopes.resize(columns.end - columns.begin);
     modes.slopes_x(y, columns.begin, slopes);
-    most.x = std::max(most.x, largest(slopes, s.frequency_cpp.x));
+    found.x = std::max(found.x, max_abs_slope(slopes, s.frequency_cpp.x));
     modes.slopes_y(y, columns.begin, slopes);
-    most.y = std::max(most.y, largest(slopes, s.frequency_cpp.y));
+    found.y = std::max(found.y, max_abs_slope(slopes, s.frequency_cpp.y));
   }
-  return most;
+  return found;
 }
 
 }  // namespace
@@ -231,11 +231,11 @@ Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const
   const WavefrontRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px);
   for (std::size_t i = 0; i < lattice_.subapertures.size(); ++i) {
     const Subaperture& s = lattice_.subapertures[i];
-    const Vec2 most = steepest(added, s, lattice_, config_.slm);
-    if (most.x <= kNyquistCpp && most.y <= kNyquistCpp) continue;
+    const Vec2 found = max_slope(added, s, lattice_, config_.slm);
+    if (found.x <= kNyquistCpp && found.y <= kNyquistCpp) continue;
     return fail(Errc::invalid, "modes",
                 "too steep for the SLM: subaperture " + std::to_string(i) + " needs " +
-                    std::to_string(most.x) + " x " + std::to_string(most.y) +
+                    std::to_string(found.x) + " x " + std::to_string(found.y) +
                     " cycles per SLM pixel, of which its grating takes " +
                     std::to_string(s.frequency_cpp.x) + " x " + std::to_string(s.frequency_cpp.y) +
                     "; the limit is 0.5: reduce the aberration or the grating");

@@ -10,7 +10,7 @@ namespace ovws {
 /// Number of SIMD lanes: lane L of a row segment computes its pixels L, L + 16, L + 32, ...
 constexpr int kPhaseLanes = 16;
 /// Maximum degree of a row's polynomial.
-constexpr int kMostPhaseDegree = 20;
+constexpr int kMaxPhaseDegree = 20;
 /// Steps that `phases` may write beyond the requested ones.
 constexpr int kSpareSteps = 1;
 

@@ -14,14 +14,14 @@ using Lanes = std::array<double, kPhaseLanes>;
 /// The errors of the terms are random: tilts reach half of this bound, higher orders less.
 constexpr double kRoundings = 2.0;
 constexpr double kRoundoff = 0x1p-53;
-constexpr double kMostPaths = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
-constexpr int kFewestSteps = 16;       ///< of a segment; fewer do not repay its initial differences
+constexpr double kMaxErrorGain = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
+constexpr int kMinSteps = 16;  ///< of a segment; fewer do not repay its initial differences
 /// Segments begin at multiples of this many steps, which bounds the excess to the left of a row's
 /// columns.
 constexpr int kGrain = 4;
 
 /// Error amplification: how often the last bits of the initial differences enter the last step.
-double paths(int degree, int steps) {
+double error_gain(int degree, int steps) {
   double sum = 0.0;
   double ways = 1.0;  // to choose k of the steps
   for (int k = 0; k <= degree; ++k) {
@@ -47,12 +47,12 @@ PhaseRows::PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diamete
       width_(width),
       height_(height),
       degree_(static_cast<int>(modes_.terms().size()) - 1),
-      steps_(longest_stretch()) {
+      steps_(max_segment_steps()) {
   columns_.reserve(height);
   for (int y = 0; y < height; ++y) {
     columns_.push_back(columns_in_circle(centre_px, diameter_px, y, width));
   }
-  if (in_fixed_point()) add_stretches();
+  if (in_fixed_point()) add_segments();
 }
 
 /// The steps that cover the columns, from a multiple of kGrain on.
@@ -82,34 +82,34 @@ double PhaseRows::largest_terms(int steps) const {
   return sum;
 }
 
-int PhaseRows::longest_stretch() const {
+int PhaseRows::max_segment_steps() const {
   const int across = static_cast<int>(diameter_px_) / kPhaseLanes + 2 + kGrain;
-  const int most = std::min(all_steps(), across);
+  const int all = std::min(all_steps(), across);
   for (int parts = 1;; ++parts) {
-    const int steps = ((most + parts - 1) / parts + kGrain - 1) / kGrain * kGrain;
-    if (parts > 1 && steps < kFewestSteps) return 0;
-    if (paths(degree_, steps) > kMostPaths) continue;
+    const int steps = ((all + parts - 1) / parts + kGrain - 1) / kGrain * kGrain;
+    if (parts > 1 && steps < kMinSteps) return 0;
+    if (error_gain(degree_, steps) > kMaxErrorGain) continue;
     if (kRoundings * kRoundoff * largest_terms(steps) <= kPhaseError) return steps;
   }
 }
 
-void PhaseRows::add_stretches() {
-  stretches_.assign(all_steps() / kGrain + 1, -1);
+void PhaseRows::add_segments() {
+  segments_.assign(all_steps() / kGrain + 1, -1);
   int count = 0;
   for (const Columns& in_pupil : columns_) {
     const Columns steps = steps_of(in_pupil);
     for (int first = steps.begin; first < steps.end; first += steps_) {
-      int& stretch = stretches_[first / kGrain];
-      if (stretch >= 0) continue;
-      stretch = count++;
-      add_stretch(first * kPhaseLanes);
+      int& segment = segments_[first / kGrain];
+      if (segment >= 0) continue;
+      segment = count++;
+      add_segment(first * kPhaseLanes);
     }
   }
 }
 
 /// Newton form of the polynomial in x at each lane's first pixels, by repeated synthetic division.
 /// Differencing values instead would suffer from cancellation.
-void PhaseRows::add_stretch(int first_x) {
+void PhaseRows::add_segment(int first_x) {
   const int n = degree_;
   std::vector<std::vector<Lanes>> q;
   for (const std::vector<double>& in_y : modes_.terms()) {
@@ -155,7 +155,7 @@ Columns PhaseRows::row(int y, const HologramRowKernels& kernels, std::span<std::
   const std::size_t length = (degree_ + 1) * (degree_ + 2) / 2 * kPhaseLanes;
   const Columns steps = steps_of(in_pupil);
   for (int first = steps.begin; first < steps.end; first += steps_) {
-    kernels.phases(&terms_[length * stretches_[first / kGrain]], degree_, y_in_pupil,
+    kernels.phases(&terms_[length * segments_[first / kGrain]], degree_, y_in_pupil,
                    std::min(steps_, steps.end - first), phase.data() + first * kPhaseLanes);
   }
   return in_pupil;

@@ -40,9 +40,9 @@ class PhaseRows {
   int all_steps() const { return (width_ + kPhaseLanes - 1) / kPhaseLanes; }
   Columns steps_of(Columns columns) const;
   double largest_terms(int steps) const;
-  int longest_stretch() const;
-  void add_stretches();
-  void add_stretch(int first_x);
+  int max_segment_steps() const;
+  void add_segments();
+  void add_segment(int first_x);
 
   WavefrontRows modes_;
   double diameter_px_;
@@ -52,7 +52,7 @@ class PhaseRows {
   int steps_ = 0;                 ///< maximum segment length; 0: not in fixed point
   std::vector<Columns> columns_;  ///< the pupil's columns in each row
   std::vector<double> terms_;     ///< for HologramRowKernels::phases, segment after segment
-  std::vector<int> stretches_;  ///< index of the segment that begins at each kGrain steps; -1: none
+  std::vector<int> segments_;  ///< index of the segment that begins at each kGrain steps; -1: none
 };
 
 /// Converts waves to 16-bit phase: rounds to the nearest 1/65536 wave (ties to even) and drops

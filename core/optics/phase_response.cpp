@@ -12,25 +12,25 @@ namespace ovws {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kMostMisfit = 0.05;  // RMS, in radii of the circle
-constexpr double kMostStepRad = kTwoPi / 24.0;
-constexpr double kMostNoiseRad = 0.1;  // of one grey level
-constexpr double kLeastNoiseRad = 1e-3;
-constexpr double kMostDriftRad = 0.01;  // of the mean of a grey level's two readings
-constexpr double kChance = 3.0;         // standard deviations of the statistic under noise alone
-constexpr double kLagging = 0.7;        // |mean| over RMS of the differences: noise has no mean
-constexpr double kLeastDepthRad = 1.0;  // a shorter arc does not determine a circle
-constexpr double kFallNoises = 5.0;     // a fall significant against the noise
-constexpr double kLeastBlaze = 0.05;    // relative difference: 1 rad of depth gives 0.15
-constexpr double kBlazeNoises = 3.0;    // in differences between repeated readings
-constexpr double kStiffest = 1e9, kSoftest = 1.0;
+constexpr double kMaxMisfit = 0.05;  // RMS, in radii of the circle
+constexpr double kMaxStepRad = kTwoPi / 24.0;
+constexpr double kMaxNoiseRad = 0.1;  // of one grey level
+constexpr double kMinNoiseRad = 1e-3;
+constexpr double kMaxDriftRad = 0.01;  // of the mean of a grey level's two readings
+constexpr double kDriftSigmas = 3.0;   // standard deviations of the statistic under noise alone
+constexpr double kMinLagRatio = 0.7;   // |mean| over RMS of the differences: noise has no mean
+constexpr double kMinDepthRad = 1.0;   // a shorter arc does not determine a circle
+constexpr double kFallSigmas = 5.0;    // a fall significant against the noise
+constexpr double kMinBlaze = 0.05;     // relative difference: 1 rad of depth gives 0.15
+constexpr double kBlazeNoises = 3.0;   // in differences between repeated readings
+constexpr double kMaxStiffness = 1e9, kMinStiffness = 1.0;
 
-std::string rounded(double value) {
+std::string two_decimals(double value) {
   std::string text = std::to_string(std::round(100.0 * value) / 100.0);
   return text.substr(0, text.find('.') + 3);
 }
 
-std::string thousandths(double value) {
+std::string three_decimals(double value) {
   std::string text = std::to_string(std::round(1000.0 * value) / 1000.0);
   return text.substr(0, text.find('.') + 4);
 }
@@ -73,7 +73,7 @@ Circle fit_circle(std::span<const GreyBeat> beats) {
 
 Result<Circle> checked_circle(std::span<const GreyBeat> beats) {
   const Circle circle = fit_circle(beats);
-  if (circle.misfit < kMostMisfit) return circle;
+  if (circle.misfit < kMaxMisfit) return circle;
   return fail(
       Errc::refused, "",
       "the fringes' complex amplitudes do not lie on a circle: check that the illumination is "
@@ -102,7 +102,7 @@ double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   double sum = 0.0;
   for (const GreyBeat& beat : beats) sum += std::norm(beat.first - beat.second);
   const double readings = std::sqrt(sum / (8.0 * double(beats.size()))) / circle.radius;
-  return std::max({readings, circle.misfit, kLeastNoiseRad});
+  return std::max({readings, circle.misfit, kMinNoiseRad});
 }
 
 /// Drift of the mean of two readings, beyond noise, in rad. As in von Neumann's ratio test, noise
@@ -117,13 +117,13 @@ double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
     before = moved;
   }
   const auto n = double(beats.size());
-  const double noise = (1.0 + kChance / std::sqrt(n)) * 0.5 * steps / (n - 1.0);
+  const double noise = (1.0 + kDriftSigmas / std::sqrt(n)) * 0.5 * steps / (n - 1.0);
   return std::sqrt(std::max(0.0, squares / n - noise) / 8.0) / circle.radius;
 }
 
 /// Diagnoses inconsistent readings: a lag (exposed before the SLM had settled), drift of the bench,
 /// or too much noise.
-Error unsteady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad,
+Error diagnose(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad,
                double drift_rad) {
   double lag = 0.0, square = 0.0;
   for (const GreyBeat& beat : beats) {
@@ -132,42 +132,42 @@ Error unsteady(std::span<const GreyBeat> beats, const Circle& circle, double noi
     lag += off / double(beats.size());
     square += off * off / double(beats.size());
   }
-  if (std::abs(lag) > kLagging * std::sqrt(square)) {
+  if (std::abs(lag) > kMinLagRatio * std::sqrt(square)) {
     return {
         Errc::refused, "slm.settle_ms",
         "the phases measured with rising and with falling grey levels differ by " +
-            rounded(std::abs(lag)) +
+            two_decimals(std::abs(lag)) +
             " rad: the SLM is slower than slm.settle_ms, or the bench moves; slm.settle measures "
             "the settle time"};
   }
-  if (drift_rad > kMostDriftRad) {
+  if (drift_rad > kMaxDriftRad) {
     return {Errc::refused, "",
             "the bench moved during the measurement: beyond the noise, the two readings of a level "
             "differ by " +
-                thousandths(2.0 * drift_rad) + " rad RMS (at most " +
-                thousandths(2.0 * kMostDriftRad) +
+                three_decimals(2.0 * drift_rad) + " rad RMS (at most " +
+                three_decimals(2.0 * kMaxDriftRad) +
                 " are allowed): let the bench come to rest and measure again"};
   }
   return {Errc::refused, "camera.exposure_us",
-          "the fringes are too weak: the phase noise of one level is " + rounded(noise_rad) +
+          "the fringes are too weak: the phase noise of one level is " + two_decimals(noise_rad) +
               " rad; raise the exposure, or average more frames"};
 }
 
 Result<void> check_steady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
   const double drift_rad = drift_of(beats, circle);
-  if (noise_rad <= kMostNoiseRad && drift_rad <= kMostDriftRad) return {};
-  return fail(unsteady(beats, circle, noise_rad, drift_rad));
+  if (noise_rad <= kMaxNoiseRad && drift_rad <= kMaxDriftRad) return {};
+  return fail(diagnose(beats, circle, noise_rad, drift_rad));
 }
 
-Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<double>& phases,
-                          double noise_rad) {
+Result<void> check_monotonic(std::span<const GreyBeat> beats, const std::vector<double>& phases,
+                             double noise_rad) {
   std::size_t top = 0;
   for (std::size_t k = 1; k < phases.size(); ++k) {
     if (phases[k] > phases[top]) top = k;
-    if (phases[top] - phases[k] < kFallNoises * std::sqrt(2.0) * noise_rad) continue;
+    if (phases[top] - phases[k] < kFallSigmas * std::sqrt(2.0) * noise_rad) continue;
     return fail(
         Errc::refused, "",
-        "the phase is not monotonic: it turns back by " + rounded(phases[top] - phases[k]) +
+        "the phase is not monotonic: it turns back by " + two_decimals(phases[top] - phases[k]) +
             " rad from grey level " + std::to_string(beats[top].grey) + " to " +
             std::to_string(beats[k].grey) +
             ", which no look-up table can correct; check that nothing moves on the bench, and "
@@ -179,7 +179,7 @@ Result<void> check_rising(std::span<const GreyBeat> beats, const std::vector<dou
 /// Roughness penalty: the integrated squared third derivative of 256 values with respect to the
 /// index of the measured level, so the curve may bend more where levels are dense. Third
 /// differences have the fifth power of the level gap as weight, normalised to 1 for the widest gap.
-Eigen::MatrixXd bending(std::span<const GreyBeat> beats) {
+Eigen::MatrixXd roughness_penalty(std::span<const GreyBeat> beats) {
   Eigen::VectorXd gap(253);  // about the middle of levels k .. k + 3
   std::size_t next = 1;
   for (int k = 0; k < 253; ++k) {
@@ -200,11 +200,11 @@ struct Curve {
 };
 
 /// Whittaker smoothing: the stiffest curve whose residual does not exceed the noise.
-Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phases,
-                double noise_rad) {
-  const Eigen::MatrixXd bend = bending(beats);
+Curve whittaker_smooth(std::span<const GreyBeat> beats, const std::vector<double>& phases,
+                       double noise_rad) {
+  const Eigen::MatrixXd bend = roughness_penalty(beats);
   Curve curve;
-  for (double stiffness = kStiffest; stiffness >= kSoftest; stiffness /= 3.0) {
+  for (double stiffness = kMaxStiffness; stiffness >= kMinStiffness; stiffness /= 3.0) {
     Eigen::MatrixXd normal = stiffness / (noise_rad * noise_rad) * bend;
     Eigen::VectorXd rhs = Eigen::VectorXd::Zero(256);
     for (std::size_t k = 0; k < beats.size(); ++k) {
@@ -218,7 +218,7 @@ Curve smoothest(std::span<const GreyBeat> beats, const std::vector<double>& phas
       sum += std::pow(curve.phases[beats[k].grey] - phases[k], 2);
     }
     curve.residual = std::sqrt(sum / double(beats.size()));
-    const bool last = stiffness / 3.0 < kSoftest;
+    const bool last = stiffness / 3.0 < kMinStiffness;
     if (curve.residual > noise_rad && !last) continue;
     const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
     // If even the softest curve misses the noise level, the residual is the uncertainty.
@@ -242,7 +242,7 @@ Result<std::vector<int>> levels_between(std::span<const GreyBeat> beats) {
   std::vector<int> between;
   for (std::size_t k = 1; k < beats.size(); ++k) {
     const int low = beats[k - 1].grey, gap = beats[k].grey - low;
-    const double steps = std::ceil(std::abs(turn_rad(beats, *circle, k)) / kMostStepRad);
+    const double steps = std::ceil(std::abs(turn_rad(beats, *circle, k)) / kMaxStepRad);
     const int parts = std::min(int(steps), gap);
     for (int i = 1; i < parts; ++i) between.push_back(low + gap * i / parts);
   }
@@ -255,13 +255,13 @@ Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
   const double noise = noise_of(beats, *circle);
   if (auto steady = check_steady(beats, *circle, noise); !steady) return fail(steady.error());
   const std::vector<double> phases = unwrapped(beats, *circle);
-  if (auto rising = check_rising(beats, phases, noise); !rising) return fail(rising.error());
-  if (phases.back() < kLeastDepthRad) {
+  if (auto rising = check_monotonic(beats, phases, noise); !rising) return fail(rising.error());
+  if (phases.back() < kMinDepthRad) {
     return fail(Errc::refused, "",
-                "the SLM's phase range is only " + rounded(phases.back()) +
+                "the SLM's phase range is only " + two_decimals(phases.back()) +
                     " rad: check that the configured output is the SLM");
   }
-  const Curve curve = smoothest(beats, phases, noise);
+  const Curve curve = whittaker_smooth(beats, phases, noise);
   PhaseResponse response;
   response.levels = int(beats.size());
   response.noise_rad = noise;
@@ -287,11 +287,12 @@ Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& risin
   const double down = 0.5 * (falling.first_dn + falling.second_dn);
   const double spread = std::max(std::abs(rising.first_dn - rising.second_dn),
                                  std::abs(falling.first_dn - falling.second_dn));
-  if (std::abs(up - down) <= std::max(kLeastBlaze * std::max(up, down), kBlazeNoises * spread)) {
+  if (std::abs(up - down) <= std::max(kMinBlaze * std::max(up, down), kBlazeNoises * spread)) {
     return fail(Errc::refused, "camera.exposure_us",
                 "cannot tell whether the phase rises or falls with the grey level: a blazed "
                 "grating brings " +
-                    rounded(up) + " DN to the base spot if it rises and " + rounded(down) +
+                    two_decimals(up) + " DN to the base spot if it rises and " +
+                    two_decimals(down) +
                     " DN if it falls; run registration.run, raise the exposure, or average more "
                     "frames");
   }
@@ -323,7 +324,7 @@ PhaseTable linearising_lut(const std::array<double, 256>& phase_rad) {
     table.lut[k] = std::uint8_t(grey);
   }
   if (table.steps_out_of_reach > 0) {
-    table.reason = "the SLM reaches " + rounded(depth / std::numbers::pi) +
+    table.reason = "the SLM reaches " + two_decimals(depth / std::numbers::pi) +
                    " pi of 2 pi: phases beyond are shown by grey level 255 or 0, whichever is "
                    "nearer";
   }

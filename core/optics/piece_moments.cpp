@@ -11,7 +11,7 @@ namespace {
 constexpr int kCellsAcross = 36;  // more than twice the cycles in a box of 8 lambda/d
 constexpr int kFitAcross = 24;    // samples across the circle for the polynomial fit of the modes
 
-std::complex<double> turn(double cycles) {
+std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
 }
 
@@ -44,8 +44,8 @@ void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px
   out.resize(kPowers * rows, x_px.size());
   const double f0 = line.origin_cpp + line.step_cpp * line.first - line.carrier_cpp;
   for (Eigen::Index p = 0; p < x_px.size(); ++p) {
-    std::complex<double> w = turn(-f0 * x_px(p));
-    const std::complex<double> next = turn(-line.step_cpp * x_px(p));
+    std::complex<double> w = unit_phasor(-f0 * x_px(p));
+    const std::complex<double> next = unit_phasor(-line.step_cpp * x_px(p));
     for (int k = 0; k < line.count; ++k, w = product(w, next)) out(k, p) = std::complex<float>(w);
   }
   for (int k = 0; k < line.count; ++k) {
@@ -122,12 +122,12 @@ void PieceMoments::load(const SensorField& field, std::span<const Mode> modes,
     patch.cells.setZero(side, side);
     patch.carrier_cpp = slope_cpp(std::size_t(piece), modes);
     const Vec2 f = patch.carrier_cpp;
-    const std::complex<double> next = turn(-f.x);
+    const std::complex<double> next = unit_phasor(-f.x);
     auto run = std::lower_bound(runs.begin(), runs.end(), piece,
                                 [](const SensorField::Run& r, int p) { return r.piece < p; });
     for (; run != runs.end() && run->piece == piece; ++run) {
-      std::complex<double> back =
-          turn(-f.x * (run->begin - pupil_centre_px_.x) - f.y * (run->y - pupil_centre_px_.y));
+      std::complex<double> back = unit_phasor(-f.x * (run->begin - pupil_centre_px_.x) -
+                                              f.y * (run->y - pupil_centre_px_.y));
       const std::complex<float>* row = field.pupil().row(run->y);
       auto cells = patch.cells.row((run->y - patch.y) / patch.block);
       for (int x = run->begin; x < run->end; ++x, back = product(back, next)) {

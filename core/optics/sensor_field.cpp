@@ -28,7 +28,7 @@ const std::vector<std::complex<float>>& phasors() {
 constexpr int kFixed = -2;    // outside the pupil: modes are not applied
 constexpr int kUnowned = -1;  // in the pupil, outside the subapertures
 
-void give(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
+void assign_owner(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
   for (int y = 0; y < owner.height; ++y) {
     const Columns in = columns_in_circle(centre_px, diameter_px, y, owner.width);
     std::fill_n(owner.row(y) + in.begin, in.end - in.begin, to);
@@ -48,13 +48,13 @@ Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeome
   SensorField field(slm, far_field_window(sensor, slm, optics, cols, rows));
   field.pupil_centre_px_ = {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
   field.pupil_radius_px_ = 0.5 * sensor.pupil_diameter_px;
-  field.cut(renderer->lattice(), slm);
+  field.split_into_pieces(renderer->lattice(), slm);
   renderer->render(HologramKind::sensor, {}, field.grey_);
   field.pupil_ = Image<std::complex<float>>(slm.width_px, slm.height_px);
   return field;
 }
 
-void SensorField::cut(const Lattice& lattice, const SlmGeometry& slm) {
+void SensorField::split_into_pieces(const Lattice& lattice, const SlmGeometry& slm) {
   subapertures_ = int(lattice.subapertures.size());
   for (const Subaperture& s : lattice.subapertures) {
     pieces_.push_back({s.centre_px, 0.5 * lattice.diameter_px, s.frequency_cpp});
@@ -68,9 +68,9 @@ void SensorField::cut(const Lattice& lattice, const SlmGeometry& slm) {
     pieces_.push_back({corner + Vec2{half, half} - pupil_centre_px_, std::sqrt(2.0) * half, {}});
   }
   Image<int> owner(slm.width_px, slm.height_px, kFixed);
-  give(owner, pupil_centre_px_, 2.0 * pupil_radius_px_, kUnowned);
+  assign_owner(owner, pupil_centre_px_, 2.0 * pupil_radius_px_, kUnowned);
   for (int i = 0; i < subapertures_; ++i) {
-    give(owner, pupil_centre_px_ + pieces_[i].centre_px, 2.0 * pieces_[i].radius_px, i);
+    assign_owner(owner, pupil_centre_px_ + pieces_[i].centre_px, 2.0 * pieces_[i].radius_px, i);
   }
   for (int y = 0; y < slm.height_px; ++y) {
     int last = kFixed;

@@ -63,7 +63,7 @@ class SensorField {
 
  private:
   SensorField(SlmGeometry slm, FarFieldWindow window) : window_(window), far_field_(slm, window) {}
-  void cut(const Lattice& lattice, const SlmGeometry& slm);
+  void split_into_pieces(const Lattice& lattice, const SlmGeometry& slm);
 
   FarFieldWindow window_;
   Vec2 pupil_centre_px_;

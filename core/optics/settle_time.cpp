@@ -6,11 +6,11 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kLeastFrames = 8;
-constexpr double kNoises = 4.0;
-constexpr double kShare = 0.01;        // tolerance, relative to the change
-constexpr double kLeastChange = 10.0;  // times the noise
-constexpr double kOutlier = 3.0;       // standard deviations
+constexpr std::size_t kMinFrames = 8;
+constexpr double kNoiseSigmas = 4.0;
+constexpr double kRelativeTolerance = 0.01;  // tolerance, relative to the change
+constexpr double kMinChange = 10.0;          // times the noise
+constexpr double kOutlierSigmas = 3.0;       // standard deviations
 constexpr double kSigmaPerMad = 1.4826;
 
 double median(std::vector<double> values) {
@@ -25,7 +25,7 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   for (const StepFrame& frame : frames) {
     if (frame.begin_ms >= 0.0) after.push_back(frame);
   }
-  if (after.size() < kLeastFrames) {
+  if (after.size() < kMinFrames) {
     return fail(Errc::refused, "watch_ms",
                 "only " + std::to_string(after.size()) +
                     " frames were received: raise the frame rate, or watch for longer");
@@ -37,14 +37,14 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   for (const StepFrame& frame : last) square += std::pow(frame.light - mean, 2);
   const double noise = std::sqrt(square / double(last.size()));
   const double change = std::abs(mean - before);
-  if (!(change > kLeastChange * noise)) {
+  if (!(change > kMinChange * noise)) {
     return fail(
         Errc::refused, "",
         "the camera sees no significant change when the hologram changes: run registration.run, "
         "raise the exposure, and check that nothing moves on the bench; if the SLM may be slower "
         "than watch_ms, watch for longer");
   }
-  const double tolerance = kNoises * noise + kShare * change;
+  const double tolerance = kNoiseSigmas * noise + kRelativeTolerance * change;
   std::size_t first = after.size();
   while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
   if (2 * first > after.size()) {
@@ -67,10 +67,10 @@ SettleTime settle_time(std::span<const StepTime> steps) {
   for (const double one : until) off.push_back(std::abs(one - time.p50_ms));
   time.mad_ms = median(off);
   time.resolution_ms = median(width);
-  const double most_ms =
-      time.p50_ms + std::max(time.resolution_ms, kOutlier * kSigmaPerMad * time.mad_ms);
+  const double limit_ms =
+      time.p50_ms + std::max(time.resolution_ms, kOutlierSigmas * kSigmaPerMad * time.mad_ms);
   for (const StepTime& step : steps) {
-    if (step.until_ms > most_ms) {
+    if (step.until_ms > limit_ms) {
       ++time.outliers;
       continue;
     }

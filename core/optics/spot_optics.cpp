@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kPlacesAcross = 24;
 
-std::complex<float> turn(double cycles) {
+std::complex<float> unit_phasor(double cycles) {
   return std::polar(1.0F, float(2.0 * std::numbers::pi * (cycles - std::round(cycles))));
 }
 
@@ -71,8 +71,8 @@ std::vector<std::complex<float>> SpotOptics::phasors(int subaperture,
   std::vector<std::complex<float>> field;
   for (std::size_t p = 0; p < places_.size(); ++p) {
     const Vec2 at = places_[p].from_centre_px;
-    field.push_back(turn(phase(Eigen::Index(p)) - slope.x() * at.x - slope.y() * at.y +
-                         places_[p].vortex_turns));
+    field.push_back(unit_phasor(phase(Eigen::Index(p)) - slope.x() * at.x - slope.y() * at.y +
+                                places_[p].vortex_turns));
   }
   return field;
 }

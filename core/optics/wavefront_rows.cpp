@@ -16,7 +16,7 @@ double binomial(int n, int k) {
 }
 
 /// Sign of x^(m-b) y^b in Re or Im of (x + i y)^m: the real or imaginary part of i^b.
-double turn_sign(int b, bool imaginary) {
+double power_sign(int b, bool imaginary) {
   if ((b % 2 != 0) != imaginary) return 0.0;
   return b % 4 < 2 ? 1.0 : -1.0;
 }
@@ -41,10 +41,10 @@ void add_mode(const ZernikeTerms& mode, double waves, std::vector<std::vector<do
   for (int k = 0; k < mode.count; ++k) {
     for (int c = 0; c <= k; ++c) {  // s^k = sum over c of binomial(k, c) x^(2k-2c) y^(2c)
       for (int b = 0; b <= m; ++b) {
-        const double turn = turn_sign(b, mode.m < 0) * binomial(m, b);
+        const double sign = power_sign(b, mode.m < 0) * binomial(m, b);
         const int x_power = 2 * (k - c) + m - b;
         const int y_power = 2 * c + b;
-        terms[x_power][y_power] += waves * mode.radial[k] * binomial(k, c) * turn;
+        terms[x_power][y_power] += waves * mode.radial[k] * binomial(k, c) * sign;
       }
     }
   }

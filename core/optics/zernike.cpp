@@ -88,8 +88,8 @@ Vec2 zernike_gradient(int j, Vec2 at) {
   const ZernikeTerms& terms = zernike_terms(j);
   const int m = std::abs(terms.m);
   const Radial q = radial(terms, at.x * at.x + at.y * at.y);
-  const double turn = terms.m < 0 ? complex_power(at, m).y : complex_power(at, m).x;
-  Vec2 gradient = 2.0 * q.slope * turn * at;
+  const double angular = terms.m < 0 ? complex_power(at, m).y : complex_power(at, m).x;
+  Vec2 gradient = 2.0 * q.slope * angular * at;
   if (m > 0) {
     const Vec2 w = static_cast<double>(m) * complex_power(at, m - 1);
     gradient = gradient + q.value * (terms.m < 0 ? Vec2{w.y, w.x} : Vec2{w.x, -w.y});

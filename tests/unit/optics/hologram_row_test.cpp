@@ -175,7 +175,7 @@ TEST(PhaseRows, AreThoseOfThePupil) {
 TEST(HologramRowKernels, PhasesAreTheSameInEveryBuild) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> waves(-1.0, 1.0);
-  for (int degree = 0; degree <= kMostPhaseDegree; ++degree) {
+  for (int degree = 0; degree <= kMaxPhaseDegree; ++degree) {
     std::vector<double> terms;
     for (int k = 0; k <= degree; ++k) {
       const double size = std::pow(10.0, 6 - 12 * k / (degree + 1));
