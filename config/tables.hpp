@@ -104,12 +104,13 @@ struct Table<ControlConfig> {
 template <>
 struct Table<SecurityConfig> {
   static constexpr const char* kName = "SecurityConfig";
-  static constexpr auto kFields = Fields{
-      field("secret_key", &SecurityConfig::secret_key,
-            "file of the daemon's keys; null: no client needs a key")
-          .checked(is_empty_path),
-      field("clients", &SecurityConfig::clients, "file of those who may connect, and what each may")
-          .checked(is_empty_path)};
+  static constexpr auto kFields =
+      Fields{field("secret_key", &SecurityConfig::secret_key,
+                   "file of the daemon's keys; null: no client needs a key")
+                 .checked(is_empty_path),
+             field("clients", &SecurityConfig::clients,
+                   "file of the clients that may connect, with their roles")
+                 .checked(is_empty_path)};
   static void check(const SecurityConfig& security, ObjectReader& reader) {
     if (security.secret_key.has_value() == security.clients.has_value()) return;
     reader.fault(security.clients ? "secret_key" : "clients",
@@ -138,23 +139,23 @@ struct Table<RecordConfig> {
 template <>
 struct Table<ConfiguredPipeline> {
   static constexpr const char* kName = "PipelineConfig";
-  static constexpr auto kFields = Fields{
-      field("workers", &ConfiguredPipeline::workers,
-            "tracker threads; 0: the frame path runs in one thread", limits::kWorkers),
-      field("records", &ConfiguredPipeline::records, "frames on their way at once, a power of two",
-            limits::kRecords)
-          .checked(is_no_power_of_two),
-      field("cpus", &ConfiguredPipeline::cpus,
-            "processors that the threads of the frame path keep to; empty: any", limits::kCpu)
-          .sized(0, limits::kMostCpus)
-          .unlike()};
+  static constexpr auto kFields =
+      Fields{field("workers", &ConfiguredPipeline::workers,
+                   "tracker threads; 0: the frame path runs in one thread", limits::kWorkers),
+             field("records", &ConfiguredPipeline::records,
+                   "maximum number of frames in flight, a power of two", limits::kRecords)
+                 .checked(is_no_power_of_two),
+             field("cpus", &ConfiguredPipeline::cpus,
+                   "CPUs that the threads of the frame path may use; empty: any", limits::kCpu)
+                 .sized(0, limits::kMostCpus)
+                 .unlike()};
 };
 
 template <>
 struct Table<LogConfig> {
   static constexpr const char* kName = "LogConfig";
   static constexpr auto kFields =
-      Fields{field("level", &LogConfig::level, "least severe line that is written")};
+      Fields{field("level", &LogConfig::level, "minimum severity of the lines that are written")};
 };
 
 template <>
@@ -164,17 +165,17 @@ struct Table<Config> {
       Fields{field("camera", &Config::camera, "the camera"),
              field("slm", &Config::slm, "the spatial light modulator"),
              field("optics", &Config::optics, "lens and camera"),
-             field("sensor", &Config::sensor, "the sensor shown"),
+             field("sensor", &Config::sensor, "the sensor's hologram"),
              field("tracking", &Config::tracking, "how spots are found"),
              field("refine", &Config::refine,
-                   "every pixel against the diffraction model, beside the fast estimate"),
-             field("stream", &Config::stream, "what is published"),
-             field("control", &Config::control, "commands"),
-             field("security", &Config::security, "who may connect; both files, or none"),
-             field("state", &Config::state, "what is kept over a restart"),
+                   "live refinement: fits the diffraction model to every pixel"),
+             field("stream", &Config::stream, "data streams"),
+             field("control", &Config::control, "command socket"),
+             field("security", &Config::security, "keys and clients; both files, or neither"),
+             field("state", &Config::state, "state kept across restarts"),
              field("record", &Config::record, "recordings"),
              field("realtime", &Config::realtime,
-                   "what a missing real-time privilege is: an error or a warning"),
+                   "whether a missing real-time privilege is an error or a warning"),
              field("pipeline", &Config::pipeline, "the frame path"),
              field("log", &Config::log, "the log")};
   static void check(const Config& config, ObjectReader& reader);

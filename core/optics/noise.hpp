@@ -26,8 +26,9 @@ class Noise {
  private:
   static constexpr std::uint32_t kOne = 1U << 31;  ///< probability 1, against 31 random bits
 
-  /// Cumulative Poisson probabilities of one mean, and for each top byte of a random number the
-  /// count at which to start looking: the search then takes about one step.
+  /// Inverse-transform sampling of a Poisson distribution: its cumulative probabilities, and a
+  /// guide table with the first count for each top byte of a random number. A search takes about
+  /// one step.
   struct PoissonTable {
     static constexpr int kCounts = 96;
     std::array<std::uint32_t, kCounts> cumulative{};
@@ -58,8 +59,8 @@ class Noise {
 
 // Inline: a simulated frame draws a million numbers.
 
-/// SplitMix64: spreads each bit of a counter over all bits of the result (Steele, Lea and Flood,
-/// "Fast splittable pseudorandom number generators", 2014).
+/// Bit mixer: the finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
+/// number generators", 2014).
 inline std::uint64_t split_mix(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
@@ -86,7 +87,7 @@ inline float Noise::poisson(float mean) {
   return static_cast<float>(most + draw_small(rest_mean, random & (kOne - 1)));
 }
 
-/// A small mean, by inversion. exp(-mean) >= 1 - mean saves most draws the exponential.
+/// Inverse-transform sampling for a small mean. exp(-mean) >= 1 - mean avoids most exponentials.
 inline int Noise::draw_small(float mean, std::uint32_t random) {
   float left = static_cast<float>(random) / static_cast<float>(kOne);
   if (left < 1.0F - mean) return 0;

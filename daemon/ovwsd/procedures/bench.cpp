@@ -13,8 +13,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval(
-    20);  // how often a waiting call checks for a stop
+constexpr std::chrono::milliseconds kPollInterval(20);  // of a stop, while a call waits
 constexpr double kMinPatienceS = 10.0;
 constexpr std::chrono::milliseconds kFilePatience(2000);
 
@@ -165,14 +164,14 @@ void Bench::put_back_gain() {
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
-Result<void> Bench::watch_on(const IntensityWatch& watch, double min_ms, int frames) {
+Result<void> Bench::wait_watching(const IntensityWatch& watch, double min_ms, int frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
   const int enough = watch.count() + frames;
   while (1e-6 * double(monotonic_ns() - begin_ns) < min_ms || watch.count() < enough) {
     if (stopped()) return fail(stopped_error());
     if (watch.idle_s() > patient_s) return fail(no_frame(patient_s));
-    std::this_thread::sleep_for(kLook / 10);
+    std::this_thread::sleep_for(kPollInterval / 10);
   }
   return {};
 }
@@ -184,7 +183,7 @@ void Bench::report_progress(double progress) {
 
 Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& check) const {
   const double patient_s = patience_s(camera().settings);
-  while (!stopped() && !request.wait_for(kLook)) {
+  while (!stopped() && !request.wait_for(kPollInterval)) {
     if (auto good = check(request); !good) return good;
     if (request.idle_s() > patient_s) return fail(no_frame(patient_s));
   }
@@ -218,7 +217,7 @@ Result<TakenReference> Bench::reference(int frames) {
   PictureMean picture;
   auto pictures = request_pictures(PictureMean::kMaxFrames, picture);
   auto average = spots(frames, [&](const FrameBroker::Request& request) {
-    tell(double(request.used()) / frames);
+    report_progress(double(request.used()) / frames);
     return same_camera();
   });
   pictures.reset();
@@ -243,7 +242,7 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> win
   return taken.take();
 }
 
-/// `to` outlives the request.
+/// Averages images into `to`, which must outlive the request.
 std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, PictureMean& to) const {
   return deps_.frames.request(FrameBroker::Needs::pixels, frames,
                               [&to, shown = measured_under(*sensor())](const FrameRecord& record) {

@@ -67,25 +67,25 @@ class Bench {
   /// procedure ends. Waits for a disconnected camera as long as for a frame.
   Result<double> set_gain(double gain_db);
 
-  /// The next `frames` settled frames of the sensor shown last, at the gain set last; `windows_px`
-  /// as of FrameSeries.
+  /// Records the next `frames` settled frames of the current hologram at the current gain. For
+  /// `windows_px` see FrameSeries.
   Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> windows_px = {});
-  /// Of the next `frames` settled frames of the sensor shown last.
+  /// Averages the spots of the next `frames` settled frames of the current hologram.
   Result<SpotAverage> spots(int frames);
-  /// The same, and the mean image of some of the frames; reports the progress. Errc::refused, field
-  /// "camera": its settings changed meanwhile.
+  /// The same with the mean image of some of these frames; reports the progress. Errc::refused,
+  /// field "camera": the camera's settings changed during the job.
   Result<TakenReference> reference(int frames);
-  /// The mean image of the next `frames` frames of what was shown last. NaN where a frame was
+  /// The mean image of the next `frames` frames of the current hologram; NaN where a frame was
   /// saturated.
   Result<Image<float>> picture(int frames);
 
-  /// From now on the intensity at two places, of every frame that comes; see IntensityWatch.
+  /// Starts to record the intensity at two places in every frame; see IntensityWatch.
   IntensityWatch watch(std::array<Vec2, 2> places_px, double radius_px) {
     return {deps_.frames, places_px, radius_px};
   }
-  /// Waits for `min_ms`, and until `frames` more frames were watched.
-  Result<void> watch_on(const IntensityWatch& watch, double min_ms, int frames);
-  /// Errors: the display was lost since it took, at that time, what was shown last.
+  /// Waits for at least `min_ms`, and until `frames` more frames have been recorded.
+  Result<void> wait_watching(const IntensityWatch& watch, double min_ms, int frames);
+  /// Fails if the display was lost after it presented the current hologram at that time.
   Result<void> check_shown(std::int64_t presented_mono_ns) const;
   /// When the display presented the current hologram, CLOCK_MONOTONIC ns.
   std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
@@ -98,7 +98,7 @@ class Bench {
   bool stopped() const { return stop_.load(); }
 
  private:
-  /// Called again and again while frames are waited for; an error ends the wait.
+  /// Called periodically while frames are awaited; an error ends the wait.
   using Check = std::function<Result<void>(const FrameBroker::Request&)>;
 
   template <class T>

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStep = 3.0;            // lambda/d to each side of the base spot
 constexpr double kRadius = 1.5;          // lambda/d: of the light that counts
-constexpr int kMostCharge = 2;           // of a probe
+constexpr int kMaxCharge = 2;            // of a probe
 constexpr int kBefore = 3, kAfter = 24;  // frames of each picture, at least
 
 struct ToAndFro {
@@ -69,12 +69,13 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
   if (auto stands = bench.picture(1); !stands) return fail(stands.error());
   std::vector<StepTime> steps;
   for (int k = 1; k <= run.repetitions; ++k) {
-    bench.tell(double(k) / (run.repetitions + 1));
+    bench.report_progress(double(k) / (run.repetitions + 1));
     IntensityWatch watch = bench.watch(moves.places_px, moves.radius_px);
-    if (auto seen = bench.watch_on(watch, 0.0, kBefore); !seen) return fail(seen.error());
+    if (auto seen = bench.wait_watching(watch, 0.0, kBefore); !seen) return fail(seen.error());
     if (auto shown = show(std::size_t(k % 2)); !shown) return fail(shown.error());
     const std::int64_t presented_ns = bench.presented_mono_ns();
-    if (auto seen = bench.watch_on(watch, run.watch_ms, kAfter); !seen) return fail(seen.error());
+    if (auto seen = bench.wait_watching(watch, run.watch_ms, kAfter); !seen)
+      return fail(seen.error());
     if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
     const auto frames = after(watch.end(), presented_ns);
     // The first one: a camera that stamps late may place the last one before the change behind it.

@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostSaturated = 0.1;  // of all spots in all frames
+constexpr double kMaxSaturated = 0.1;  // fraction of all spots in all frames
 
 void accumulate(double& mean, double& m2, double value, int count) {
   const double before = value - mean;
@@ -25,20 +25,20 @@ double sum_of(const Vec2& squares) {
   return squares.x + squares.y;
 }
 
-/// How much of a mean square the noise may make by chance, over what it makes on average. Chosen
-/// for the worst noise, that of all spots together (vibration): 1 in 400.
-constexpr double kDriftChance = 6.0;
-constexpr double kScatterChance = 3.0;  // standard deviations of one series of frames
+/// Allowance for noise, in units of the mean square that it causes on average. Chosen for the worst
+/// case, noise that all spots share (vibration): one false refusal in 400.
+constexpr double kDriftAllowance = 6.0;
+constexpr double kScatterSigmas = 3.0;  // standard deviations of one series of frames
 
-/// von Neumann's test: noise that is independent from frame to frame has half the mean squared
-/// difference of successive positions for its variance; motion has more.
-bool has_moved(const SpotAverage& average, double most_motion_px) {
-  const double most = most_motion_px * most_motion_px;
+/// Von Neumann's test for motion. The variance of independent noise is half the mean squared
+/// difference of successive positions; motion makes the variance larger.
+bool has_moved(const SpotAverage& average, double max_motion_px) {
+  const double limit = max_motion_px * max_motion_px;
   const double noise = average.noise_px * average.noise_px;
   const double drift_noise = average.drift_noise_px * average.drift_noise_px;
-  const double chance = kScatterChance / std::sqrt(std::max(1.0, double(average.frames)));
-  return average.drift_px * average.drift_px > most + kDriftChance * drift_noise ||
-         average.scatter_px * average.scatter_px > most + (1.0 + chance) * noise;
+  const double allowance = kScatterSigmas / std::sqrt(std::max(1.0, double(average.frames)));
+  return average.drift_px * average.drift_px > limit + kDriftAllowance * drift_noise ||
+         average.scatter_px * average.scatter_px > limit + (1.0 + allowance) * noise;
 }
 
 }  // namespace
@@ -129,27 +129,27 @@ std::vector<int> saturated_spots(const SpotAverage& average) {
   return numbers;
 }
 
-Result<void> check_average(const SpotAverage& average, double most_motion_px) {
+Result<void> check_average(const SpotAverage& average, double max_motion_px) {
   // Saturation first, for it loses spots as well.
   const double looks = double(average.frames) * double(average.saturated.size());
   const double saturated =
       std::accumulate(average.saturated.begin(), average.saturated.end(), 0.0) / looks;
-  if (saturated > kMostSaturated) {
+  if (saturated > kMaxSaturated) {
     return fail(
         Errc::refused, "camera.exposure_us",
-        fmt::format("{:.0f} % of the spots are saturated, and more than {:.0f} % displace a "
-                    "reference (spots {}): lower the exposure or the gain",
-                    100.0 * saturated, 100.0 * kMostSaturated,
+        fmt::format("{:.0f} % of the spots are saturated (limit {:.0f} %; spots {}): lower the "
+                    "exposure or the gain",
+                    100.0 * saturated, 100.0 * kMaxSaturated,
                     listed_spots(saturated_spots(average))));
   }
-  if (!has_moved(average, most_motion_px)) return {};
+  if (!has_moved(average, max_motion_px)) return {};
   return fail(
       Errc::refused, "",
-      fmt::format("the spots moved while the reference was taken: by {:.2f} px from its first half "
-                  "to its second, and {:.2f} px about their mean, of which noise is {:.2f} px (RMS "
-                  "over the spots; at most {:.2f} px are allowed): let the bench come to rest, and "
-                  "take it again",
-                  average.drift_px, average.scatter_px, average.noise_px, most_motion_px));
+      fmt::format(
+          "the spots moved while the reference was taken: by {:.2f} px from its first half "
+          "to its second, with a scatter of {:.2f} px, of which noise is {:.2f} px (RMS over "
+          "the spots; limit {:.2f} px): let the bench come to rest, then take it again",
+          average.drift_px, average.scatter_px, average.noise_px, max_motion_px));
 }
 
 }  // namespace ovws

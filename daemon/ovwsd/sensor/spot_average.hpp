@@ -49,11 +49,11 @@ class SpotAverager {
   std::vector<Sums> sums_;
 };
 
-/// Whether frames make a reference. Errc::refused: more than a tenth of all spots in all frames are
-/// saturated (field "camera.exposure_us"), or the spots moved by more than `most_motion_px`:
-/// drift_px, or scatter_px, without their noise.
-Result<void> check_average(const SpotAverage& average, double most_motion_px);
-/// Numbers of the spots that were saturated in at least one frame.
+/// Checks that the averaged frames can serve as a reference. Errc::refused: more than a tenth of
+/// all spots in all frames are saturated (field "camera.exposure_us"), or the spots moved by more
+/// than `max_motion_px`: drift_px or scatter_px, after allowing for noise.
+Result<void> check_average(const SpotAverage& average, double max_motion_px);
+/// Indices of the spots that were saturated in at least one frame.
 std::vector<int> saturated_spots(const SpotAverage& average);
 /// "1, 4, 7 and 12 more".
 std::string listed_spots(const std::vector<int>& numbers);

@@ -1,5 +1,5 @@
 /// The image publisher: sends camera images and phase maps at a display rate, and lends frames with
-/// their pixels to other consumers (FrameTaker).
+/// their pixels to the frame broker.
 #pragma once
 
 #include <atomic>
