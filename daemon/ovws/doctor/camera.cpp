@@ -21,7 +21,7 @@ double frame_bytes(const CameraSettings& settings) {
   return double(row_bytes(settings.pixel_format, settings.roi.width)) * settings.roi.height;
 }
 
-/// Another address of the same 24-bit network, for this machine.
+/// Suggests an address for this machine in the camera's /24 network.
 std::string neighbour_of(const std::string& address) {
   const std::string network = address.substr(0, address.rfind('.') + 1);
   return network + (address == network + "1" ? "2" : "1") + "/24";
@@ -93,7 +93,7 @@ Finding judge_interface(const CameraFacts& facts) {
                  fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
 }
 
-/// The slowest part that tells its speed.
+/// The slowest reported speed along the path to the camera.
 std::optional<int> link_mbps(const CameraFacts& facts) {
   std::optional<int> slowest;
   for (const auto& one : {facts.usb_mbps, facts.answer ? facts.answer->link_mbps : std::nullopt,
@@ -105,7 +105,7 @@ std::optional<int> link_mbps(const CameraFacts& facts) {
 
 Finding judge_link(const CameraFacts& facts) {
   constexpr const char* kName = "camera.link";
-  constexpr double kOverhead = 1.05;  // headers, and packets that are sent again
+  constexpr double kOverhead = 1.05;  // headers and retransmitted packets
   if (!facts.camera) return not_here(kName, kNoCamera);
   const auto link = link_mbps(facts);
   if (!link) return not_here(kName, "neither the camera nor its interface tells a speed");

@@ -1,4 +1,4 @@
-/// Is the camera there, in whose hands, and does what lies between let its frames through?
+/// Camera checks of `ovws doctor`: presence, control, and the capacity of the link to it.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,24 @@
 
 namespace ovws::doctor {
 
-/// Whether the daemon that was asked has the camera.
+/// Whether a daemon answered (`silent`: none), and whether it has the camera open.
 enum class DaemonsCamera { silent, without, with };
 
 struct CameraFacts {
   CameraConfig config;
   DaemonsCamera daemon = DaemonsCamera::silent;
-  std::vector<ListedCamera> listed;    ///< asked for only if the address did not answer
+  std::vector<ListedCamera> listed;    ///< filled only if the address did not answer
   std::optional<ListedCamera> camera;  ///< the configured one
-  std::optional<GigeAnswer> answer;    ///< of a GigE camera
-  std::optional<NetworkPath> path;     ///< to a GigE camera
-  std::optional<int> usb_mbps;         ///< of a USB camera's port
+  std::optional<GigeAnswer> answer;    ///< GigE only: what the camera reports
+  std::optional<NetworkPath> path;     ///< GigE only: the route to the camera
+  std::optional<int> usb_mbps;         ///< USB only: the speed of the camera's port
   std::optional<std::int64_t> usbfs_mb;
   std::optional<std::int64_t> rmem_max_bytes;
   int buffers = AravisConfig{}.buffers;
   std::int64_t socket_buffer_bytes = AravisConfig{}.socket_buffer_bytes;
 };
 
-/// Takes about a second, and no camera's control.
+/// Finds the camera and reads the host's limits. Takes about 1 s; never takes control of a camera.
 CameraFacts read_camera(const CameraConfig& config, DaemonsCamera daemon);
 Findings judge(const CameraFacts& facts);
 

@@ -6,7 +6,7 @@
 namespace ovws::doctor {
 namespace {
 
-/// The configured camera, asked at its address or looked up by its name.
+/// Queries the configured camera at its address, or looks it up by name in the camera list.
 void find_camera(CameraFacts& facts) {
   const std::string& id = facts.config.id;
   const auto answer = ask_gige_camera(id);

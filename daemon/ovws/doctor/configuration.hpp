@@ -1,4 +1,5 @@
-/// Is there a configuration, does it read well, and does it make a sensor?
+/// Configuration checks of `ovws doctor`: the file loads, describes a usable sensor, and its keys
+/// are readable.
 #pragma once
 
 #include <optional>
@@ -12,17 +13,17 @@
 namespace ovws::doctor {
 
 struct ConfigurationFacts {
-  std::string path;              ///< empty: no file is named, and none is where the service's is
-  std::optional<Config> config;  ///< the defaults without a file; none: it does not read well
-  std::optional<Error> error;    ///< why there is no config, or why it makes no sensor
-  std::optional<Error> unseen;   ///< why a daemon that starts with it would find no spots
+  std::string path;              ///< empty: no file is named, and the service's does not exist
+  std::optional<Config> config;  ///< the defaults without a file; none: it cannot be loaded
+  std::optional<Error> error;    ///< why there is no config, or why it is unusable
+  std::optional<Error> unseen;   ///< why a daemon would find no spots with it
   std::string rejected;          ///< path of saved values that were set aside; empty: none
   KeyCheck keys;
-  std::string saved;             ///< as of describe_saved; empty: config.save saved nothing
-  bool saved_is_unused = false;  ///< the saved values are damaged, or of another file
+  std::string saved;             ///< from describe_saved; empty: nothing was saved
+  bool saved_is_unused = false;  ///< the saved values are damaged, or belong to another file
 };
 
-/// Empty path: the service's file, if there is one.
+/// Loads the file at `path`. Empty: the service's file, or the defaults if that does not exist.
 ConfigurationFacts read_configuration(const std::string& path);
 Findings judge(const ConfigurationFacts& facts);
 

@@ -9,7 +9,7 @@ using nlohmann::json;
 
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
-/// The text at this path; empty: there is none, and nothing if it is not a text.
+/// The string at this JSON pointer; empty if it is missing or not a string.
 std::string text_at(const json& status, const char* path) {
   const json::json_pointer pointer(path);
   if (!status.contains(pointer) || !status.at(pointer).is_string()) return {};

@@ -1,4 +1,5 @@
-/// Does a daemon run, is it this program's, and what does it say of itself?
+/// Daemon checks of `ovws doctor`: a daemon answers, has this version, and its status shows no
+/// fault.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,10 +13,10 @@ namespace ovws::doctor {
 
 struct DaemonFacts {
   std::string endpoint;
-  std::optional<nlohmann::json> status;  ///< its answer to system.status
-  bool refused = false;                  ///< without one: somebody answered with an error
-  std::string why;                       ///< without one
-  bool asks_for_keys = false;            ///< as the configuration says
+  std::optional<nlohmann::json> status;  ///< the reply to system.status
+  bool refused = false;                  ///< without a status: the daemon answered with an error
+  std::string why;                       ///< why there is no status
+  bool asks_for_keys = false;            ///< the configuration sets a secret key
   std::string own_version;               ///< this program's
 };
 

@@ -15,7 +15,7 @@ namespace {
 using sdl::DisplayProbe;
 using sdl::Output;
 
-/// A likely SLM: on, not primary, and if there is one, of the configured size.
+/// Suggests an output for the SLM: connected, not primary, preferably of the configured size.
 std::string likely_output(const DisplayProbe& probe, const SdlConfig& config) {
   std::string likely = "NAME";
   for (const Output& output : probe.outputs) {
@@ -27,7 +27,7 @@ std::string likely_output(const DisplayProbe& probe, const SdlConfig& config) {
   return likely;
 }
 
-/// One that is on beside the SLM's; empty: none.
+/// The name of an active output other than the SLM's; empty: none.
 std::string other_output(const DisplayProbe& probe, const Output& slm) {
   for (const Output& output : probe.outputs) {
     if (output.on() && output.name != slm.name) return output.name;
@@ -84,7 +84,7 @@ Finding judge_mode(const Output& output, const DisplayFacts& facts) {
       fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
 }
 
-/// Whether it is the SLM's to have; its mode is another check.
+/// Checks that the output can be used for the SLM. judge_mode checks its mode.
 Finding judge_output(const Output& output, const DisplayFacts& facts) {
   constexpr const char* kName = "slm.output";
   const auto chosen = sdl::choose_output(facts.probe->outputs, facts.config);
@@ -145,8 +145,8 @@ Finding judge_compositor(const DisplayProbe& probe) {
                  "ovws call --wait slm.settle");
 }
 
-/// Xlib waits without end for a server that hangs: it is left waiting, in a thread that ends with
-/// the process.
+/// Probes the display with a timeout. Xlib blocks forever on a server that hangs, so the probe runs
+/// in a detached thread that ends with the process.
 Result<DisplayProbe> probe_in_time() {
   constexpr std::chrono::seconds kPatience{3};
   std::packaged_task<Result<DisplayProbe>()> probe(sdl::probe_display);

@@ -1,4 +1,4 @@
-/// Is the SLM's output there, of the right mode, and left alone by the desktop?
+/// Display checks of `ovws doctor`: the SLM's X output, its mode, and interference by the desktop.
 #pragma once
 
 #include "config/config.hpp"
@@ -15,7 +15,8 @@ struct DisplayFacts {
   bool server_named = false;  ///< DISPLAY is set
 };
 
-/// Takes some seconds if the X server does not answer; asked once in a process. Opens no window.
+/// Probes the X server. Takes up to 3 s if it does not answer; call it once per process. Opens no
+/// window.
 DisplayFacts read_display(const SlmConfig& config);
 Findings judge(const DisplayFacts& facts);
 

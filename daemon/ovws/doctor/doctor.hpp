@@ -1,5 +1,5 @@
-/// All checks of a bench, one after the other. Nothing is changed, no camera's control is taken, no
-/// window is opened: a daemon that runs does not notice.
+/// Runs all checks of a bench in sequence. They are read-only, take no control of a camera and open
+/// no window, so that they do not disturb a running daemon.
 #pragma once
 
 #include <functional>
@@ -10,12 +10,12 @@
 
 namespace ovws::doctor {
 
-/// Asks a daemon for its status, at this endpoint.
+/// Requests system.status from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 
-/// Main thread, takes some seconds. Empty `path`: the service's configuration, or the defaults.
-/// Empty `endpoint`: the configuration's. With a configuration that does not read well, what
-/// depends on it is `not_here`.
+/// Main thread; takes some seconds. Empty `path`: the service's configuration, or the defaults.
+/// Empty `endpoint`: the configuration's. If the configuration cannot be loaded, checks that depend
+/// on it are `not_here`.
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask);
 
 }  // namespace ovws::doctor

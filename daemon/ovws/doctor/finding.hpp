@@ -1,4 +1,4 @@
-/// What a check of the bench found, as every check tells it.
+/// Finding: the result of one check of the bench.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@ namespace ovws::doctor {
 
 enum class Verdict {
   ok,
-  warning,   ///< works, or may, and not as well as it could
-  fault,     ///< does not work, or measures wrongly
-  not_here,  ///< cannot be checked on this bench, or not now
+  warning,   ///< works or may work, but worse than it could
+  fault,     ///< does not work, or gives wrong measurements
+  not_here,  ///< cannot be checked on this bench, or not at present
 };
 
 struct Finding {
   std::string name;  ///< "camera.packets"
   Verdict verdict = Verdict::ok;
-  std::string meaning;  ///< one sentence; of `not_here` why
-  std::string fix;  ///< a shell command or a line of the configuration; never empty of a warning
-                    ///< or a fault
+  std::string meaning;  ///< one sentence; for `not_here` the reason
+  std::string fix;      ///< a shell command or a line of the configuration; never empty for a
+                        ///< warning or a fault
 };
 using Findings = std::vector<Finding>;
 

@@ -11,7 +11,8 @@
 namespace ovws::doctor {
 namespace {
 
-/// What is missing ends a daemon that enforces it, and delays frames of one that does not.
+/// A missing privilege is a fault if `realtime` is `enforce` (the daemon does not start), else a
+/// warning (frames are late).
 Finding missing(const HostFacts& facts, std::string name, std::string meaning, std::string fix) {
   if (facts.policy == RealtimePolicy::enforce) {
     return fault(std::move(name), meaning + ", and \"realtime\" is \"enforce\": no start",
@@ -109,7 +110,7 @@ Finding judge_sleep(const HostFacts& facts) {
 
 Finding judge_clock_source(const HostFacts& facts) {
   constexpr const char* kName = "clock.source";
-  // Those that are read without a call of the kernel's.
+  // Clock sources that the vDSO reads without a system call.
   constexpr std::array<std::string_view, 4> kQuick{"tsc", "kvm-clock", "arch_sys_counter",
                                                    "hyperv_clocksource_tsc_page"};
   if (!facts.clock_source) return not_here(kName, "the kernel does not tell its clock source");

@@ -1,4 +1,4 @@
-/// Does this machine let the frame path run in time, and is its clock right?
+/// Host checks of `ovws doctor`: real-time limits, CPU power management and the clock.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace ovws::doctor {
 
-/// What a process may ask of the scheduler and of memory.
+/// Resource limits of a process: real-time priority (RLIMIT_RTPRIO) and locked memory.
 struct Limits {
   std::uint64_t realtime_priority = 0;
   std::optional<std::uint64_t> locked_bytes = 0;  ///< none: unlimited
@@ -25,15 +25,15 @@ enum class Access { absent, refused, given };
 struct HostFacts {
   RealtimePolicy policy = RealtimePolicy::ignore;
   std::optional<Limits> limits;
-  bool of_service = false;  ///< `limits` are those of the service, which runs; else our own
+  bool of_service = false;  ///< `limits` are those of the running service; else of this process
   std::optional<std::int64_t> rt_runtime_us, rt_period_us;
-  std::vector<std::string> governors;  ///< the different ones; none: frequencies do not change here
+  std::vector<std::string> governors;  ///< distinct names; empty: no frequency scaling
   Access dma_latency = Access::absent;
   std::optional<std::string> clock_source;
   std::optional<bool> clock_synchronised;
 };
 
-/// From the texts of /proc/PID/limits and /proc/PID/status; none: they are not understood.
+/// Parses the texts of /proc/PID/limits and /proc/PID/status; none: unexpected format.
 std::optional<Limits> parse_limits(std::string_view limits, std::string_view status);
 
 HostFacts read_host(RealtimePolicy policy);

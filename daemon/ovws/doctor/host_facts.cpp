@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first word behind `label` at the beginning of a line.
+/// The first word after `label`, where `label` begins a line; empty if no line has it.
 std::string_view word_behind(std::string_view text, std::string_view label) {
   std::size_t at = 0;
   while (at < text.size()) {
@@ -38,7 +38,7 @@ std::optional<std::uint64_t> number(std::string_view word, int base) {
   return value;
 }
 
-/// The process folder of a daemon that systemd runs as ovwsd.service; none: it runs none.
+/// The /proc folder of the daemon that systemd runs as ovwsd.service; none: it is not running.
 std::optional<std::string> service_process() {
   std::error_code failed;
   for (const auto& one : fs::directory_iterator("/proc", failed)) {
@@ -70,7 +70,8 @@ std::vector<std::string> read_governors() {
 Access read_dma_latency() {
   constexpr const char* kPath = "/dev/cpu_dma_latency";
   if (::access(kPath, F_OK) != 0) return Access::absent;
-  // Opened, a thing that permissions alone do not decide; nothing is asked for until it is written.
+  // Try to open it: permissions alone do not decide access. Opening sets no latency limit; only a
+  // write does.
   const int fd = ::open(kPath, O_WRONLY | O_CLOEXEC);
   if (fd < 0) return Access::refused;
   ::close(fd);
@@ -78,7 +79,7 @@ Access read_dma_latency() {
 }
 
 std::optional<bool> read_synchronised() {
-  timex question{};  // no modes: asks, and sets nothing
+  timex question{};  // modes = 0: read only
   if (::adjtimex(&question) < 0) return std::nullopt;
   return (question.status & STA_UNSYNC) == 0;
 }

@@ -25,7 +25,7 @@ std::optional<std::string> folder_of(const StateConfig& config) {
   return std::nullopt;
 }
 
-/// What is there of the path: itself, or the folder in which the first missing one would be made.
+/// The longest existing prefix of the path: the folder in which a missing part would be created.
 fs::path existing_part(fs::path path) {
   std::error_code failed;
   while (!fs::exists(path, failed) && path.has_parent_path() && path.parent_path() != path) {
@@ -69,7 +69,7 @@ Finding judge_folder(const StateFacts& facts) {
 
 Finding judge_room(const StateFacts& facts) {
   constexpr std::uint64_t kMiB = 1 << 20;
-  constexpr std::uint64_t kLeast = 16 * kMiB;    // a reference with its pictures, some times
+  constexpr std::uint64_t kLeast = 16 * kMiB;    // several references with their images
   constexpr std::uint64_t kEnough = 256 * kMiB;  // gain sweeps
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);

@@ -1,4 +1,4 @@
-/// Can a daemon keep what it measures over a restart?
+/// State directory checks of `ovws doctor`: whether measurements survive a restart.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 namespace ovws::doctor {
 
 struct StateFacts {
-  std::optional<std::string> directory;  ///< none: none is named, and the service has none
+  std::optional<std::string> directory;  ///< none: not configured, and the service's does not exist
   bool there = false;
   bool is_folder = false;
-  bool writable = false;  ///< by this user; of one that is not there, the folder it would be in
+  bool writable = false;  ///< by this user; if it does not exist: its nearest existing parent
   bool disk_writable = true;
-  std::string owner;             ///< its name, if that is another user; else empty
-  std::uint64_t free_bytes = 0;  ///< on its disk, for who is not root
+  std::string owner;             ///< user name, if it is another user; else empty
+  std::uint64_t free_bytes = 0;  ///< on its disk, available without root
 };
 
-/// Writes nothing, not even to try.
+/// Read-only: does not even try a write.
 StateFacts read_state(const StateConfig& config);
 Findings judge(const StateFacts& facts);
 

@@ -1,4 +1,4 @@
-/// Reads what the kernel tells in files.
+/// Readers of the kernel's files in /proc and /sys.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace ovws::doctor {
 
-/// The whole file; none: it is not there, or may not be read.
+/// The whole file; none: it does not exist or cannot be read.
 std::optional<std::string> text_of(const std::string& path);
 /// Its first word; none also if it is empty.
 std::optional<std::string> word_of(const std::string& path);
-/// Its first word as a whole number; none also if it is no number.
+/// Its first word as a whole number; none also if it is not a number.
 std::optional<std::int64_t> number_of(const std::string& path);
 
 }  // namespace ovws::doctor

@@ -1,4 +1,4 @@
-/// What each counter of the status counts.
+/// Help text of each counter in `status.counters`.
 #include <array>
 #include <utility>
 

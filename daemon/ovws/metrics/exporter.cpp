@@ -18,10 +18,10 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kField = "--listen";
-constexpr double kStatusCountsS = 3.5;  ///< one is sent a second
+constexpr double kStatusCountsS = 3.5;  ///< older: stale; one is sent per second
 constexpr double kFramesCount = 3.0;
 
-/// A message as it came, read only when somebody asks.
+/// A message as received; parsed only when metrics are requested.
 struct Received {
   std::string text;
   Clock::time_point at;
@@ -94,7 +94,7 @@ Result<Exporter> Exporter::serve(const std::string& address) {
   if (auto right = check_address(address); !right) return fail(right.error());
   auto impl = std::make_unique<Impl>();
   try {
-    // Whoever connects and says nothing holds a thread for that long.
+    // The request timeout limits how long an idle connection occupies a thread.
     impl->exposer = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
         "listening_ports", address, "num_threads", "16", "request_timeout_ms", "2000"});
     impl->exposer->RegisterCollectable(impl->newest);

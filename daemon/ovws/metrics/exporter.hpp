@@ -1,4 +1,4 @@
-/// The metrics over HTTP, for Prometheus to come and read.
+/// HTTP exporter of the metrics, for Prometheus to scrape.
 #pragma once
 
 #include <memory>
@@ -8,21 +8,22 @@
 
 namespace ovws::metrics {
 
-/// Why metrics may not be served at this "ADDRESS:PORT": Errc::invalid (field "--listen") for what
-/// is no address, and for one that other machines reach, for whoever reads metrics needs no key.
+/// Checks that metrics may be served at this "ADDRESS:PORT". Errors: Errc::invalid (field
+/// "--listen") for a malformed address and for one that other machines can reach, because metrics
+/// need no key.
 Result<void> check_address(const std::string& address);
 
-/// Answers GET /metrics with the newest messages that it was given, from threads of its library's.
+/// Serves GET /metrics from the newest messages, in threads of the prometheus-cpp library.
 class Exporter {
  public:
-  /// Errors as of check_address; Errc::unavailable if the address cannot be had.
+  /// Errors: as check_address; Errc::unavailable if the address is not available.
   static Result<Exporter> serve(const std::string& address);
   Exporter(Exporter&&) noexcept;
   Exporter& operator=(Exporter&&) noexcept;
   ~Exporter();
 
-  /// The JSON of a status or wavefront message, received now; other topics are nothing to it. A
-  /// status counts for some seconds, a wavefront for some frames: then they are no longer told.
+  /// Stores the JSON of a status or wavefront message, received now; ignores other topics. A status
+  /// expires after some seconds, a wavefront after some frames; expired ones give no metrics.
   void take(const std::string& topic, std::string message);
 
  private:

@@ -17,10 +17,10 @@ using Families = std::vector<MetricFamily>;
 using Labels = std::vector<ClientMetric::Label>;
 
 struct GaugeRow {
-  const char* path;  ///< in the message
+  const char* path;  ///< JSON pointer in the message
   const char* name;
   const char* help;
-  double unit = 1.0;  ///< of the message, in the metric's
+  double unit = 1.0;  ///< factor from the message's unit to the metric's
 };
 
 constexpr GaugeRow kStatusGauges[]{
@@ -55,7 +55,7 @@ constexpr GaugeRow kWavefrontGauges[]{
     {"/saturated", "ovws_spots_saturated_ratio", "Fraction of spots with a saturated pixel."},
 };
 
-/// A bool counts as 0 or 1; none for everything else that is no number.
+/// The number at this JSON pointer, a bool as 0 or 1; none for anything else.
 std::optional<double> number_at(const json& message, const std::string& path) {
   const json::json_pointer pointer(path);
   if (!message.contains(pointer)) return std::nullopt;
@@ -77,7 +77,7 @@ json object_at(const json& message, const char* path) {
   return there ? message.at(pointer) : json::object();
 }
 
-/// Likewise.
+/// The array at this path, else an empty one.
 json array_at(const json& message, const char* path) {
   const json::json_pointer pointer(path);
   const bool there = message.contains(pointer) && message.at(pointer).is_array();
@@ -125,8 +125,8 @@ void add_counters(Families& out, const json& status) {
   }
 }
 
-/// One series for each name that there is, 1 for the one that holds: a state can be drawn, and a
-/// name that is gone does not linger.
+/// A state set: one series per name, 1 for the current one and 0 for the others. States can be
+/// graphed this way, and a previous state does not stay at 1.
 template <class Names>
 MetricFamily one_of(const char* name, const char* help, const char* label, const Names& names,
                     const std::string& holds) {
@@ -171,7 +171,7 @@ void add_versions(Families& out, const json& status) {
                  {gauge(1.0, std::move(labels))}});
 }
 
-/// None unless edges and counts are whole.
+/// A latency histogram; none unless its edges and counts are complete.
 std::optional<ClientMetric> histogram(const std::string& stage, const json& latency) {
   const json totals = object_at(latency, "/since_start");
   const json edges = array_at(totals, "/edges_us");
@@ -185,7 +185,7 @@ std::optional<ClientMetric> histogram(const std::string& stage, const json& late
   metric.histogram.sample_sum = 1e-6 * *sum_us;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     if (!edges[e].is_number() || !below[e].is_number()) return std::nullopt;
-    // Divided, not multiplied: the label of a bucket then has no 17 digits.
+    // Division gives shorter decimal bucket labels than multiplication by 1e-6.
     metric.histogram.bucket.push_back(
         {below[e].get<std::uint64_t>(), edges[e].get<double>() / 1e6});
   }

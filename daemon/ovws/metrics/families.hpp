@@ -1,4 +1,4 @@
-/// From the daemon's messages to metrics: names `ovws_*`, base units, as Prometheus reads them.
+/// Converts the daemon's messages to Prometheus metric families: names `ovws_*`, base units.
 #pragma once
 
 #include <prometheus/metric_family.h>
@@ -10,13 +10,12 @@
 
 namespace ovws::metrics {
 
-/// What a counter of `status` counts, in a sentence; empty for a name that this program does not
-/// know.
+/// Help sentence for a counter of `status`; empty for an unknown name.
 std::string_view counter_help(std::string_view counter);
 
-/// `status`: the newest status message; none: no daemon tells any more, so that nothing but
-/// `ovws_up 0` is known. `wavefront`: the newest one that still says how things are. A key that is
-/// not there, or null, is a metric that is left out.
+/// Builds all metrics. `status`: the newest status message; none: no current status, so that only
+/// `ovws_up 0` is exported. `wavefront`: the newest one if it is current. A missing or null key
+/// omits its metric.
 std::vector<prometheus::MetricFamily> families(const std::optional<nlohmann::json>& status,
                                                const std::optional<nlohmann::json>& wavefront);
 

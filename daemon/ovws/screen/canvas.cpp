@@ -33,7 +33,8 @@ char32_t ascii(char32_t glyph) {
   return U'?';
 }
 
-/// Latin, Greek, Cyrillic, punctuation, arrows, boxes: signs that surely take one column.
+/// Whether the character takes one column on every terminal: Latin, Greek, Cyrillic, punctuation,
+/// arrows, box drawing.
 bool takes_one_column(char32_t glyph) {
   const bool letters = (glyph >= 0x20 && glyph < 0x7f) || (glyph >= 0xa1 && glyph < 0x300) ||
                        (glyph >= 0x370 && glyph < 0x483) || (glyph >= 0x48a && glyph < 0x530);
@@ -43,7 +44,7 @@ bool takes_one_column(char32_t glyph) {
   return (letters || signs) && glyph != kSoftHyphen;
 }
 
-/// Takes the first character off the text; "?" for what is no UTF-8.
+/// Decodes and removes the first UTF-8 character; returns "?" for invalid UTF-8.
 char32_t take_character(std::string_view& utf8) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(utf8[k]); };
   const unsigned char first = byte(0);

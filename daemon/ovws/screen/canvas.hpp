@@ -1,4 +1,4 @@
-/// A page of characters, drawn before a terminal sees it.
+/// Off-screen buffer of character cells.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace ovws::screen {
 
-/// What a character means; the terminal makes colours and weights of it.
+/// The meaning of a character; the terminal maps it to colour and weight.
 enum class Style { normal, dim, strong, title, positive, negative, alarm };
 
 struct Cell {
@@ -16,14 +16,14 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
-/// Part of a page, in characters from its left upper corner.
+/// Rectangle in characters; the origin is the upper left corner.
 struct Rect {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
 class Canvas {
  public:
-  /// `unicode` false: what is not ASCII is drawn as its nearest ASCII sign, or as "?".
+  /// `unicode` false: replaces other characters by the nearest ASCII character, or by "?".
   Canvas(int width, int height, bool unicode);
 
   int width() const { return width_; }
@@ -31,11 +31,11 @@ class Canvas {
   const Cell& at(int x, int y) const { return cells_[std::size_t(y * width_ + x)]; }
   Rect all() const { return {0, 0, width_, height_}; }
 
-  /// What is outside of the page is left out.
+  /// Sets one cell; ignores positions outside the canvas.
   void put(int x, int y, char32_t glyph, Style style = Style::normal);
-  /// UTF-8, at most `width` characters, the last one "…" if that is not all. What could move a
-  /// terminal's cursor (control characters, wide and combining ones) or is no UTF-8 becomes "?".
-  /// Returns how many characters it took.
+  /// Writes UTF-8 text, at most `width` characters; the last one is "…" if the text is longer.
+  /// Characters that could move a terminal's cursor (control, wide and combining ones) and invalid
+  /// UTF-8 become "?". Returns the number of characters written.
   int text(int x, int y, int width, std::string_view utf8, Style style = Style::normal);
   void fill(Rect rect, Cell cell);
   /// One row as UTF-8.

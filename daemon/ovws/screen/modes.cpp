@@ -1,4 +1,4 @@
-/// The coefficients as signed bars.
+/// Draws the coefficients as signed bars.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr double kLeastScaleWaves = 0.1;
 constexpr int kNumberWidth = 9, kIndexWidth = 4, kLeastBar = 11;
 
-/// From the middle to the right or to the left, to half a character.
+/// Draws a bar from the middle to the right (positive) or left, in steps of half a character.
 void draw_bar(Canvas& canvas, int x, int y, int width, double waves, double scale_waves) {
   const int half = (width - 1) / 2;
   const int middle = x + half;

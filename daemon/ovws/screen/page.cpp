@@ -56,7 +56,7 @@ std::string number_or_dash(const json& value, const char* form) {
   return value.is_number() ? fmt::format(fmt::runtime(form), value.get<double>()) : "-";
 }
 
-/// In the unit that the camera has. A daemon of before has no `gain_raw`.
+/// The gain in the camera's own unit. Older daemons do not send `gain_raw`.
 std::string gain_text(const json& frame) {
   const json raw = frame.value("gain_raw", json());
   if (raw.is_number()) return fmt::format("{:.0f} (raw)", raw.get<double>());

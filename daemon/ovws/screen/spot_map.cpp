@@ -1,4 +1,4 @@
-/// Where the spots are, and how they stand.
+/// Draws the map of spots, with arrows for displaced ones.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace ovws::screen {
 namespace {
 
 constexpr float kMovedPx = 1.0F;
-constexpr double kCellHeight = 2.0;  ///< of a character, in its widths
+constexpr double kCellHeight = 2.0;  ///< height of a character cell in units of its width
 
 struct Point {
   float x = 0, y = 0;
@@ -20,7 +20,7 @@ bool is_known(float x, float y) {
   return std::isfinite(x) && std::isfinite(y);
 }
 
-/// Its reference, or itself without one; none: lost, without a reference.
+/// Where to draw the spot: its reference position, else its own; none: lost and without reference.
 std::optional<Point> place_of(const SpotRow& spot) {
   if (is_known(spot.ref_x, spot.ref_y)) return Point{spot.ref_x, spot.ref_y};
   if (is_known(spot.x, spot.y)) return Point{spot.x, spot.y};
@@ -32,13 +32,13 @@ Cell sign_of(const SpotRow& spot) {
   const float dx = spot.x - spot.ref_x;
   const float dy = spot.y - spot.ref_y;
   if (!is_known(dx, dy) || std::hypot(dx, dy) <= kMovedPx) return {U'●', Style::positive};
-  // y runs down, as on the screen.
+  // y points down, as on the screen.
   constexpr std::array<char32_t, 8> kArrows{U'→', U'↘', U'↓', U'↙', U'←', U'↖', U'↑', U'↗'};
   const int eighth = int(std::lround(std::atan2(dy, dx) / 0.78539816F));
   return {kArrows[std::size_t((eighth + 8) % 8)], Style::negative};
 }
 
-/// Camera pixels to characters, the same in both directions, in the middle of the rect.
+/// Maps camera pixels to character cells: isotropic, centred in the rectangle.
 class Scale {
  public:
   Scale(const std::vector<SpotRow>& spots, Rect rect) : rect_(rect) {
@@ -66,7 +66,7 @@ class Scale {
  private:
   Rect rect_;
   Point middle_;
-  double px_ = 1.0;  ///< a character's width
+  double px_ = 1.0;  ///< camera pixels per character width
 };
 
 int title(Canvas& canvas, Rect rect) {
@@ -87,7 +87,7 @@ void draw_spots(Canvas& canvas, Rect rect, const View& view) {
   const int first = title(canvas, rect);
   const Rect map{rect.x, first, rect.width, rect.height - 1};
   const Scale scale(view.spots, map);
-  // Lost ones last: where two share a character, they are seen.
+  // Draw lost spots last, so that they stay visible where two spots share a character.
   for (const bool lost : {false, true}) {
     for (const SpotRow& spot : view.spots) {
       const auto place = place_of(spot);

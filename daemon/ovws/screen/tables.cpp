@@ -1,4 +1,4 @@
-/// Latencies, losses and events.
+/// Draws the tables of latencies, losses and events.
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
@@ -21,7 +21,7 @@ std::string words(std::string name) {
   return name;
 }
 
-/// In at most five characters: what is long has its unit.
+/// A time in at most five characters: microseconds without a unit, longer times with ms or s.
 std::string short_us(double us) {
   if (us < 10e3) return fmt::format("{:.0f}", us);
   return us < 1e6 ? fmt::format("{:.0f}ms", us / 1e3) : fmt::format("{:.0f}s", us / 1e6);

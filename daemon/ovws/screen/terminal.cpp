@@ -17,7 +17,8 @@ namespace {
 constexpr short kBluePair = 1, kOrangePair = 2;
 constexpr int kManyColours = 256;
 
-/// Blue and orange are told apart by nearly everybody; signs and words say the same.
+/// Starts colour output if the terminal has it and NO_COLOR is not set. Blue and orange are
+/// distinguishable with colour blindness; symbols and words repeat their meaning.
 bool begin_colours() {
   const char* const no_colour = std::getenv("NO_COLOR");
   if ((no_colour != nullptr && *no_colour != '\0') || !has_colors()) return false;

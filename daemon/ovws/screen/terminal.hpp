@@ -1,4 +1,4 @@
-/// The terminal as a page that is drawn as a whole, and its keys.
+/// Terminal output of whole canvases, and keyboard input (ncurses).
 #pragma once
 
 #include <memory>
@@ -10,21 +10,21 @@ namespace ovws::screen {
 
 enum class Key { none, other, quit, pause, help, up, down, page_up, page_down, home, end };
 
-/// One at a time. As long as it lives the terminal shows its page; then it is as it was before,
-/// with all that stood there.
+/// Full-screen mode of the terminal; one instance at a time. The destructor restores the previous
+/// contents of the terminal.
 class Terminal {
  public:
-  /// Colours unless NO_COLOR says otherwise; other signs than ASCII if the locale has them. Error:
-  /// Errc::unavailable if $TERM names none that a page can be drawn on.
+  /// Enters full-screen mode. Uses colours unless NO_COLOR is set, and Unicode in a UTF-8 locale.
+  /// Error: Errc::unavailable if $TERM names no terminal that supports it.
   static Result<Terminal> open();
   Terminal(Terminal&&) noexcept;
   Terminal& operator=(Terminal&&) noexcept;
   ~Terminal();
 
-  /// As large as the terminal is now.
+  /// An empty canvas of the terminal's current size.
   Canvas blank() const;
   void show(const Canvas& canvas);
-  /// Key::none at once if none was pressed.
+  /// The next key; Key::none without waiting if none was pressed.
   Key key();
 
  private:

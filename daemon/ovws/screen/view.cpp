@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kStatusCountsS = 3.0;  ///< one is sent a second
+constexpr double kStatusCountsS = 3.0;  ///< older: stale; one is sent per second
 constexpr double kFramesCount = 3.0;
 constexpr std::size_t kEventsKept = 50;
 constexpr std::size_t kSpotColumns = 6;
@@ -61,7 +61,7 @@ void Gatherer::read_status(json status) {
   for (const std::string_view loss : kLosses) {
     const std::string name(loss);
     const std::uint64_t count = counters.contains(name) ? counters[name] : 0;
-    // A daemon that was started anew counts from 0 again.
+    // A restarted daemon counts from 0 again.
     const std::uint64_t before = counters_.contains(name) ? counters_[name] : count;
     if (count > 0) view_.losses.push_back({name, count, count - std::min(before, count)});
   }
