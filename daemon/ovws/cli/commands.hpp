@@ -1,4 +1,4 @@
-/// The subcommands of ovws: each adds itself to the command line and says how it ended.
+/// The subcommands of ovws. Each add_… registers a command, whose callback sets the exit status.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,19 +7,19 @@
 
 namespace ovws::cli {
 
-/// Of commands that work offline: what a bench measured and saved stays out of a computation that
-/// should be the same everywhere.
+/// Help of --config for commands that work offline. They ignore saved settings, so that the same
+/// file gives the same result on every machine.
 inline constexpr const char* kConfigHelp =
     "the daemon's configuration file (default: every key's default); what config.save saved is not "
     "laid over it: ovwsd --check-config --config FILE > NEW prints a file that has both";
 
-/// Whether standard output is a pipe or terminal that nobody reads any more.
+/// Whether standard output is a pipe or terminal whose reader has gone.
 bool output_has_no_reader();
 
-/// A finite number from `min` to `max`: CLI::Range lets NaN pass.
+/// Accepts a number from `min` to `max` and rejects NaN, which CLI::Range accepts.
 CLI::Validator number_from(double min, double max);
 
-// `common` and `status` outlive the parsing.
+// `common` and `status` must outlive the parsing: the callbacks hold references to them.
 void add_status(CLI::App& app, const Common& common, int& status);
 void add_describe(CLI::App& app, const Common& common, int& status);
 void add_call(CLI::App& app, const Common& common, int& status);

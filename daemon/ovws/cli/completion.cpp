@@ -14,23 +14,23 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
-/// By "command", "command option", "command place", "method" or "method key"; sorted, so that the
-/// same program gives the same script.
+/// Space-separated words, keyed by "command", "command option", "command position", "method" or
+/// "method key". Sorted, so that the generated script is reproducible.
 using Words = std::map<std::string, std::string>;
 
 struct Tables {
-  Words options;  ///< of a command; " " is ovws itself
-  Words valued;   ///< those of them that take a value
-  Words choices;  ///< of an option, or of the k-th word behind a command
-  Words keys;     ///< of a method's params
-  Words values;   ///< of such a key
+  Words options;  ///< options of a command; command " " is ovws itself
+  Words valued;   ///< options that take a value
+  Words choices;  ///< values of an option, or of the k-th positional of a command
+  Words keys;     ///< keys of a method's params
+  Words values;   ///< values of such a key
 };
 
 void append(std::string& words, const std::string& word) {
   words += (words.empty() ? "" : " ") + word;
 }
 
-/// Its choices as CLI11 tells them: "TEXT:{a,b,c}"; empty if it has none.
+/// The option's choices, parsed from CLI11's type name "TEXT:{a,b,c}"; empty if it has none.
 std::string choices_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto begin = type.find('{'), end = type.find('}');
@@ -83,8 +83,7 @@ std::string table(const char* name, const Words& words) {
   return text + ")\n";
 }
 
-// COMP_WORDS holds a word that was begun with a quote as it stands there; what is put in its place
-// begins behind the quote.
+// COMP_WORDS keeps the opening quote of a word; the replacement in COMPREPLY starts after it.
 constexpr std::string_view kFunctions = R"bash(
 # The keys of a method's params, and the values of those that have names: {"key": "value"}.
 _ovws_params() {

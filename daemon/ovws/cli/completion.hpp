@@ -1,4 +1,4 @@
-/// What bash needs to complete the command line of ovws.
+/// Generates the bash completion script of ovws.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace ovws::cli {
 
-/// The whole script: its tables are made from the commands and options of `app`, and from the
+/// Returns the whole script. Its tables come from the commands and options of `app` and from the
 /// schemas of the daemon's methods.
 std::string bash_completion(const CLI::App& app);
 

@@ -1,4 +1,4 @@
-/// ovws doctor: what is wrong with this bench, and the line that mends it.
+/// ovws doctor: checks the bench and prints a fix for each problem.
 #include "daemon/ovws/doctor/doctor.hpp"
 
 #include <algorithm>

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 
 constexpr auto kLook = 300ms;
-constexpr int kStartTries = 10;  // a job that was just cancelled may need a moment to end
+constexpr int kStartTries = 10;  // a cancelled job may still be ending
 constexpr int kRefusedCode = -32000;
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -43,18 +43,19 @@ tl::unexpected<Error> no_csv() {
   return fail(Errc::unavailable, "output", "a CSV file cannot be written");
 }
 
-/// The cells of one job's run. Both files hold every cell that was fetched, as soon as it was.
+/// Cells fetched from one run of the gain sweep. Each cell is written to both CSV files as soon as
+/// it is fetched.
 class Fetched {
  public:
   Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {}
   int job() const { return job_; }
-  /// Whether that result of experiment.get is of the job's run: the daemon may hold another one's.
+  /// Whether a result of experiment.get belongs to the job's run. The daemon may hold another run.
   bool is_own(const json& experiment) {
     if (experiment.at("job") == job_) run_ = experiment.at("run");
     return !run_.is_null() && experiment.at("run") == run_;
   }
   void know_run(const json& name) { run_ = name; }
-  /// Whether that cell, as it was measured then.
+  /// Whether this measurement of the cell was fetched (same number and start time).
   bool has(const json& summary) const {
     const auto found = cells_.find(summary.at("cell").get<int>());
     return found != cells_.end() && is_same(found->second, summary);
@@ -63,10 +64,11 @@ class Fetched {
     return cell.at("cell") == summary.at("cell") &&
            cell.at("t_begun_ns") == summary.at("t_begun_ns");
   }
-  /// The first cell takes the place of what was in the folder: a job that is refused costs nothing.
+  /// Adds a cell to both files. The first cell replaces the earlier results in the folder, so that
+  /// a refused job leaves them in place.
   Result<void> add(json cell) {
     if (cells_.empty()) {
-      // Of another run, perhaps, and not for a reader of this one's cells.
+      // Earlier results may be of another run: do not mix them with these cells.
       if (auto removed = remove_findings("experiment", folder_); !removed) return removed;
       begin_files();
     }
@@ -76,7 +78,7 @@ class Fetched {
     if (!written) return no_csv();
     return {};
   }
-  /// Both files anew, in the order of the cells' numbers. False if one cannot be written.
+  /// Rewrites both files in the order of cell numbers. False if one cannot be written.
   bool write_in_order() {
     begin_files();
     return std::all_of(cells_.begin(), cells_.end(),
@@ -98,7 +100,7 @@ class Fetched {
   }
 
   int job_;
-  json run_;  ///< its name; null: not known yet
+  json run_;  ///< name of the run; null: not yet known
   std::filesystem::path folder_;
   std::ofstream cells_file_, frames_file_;
   SweepCells cells_;
@@ -116,7 +118,7 @@ void tell_progress(const Common& common, const json& experiment) {
   std::fflush(stderr);
 }
 
-/// Every cell of our run that the daemon has and we have not.
+/// Fetches the cells of this run that are new since the last call. Returns experiment.get's result.
 Answer fetch(const Common& common, Fetched& fetched) {
   Answer experiment = call(common, "experiment.get", json::object());
   if (!experiment || !fetched.is_own(*experiment)) return experiment;
@@ -135,7 +137,8 @@ Answer fetch(const Common& common, Fetched& fetched) {
   return experiment;
 }
 
-/// The job's last report. What was measured before it ended is fetched.
+/// Polls the job until it ends, fetching cells as they are measured. Ctrl-C cancels the job.
+/// Returns the last result of job.get.
 Answer follow(const Common& common, Fetched& fetched) {
   const json job{{"job", fetched.job()}};
   while (true) {
@@ -164,7 +167,8 @@ Result<void> write_text(const std::string& text, const std::filesystem::path& pa
   return fail(Errc::unavailable, "output", path.string() + " cannot be written");
 }
 
-/// The pictures come last: what is missing for them must not cost the numbers.
+/// Writes summary, table, figures and images. Images come last, so that an error in drawing does
+/// not lose the numbers.
 Result<void> write_findings(const json& experiment, const SweepCells& cells,
                             const std::filesystem::path& folder) {
   json summary = study::sweep_summary(experiment);
@@ -225,7 +229,8 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   return written ? kOk : report(common, written.error());
 }
 
-/// A run that no longer belongs to the table says itself what to do.
+/// The message for a job that did not finish. Errors in `anew` and `reference_frames` already say
+/// what to do; all others get the hint to continue.
 std::string why_it_ended(const json& report, std::size_t cells) {
   const json& error = report.at("error");
   const std::string state = report.at("state").get<std::string>();

@@ -1,4 +1,4 @@
-/// `ovws study experiment`: the paper's experiment on a daemon's bench.
+/// `ovws study experiment`: the paper's gain sweep experiment on a daemon's bench.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace ovws::cli {
 
-/// Asks the daemon for experiment.gain_sweep with these params, joins it if it runs, writes each
-/// cell when it is there, and at the end table, figures and summary. The first cell takes the place
-/// of what the study left in the folder before. Ctrl-C cancels the job, an error of ours does not;
-/// asked again, it goes on. An exit code.
+/// Starts experiment.gain_sweep with these params, or joins a running one. Writes each cell as soon
+/// as it is measured, and table, figures and summary at the end. The first cell replaces the
+/// study's earlier files in the folder. Ctrl-C cancels the job, an error here does not; the same
+/// call continues the sweep. Returns an exit code.
 int run_experiment(const Common& common, const nlohmann::json& params,
                    const std::filesystem::path& folder);
 

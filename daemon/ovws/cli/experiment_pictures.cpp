@@ -21,7 +21,7 @@ constexpr int kPanelPx = 320, kTextPx = 52, kGapPx = 10;
 constexpr double kResidualGainDb = 36.0;
 const cv::Scalar kPaper(255, 255, 255), kInk(0, 0, 0);
 
-/// Panels side by side, each with two lines of text above.
+/// Joins panels side by side, each below two lines of text.
 class Row {
  public:
   void add(const cv::Mat& picture, const std::string& title, const std::string& more) {
@@ -46,7 +46,7 @@ class Row {
   cv::Mat all_;
 };
 
-/// From -scale to scale waves; white outside the pupil.
+/// Maps -scale to +scale waves to the viridis colours; white outside the pupil (NaN).
 cv::Mat coloured(const Image<float>& waves, double scale) {
   const cv::Mat raw(waves.height, waves.width, CV_32FC1, const_cast<float*>(waves.pixels.data()));
   cv::Mat levels, colours;
@@ -63,7 +63,7 @@ double largest(const Image<float>& waves) {
   return most;
 }
 
-/// Number of the frame whose variance is the median; none if no frame told its modes.
+/// Index of the frame with the median variance; none if no frame has coefficients.
 std::optional<std::size_t> median_frame(const json& cell) {
   std::vector<std::pair<double, std::size_t>> known;
   const json& variances = cell.at("variances_rad2");
@@ -98,7 +98,7 @@ struct Residual {
   std::string title, more;
 };
 
-/// None: no frame of the cell told its modes.
+/// The residual wavefront of the cell's median frame; none if no frame has coefficients.
 std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
                                     const std::vector<float>& introduced) {
   const auto frame = median_frame(cell);

@@ -1,4 +1,4 @@
-/// Pictures of a gain sweep: what the camera saw, and what wavefront is left.
+/// Images of a gain sweep: camera frames and residual wavefronts.
 #pragma once
 
 #include <filesystem>
@@ -12,14 +12,13 @@ namespace ovws::cli {
 /// Results of experiment.cell by number.
 using SweepCells = std::map<int, nlohmann::json>;
 
-/// experiment-images-charge-L.png for each charge of which frames were kept: the frames side by
-/// side, as bright as they were. Errors: a file cannot be written.
+/// Writes experiment-images-charge-L.png for each charge with kept frames: the frames side by side,
+/// with unscaled grey levels. Errors: a file cannot be written.
 Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::path& folder);
 
-/// experiment-residual.png, as in the paper at the measured gain next to 36 dB: the second
-/// aberration (or the only one), and for each arm the residual wavefront of the frame whose
-/// variance is the median of its cell, in the introduced one's colours. Nothing if no cell was
-/// measured there.
+/// Writes experiment-residual.png, as in the paper, at the measured gain nearest to 36 dB. It shows
+/// the second aberration (or the only one) and each arm's residual wavefront for the frame with the
+/// cell's median variance, on the same colour scale. Writes nothing if no cell was measured there.
 Result<void> draw_residuals(const nlohmann::json& request, const SweepCells& cells,
                             const std::filesystem::path& folder);
 

@@ -1,4 +1,4 @@
-/// The files of a study in its folder.
+/// Writes and removes the files of a study in its folder.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +11,15 @@
 
 namespace ovws::cli {
 
-/// Takes away what `study` left in the folder when it ran there before, so that nothing of it
-/// stands beside new numbers: summary.json, its figures, and what else the experiment writes. A
-/// figure is known by its NAME.gnuplot, NAME being the study's or beginning with it and a hyphen;
-/// no other file is touched. Errors (Errc::unavailable): a file cannot be removed.
+/// Removes the files of an earlier run of `study`, so that they do not mix with new ones:
+/// summary.json, figures, and the experiment's other files. A figure is recognised by NAME.gnuplot,
+/// where NAME is the study's or starts with it and a hyphen; no other file is touched.
+/// Errors (Errc::unavailable): a file cannot be removed.
 Result<void> remove_findings(const std::string& study, const std::filesystem::path& folder);
 
-/// In place of what the study left there before. The pictures come last: what is missing for them
-/// must not cost the numbers. Errors (Errc::unavailable): as of remove_findings, study::draw, or a
-/// file cannot be written.
+/// Replaces the study's earlier files in the folder. Figures are drawn last, so that an error in
+/// drawing does not lose the numbers. Errors (Errc::unavailable): as remove_findings and
+/// study::draw, or a file cannot be written.
 Result<void> write_findings(const std::string& study, const nlohmann::json& summary,
                             const std::vector<study::Figure>& figures,
                             const std::filesystem::path& folder);

@@ -1,4 +1,4 @@
-/// ovws keygen: a pair of keys for a daemon or a client.
+/// ovws keygen: makes a CURVE key pair for a daemon or a client.
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"

@@ -1,4 +1,4 @@
-/// ovws: talk to a daemon, watch it, and make the sensor's pictures without one.
+/// ovws: the command line. It talks to a daemon, and computes images and studies without one.
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -22,8 +22,8 @@ bool is_open(int descriptor) {
   return fcntl(descriptor, F_GETFD) != -1;
 }
 
-/// A socket or a picture that is opened later must not take the number of a standard stream, or
-/// what is printed would go into it. False: standard output is closed.
+/// Opens /dev/null on closed standard input and error. Otherwise a socket or file opened later
+/// would get the descriptor and receive printed text. False: standard output is closed.
 bool check_standard_streams() {
   for (const int descriptor : {0, 2}) {
     if (is_open(descriptor)) continue;
@@ -36,16 +36,17 @@ bool check_standard_streams() {
   return is_open(1);
 }
 
-/// `status`, or kError if what was printed did not get out.
+/// Flushes standard output. Returns `status`, or kError if the output could not be written.
 int end_output(int status) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
-  // A reader that has seen enough is no news.
+  // A reader that closed the pipe is not an error to report.
   if (!output_has_no_reader()) fmt::print(stderr, "ovws: standard output cannot be written\n");
   return status == kOk ? kError : status;
 }
 
-/// Tells of a command line that is wrong; --help and --version come this way, too.
+/// Prints a command-line error. Also handles --help and --version, which CLI11 reports the same
+/// way.
 int report_parse(const CLI::App& app, const CLI::ParseError& error) {
   const auto rest = app.remaining();
   if (error.get_exit_code() == 0 || !app.get_subcommands().empty() || rest.empty() ||
@@ -126,7 +127,7 @@ CLI::Validator number_from(double min, double max) {
 }  // namespace ovws::cli
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that ends makes a write fail, which is told by status
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe makes writes fail; end_output reports it
   if (!ovws::cli::check_standard_streams()) {
     fmt::print(stderr, "ovws: standard output is closed\n");
     return ovws::cli::kError;

@@ -1,4 +1,4 @@
-/// ovws measure: wavefronts of image files.
+/// ovws measure: measures the wavefronts of image files.
 #include <algorithm>
 #include <deque>
 #include <nlohmann/json.hpp>
@@ -48,16 +48,15 @@ Result<Config> config_of(const MeasureOptions& options) {
   return config;
 }
 
-/// What measures images of one size and depth; made when the first of them comes.
+/// The measurement for images of one size and depth; made for the first such image.
 struct Instrument {
   int width = 0, height = 0;
   PixelFormat format = PixelFormat::mono8;
   Result<Measurement> measurement;
-  std::optional<Result<RefinedMeasurement>> refined{};  ///< made when it is asked for
+  std::optional<Result<RefinedMeasurement>> refined{};  ///< made for the first refined image
 };
 
-/// Measures image files one after the other; the reference is read and measured once for each size
-/// and depth.
+/// Measures image files in sequence. The reference is measured once for each image size and depth.
 class ImageMeasurer {
  public:
   ImageMeasurer(const MeasureOptions& options, const Config& config)
@@ -94,7 +93,7 @@ class ImageMeasurer {
                    Measurement::make(config_, image, reference_view())});
   }
 
-  /// The coefficients of all pixels instead of those of the spots' positions.
+  /// Replaces the coefficients from spot positions by those of the fit to all pixels.
   Result<void> refine(json& line, Instrument& instrument, const Measured& measured,
                       const ImageView& image) {
     if (traits_of(config_.camera.settings.pixel_format).filter != ColourFilter::none) {
@@ -124,7 +123,7 @@ class ImageMeasurer {
   std::deque<Instrument> instruments_;
 };
 
-/// What the command line asks for and cannot have.
+/// Checks the combination of options; none: valid.
 std::optional<Error> fault_of(const MeasureOptions& options) {
   if (options.reference.empty() && !options.model_reference) {
     return Error{Errc::invalid, "reference",
@@ -137,7 +136,7 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   return std::nullopt;
 }
 
-/// What is wrong with one of several files names it.
+/// Adds the file's path to the error unless it names it already.
 Error of_file(Error error, const std::string& path) {
   if (error.reason.find(path) == std::string::npos) error.reason = path + ": " + error.reason;
   return error;
@@ -151,7 +150,7 @@ void print_line(const Common& common, const json& line) {
   }
 }
 
-/// Every image is measured, also behind one that cannot be.
+/// Measures every image. An image that fails does not stop the rest.
 int measure(const Common& common, const MeasureOptions& options) {
   if (const auto fault = fault_of(options)) {
     report(common, *fault);

@@ -41,7 +41,7 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
        nothing_shown, reference ? &*reference : nullptr, 0, nullptr, own.banks, mode_operator});
 }
 
-/// Null: the slopes.
+/// The configured operator for images of this size; null: the plan's slopes operator is used.
 Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
   if (config.tracking.mode_operator == OperatorKind::measured) {
@@ -74,7 +74,7 @@ std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
   return positions;
 }
 
-/// Not found, or only as torn ones: no place to count from.
+/// The numbers of spots without a usable reference position: not found, or split. Empty: none.
 std::string missing(const Measured& measured) {
   std::vector<int> numbers = measured.torn;
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
@@ -156,7 +156,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   return made;
 }
 
-/// The linear estimate stays, and is said to, where the steps find no better one.
+/// Refines the linear estimate by relinearised steps. If they fail, the linear estimate stays and
+/// `mode_operator.reason` says why.
 void Measurement::relinearise(Measured& measured) {
   if (!measured.reconstruction.determined) {
     measured.mode_operator.reason = "too few spots were found to begin from";

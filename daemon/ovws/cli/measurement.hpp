@@ -1,4 +1,4 @@
-/// Images of any lab through the code that measures the daemon's frames.
+/// Offline measurement of image files, with the code that measures the daemon's frames.
 #pragma once
 
 #include <memory>
@@ -16,40 +16,41 @@
 
 namespace ovws::cli {
 
-/// A grey picture of 8 or 16 bit.
+/// A greyscale image of 8 or 16 bits.
 struct Picture {
   Image<std::uint8_t> narrow;
   Image<std::uint16_t> wide;  ///< one of the two is empty
   ImageView view() const;
 };
-/// PNG, TIFF, PGM. Errors (Errc::invalid, field "image"): unreadable, or not grey of 8 or 16 bit.
+/// Reads a PNG, TIFF or PGM file. Errors (Errc::invalid, field "image"): unreadable, or not
+/// greyscale with 8 or 16 bits.
 Result<Picture> read_picture(const std::string& path);
 
-/// What one image told.
+/// The measurement of one image.
 struct Measured {
-  std::vector<SpotFix> spots;  ///< one a subaperture
-  std::vector<int> torn;  ///< of the found, those placed by the shape that the wavefront gives them
+  std::vector<SpotFix> spots;  ///< one per subaperture
+  std::vector<int> torn;       ///< split spots, placed by the shape that the wavefront gives them
   int tracked = 0;
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
   Reconstruction reconstruction;
-  bool explained = true;  ///< false: no wavefront explains the spots, else it were valid
+  bool explained = true;  ///< false: no wavefront explains the spots; alone makes it invalid
   bool valid = false;
-  OperatorReport mode_operator;  ///< what made the coefficients of the positions
+  OperatorReport mode_operator;  ///< the operator that gave the coefficients
 };
 
-/// For images of one size. One thread at a time.
+/// Measures images of one size. One thread at a time.
 class Measurement {
  public:
-  /// `reference`: an image taken without aberration; none: the model's positions are the reference,
-  /// and the template. Templates of a reference are those of this very image.
-  /// Errors: a configuration that makes no sensor; a reference image of another size, or in which
-  /// spots are missing (they are named); an operator that cannot be made.
+  /// `reference`: an image taken without aberration; none: positions and templates come from the
+  /// model. Templates of kind `reference` are cut from this image.
+  /// Errors: an unusable configuration; a reference image of another size or with missing spots
+  /// (named in the error); an operator that cannot be made.
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference);
 
-  /// Every spot is searched without history, torn ones too (ShapedAcquisition). An image of another
-  /// size has none.
+  /// Searches every spot without history, split spots too (ShapedAcquisition). An image of another
+  /// size gives no spots.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
   const TemplateReport& templates() const { return templates_; }

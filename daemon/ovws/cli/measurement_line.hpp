@@ -1,4 +1,4 @@
-/// What an image file told, as a line for a program and as a table for a person.
+/// Output of an image file's measurement: a JSON object or a table.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,16 +10,16 @@
 
 namespace ovws::cli {
 
-/// A line of the form of the `wavefront` message; what only a camera knows is null.
+/// A JSON object like the `wavefront` message; fields that only a camera provides are null.
 nlohmann::json line_of(const std::string& file, const Config& config,
                        const Measurement& measurement, const Measured& measured);
 
-/// The coefficients of all pixels instead of those of the spots' positions; null if there is a
-/// `doubt`, which is told.
+/// Replaces the coefficients of spot positions by those of the fit to all pixels. With a `doubt`
+/// they are null, and `refined.reason` holds it.
 void put_refined(nlohmann::json& line, const RefinedModes& found, const std::vector<int>& modes_j,
                  const std::optional<std::string>& doubt);
 
-/// On standard output.
+/// Prints the measurement as a table on standard output.
 void print_table(const nlohmann::json& line);
 
 }  // namespace ovws::cli

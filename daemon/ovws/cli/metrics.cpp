@@ -1,4 +1,4 @@
-/// ovws metrics: what a daemon tells, for Prometheus.
+/// ovws metrics: serves a daemon's metrics to Prometheus.
 #include "daemon/ovws/metrics/exporter.hpp"
 
 #include <atomic>

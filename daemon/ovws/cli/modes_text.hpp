@@ -1,4 +1,4 @@
-/// Aberrations as a person types them: "2,-2:0.5;4,0:0.1".
+/// Parses aberrations from text: "2,-2:0.5;4,0:0.1" (n,m:waves).
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace ovws::cli {
 
-/// RMS-normalised modes; empty text: none. Errors (Errc::invalid, field "modes") name the part at
-/// fault; text without a mode, a lone ";", is one, and a mode given twice.
+/// Returns RMS-normalised modes; none for empty text. Errors (Errc::invalid, field "modes") quote
+/// the wrong part. Text of separators only and a mode given twice are errors.
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm);
 
 }  // namespace ovws::cli

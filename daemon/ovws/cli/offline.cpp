@@ -1,4 +1,4 @@
-/// ovws hologram and ovws farfield: the sensor's pictures from a configuration, without a daemon.
+/// ovws hologram and ovws farfield: compute the sensor's images from a configuration, offline.
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -55,7 +55,7 @@ Result<Config> config_of(const PictureOptions& options) {
 template <class Pixel>
 Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
   const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
-  // write_picture takes a const picture, cv::Mat has no const constructor.
+  // cv::Mat has no constructor for const pixels; write_picture does not change them.
   const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
   return write_picture(path, mat);
 }
@@ -64,7 +64,7 @@ Result<std::vector<Mode>> modes_of(const PictureOptions& options) {
   return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
 }
 
-/// The hologram's grey levels with the modes asked for; refused where the SLM cannot sample it.
+/// The hologram's grey levels with the requested modes. Fails if the SLM cannot sample it.
 Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const PictureOptions& options) {
   const auto modes = modes_of(options);
   if (!modes) return fail(modes.error());
@@ -86,7 +86,8 @@ Result<void> make_hologram(const PictureOptions& options) {
   return write_png(options.output, *grey);
 }
 
-/// Electrons in the camera's window for an SLM that shows exactly the phase it is asked for.
+/// Electrons per pixel of the camera's region for an ideal SLM, scaled to the requested peak or
+/// total.
 Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
                                double full_well_e) {
   const auto modes = modes_of(options.picture);

@@ -1,4 +1,4 @@
-/// ovws status, describe and call: one question to a daemon, one answer.
+/// ovws status, describe and call: requests to a daemon.
 #include <unistd.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::string reference_text(const json& sensor) {
                     introduced);
 }
 
-/// Of loop.get: whether it is closed, how it does, and why it is open.
+/// Formats a result of loop.get: closed or open, its progress, and why it opened.
 std::string loop_text(const json& loop) {
   const bool closed = loop.at("closed").get<bool>();
   const auto steps = loop.at("steps").get<std::int64_t>();
@@ -62,7 +62,7 @@ void print_failed_job(const json& failed) {
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 
-/// Of aberration.get; empty: none is introduced.
+/// Formats a result of aberration.get; empty: no aberration is introduced.
 std::string aberration_text(const json& aberration) {
   double square = 0.0;
   std::string text;
@@ -130,7 +130,7 @@ void print_description(const json& description) {
   }
 }
 
-/// Calls, prints with `show` or as one line of JSON, and says how it ended.
+/// Calls a method and prints its result with `show`, or as one line of JSON. Returns an exit code.
 template <class Show>
 int call_and_print(const Common& common, const std::string& method, const json& params, Show show) {
   const auto answer = call(common, method, params);
@@ -158,7 +158,7 @@ int show_status(const Common& common) {
   return kOk;
 }
 
-/// One line on standard error that is rewritten, if that is a terminal; else nothing.
+/// A progress line on standard error. Prints nothing if that is not a terminal.
 class ProgressLine {
  public:
   ProgressLine() = default;
@@ -168,7 +168,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// `job`: of job.get.
+  /// `job`: a result of job.get.
   void show(const json& job) {
     if (!is_terminal_) return;
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
@@ -184,7 +184,7 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-/// Of the job that `started` names: its result once it is done, or its error.
+/// Waits for the job in `started` and returns its result or its error.
 tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
   ProgressLine progress;
   while (true) {
@@ -202,7 +202,7 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& sta
   }
 }
 
-/// A list of numbers or words is one line, however long.
+/// Indented JSON, with arrays of primitives on one line.
 std::string readable(const json& value, const std::string& margin = "") {
   const auto is_plain = [](const json& one) { return one.is_primitive(); };
   const bool is_line = value.is_primitive() || value.empty() ||

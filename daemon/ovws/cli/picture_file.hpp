@@ -1,4 +1,4 @@
-/// Picture files: written whole, or the error says why not.
+/// Writes image files; the error says why a file could not be written.
 #pragma once
 
 #include <cerrno>
@@ -17,7 +17,7 @@ inline Result<void> cannot_write(const std::filesystem::path& path, const std::s
   return fail(Errc::unavailable, "output", path.string() + " cannot be written: " + why);
 }
 
-/// Why a file could not be opened, beginning with what a person can mend.
+/// Why a file could not be opened: a missing folder, or the system's error.
 inline std::string why_not_opened(const std::filesystem::path& path, int error_number) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code ignored;
@@ -27,7 +27,7 @@ inline std::string why_not_opened(const std::filesystem::path& path, int error_n
   return std::string(std::strerror(error_number)) + " (the folder " + folder.string() + " exists)";
 }
 
-/// In the format that the name's ending says; PNG if it has none.
+/// Writes the image in the format of the file name's extension; PNG without one.
 inline Result<void> write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   const std::string format = path.has_extension() ? path.extension().string() : ".png";

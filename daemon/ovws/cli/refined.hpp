@@ -1,4 +1,5 @@
-/// The refined measurement of image files: every pixel against the diffraction model.
+/// Refined measurement of image files: a maximum-likelihood fit of all pixels to the diffraction
+/// model.
 #pragma once
 
 #include <optional>
@@ -13,17 +14,17 @@
 
 namespace ovws::cli {
 
-/// For images of one size. Seconds an image; one thread at a time.
+/// For images of one size. Takes seconds per image; one thread at a time.
 class RefinedMeasurement {
  public:
-  /// `reference`: an image without aberration, refined itself and subtracted; none: absolute.
-  /// Errors: as of Refiner::make and of refining the reference.
+  /// `reference`: an image without aberration; its refined modes are subtracted from every result.
+  /// None: results are absolute. Errors: as Refiner::make, or the reference cannot be refined.
   static Result<RefinedMeasurement> make(const Config& config, const ImageView& like,
                                          const std::optional<ImageView>& reference,
                                          const std::vector<int>& modes_j,
                                          const RefineCamera& camera, const RefineOptions& fit);
 
-  /// `start`: the tracked estimate; NaN where there is none. Errors as of Refiner::refine.
+  /// `start`: coefficients from spot positions, waves; NaN counts as 0. Errors: as Refiner::refine.
   Result<RefinedModes> measure(const ImageView& image, std::span<const float> start);
 
  private:

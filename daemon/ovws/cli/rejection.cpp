@@ -21,12 +21,12 @@ using Measured = tl::expected<study::RejectionMeasured, CallFailure>;
 
 constexpr auto kLook = 200ms;
 constexpr auto kPatienceForSteps = 60s;
-constexpr int kPutBackTries = 3;  // a signal may take away an answer
-constexpr int kFirstMode = 3;     // tilts are not the wavefront's
+constexpr int kPutBackTries = 3;  // a signal may interrupt a call
+constexpr int kFirstMode = 3;     // the study ignores piston and tilts
 
 std::atomic<bool> interrupted{false};
 
-/// The loop as the study uses it, and as it was.
+/// Closes the loop for the study and restores the previous state: loop open, correction as before.
 class BorrowedLoop {
  public:
   /// `correction`: result of correction.get.
@@ -43,7 +43,7 @@ class BorrowedLoop {
     return closed;
   }
 
-  /// Whatever has happened. Nothing if the loop was never closed.
+  /// Opens the loop and restores the correction; does nothing if the loop was never closed.
   Answer put_back() {
     Answer done = json();
     for (int tries = 0; taken_ && tries < kPutBackTries; ++tries) {
@@ -64,7 +64,7 @@ class BorrowedLoop {
   bool taken_ = false;
 };
 
-/// What is read and corrected of j >= 3, in order.
+/// The modes j >= 3 that are both measured and corrected, in measured order.
 Answer common_modes(const Common& common, const LoopSettings& settings) {
   const Answer sensor = call(common, "sensor.get", json::object());
   if (!sensor) return sensor;
@@ -105,7 +105,7 @@ tl::expected<void, CallFailure> check_bench(const Common& common) {
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
-/// loop.get of a loop that is closed.
+/// The result of loop.get; an error if the loop has opened itself.
 Answer closed_loop(const Common& common) {
   Answer loop = call(common, "loop.get", json::object());
   if (!loop || loop->at("closed").get<bool>()) return loop;
@@ -115,7 +115,7 @@ Answer closed_loop(const Common& common) {
                           why.is_string() ? why.get<std::string>() : "it does not say why")));
 }
 
-/// Until what was there at the start is corrected.
+/// Waits until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
 Answer wait_for_steps(const Common& common, double gain) {
   const int needed = int(std::clamp(std::ceil(3.0 / gain), 5.0, 200.0));
   const auto end = Clock::now() + kPatienceForSteps;
@@ -140,7 +140,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
   const auto begun = Clock::now();
   auto recorded = record(common, task, interrupted);
   const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
-  const Answer after = closed_loop(common);  // it knows better why than the stream
+  const Answer after = closed_loop(common);  // gives a better reason than the stream
   if (!after && !interrupted) return tl::make_unexpected(after.error());
   if (!recorded) return tl::make_unexpected(recorded.error());
   measured.closed = std::move(*recorded);

@@ -1,4 +1,4 @@
-/// `ovws study rejection`: what the closed loop of a daemon's bench takes away of what moves.
+/// `ovws study rejection`: measures the closed loop's disturbance rejection on a daemon's bench.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,10 @@
 
 namespace ovws::cli {
 
-/// Records the wavefront for so long with the loop open, closes it with these params of loop.close,
-/// records as long again, and writes rejection-spectra, rejection and summary. However it ends, by
-/// Ctrl-C too, the loop is then open and the correction as it was. An exit code.
+/// Records the wavefront for `seconds` with the loop open, closes the loop with these params of
+/// loop.close, and records for `seconds` again. Writes rejection-spectra, rejection and summary. On
+/// return, also after Ctrl-C, the loop is open and has its previous correction. Returns an exit
+/// code.
 int run_rejection(const Common& common, const nlohmann::json& params, double seconds,
                   const std::filesystem::path& folder);
 

@@ -27,7 +27,8 @@ class Recorder {
     recorded_.recording.modes_waves.resize(task.modes_j.size());
   }
 
-  /// An error says why the recording is worth nothing.
+  /// Adds the message's coefficients if they are valid and settled. An error makes the recording
+  /// unusable.
   tl::expected<void, CallFailure> take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
       return tl::make_unexpected(
@@ -64,7 +65,8 @@ class Recorder {
       const double time_s = recorded_.device_clock
                                 ? 1e-9 * double(now.device_ns - first.device_ns)
                                 : 1e-9 * double(now.arrival_ns - first.arrival_ns);
-      if (!kept.times_s.empty() && time_s <= kept.times_s.back()) continue;  // a clock was set back
+      if (!kept.times_s.empty() && time_s <= kept.times_s.back())
+        continue;  // the clock was set back
       kept.times_s.push_back(time_s);
       for (std::size_t k = 0; k < kept.modes_waves.size(); ++k) {
         kept.modes_waves[k].push_back(recorded_.recording.modes_waves[k][i]);
@@ -80,7 +82,8 @@ class Recorder {
   }
 
  private:
-  /// `gap` is what the daemon lost, a hole in `seq` what we lost.
+  /// Counts lost frames: `gap` counts those lost before publishing, a jump in `seq` those lost
+  /// here.
   void count(const json& message) {
     const auto seq = message.at("seq").get<std::int64_t>();
     if (last_seq_) {
@@ -106,7 +109,7 @@ class Recorder {
   study::RecordedLoop recorded_;
   std::vector<Stamps> stamps_;
   std::vector<int> known_modes_j_;
-  std::vector<std::size_t> places_;  ///< of the task's modes among the message's
+  std::vector<std::size_t> places_;  ///< index of each task mode in the message
   std::optional<std::int64_t> last_seq_;
 };
 

@@ -1,4 +1,4 @@
-/// The wavefront stream, taken down for a time.
+/// Records the wavefront stream for a given time.
 #pragma once
 
 #include <atomic>
@@ -10,19 +10,19 @@
 namespace ovws::cli {
 
 struct RecordTask {
-  bool loop_closed = false;  ///< that it is something else is an error
+  bool loop_closed = false;  ///< the required state; any other is an error
   double seconds = 60.0;
-  double seconds_after = 0.0;  ///< of the study, for who waits
+  double seconds_after = 0.0;  ///< remaining time of the study, for the progress line
   std::vector<int> modes_j;
 };
 
-/// Valid, settled frames, with the device's stamps, or those of arrival if it has none. Tells its
-/// progress on stderr, not with --json. Errors: the daemon, `interrupted`, too few frames, the loop
-/// or the sensor became another.
+/// Records valid, settled frames with device time stamps, or arrival times if the camera has none.
+/// Prints progress on stderr unless --json is set. Errors: the daemon fails, `interrupted`, too few
+/// frames, or the loop's state or the sensor's modes change.
 tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, const RecordTask& task,
                                                       const std::atomic<bool>& interrupted);
 
-/// A failure in our own words.
+/// A failure of this program, reported like an error of the daemon.
 CallFailure failure(std::string message);
 CallFailure interrupted_failure();
 

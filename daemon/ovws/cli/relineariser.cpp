@@ -6,8 +6,8 @@
 namespace ovws::cli {
 namespace {
 
-constexpr int kSteps = 3;         // each leaves about a tenth of the error before
-constexpr double kAtRest = 0.02;  // waves, of the last step
+constexpr int kSteps = 3;         // each reduces the error about tenfold
+constexpr double kAtRest = 0.02;  // waves; largest last step of a converged fit
 
 }  // namespace
 

@@ -1,4 +1,5 @@
-/// Modes of an image file by steps from where the diffraction model puts the spots.
+/// The `relinearised` operator for image files: Gauss-Newton steps with a fixed slope matrix about
+/// the diffraction model's spot positions.
 #pragma once
 
 #include <memory>
@@ -12,17 +13,17 @@
 
 namespace ovws::cli {
 
-/// For images of one size. A tenth of a second an image; one thread at a time.
+/// For images of one size. Takes about 0.1 s per image; one thread at a time.
 class Relineariser {
  public:
-  /// `measured`: the plan's reference is that of an image, and displacements count from it as they
-  /// would from the model's flat sensor; else positions are the model's own. Errors: as of
-  /// SensorModel::make and make_tracker; Errc::refused for a camera that is not straight.
+  /// `measured`: the plan's reference comes from an image; displacements from it are taken as
+  /// displacements from the model's flat wavefront. Else positions are compared directly. Errors:
+  /// as SensorModel::make and make_tracker; Errc::refused for a rotated or mirrored camera.
   static Result<Relineariser> make(const Config& config, const MeasurementPlan& plan,
                                    bool measured);
 
-  /// Spots in `torn` are left out: the tracker does not see them where they are. Errors as of
-  /// relinearise; Errc::refused if the steps do not come to rest.
+  /// Ignores split spots (`torn`): the tracker does not find them at their true place. Errors: as
+  /// relinearise; Errc::refused if the steps do not converge.
   Result<Relinearised> measure(const std::vector<SpotFix>& spots, const std::vector<int>& torn,
                                const std::vector<float>& linear);
 
@@ -34,7 +35,7 @@ class Relineariser {
   std::unique_ptr<const SpotTracker> tracker_;
   SensorConfig sensor_;
   ModeOperator slopes_;
-  std::vector<Vec2> to_model_px_;  ///< from a measured reference to the model's, by spot
+  std::vector<Vec2> to_model_px_;  ///< per spot: model's flat position minus reference position
 };
 
 }  // namespace ovws::cli

@@ -1,4 +1,4 @@
-/// ovws replay: a recording through the pipeline again, and whether the same comes out.
+/// ovws replay: measures a recording again and compares the results bit for bit.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
@@ -17,7 +17,7 @@ using nlohmann::json;
 
 struct Options {
   std::string path;
-  double speed = 0.0;  ///< 0: as fast as it goes
+  double speed = 0.0;  ///< 0: as fast as possible
   bool step = false;
   bool frames = false;
 };
@@ -53,11 +53,11 @@ void count(const PlayedFrame& frame, Tally& tally) {
   }
 }
 
-/// Until the frame is due, by its stamp and the first one's.
+/// Sleeps until the frame is due: its recorded time after the first frame, divided by `speed`.
 void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begun_ns,
               double speed) {
   if (speed <= 0.0) return;
-  constexpr double kLongestNs = 1e18;  // more does not fit the clock
+  constexpr double kLongestNs = 1e18;  // limit of the clock's range
   const double after_ns =
       std::min(double(frame.recorded.t_arrival_mono_ns - first_ns) / speed, kLongestNs);
   const double now_ns = double(monotonic_ns() - begun_ns);
@@ -65,7 +65,7 @@ void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begu
     std::this_thread::sleep_for(std::chrono::duration<double, std::nano>(after_ns - now_ns));
 }
 
-/// False: the person has had enough.
+/// Waits for a line on standard input. False: end of input.
 bool wait_for_enter() {
   std::string line;
   return bool(std::getline(std::cin, line));

@@ -1,5 +1,4 @@
-/// ovws snapshot: the camera's image with what was found in it, and the wavefront, as two PNG
-/// files.
+/// ovws snapshot: writes the camera image with the spots marked, and the wavefront, as PNG files.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -34,7 +33,7 @@ const cv::Rect kMapPlace(64, 72, 384, 384);
 /// The newest message of each topic, by name.
 using Messages = std::map<std::string, StreamMessage>;
 
-/// Spots by frame, and the newest pictures, until those of one frame are together.
+/// Collects messages until image, phase and spots of the same frame have arrived.
 class Collector {
  public:
   void add_spots(StreamMessage message) {
@@ -44,7 +43,7 @@ class Collector {
   }
   void add_picture(StreamMessage message) { found_[message.topic] = std::move(message); }
 
-  /// Image, phase and spots of one frame.
+  /// Image, phase and spots of one frame; none if they are not complete.
   std::optional<Messages> of_one_frame() {
     if (!found_.contains("image") || !found_.contains("phase")) return std::nullopt;
     const auto frame = frame_of(found_["image"]);
@@ -63,7 +62,7 @@ class Collector {
   std::map<std::uint64_t, StreamMessage> spots_by_frame_;
 };
 
-/// The first frame that is valid; if none comes in time the last one that is not.
+/// The first valid frame; if none arrives within the timeout, the last invalid one.
 std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, double timeout_s) {
   Collector collector;
   std::optional<Messages> last;
@@ -125,7 +124,7 @@ void draw_spots(cv::Mat& picture, const StreamMessage& spots) {
   }
 }
 
-/// Outlined, so that it can be read on any colour.
+/// Draws text with a black outline, so that it is readable on any background.
 void write_text(cv::Mat& picture, cv::Point at, const std::string& text, const cv::Scalar& colour) {
   const auto font = cv::FONT_HERSHEY_SIMPLEX;
   cv::putText(picture, text, at, font, 0.5, cv::Scalar(0, 0, 0), 4, cv::LINE_AA);
@@ -155,7 +154,7 @@ cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
   return picture;
 }
 
-/// The map's colours, NaN left out; `scale` waves are the brightest, -scale the darkest.
+/// Maps -scale to +scale waves to the viridis colours; NaN shows the background.
 cv::Mat colour_map(const cv::Mat& waves, double scale) {
   cv::Mat scaled;
   waves.convertTo(scaled, CV_8U, 127.5 / scale, 127.5);
@@ -166,7 +165,7 @@ cv::Mat colour_map(const cv::Mat& waves, double scale) {
   return picture;
 }
 
-/// Below the map: the colours from -scale to +scale, with their ends in waves.
+/// Draws the colour bar below the map, labelled from -scale to +scale waves.
 void draw_colour_bar(cv::Mat& picture, double scale) {
   cv::Mat ramp(1, 256, CV_32FC1);
   for (int i = 0; i < ramp.cols; ++i) ramp.at<float>(0, i) = float(scale * (i / 127.5 - 1.0));
@@ -208,7 +207,7 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   return picture;
 }
 
-/// "PREFIX-camera.png"; a prefix that is a folder means files in it.
+/// "PREFIX-WHAT"; if the prefix is a folder, "PREFIX/ovws-WHAT".
 std::string file_name(const std::string& prefix, const std::string& what) {
   std::error_code ignored;
   const bool is_folder = prefix.ends_with('/') || std::filesystem::is_directory(prefix, ignored);

@@ -6,8 +6,9 @@
 namespace ovws::cli {
 namespace {
 
-constexpr std::chrono::seconds kLook{2};     ///< from one question to the next
-constexpr std::chrono::seconds kSilence{4};  ///< status comes once a second
+constexpr std::chrono::seconds kLook{2};  ///< between requests to a missing daemon
+constexpr std::chrono::seconds kSilence{
+    4};  ///< silence before asking again; status comes once a second
 constexpr int kQueue = 1000;
 
 }  // namespace

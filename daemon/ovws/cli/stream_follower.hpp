@@ -1,4 +1,4 @@
-/// A daemon's stream through its restarts.
+/// Subscriber that reconnects when the daemon restarts.
 #pragma once
 
 #include <chrono>
@@ -11,15 +11,15 @@
 
 namespace ovws::cli {
 
-/// Subscribes as soon as the daemon says where its stream is. While nothing comes it asks again,
-/// for a daemon may come back with another address. One thread.
+/// Asks the daemon for its stream's endpoint and subscribes. While no message arrives it asks
+/// again, because a restarted daemon may use another endpoint. One thread.
 class StreamFollower {
  public:
-  /// `patience`: how long an answer to that question may take, which holds up receive.
+  /// `patience`: timeout of the request for the endpoint; receive blocks for that long in addition.
   StreamFollower(const Common& common, std::vector<std::string> topics,
                  std::chrono::milliseconds patience);
 
-  /// The next message; none if none came in time.
+  /// The next message; none if none arrives within `timeout`.
   std::optional<StreamMessage> receive(std::chrono::milliseconds timeout);
 
  private:
@@ -28,7 +28,7 @@ class StreamFollower {
 
   Common common_;
   std::vector<std::string> topics_;
-  std::string endpoint_;  ///< empty: not known yet
+  std::string endpoint_;  ///< empty: not yet known
   std::optional<Subscriber> stream_;
   Clock::time_point next_look_{};
 };

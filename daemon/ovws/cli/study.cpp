@@ -1,4 +1,4 @@
-/// ovws study: the accuracy studies, and what runs on a daemon's bench, with figures.
+/// ovws study: runs accuracy studies, offline or on a daemon's bench, and writes their figures.
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ struct StudyOptions {
   std::string name;
   std::string folder;
   bool quick = false;
-  int threads = 0;  ///< 0: as many as the machine has cores
+  int threads = 0;  ///< 0: one per core
   std::uint64_t seed = 1;
-  std::string params;  ///< of what runs on a bench
+  std::string params;  ///< JSON; only for studies on a bench
   double seconds = 60.0;
 };
 
@@ -31,7 +31,7 @@ struct StudyOptions {
 constexpr const char* kExperiment = "experiment";
 constexpr const char* kRejection = "rejection";
 
-/// Made, and can be written to: better known before minutes of work than after.
+/// Creates the folder and checks that it is writable, before minutes of work.
 Result<void> check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -43,7 +43,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
               folder.string() + " cannot be written to: " + error.message());
 }
 
-/// What goes on beside the bar of study::Progress, and as that only on a terminal.
+/// Prints the current step on standard error, like study::Progress only on a terminal.
 void tell_step(const std::string& what) {
   if (::isatty(STDERR_FILENO) == 0) return;
   fmt::print(stderr, "\r\033[K{}", what);

@@ -1,5 +1,4 @@
-/// ovws watch: the bench as a page on a terminal, or a stream's messages as tables or lines of
-/// JSON.
+/// ovws watch: shows the bench full-screen, or prints a stream's messages as tables or JSON lines.
 #include <unistd.h>
 
 #include <atomic>
@@ -24,12 +23,12 @@ struct WatchOptions {
   std::string topic = "wavefront";
   int count = 0;  ///< messages; 0: until Ctrl-C
   bool plain = false;
-  std::optional<double> timeout_s;  ///< for the next message; none: as long as it takes
+  std::optional<double> timeout_s;  ///< for the next message; none: no limit
 };
 
 std::atomic<bool> stop_requested{false};
 
-/// One topic's messages on their way to standard output.
+/// Prints one topic's messages on standard output.
 class Watch {
  public:
   Watch(const Common& common, const WatchOptions& options, const json& status)
@@ -69,7 +68,7 @@ class Watch {
     return report_failure(common_, {false, {{"message", text}}});
   }
 
-  /// A table that stays in place is drawn only as often as eyes can follow.
+  /// Limits a table that is redrawn in place to 20 updates per second.
   bool is_too_soon() {
     const auto now = Clock::now();
     if (in_place_ && now - last_ < std::chrono::milliseconds(50)) return true;
@@ -104,7 +103,7 @@ int watch(const Common& common, const WatchOptions& options) {
   if (!endpoint) return report_failure(common, endpoint.error());
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")
-    topics.emplace_back("status");  // tells of reference and pattern
+    topics.emplace_back("status");  // provides reference and pattern
   auto stream = subscribe(common, *endpoint, topics, 100);
   if (!stream) return report(common, stream.error());
   const auto status = call(common, "system.status", json::object());

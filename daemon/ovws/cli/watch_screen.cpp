@@ -19,12 +19,12 @@ using screen::Clock;
 using screen::Key;
 
 constexpr std::chrono::milliseconds kPeriod{50};     ///< from one drawing to the next
-constexpr std::chrono::milliseconds kPatience{300};  ///< how long a missing daemon may hold it up
+constexpr std::chrono::milliseconds kPatience{300};  ///< longest wait for a missing daemon
 constexpr int kPage = 10;
 
 std::atomic<bool> stop_requested{false};
 
-/// Empty if a message has not what tells it.
+/// Why the frame is not valid; empty if the messages lack the fields to tell.
 std::string reason_of(const screen::View& view) {
   for (const char* key : {"settled", "fit_residual_px", "tracked", "subapertures"}) {
     if (!view.wavefront.contains(key)) return {};
@@ -74,7 +74,7 @@ class WatchScreen {
     if (key == Key::end) first = 1 << 20;
   }
 
-  /// A pause holds the view; what comes meanwhile is gathered all the same.
+  /// Draws the newest view. A pause freezes the view but messages are still gathered.
   void draw() {
     const screen::View& newest = gatherer_.view(Clock::now());
     if (!choice_.paused) {
@@ -103,7 +103,7 @@ bool can_show_screen() {
 }
 
 int show_screen(const Common& common) {
-  // Whoever asks for a daemon that is not there is told at once, as by every other command.
+  // Report a missing daemon at once, like every other command.
   if (const auto there = stream_endpoint(common, "endpoint"); !there) {
     return report_failure(common, there.error());
   }
@@ -114,7 +114,7 @@ int show_screen(const Common& common) {
   if (!terminal) return report(common, terminal.error());
   try {
     return WatchScreen(common, std::move(*terminal)).run();
-  } catch (const std::exception& error) {  // here the terminal is as it was before
+  } catch (const std::exception& error) {  // the terminal is restored here
     return report(common, {Errc::internal, "watch", error.what()});
   }
 }

@@ -1,14 +1,14 @@
-/// ovws watch on a terminal: a page that is drawn anew as the bench goes on.
+/// ovws watch on a terminal: a full-screen view of the bench, updated live.
 #pragma once
 
 #include "daemon/ovws/cli/commands.hpp"
 
 namespace ovws::cli {
 
-/// Whether somebody sits there: input and output are a terminal on which a page can be drawn.
+/// Whether input and output are a terminal that can show the full screen (TERM is not "dumb").
 bool can_show_screen();
 
-/// Until q, Ctrl-C or the end of the terminal. Returns the exit code.
+/// Shows the screen until q, Ctrl-C or the end of the terminal. Returns the exit code.
 int show_screen(const Common& common);
 
 }  // namespace ovws::cli

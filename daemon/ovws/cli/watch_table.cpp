@@ -14,7 +14,7 @@ using nlohmann::json;
 
 constexpr int kBarHalfWidth = 20;
 
-/// A bar that grows from the middle, `full_scale` waves wide to each side.
+/// A text bar that grows from the middle; each half spans `full_scale` waves.
 std::string signed_bar(double waves, double full_scale) {
   const int length =
       std::min(kBarHalfWidth, int(std::abs(waves) / full_scale * kBarHalfWidth + 0.5));
@@ -32,8 +32,8 @@ std::size_t longest_name(const json& modes_j) {
   return length;
 }
 
-/// One line a mode, standard errors beside it if there are any; returns the bars' full scale,
-/// waves.
+/// Prints one line per mode, with its standard error if the message has them. Returns the full
+/// scale of the bars, waves.
 double print_modes(const json& message) {
   double full_scale = 0.1;
   for (const json& value : message.at("coefficients")) {

@@ -1,4 +1,4 @@
-/// What people see of a stream's message: tables of modes.
+/// Prints stream messages as tables of modes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,8 +8,7 @@ namespace ovws::cli {
 
 /// Whether the topic's messages have a table.
 bool has_table(const std::string& topic);
-/// `referenced`: whether the sensor has a reference; `pattern`: what the SLM shows. They say why a
-/// message is not valid.
+/// `status`: a result of system.status. Its reference and SLM pattern explain an invalid frame.
 void print_wavefront(const nlohmann::json& message, const nlohmann::json& status);
 void print_refined(const nlohmann::json& message);
 

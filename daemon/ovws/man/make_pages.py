@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes the manual pages from what the programs say of themselves (--help) and from config/README.md.
+"""Generates the manual pages from the programs' --help and from config/README.md.
 
     daemon/ovws/man/make_pages.py FOLDER_OF_PROGRAMS OUTPUT_FOLDER
 """
@@ -20,7 +20,7 @@ SEE = {"ovws": (1, "talk to the wavefront sensor's daemon, and work without it")
 
 
 class Help:
-    """What --help says: an introduction, an entry for each option, positional and subcommand, and what stands behind them."""
+    """Parsed --help output: description, usage, the entries of each section (options, positionals, subcommands), and the footer."""
 
     def __init__(self, program, *command):
         done = subprocess.run([program, *command, "--help"], capture_output=True, text=True, check=True)
@@ -34,7 +34,7 @@ class Help:
 
     @staticmethod
     def entries(text):
-        """[(name, words)]: a name begins two columns in, its words thirty, on its own line if it is short."""
+        """[(name, lines of description)]: names are indented by 2 columns, descriptions by 30, on the same line if the name is short."""
         found, lines = [], text.splitlines()
         for line, following in zip(lines, lines[1:] + [""]):
             if not re.match(r"  \S", line):
@@ -47,7 +47,7 @@ class Help:
 
 
 def kind_of(text):
-    """What CLI11 says behind an option's name, for people."""
+    """Makes CLI11's type and constraint text after an option's name readable."""
     text = re.sub(r"^[A-Z]+:\{(.*?)\}", lambda found: "one of " + found[1].replace(",", ", "), text)
     text = re.sub(r"^(\w+):\1 in \[(\S+) - (\S+)\]", r"\1 from \2 to \3", text)
     text = re.sub(r"=(\S+)", r", default \1", text)
@@ -88,7 +88,7 @@ def new_page(name, version):
 
 
 def program_page(name, programs, version, describe, environment, files=()):
-    """`describe` adds what stands between the synopsis and the options."""
+    """Builds a program's page. `describe` adds the text between synopsis and options."""
     help_ = Help(programs / name)
     page = new_page(name, version)
     page.section("Synopsis")

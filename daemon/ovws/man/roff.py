@@ -1,4 +1,4 @@
-"""A manual page as man(7) has it, and the Markdown of this project's documents in it."""
+"""Writes manual pages in man(7) format, and converts the Markdown of this project's documents to it."""
 import re
 import textwrap
 
@@ -14,7 +14,7 @@ def escaped(text):
 
 
 class Page:
-    """Lines of roff. Text is given as it reads; what roff would take for its own is escaped here."""
+    """Lines of roff. Methods take plain text and escape roff's special characters."""
 
     def __init__(self, name, number, version, date):
         self.name, self.number = name, number
@@ -41,13 +41,13 @@ class Page:
         self.spans([(font, text)])
 
     def spans(self, spans):
-        """[(font, text)], wrapped to lines of their own."""
+        """Adds [(font, text)] as wrapped lines."""
         whole = "".join(FONTS[font] + escaped(text) + ("\\fR" if FONTS[font] else "") for font, text in spans)
         for line in textwrap.wrap(re.sub(r"\s+", " ", whole).strip(), WIDTH, break_long_words=False, break_on_hyphens=False):
             self.raw(line)
 
     def tagged(self, spans):
-        """What follows is said of this tag."""
+        """Begins a tagged paragraph (.TP) with this tag."""
         self._lines.append(".TP")
         self.tagged_line(spans)
 
@@ -71,7 +71,7 @@ class Page:
 
 
 def spans_of(text):
-    """What stands out does so here, a link is its words."""
+    """Converts inline Markdown to [(font, text)]: code and emphasis become fonts, links their text."""
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     spans = []
     for part in re.split(r"(`[^`]*`|\*\*[^*]*\*\*|\*\w[^*]*\w\*)", text):
@@ -87,7 +87,7 @@ def spans_of(text):
 
 
 def put_table(page, rows):
-    """One entry a row: its first cell is the tag, then the middle ones, then the last as text."""
+    """Writes a table as one tagged entry per row: first cell as tag, middle cells as "name: value", last cell as text."""
     cells = [[cell.strip() for cell in row.strip().strip("|").split("|")] for row in rows]
     head, body = cells[0], cells[2:]
     for row in body:
@@ -118,7 +118,7 @@ def put_block(page, lines):
 
 
 def of_markdown(page, text):
-    """Sections, paragraphs, lists, tables and code; the title is left out, for the page has its own."""
+    """Converts sections, paragraphs, lists, tables and code. Skips the title, because the page has its own."""
     blocks, fenced = [[]], False
     for line in text.splitlines()[1:]:
         if line.startswith("```"):
