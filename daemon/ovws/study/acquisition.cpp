@@ -1,4 +1,5 @@
-/// Spots found in one image without history: how many are refused, how many wrong.
+/// Study `acquisition`: fractions of refused and wrong spots when one image is searched without
+/// history.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kGross = 0.5;  ///< lambda/d: further off is another spot, or none
+constexpr double kGross = 0.5;  ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kRandomRmsWaves = 0.5;
 constexpr int kLastRandom = 18;  // OSA index
 
@@ -22,7 +23,7 @@ struct Scene {
   std::string name;
   int images = 0;  ///< exposures at each level
   Image<float> light_e;
-  std::vector<Vec2> at_px;  ///< where the mean slopes put the spots
+  std::vector<Vec2> at_px;  ///< positions predicted by the slope matrix
 };
 
 struct Counts {
@@ -123,7 +124,7 @@ Findings acquisition(const Settings& settings) {
     figure.series.push_back(std::move(gross));
   }
   figure.y_from = 0.0;
-  figure.y_to = 0.01;  // at least: all may be zero
+  figure.y_to = 0.01;  // minimum of the range: all values may be zero
   for (const Series& series : figure.series) {
     figure.y_to = std::max(figure.y_to, 1.1 * *std::max_element(series.y.begin(), series.y.end()));
   }

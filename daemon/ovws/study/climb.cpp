@@ -9,8 +9,8 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kGross = 0.5;   ///< lambda/d: further off is no spot of this subaperture
-constexpr double kMargin = 1.0;  ///< lambda/d: a ring's own size
+constexpr double kGross = 0.5;   ///< lambda/d: a larger error counts as a wrong spot
+constexpr double kMargin = 1.0;  ///< lambda/d: the size of a vortex ring
 
 bool leaves(const std::vector<Vec2>& spots_px, double margin_px) {
   return std::any_of(spots_px.begin(), spots_px.end(), [&](Vec2 at) {
@@ -28,7 +28,8 @@ bool cross(const std::vector<Vec2>& spots_px, double apart_px) {
   return false;
 }
 
-/// One image of a step at kPeakE, and what makes equal photons of it.
+/// The image of one amplitude step, scaled to kPeakE, and the factor that rescales it to equal
+/// photons.
 struct Step {
   Image<float> light_e;
   double to_equal_photons = 1.0;
@@ -48,7 +49,7 @@ ShapedAcquisition acquisition_of(const Geometry& geometry, const Measurer& measu
           kImagePx};
 }
 
-/// A method, asked for spots that the slopes put at a known place.
+/// Acquires spots with one method and compares them with the positions predicted by the slopes.
 class Judge {
  public:
   Judge(const Geometry& geometry, const Method& method, std::shared_ptr<SensorModel> model)
@@ -56,7 +57,7 @@ class Judge {
         acquisition_(acquisition_of(geometry, measurer_)),
         scratch_(measurer_.tracker().make_scratch()) {}
 
-  /// What is wrong with what is found; Limit::nothing: all is found.
+  /// Classifies the failure of an acquisition; Limit::nothing: every spot was found at its place.
   Limit judge(const Exposure& exposure, std::span<const Mode> modes) {
     const std::vector<Vec2> truth = measurer_.predicted_px(modes);
     std::vector<SpotFix> fixes(truth.size());
@@ -80,7 +81,7 @@ class Judge {
   TrackScratch scratch_;
 };
 
-/// One climber on the way.
+/// The state of one climber: which realisations have ended.
 struct Rope {
   Climber* climber;
   Judge judge;

@@ -24,7 +24,7 @@ Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
 
 constexpr int kBoundHalfPx = 26;
 
-/// A picture as a shape, for positions that are whole pixels from its centre.
+/// An image as a SpotShape, for positions at whole pixels from its centre.
 class PictureShape final : public SpotShape {
  public:
   PictureShape(const Image<float>& picture, int x, int y) : picture_(picture), x_(x), y_(y) {}
@@ -32,7 +32,7 @@ class PictureShape final : public SpotShape {
     const int x = x_ + int(std::lround(from_centre.x));
     const int y = y_ + int(std::lround(from_centre.y));
     const auto value = [&](int dx, int dy) { return double(picture_.at(x + dx, y + dy)); };
-    // Fourth-order central differences: the light has no detail finer than lambda/d.
+    // Fourth-order central differences suffice: the image has no detail finer than lambda/d.
     return {value(0, 0), (8.0 * (value(1, 0) - value(-1, 0)) - (value(2, 0) - value(-2, 0))) / 12.0,
             (8.0 * (value(0, 1) - value(0, -1)) - (value(0, 2) - value(0, -2))) / 12.0};
   }
@@ -50,7 +50,7 @@ SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<Se
       light, method, std::make_shared<Measurer>(default_bench(), method, model), {}, {}};
   const auto base = std::size_t(bench.measurer->spots() / 2);
   Vec2 centre = bench.measurer->reference_px()[base];
-  if (std::isnan(centre.x)) centre = model->spots_px()[base];  // lost even without noise
+  if (std::isnan(centre.x)) centre = model->spots_px()[base];  // not found even without noise
   bench.light_e = crop(electrons(*model, *vortex, {}, light), centre, bench.at_px);
   return bench;
 }
@@ -61,7 +61,7 @@ std::vector<SpotBench> all_spot_benches() {
   std::vector<SpotBench> all;
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
     for (const Method& method : all_methods()) {
-      if (method.fixed_cell) continue;  // a spot by itself has no cell
+      if (method.fixed_cell) continue;  // an isolated spot has no fixed window
       all.push_back(spot_bench(method, light, method.charge == 0 ? bright : vortex, vortex));
     }
   }

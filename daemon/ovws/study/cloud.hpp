@@ -1,4 +1,4 @@
-/// One spot by itself, and what a tracker makes of it under noise.
+/// Monte-Carlo localisation errors of one isolated spot.
 #pragma once
 
 #include <cstdint>
@@ -9,32 +9,33 @@
 
 namespace ovws::study {
 
-/// A spot, a light, a method.
+/// An isolated spot at one light level, measured by one method.
 struct SpotBench {
   Light light = Light::equal_peak;
   Method method;
   std::shared_ptr<Measurer> measurer;
   Image<float> light_e;  ///< the image around the base spot
-  Vec2 at_px;  ///< the spot in it, as the method reads it without noise; if it cannot: the model's
+  Vec2 at_px;            ///< its noise-free position by the method; if not found: by the model
 };
 
-/// Every method at both lights.
+/// Every method at both light levels.
 std::vector<SpotBench> all_spot_benches();
 SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
                      const std::shared_ptr<SensorModel>& vortex);
 
 struct Cloud {
   std::vector<double> x_px, y_px;   ///< errors of each realisation
-  std::vector<double> squares_px2;  ///< half of each squared distance: an axis's share
+  std::vector<double> squares_px2;  ///< half of each squared distance: mean square per axis
   int lost = 0;
 };
 
-/// Starts lie within 0.3 lambda/d of the spot, each way. Errors are against the same tracker's own
-/// reading without noise from the same start. Thread-safe.
+/// Tracks the spot in `realisations` noisy images. Starts lie within 0.3 lambda/d of the spot in
+/// each axis. Errors are relative to the same tracker's noise-free result from the same start.
+/// Thread-safe.
 Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed);
 
-/// The Cramer-Rao bound of the very spot that is tracked, with its ripple, up to half the way to
-/// its neighbours; camera pixels RMS per axis.
+/// The Cramer-Rao bound for the position of the tracked spot, including its diffraction ripple, up
+/// to half the distance to its neighbours; camera pixels RMS per axis.
 double bound_px(const SpotBench& bench, double read_noise_e);
 
 }  // namespace ovws::study

@@ -40,14 +40,14 @@ std::string csv_of(const Figure& figure) {
   return text;
 }
 
-/// Bounds and other lines are black unless they belong to another series.
+/// gnuplot colour of the k-th series. Lines (bounds) are black unless `colour` names a series.
 std::string colour_of(const Series& series, std::size_t k) {
   if (series.colour > 0) return std::to_string(series.colour);
   const bool black = series.colour == Series::kBlack || series.style == Series::Style::line;
   return black ? "'black'" : std::to_string(k + 1);
 }
 
-/// How gnuplot is to draw the k-th series.
+/// gnuplot style of the k-th series.
 std::string style_of(const Series& series, std::size_t k) {
   const std::string colour = colour_of(series, k);
   if (series.style == Series::Style::line) {
@@ -58,15 +58,15 @@ std::string style_of(const Series& series, std::size_t k) {
   return fmt::format("{} linecolor {} pointtype {}", kind, colour, k + 4);
 }
 
-/// 1, 2 or 5 times a power of ten, at most `value`.
+/// The largest 1, 2 or 5 times a power of ten that is at most `value`.
 double round_below(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   const double digit = value / power;
   return power * (digit < 2.0 ? 1.0 : digit < 5.0 ? 2.0 : 5.0);
 }
 
-/// Steps are named where two decades and less hold too few powers of ten to read a number from. In
-/// y from a round number to a round number; in x, which is chosen, just beyond the ends.
+/// gnuplot settings of a logarithmic axis. Ranges of two decades or less get tics at 1, 2 and 5.
+/// The y range ends at round numbers, the x range just beyond the data.
 std::string log_axis(char axis, std::vector<double> values) {
   std::erase_if(values, [](double value) { return !(value > 0.0 && std::isfinite(value)); });
   std::string text = fmt::format("set logscale {0}\nset format {0} '%g'\n", axis);
@@ -99,7 +99,7 @@ std::string axes_of(const Figure& figure) {
   return text;
 }
 
-/// A gap where there is no number.
+/// Data lines of a series; an empty line makes a gap for a missing value.
 std::string data_of(const Series& series) {
   std::string text;
   for (std::size_t i = 0; i < series.x.size(); ++i) {
@@ -116,7 +116,7 @@ bool can_be_drawn(const Series& series) {
   return std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
 }
 
-/// The data of each series as one block in the script, then how to draw them.
+/// The gnuplot script: one data block per series, then the plot command.
 std::string script_of(const Figure& figure) {
   std::string text = fmt::format(
       "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\n"

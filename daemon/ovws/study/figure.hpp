@@ -1,4 +1,4 @@
-/// A figure: its numbers as CSV, and drawn by gnuplot as PNG.
+/// Figures: numbers as CSV, drawn by gnuplot as PNG.
 #pragma once
 
 #include <filesystem>
@@ -16,31 +16,31 @@ struct Series {
   std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
   /// `line` is dashed; `solid` is a line without points.
   enum class Style { line_points, line, points, solid } style = Style::line_points;
-  /// That of the series with this place in the figure, from 1; 0: its own.
+  /// Uses the colour of this series of the figure, counted from 1; 0: its own colour.
   int colour = 0;
   static constexpr int kBlack = -1;
   bool in_legend = true;
-  double shift_x = 0.0;  ///< drawn beside where it is, so that points do not cover each other
+  double shift_x = 0.0;  ///< horizontal offset, so that points do not cover each other
 };
 
 struct Figure {
-  std::string name;  ///< of the files, without their ending
+  std::string name;  ///< of the files, without extension
   std::string title;
   std::string x_label, y_label;  ///< with units
   bool log_x = false, log_y = false;
-  bool same_scale = false;  ///< one unit is as long in x as in y
+  bool same_scale = false;  ///< equal scales in x and y
   std::vector<Series> series{};
-  double y_from = std::numeric_limits<double>::quiet_NaN();  ///< NaN: as the numbers are
+  double y_from = std::numeric_limits<double>::quiet_NaN();  ///< NaN: from the data
   double y_to = std::numeric_limits<double>::quiet_NaN();
-  double x_step = std::numeric_limits<double>::quiet_NaN();  ///< between the numbers at the axis
+  double x_step = std::numeric_limits<double>::quiet_NaN();  ///< distance of tics; NaN: automatic
 };
 
-/// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png where it is run.
+/// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png in the current folder.
 /// Errors (Errc::unavailable): the folder cannot be written.
 Result<void> write_numbers(const Figure& figure, const std::filesystem::path& folder);
 
-/// Makes NAME.png of what write_numbers wrote. Errors (Errc::unavailable): gnuplot is missing or
-/// fails; the reason says what to do.
+/// Draws NAME.png from the files of write_numbers. Errors (Errc::unavailable): gnuplot is missing
+/// or fails; the reason says what to do.
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder);
 
 }  // namespace ovws::study

@@ -43,7 +43,7 @@ double number_of(const json& value) {
   return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// The cell of this place, or null.
+/// The cell with this number, or null.
 const json& cell_at(const json& experiment, std::size_t number) {
   static const json none;
   for (const json& cell : experiment["cells"]) {
@@ -62,7 +62,7 @@ double variance_at(const json& experiment, std::size_t number) {
   return cell.is_null() ? number_of(cell) : number_of(cell["variance_rad2"]);
 }
 
-/// Calls `each(aberration, gain, arm)` for every place.
+/// Calls `each(aberration, gain, arm)` for every cell of the sweep, measured or not.
 template <class Each>
 void for_places(const json& request, Each each) {
   for (std::size_t a = 0; a < request["aberrations"].size(); ++a) {

@@ -1,4 +1,4 @@
-/// What a daemon measured with experiment.gain_sweep, as files for people: CSV, table, figures.
+/// CSV, table and figures of a gain sweep that a daemon measured (experiment.gain_sweep).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,31 +9,33 @@
 
 namespace ovws::study {
 
-/// Of results of experiment.cell; the units are in the columns' names.
+/// CSV files from results of experiment.cell; column names contain the units.
 std::string cells_csv_header();
 std::string cells_csv_row(const nlohmann::json& cell);
-std::string frames_csv_header(const nlohmann::json& cell);  ///< ends with the cell's modes
+std::string frames_csv_header(const nlohmann::json& cell);  ///< last columns: the cell's modes
 std::string frames_csv_rows(const nlohmann::json& cell);
 
 /// "charge 1, lg"
 std::string arm_name(const nlohmann::json& arm);
-/// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)"; of an element of "aberrations" of a
-/// request.
+/// Name of an element of the request's "aberrations", e.g.
+/// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)".
 std::string aberration_name(const nlohmann::json& aberration);
 
-/// Of a result of experiment.get: the residual variances, a row a gain, a column an arm.
+/// Table of residual variances from a result of experiment.get: one row per gain, one column per
+/// arm.
 std::string sweep_table(const nlohmann::json& experiment);
-/// The same, one figure an aberration.
+/// The same values as figures, one per aberration.
 std::vector<Figure> sweep_figures(const nlohmann::json& experiment);
 
-/// In how many of the cells that both measured the first arm's variance is below the second's;
-/// both counts.
+/// Comparison of two arms: the number of cells measured by both, and in how many of them the first
+/// arm's variance is lower.
 struct Comparison {
   int cells = 0, lower = 0;
 };
 Comparison compare_arms(const nlohmann::json& experiment, std::size_t arm, std::size_t other);
 
-/// For a program: all of experiment.get but the job, and every two arms compared.
+/// JSON summary: the result of experiment.get without its job, and a comparison of each pair of
+/// arms.
 nlohmann::json sweep_summary(const nlohmann::json& experiment);
 
 }  // namespace ovws::study

@@ -1,4 +1,4 @@
-/// The LG kernel's radius: the best one against SNR.
+/// Study `kernel`: the best radius of the LG kernel as a function of SNR.
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/ovws/study/cloud.hpp"
@@ -10,7 +10,7 @@
 namespace ovws::study {
 namespace {
 
-/// A light, a charge, and a spot for each radius of the kernel.
+/// One charge at one light level, with a spot for each kernel radius.
 struct Beam {
   Light light;
   int charge;
@@ -22,17 +22,17 @@ struct Levels {
   int realisations;
 };
 
-/// Of one beam and one SNR, a value a radius.
+/// Results for one beam and one SNR, one value per radius.
 struct Curve {
   const Beam* beam;
   double snr;
   std::vector<Mean> rms_px;
   std::vector<int> lost;
-  double bound_px;  ///< of the light: the same for all radii
+  double bound_px;  ///< does not depend on the radius
 };
 
-/// A kernel that loses more than a hundredth has no error to compare: it is judged by the easy
-/// ones.
+/// Index of the best radius. Radii that lose more than 1 % of the spots rank last, because their
+/// error comes from the easy spots only.
 std::size_t best_of(const Curve& curve) {
   const auto rank = [&](std::size_t r) {
     const Mean& rms_px = curve.rms_px[r];
@@ -63,7 +63,7 @@ std::vector<Beam> beams_of(const std::vector<double>& radii) {
   return beams;
 }
 
-/// Every radius is given the same noise, so that they differ by the radius alone.
+/// All radii see the same noise (common random numbers), so that they differ only by the radius.
 std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
                              const Settings& settings) {
   const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();

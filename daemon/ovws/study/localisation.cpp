@@ -1,4 +1,5 @@
-/// One spot, as in the paper's figure "Localization precision": position errors against read noise.
+/// Study `localisation`: position errors of one spot against read noise, as in the paper's figure
+/// "Localization precision".
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/ovws/study/cloud.hpp"
@@ -10,7 +11,7 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kCloudNoiseE = 55.0;  ///< whose point clouds are drawn
+constexpr double kCloudNoiseE = 55.0;  ///< read noise of the point clouds
 
 Figure cloud_figure(const std::vector<SpotBench>& all, const Settings& settings) {
   Figure figure{

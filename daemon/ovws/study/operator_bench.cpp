@@ -12,7 +12,7 @@
 namespace ovws::study {
 namespace {
 
-constexpr std::size_t kOwn = 2;  ///< the tracker's own slopes: where iterations start
+constexpr std::size_t kOwn = 2;  ///< index of the tracker's own slopes, the start of iterations
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 SensorConfig sensor_of(const OperatorTools& tools) {
@@ -75,7 +75,7 @@ double OperatorBench::bound_waves(const Image<float>& light_e, std::span<const M
                                   double read_noise_e) {
   std::vector<double> truth(tools_.modes_j().size(), 0.0);
   for (const Mode& mode : modes) truth[std::size_t(mode.j - 1)] = mode.waves;
-  // The image without noise, but judged as if it had it: the fit starts and ends at the truth.
+  // Fit the noise-free image with the noisy image's weights: the covariance is then at the truth.
   const auto found = refiner_.refine(light_e, {1.0, read_noise_e}, truth);
   return found ? std::sqrt(found->covariance.trace()) : kUnknown;
 }

@@ -1,4 +1,4 @@
-/// One image read by every operator from slopes to modes.
+/// Reconstructs the modes of one image with every operator.
 #pragma once
 
 #include <array>
@@ -12,15 +12,16 @@
 namespace ovws::study {
 
 constexpr std::size_t kOperatorCount = 6;
-/// Two text-book tilts, the tracker's own, diffractive, relinearised, refined.
+/// Names in the order of Readings: two textbook tilts, the tracker's own slopes, diffractive,
+/// relinearised, refined.
 using OperatorNames = std::array<std::string, kOperatorCount>;
 OperatorNames operator_names(int charge);
 
-/// Waves in the order of the modes, an operator each; NaN where one has no answer.
+/// Coefficients in waves per operator, in the order of modes_j; NaN if an operator fails.
 using Readings = std::array<std::vector<double>, kOperatorCount>;
 
-/// What is shared by all images of a charge, tracked by `matched`. Its model is for one thread at a
-/// time.
+/// Data shared by all images of one charge, tracked by `matched`. Its model may be used by one
+/// thread at a time.
 struct OperatorTools {
   explicit OperatorTools(int charge);
   const std::vector<int>& modes_j() const { return measurer.modes_j(); }
@@ -29,20 +30,22 @@ struct OperatorTools {
   Geometry geometry;
   std::shared_ptr<SensorModel> model;
   Measurer measurer;
-  std::vector<Eigen::MatrixXd> slopes;  ///< of the linear operators, in the order of the names
+  std::vector<Eigen::MatrixXd> slopes;  ///< linear operators, in the order of the names
 };
 
-/// For one thread at a time; `tools` outlive it.
+/// For one thread at a time; `tools` must outlive it.
 class OperatorBench {
  public:
   explicit OperatorBench(const OperatorTools& tools);
 
-  /// Electrons with these modes shown.
+  /// The image in electrons with these modes on the SLM.
   Image<float> light_e(std::span<const Mode> modes, Light light);
-  /// `light_e` holds `modes`. With no read noise there is no shot noise either.
+  /// Tracks one exposure of `light_e`, the image with `modes`, and applies every operator. Zero
+  /// read noise also disables shot noise.
   Readings read(const Image<float>& light_e, std::span<const Mode> modes, double read_noise_e,
                 std::uint64_t seed);
-  /// The Cramer-Rao bound of all pixels: root sum square over all modes, waves. NaN: not told.
+  /// The Cramer-Rao bound from all pixels: root sum square over all modes, waves. NaN: the fit
+  /// failed.
   double bound_waves(const Image<float>& light_e, std::span<const Mode> modes, double read_noise_e);
 
  private:

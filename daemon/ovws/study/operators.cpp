@@ -1,4 +1,5 @@
-/// From slopes to modes: every operator on the same images, without noise and with it.
+/// Study `operators`: the errors of all reconstruction operators on the same images, without and
+/// with noise.
 #include <spdlog/fmt/fmt.h>
 
 #include <array>
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double kSnr = 22.0;
 
-/// One mode under one light; without noise at equal peak only.
+/// A charge at one light level, with or without noise; noise-free only at equal peak.
 struct Case {
   int charge;
   Light light;
@@ -28,7 +29,7 @@ constexpr std::array<Case, 5> kCases{{{1, Light::equal_peak, false},
                                       {0, Light::equal_photons, true}}};
 
 struct Levels {
-  std::vector<double> amplitudes;  ///< waves RMS; the last one is drawn
+  std::vector<double> amplitudes;  ///< waves RMS; figures show the last one
   std::vector<int> modes_j;
   int realisations;
   Mode mode(std::size_t k) const {
@@ -37,7 +38,7 @@ struct Levels {
   std::size_t modes() const { return modes_j.size() * amplitudes.size(); }
 };
 
-/// What became of one case and one mode.
+/// Results for one case and one mode.
 struct Outcome {
   std::array<Mean, kOperatorCount> errors_waves;
   std::array<int, kOperatorCount> undetermined{};
@@ -73,7 +74,7 @@ Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Cas
   return outcome;
 }
 
-/// In the order of kCases, each with every mode.
+/// Results in the order of kCases, for every mode each.
 std::vector<Outcome> outcomes_of(const Levels& levels, const Settings& settings) {
   const std::array<OperatorTools, 2> tools{OperatorTools(0), OperatorTools(1)};
   std::vector<Outcome> outcomes(kCases.size() * levels.modes());

@@ -1,4 +1,4 @@
-/// The fast LG tracker against the paper's contour method, spot by spot.
+/// Study `oracle`: compares the fast `lg` tracker with the paper's contour method, spot by spot.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>

@@ -18,7 +18,7 @@ Progress::Progress(std::string what, std::size_t total)
       total_(total),
       visible_(::isatty(STDERR_FILENO) != 0),
       started_(Clock::now()) {
-  if (visible_) show();  // the first may take long
+  if (visible_) show();  // the first item may take long
 }
 
 Progress::~Progress() {

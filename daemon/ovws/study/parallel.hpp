@@ -1,4 +1,4 @@
-/// Work spread over the machine's cores, with a progress bar.
+/// Parallel loop with a progress bar.
 #pragma once
 
 #include <atomic>
@@ -9,14 +9,14 @@
 
 namespace ovws::study {
 
-/// A bar on standard error, if that is a terminal: done, and time left.
+/// Progress bar with the remaining time on standard error; silent if that is not a terminal.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  void tick();  ///< thread-safe: one more is done
+  void tick();  ///< counts one more finished item; thread-safe
 
  private:
   void show();
@@ -30,11 +30,11 @@ class Progress {
   std::chrono::steady_clock::time_point shown_;
 };
 
-/// How many threads the machine runs at once; at least 1.
+/// The number of hardware threads; at least 1.
 int all_cores();
 
-/// Calls `work(i)` once for each i below `count`, on `threads` threads; what it throws is thrown
-/// here.
+/// Calls `work(i)` once for each i below `count` on `threads` threads, the caller's included.
+/// Rethrows an exception of `work` after all threads have ended.
 void parallel_for(const std::string& what, std::size_t count, int threads,
                   const std::function<void(std::size_t)>& work);
 

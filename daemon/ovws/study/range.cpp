@@ -1,4 +1,4 @@
-/// The largest aberration that is found without history, mode by mode.
+/// Study `range`: the largest amplitude of each mode with all spots found without history.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 namespace ovws::study {
 namespace {
 
-/// A mode and a sign: how far each climber came, and where geometry would have ended it.
+/// Results for one mode and sign: the amplitude that each climber reached, and the geometric
+/// limits.
 struct Way {
   int j = 0;
   double sign = 1.0;
@@ -22,7 +23,8 @@ struct Way {
   GeometricLimit geometry{};
 };
 
-/// The vortex is climbed once for both lights: it has the same image at either.
+/// Whether the climber belongs to this light level. The vortex belongs to both: its image is the
+/// same.
 bool counts_at(const Climber& climber, Light light) {
   return climber.light == light || climber.method.charge != 0;
 }
@@ -33,7 +35,7 @@ Mean reached(const Climber& climber) {
   return mean_of(waves);
 }
 
-/// What ended most of the realisations.
+/// The most frequent limit over the realisations.
 Limit limited_by(const Climber& climber) {
   std::map<Limit, int> counts;
   for (const Climb& one : climber.climbs) ++counts[one.limited_by];
@@ -81,7 +83,7 @@ Series series_of(std::size_t c, const std::vector<Way>& ways) {
   return series;
 }
 
-/// What is no bound of a method, but of the light's geometry.
+/// The points of a limit set by geometry, independent of the method.
 Series geometric_series(const char* name, double GeometricLimit::*limit,
                         const std::vector<Way>& ways) {
   Series series{name, {}, {}, {}, Series::Style::points, Series::kBlack};

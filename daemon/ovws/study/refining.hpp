@@ -1,4 +1,4 @@
-/// Modes from all pixels of a study's exposure.
+/// Fits the modes to all pixels of a simulated exposure.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace ovws::study {
 
-/// Of the study's image and these modes, for one thread at a time.
+/// A Refiner for the study's image size and these modes; for one thread at a time.
 Refiner refiner_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j);
 
-/// In the order of the Refiner's modes; from a flat wavefront if `start` holds NaN. NaN: no
-/// minimum.
+/// Coefficients in waves, in the order of the Refiner's modes. If `start` is NaN, the fit starts
+/// from a flat wavefront. All NaN if the fit finds no minimum.
 std::vector<double> refined_waves(Refiner& refiner, const Exposure& exposure, double read_noise_e,
                                   std::vector<double> start);
 

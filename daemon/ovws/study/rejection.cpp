@@ -11,8 +11,8 @@ namespace ovws::study {
 namespace {
 
 constexpr double kMostSegment_s = 60.0;
-constexpr int kLeastCount = 8;  // of intervals in a segment
-/// The first bin shares the mean under a Hann window, which was taken away.
+constexpr int kLeastCount = 8;  // intervals per segment
+/// First usable bin: under a Hann window, removing the mean also affects the bin before it.
 constexpr std::size_t kFirstBin = 1;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
@@ -26,7 +26,8 @@ std::vector<double> hann(int count) {
   return window;
 }
 
-/// Adds the power of each segment of a series to `sums`. How many there were.
+/// Adds the power spectra of the windowed, mean-free segments of a series to `sums`. Segments
+/// overlap by half. Returns their number.
 int add_segments(const std::vector<double>& series, const std::vector<double>& window,
                  std::vector<double>& sums) {
   Eigen::FFT<double> fft;
@@ -44,7 +45,7 @@ int add_segments(const std::vector<double>& series, const std::vector<double>& w
   return segments;
 }
 
-/// Whether a frequency is in a band; edges that were computed in two ways are the same.
+/// Whether from_hz <= hz < to_hz, with a tolerance for rounding of the edges.
 bool is_between(double hz, double from_hz, double to_hz) {
   constexpr double kAlmost = 1.0 - 1e-9;
   return hz >= from_hz * kAlmost && hz < to_hz * kAlmost;
@@ -58,7 +59,7 @@ double sum_between(const Spectrum& spectrum, double from_hz, double to_hz) {
   return sum;
 }
 
-/// What LoopLaw leaves of the open loop's power, dB.
+/// Predicted rejection of the integrator in a band, weighted with the open loop's power, dB.
 double integrator_band_db(const Spectrum& open, double from_hz, double to_hz, const LoopLaw& law) {
   double there = 0.0, left = 0.0;
   for (std::size_t k = 0; k < open.power_per_hz.size(); ++k) {
@@ -90,7 +91,7 @@ double rms_waves(const Recording& recording) {
 std::vector<double> resample(const std::vector<double>& times_s, const std::vector<double>& values,
                              double begin_s, double step_s, int count) {
   std::vector<double> out;
-  std::size_t next = 0;  // the first that is not before
+  std::size_t next = 0;  // the first sample at or after t
   for (int k = 0; k < count; ++k) {
     const double t = begin_s + k * step_s;
     while (next < times_s.size() && times_s[next] < t) ++next;

@@ -84,7 +84,7 @@ std::vector<Figure> rejection_figures(const RejectionFound& found) {
     ideal.x.push_back(point.hz);
     ideal.y.push_back(integrator_db(point.hz, found.law));
   }
-  ideal.colour = 2;  // that is dashed
+  ideal.colour = 2;  // colour of the measured series, dashed
   rejected.series = {std::move(measured), std::move(ideal)};
   return {std::move(spectra), std::move(rejected)};
 }

@@ -1,4 +1,4 @@
-/// What a study of a loop's rejection found, as files for people and programs.
+/// Report of the study `rejection`: figures, JSON summary and text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,21 +10,21 @@
 
 namespace ovws::study {
 
-/// A recording and what became of the camera's frames meanwhile.
+/// A recording, and the counts of received and lost frames.
 struct RecordedLoop {
   Recording recording;
-  int received = 0;           ///< frames of which the daemon told
-  int lost = 0;               ///< frames of which it did not
-  bool device_clock = true;   ///< whose stamps times_s are; false: those of arrival
-  std::string why_not_valid;  ///< of the last frame that could not be used; empty: none
+  int received = 0;           ///< frames whose message arrived
+  int lost = 0;               ///< frames without a message
+  bool device_clock = true;   ///< times_s are device time stamps; false: arrival times
+  std::string why_not_valid;  ///< reason of the last unusable frame; empty: none
 };
 
 struct RejectionMeasured {
   std::vector<int> modes_j;  ///< of both recordings
   RecordedLoop open, closed;
   nlohmann::json loop;     ///< result of loop.get with the loop closed
-  double steps_hz = 0.0;   ///< while it was recorded
-  double segment_s = 0.0;  ///< of the spectra
+  double steps_hz = 0.0;   ///< step rate of the loop during the recording
+  double segment_s = 0.0;  ///< segment length of the spectra
 };
 
 struct RejectionFound {
@@ -36,13 +36,13 @@ struct RejectionFound {
 
 RejectionFound find_rejection(const RejectionMeasured& measured);
 
-/// "spectra" and "rejection".
+/// The figures "rejection-spectra" and "rejection".
 std::vector<Figure> rejection_figures(const RejectionFound& found);
 
-/// For a program: a number that is not known is null.
+/// JSON summary; unknown numbers are null.
 nlohmann::json rejection_summary(const RejectionMeasured& measured, const RejectionFound& found);
 
-/// The same, to be read; of a result of rejection_summary.
+/// Formats a result of rejection_summary as text.
 std::string rejection_text(const nlohmann::json& summary);
 
 }  // namespace ovws::study

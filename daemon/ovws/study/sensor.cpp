@@ -12,7 +12,7 @@
 namespace ovws::study {
 namespace {
 
-/// A study's own configuration is right, or we have a bug.
+/// Unwraps a result. A study's own configuration is always valid, so an error is a bug and thrown.
 template <class T>
 T value_of(Result<T> result) {
   if (!result) throw std::logic_error(result.error().field + ": " + result.error().reason);
@@ -25,7 +25,7 @@ std::vector<int> modes_of(const Geometry& geometry) {
   return j;
 }
 
-/// What to multiply the model's light by for kPeakE in the spots' brightest pixel.
+/// The factor that scales the model's image to kPeakE in the spots' brightest pixel.
 double to_peak(const SensorModel& model, const Image<float>& light, std::span<const Mode> modes) {
   return kPeakE / model.peak_of_spots(light, modes);
 }
@@ -65,7 +65,7 @@ Exposure Exposure::clipped() const {
 
 Exposure noise_free(const Image<float>& electrons) {
   Exposure exposure;
-  exposure.dn_per_e = 20.0;  // finer, and the brighter spots at equal photons still fit
+  exposure.dn_per_e = 20.0;  // finer than expose(); the brighter spots at equal photons still fit
   exposure.dn = Image<std::uint16_t>(electrons.width, electrons.height);
   std::transform(electrons.pixels.begin(), electrons.pixels.end(), exposure.dn.pixels.begin(),
                  [&](float e) {
@@ -114,7 +114,7 @@ std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge) {
 Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
                        Light light) {
   Image<float> image = value_of(model.light(modes));
-  // The same laser and the same exposure: each subaperture sends as many photons in either image.
+  // Same laser and exposure: each subaperture sends the same number of photons for both charges.
   const bool as_vortex = light == Light::equal_photons && &model != &vortex;
   scale(image, as_vortex ? to_peak(vortex, value_of(vortex.light(modes)), modes)
                          : to_peak(model, image, modes));

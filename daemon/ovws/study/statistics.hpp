@@ -1,4 +1,4 @@
-/// What is said of many realisations.
+/// Statistics over realisations.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace ovws::study {
 
-/// Mean of many values and how sure it is.
+/// Mean of several values and its standard error.
 struct Mean {
   double value = std::numeric_limits<double>::quiet_NaN();
   double standard_error = 0.0;
@@ -29,7 +29,7 @@ inline Mean mean_of(const std::vector<double>& values) {
   return mean;
 }
 
-/// Root of the mean of `squares`, its error carried over.
+/// Root of the mean of `squares`, with propagated standard error.
 inline Mean root_of(const std::vector<double>& squares) {
   Mean mean = mean_of(squares);
   mean.value = std::sqrt(mean.value);

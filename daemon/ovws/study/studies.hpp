@@ -11,14 +11,14 @@
 namespace ovws::study {
 
 struct Settings {
-  bool quick = false;  ///< fewer levels and realisations: minutes become seconds
+  bool quick = false;  ///< fewer levels and realisations: seconds instead of minutes
   int threads = 1;
   std::uint64_t seed = 1;  ///< the same seed gives the same numbers, whatever the threads
 };
 
-/// What a study found. What a study cannot do is our own bug, and thrown.
+/// The results of a study. A study that cannot run is a bug and throws.
 struct Findings {
-  nlohmann::json summary;  ///< for a program
+  nlohmann::json summary;  ///< machine-readable
   std::vector<Figure> figures;
 };
 

@@ -1,4 +1,4 @@
-/// Every tracker against the Cramer-Rao bound.
+/// Study `trackers`: position errors of every tracker against the Cramer-Rao bound.
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/ovws/study/cloud.hpp"

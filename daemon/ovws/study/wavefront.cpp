@@ -1,4 +1,4 @@
-/// Whole wavefronts, as in the paper's figure of residual phase variance against SNR.
+/// Study `wavefront`: residual phase variance against SNR, as in the paper's figure.
 #include <spdlog/fmt/fmt.h>
 
 #include <optional>
@@ -17,14 +17,14 @@ namespace ovws::study {
 namespace {
 
 constexpr double kQuickRefinedSnr = 5.0;
-constexpr int kRefinedShare = 5;      ///< refining takes a second: one in five instances
-constexpr double kStartWithin = 0.3;  ///< lambda/d: how far the frame before may mislead, each way
+constexpr int kRefinedShare = 5;      ///< refine one in five instances: each takes a second
+constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the predicted positions
 
 struct Case {
   const char* name;
   const char* title;
   int j;
-  double unit_waves;  ///< unit amplitude, as the paper's 2 lambda are taken
+  double unit_waves;  ///< unit amplitude, as the paper's 2 lambda
   std::vector<Mode> modes() const { return {{j, unit_waves / zernike_rms_factor(j)}}; }
 };
 constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
@@ -34,7 +34,7 @@ struct Bench {
   const Case* aberration;
   Light light;
   Method method;
-  bool refined = false;  ///< what the tracker tells is the start of a fit to all pixels
+  bool refined = false;  ///< fit all pixels, starting from the tracker's result
   std::shared_ptr<Measurer> measurer;
   Image<float> light_e;
   std::vector<Vec2> at_px;
@@ -42,10 +42,10 @@ struct Bench {
 };
 
 struct Outcome {
-  std::vector<double> variances;  ///< rad^2, one an instance that was reconstructed
+  std::vector<double> variances;  ///< rad^2, one per reconstructed instance
   int undetermined = 0;
   int lost = 0;             ///< spots
-  double bound_rad2 = 0.0;  ///< of the light, whatever the method; told for matched
+  double bound_rad2 = 0.0;  ///< independent of the method; reported with `matched`
 };
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
@@ -130,7 +130,7 @@ std::vector<Bench> benches() {
   return all;
 }
 
-/// The one of a charge that the bound is told with.
+/// Whether the bound of this charge is reported with this bench.
 bool bounded(const Bench& bench) {
   return bench.method.tracking.tracker == TrackerKind::matched && !bench.refined;
 }

@@ -21,7 +21,7 @@ double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<cons
   auto refiner =
       Refiner::make(sensor, geometry.slm, geometry.optics, light_e.width, light_e.height, modes_j);
   if (!refiner) return kUnknown;
-  // The image without noise, but judged as if it had it: the fit starts and ends at the truth.
+  // Fit the noise-free image with the noisy image's weights: the covariance is then at the truth.
   const auto found = refiner->refine(light_e, {1.0, read_noise_e}, truth);
   if (!found) return kUnknown;
   return 4.0 * std::numbers::pi * std::numbers::pi * found->covariance.trace();

@@ -1,4 +1,4 @@
-/// The Cramer-Rao bound of a wavefront's modes from all pixels of an image.
+/// Cramer-Rao bound of the modes from all pixels of an image.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 
 namespace ovws::study {
 
-/// Trace of the inverse Fisher matrix of the modes (amplitude and background unknown too) at these
-/// modes, rad^2: no method leaves less residual variance without being biased. NaN if the image
-/// does not tell them.
+/// Trace of the inverse Fisher matrix of the modes at this wavefront, rad^2, with amplitude and
+/// background as further unknowns. No unbiased method has less residual variance. NaN if the image
+/// does not determine the modes.
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
                             const Image<float>& light_e, double read_noise_e);
 
