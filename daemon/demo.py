@@ -1,4 +1,4 @@
-"""The demonstration: starts a bench, talks to the daemon as any client would, and shows what comes back.
+"""Demonstration: starts a simulated bench, controls the daemon like any client, and prints the measurements.
 
 Run it by daemon/demo, which installs and builds what is missing.
 """
@@ -40,7 +40,7 @@ class Demo:
         self.saturated = 0
         self.written = []
 
-    # What a client does -------------------------------------------------------------------------------------------
+    # Client calls -------------------------------------------------------------------------------------------------
 
     def wait_until_running(self, timeout_s=20.0):
         end = time.monotonic() + timeout_s
@@ -64,7 +64,7 @@ class Demo:
             raise ClientError(f"the reference failed: {report['error']}")
 
     def measure(self, **wanted):
-        """FRAMES settled and valid frames with these values, e.g. hologram_id; also how long the first took to come."""
+        """Returns the time until the first frame, s, and FRAMES settled, valid frames that have these values (e.g. hologram_id)."""
         start, first, frames = time.monotonic(), None, []
         while len(frames) < FRAMES:
             if time.monotonic() - start > 15.0:
@@ -83,11 +83,11 @@ class Demo:
         return first, frames
 
     def set_camera(self, **settings):
-        """Returns what measure() must wait for: the same keys as the camera has taken them."""
+        """Returns what measure() must wait for: the same keys with the values that the camera applied."""
         applied = self.client.call("camera.set", settings)["applied"]
         return {key: applied[key] for key in settings}
 
-    # What a person sees -------------------------------------------------------------------------------------------
+    # Output -------------------------------------------------------------------------------------------------------
 
     def live(self, text):
         if TTY:
@@ -111,7 +111,7 @@ class Demo:
         subprocess.run([self.bench.programs / "ovws", "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
         self.written += [f"{prefix}-camera.png", f"{prefix}-phase.png"]
 
-    # The story ----------------------------------------------------------------------------------------------------
+    # Sequence -----------------------------------------------------------------------------------------------------
 
     def aberrate(self, n, m, waves):
         """Returns what measure() must wait for."""
@@ -172,7 +172,7 @@ def main():
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the pictures (default: build/demo)")
     arguments = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job begins with it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start background jobs with SIGINT ignored
     try:
         with Bench(arguments.build) as bench:
             bench.start_display()
@@ -194,7 +194,7 @@ def main():
 
 
 def name_of_ovws(bench):
-    """What a person types: its path where no installed one would be found."""
+    """The name to type for ovws: its path unless it is installed."""
     return "ovws" if shutil.which("ovws") else bench.programs / "ovws"
 
 

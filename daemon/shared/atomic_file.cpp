@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kUnique = ".XXXXXX";  // as mkostemps wants it
+constexpr std::string_view kUnique = ".XXXXXX";  // template of mkostemps
 constexpr std::string_view kTemporary = ".ovws-tmp";
 
 const char* way_out(int error) {
@@ -62,7 +62,7 @@ Result<void> sync_folder_of(const std::string& path, const FileCalls& calls) {
   return {};
 }
 
-/// The file keeps its owner, as far as we may give it, and its permissions.
+/// Copies owner (if permitted) and permissions of the old file; a new file gets mode 0644.
 bool like_before(int fd, const std::string& path) {
   struct stat before {};
   if (::stat(path.c_str(), &before) != 0) return ::fchmod(fd, 0644) == 0;
@@ -70,8 +70,8 @@ bool like_before(int fd, const std::string& path) {
   return ::fchmod(fd, before.st_mode & 07777) == 0;
 }
 
-/// The file keeps its owner, and its permissions as long as they are its owner's alone. A link's
-/// are not taken: nothing keeps it from leading to a file that another user chose.
+/// Copies the old file's owner, and its permissions unless group or others have any. Ignores a
+/// symbolic link: another user could have chosen its target.
 bool secret_like_before(int fd, const std::string& path) {
   struct stat before {};
   if (::lstat(path.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return true;
@@ -86,7 +86,7 @@ std::string target_of(const std::string& path) {
   return unknown ? path : target.string();
 }
 
-/// NAME.123456.ovws-tmp
+/// Whether the name is that of a temporary file: NAME.123456.ovws-tmp.
 bool is_leftover(std::string_view file) {
   if (!file.ends_with(kTemporary)) return false;
   file.remove_suffix(kTemporary.size());
@@ -95,7 +95,7 @@ bool is_leftover(std::string_view file) {
 
 using Dress = bool (*)(int fd, const std::string& path);
 
-/// `dress` gives the new file its owner and permissions.
+/// Replaces the file atomically; `dress` sets owner and permissions of the new file.
 Result<void> replace(const std::string& path, std::string_view content, Dress dress,
                      const FileCalls& calls) {
   std::string temporary = path + std::string(kUnique) + std::string(kTemporary);
@@ -128,7 +128,7 @@ Result<void> remove_file(const std::string& path, const FileCalls& calls) {
   const int why = errno;
   if (why == ENOENT) return {};
   auto unremoved = failure(path, "removed");
-  // A read-only file system refuses before it looks whether the name is there.
+  // A read-only file system reports EROFS even if the file does not exist.
   struct stat found {};
   if (why == EROFS && ::lstat(path.c_str(), &found) != 0 && errno == ENOENT) return {};
   return unremoved;

@@ -1,4 +1,5 @@
-/// Writes a file so that a reader, or a power cut, finds either the old one or the new one, whole.
+/// Atomic file replacement: readers, also after a power cut, find either the old file or the new
+/// one.
 #pragma once
 
 #include <sys/types.h>
@@ -12,32 +13,32 @@
 
 namespace ovws {
 
-/// The system calls whose order decides what a power cut leaves; a test puts its own in their
-/// place.
+/// The system calls whose order decides what a power cut leaves; tests substitute their own.
 struct FileCalls {
   ssize_t (*write)(int fd, const void* bytes, std::size_t count) = ::write;
   int (*fsync)(int fd) = ::fsync;
   int (*rename)(const char* from, const char* to) = std::rename;
 };
 
-/// A temporary file beside the old one is written and synchronised, takes the old one's name, owner
-/// and permissions, and then the folder is synchronised. What a link leads to is replaced, not the
-/// link. Waits for the disk. Errors (Errc::unavailable, field "path") say what to do and leave the
-/// old file as it was; only if the folder cannot be synchronised, either may be found after a power
-/// cut.
+/// Replaces a file: writes and syncs a temporary file in the same folder with the old file's owner
+/// and permissions, renames it over the old one, and syncs the folder. Follows a symbolic link and
+/// replaces its target. Blocks on the disk. Errors (Errc::unavailable, field "path") say what to do
+/// and leave the old file unchanged; if only the sync of the folder fails, either file may exist
+/// after a power cut.
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls = {});
 
-/// The same for a secret: the new file is of mode 0600 from the beginning. It takes the old one's
-/// owner, and its permissions unless group or others had any; a link itself is replaced.
+/// Replaces a file that holds a secret: the new file has mode 0600 from its creation. It gets the
+/// old one's owner, and its permissions unless group or others had any. Replaces a symbolic link
+/// itself, not its target.
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls = {});
 
-/// Removes a file for good; it is no error if there is none. Otherwise as replace_file.
+/// Removes a file and syncs its folder; a missing file is no error. Errors: as replace_file.
 Result<void> remove_file(const std::string& path, const FileCalls& calls = {});
 
-/// Removes the temporary files of writers that were killed, and returns how many. To be called when
-/// no writer uses `folder`.
+/// Removes temporary files that killed writers left behind, and returns their number. Call it only
+/// while no writer uses `folder`.
 int remove_leftovers(const std::string& folder);
 
 }  // namespace ovws

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kCredential = "ovws.key";  // the units of the services say so
+constexpr const char* kCredential = "ovws.key";  // as in the systemd units
 
 /// HOST of "tcp://HOST:PORT"; empty for anything else.
 std::string host_of(const std::string& endpoint) {
@@ -22,7 +22,8 @@ std::string host_of(const std::string& endpoint) {
   return endpoint.substr(kTcp.size(), colon - kTcp.size());
 }
 
-/// "tcp://HOST:PORT" or "ipc://PATH"; an address of another shape would just never answer.
+/// Accepts "tcp://HOST:PORT" and "ipc://PATH"; returns an error text for anything else, which
+/// ZeroMQ might accept but which would never answer.
 std::string check_endpoint(const std::string& endpoint) {
   constexpr std::string_view kIpc = "ipc://";
   if (endpoint.starts_with(kIpc) && endpoint.size() > kIpc.size()) return {};
@@ -41,7 +42,7 @@ tl::unexpected<CallFailure> no_answer(const std::string& why) {
   return tl::make_unexpected(CallFailure{false, {{"message", why}}});
 }
 
-/// None if none are given.
+/// The client's keys from options or systemd credentials; none if neither is given.
 Result<std::optional<ClientKeys>> keys_of(const Common& common) {
   const std::string path = common.key_path.empty() ? credential_path(kCredential) : common.key_path;
   if (path.empty() && common.server_key.empty()) return std::nullopt;
@@ -58,8 +59,8 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
                   path);
 }
 
-/// A daemon names its streams as it bound them. Seen from another machine, "every address" and
-/// "this machine" are the host under which its control socket was reached.
+/// Translates a stream's bind address for this client. For wildcard and loopback addresses it uses
+/// the host through which the control socket was reached.
 std::string as_seen_from_here(const std::string& stream, const std::string& control) {
   const std::string bound = host_of(stream);
   const std::string reached = host_of(control);
@@ -69,7 +70,7 @@ std::string as_seen_from_here(const std::string& stream, const std::string& cont
   return "tcp://" + reached + stream.substr(stream.rfind(':'));
 }
 
-/// A JSON-RPC request's reply, whatever it says.
+/// Sends a JSON-RPC request or batch and returns the parsed reply.
 tl::expected<json, CallFailure> ask(const Common& common, const json& request) {
   const auto keys = keys_of(common);
   if (!keys) return no_answer(keys.error().reason);

@@ -19,7 +19,7 @@ namespace ovws::cli {
 
 // Exit codes.
 constexpr int kOk = 0;
-constexpr int kError = 1;     ///< the daemon, or the work, returned an error
+constexpr int kError = 1;     ///< the daemon or the command returned an error
 constexpr int kUsage = 2;     ///< the command line is wrong
 constexpr int kNoDaemon = 3;  ///< no answer in time
 
@@ -32,7 +32,7 @@ struct Common {
   double timeout_s = 3.0;
 };
 
-/// Prints on standard output. A failure stays in ferror(stdout); `main` makes an exit code of it.
+/// Prints on standard output. A failure stays in ferror(stdout); `main` turns it into an exit code.
 template <class... Args>
 void print(fmt::format_string<Args...> format, Args&&... args) {
   const std::string text = fmt::format(format, std::forward<Args>(args)...);
@@ -40,20 +40,20 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
 }
 
 struct CallFailure {
-  bool answered = false;  ///< false: nobody did, in time
+  bool answered = false;  ///< false: no reply within the timeout
   nlohmann::json error;   ///< JSON-RPC error object; with `answered` false only "message"
 };
 
-/// The method's result.
+/// Calls a method and returns its result. Blocks for at most `common.timeout_s`.
 tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
                                                const nlohmann::json& params);
 
-/// The results of several methods without params, in their order, by one request. A method that is
-/// refused fails them all.
+/// Calls several methods without params in one JSON-RPC batch and returns their results in order.
+/// If one method fails, all fail.
 tl::expected<std::vector<nlohmann::json>, CallFailure> call_all(
     const Common& common, const std::vector<std::string>& methods);
 
-/// --endpoint, --key and --server-key.
+/// Adds --endpoint, --key and --server-key.
 void add_connection_options(CLI::App& app, Common& common);
 
 /// Prints the failure on stderr (as JSON on stdout with --json); returns kError or kNoDaemon.
@@ -62,14 +62,15 @@ int report_failure(const Common& common, const CallFailure& failure);
 /// Prints an error in the same way and returns kError.
 int report(const Common& common, const Error& error);
 
-/// A stream's endpoint as the daemon has it configured ("endpoint" or "image_endpoint").
+/// Asks the daemon for a stream's endpoint (`key`: "endpoint" or "image_endpoint"), with the host
+/// replaced so that this client can reach it.
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
 
-/// Some topics of a stream, with this client's keys.
+/// Subscribes to topics of a stream, with this client's keys.
 Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
                              const std::vector<std::string>& topics, int receive_queue);
 
-/// Why a wavefront or spots message that is not valid is not; `status`: the newest status.
+/// Why a wavefront or spots message is not valid; `status`: the newest status.
 std::string why_not_valid(const nlohmann::json& message, const nlohmann::json& status);
 
 }  // namespace ovws::cli

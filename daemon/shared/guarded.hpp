@@ -1,4 +1,4 @@
-/// A value that several threads outside the frame path share: copied in and out under a lock.
+/// Mutex-protected value for threads outside the frame path.
 #pragma once
 
 #include <mutex>
@@ -6,7 +6,7 @@
 
 namespace ovws {
 
-/// Thread-safe. T is copied whole, so that nobody sees half a change.
+/// Thread-safe. Copies T as a whole, so that readers never see a partial change.
 template <class T>
 class Guarded {
  public:

@@ -57,7 +57,7 @@ Result<void> check_pair(const std::string& path, const KeyFile& keys) {
 
 Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
                                    const std::string& secrecy) {
-  // A pipe that nobody writes to must not hold the daemon.
+  // O_NONBLOCK: opening a pipe without a writer must not block the daemon.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat about {};
   if (file.get() < 0 || ::fstat(file.get(), &about) != 0) {

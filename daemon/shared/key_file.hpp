@@ -1,5 +1,4 @@
-/// Files of keys, as `ovws keygen` writes them: a small JSON object that nobody but its owner may
-/// read.
+/// CURVE key files, as `ovws keygen` writes them: a JSON object that only its owner may read.
 #pragma once
 
 #include <sys/types.h>
@@ -12,22 +11,23 @@ namespace ovws {
 
 struct KeyFile {
   KeyPair pair;
-  std::string server_key;  ///< of a client's file: the daemon it is for; may be empty
+  std::string server_key;  ///< client's file only: the daemon's public key; may be empty
 };
 
-/// Errors (field "path") say what to do; a file that group or others can read or write is refused.
-/// A file in $CREDENTIALS_DIRECTORY may be read by the group: systemd sees to it that no other
-/// user is in there, and an access list, where it uses one, shows as bits of the group.
+/// Loads a key file. Errors (field "path") say what to do; files with permissions for group or
+/// others are refused. A file in $CREDENTIALS_DIRECTORY may be group-readable: systemd keeps other
+/// users out of that folder, and its access lists show up as group bits.
 Result<KeyFile> load_key_file(const std::string& path);
-/// The file of that name which systemd's LoadCredential= gave this service; empty: it gave none.
+/// Path of the credential that systemd passed to this service by LoadCredential=; empty: none.
 std::string credential_path(const std::string& name);
-/// Writes a new file of mode 0600. Errors (field "path"): Errc::refused if there is one and
-/// `replace` is false. A file that is replaced keeps its owner. Whoever reads it while it is
-/// replaced finds the old keys or the new ones; an error leaves the old ones.
+/// Writes a key file of mode 0600. Errors (field "path"): Errc::refused if it exists and `replace`
+/// is false. A replaced file keeps its owner. Replacement is atomic: readers find the old keys or
+/// the new ones, and an error leaves the old ones.
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
 
-/// The text of a file with none of the mode bits `forbidden`. Errors as of load_key_file; `secrecy`
-/// says what the bits would mean ("others can change it").
+/// Reads a file and refuses it if it has any of the mode bits `forbidden` or belongs to another
+/// user than root or this one. Errors: as load_key_file; `secrecy` is the error text for these
+/// bits.
 Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
                                    const std::string& secrecy);
 

@@ -15,7 +15,7 @@
 namespace ovws {
 namespace {
 
-/// sd-daemon(3): a line that begins with "<4>" has the priority 4 in the journal.
+/// Adds journal priorities: a line that begins with "<4>" has priority 4, see sd-daemon(3).
 class JournalPriority : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
@@ -33,7 +33,8 @@ class JournalPriority : public spdlog::custom_flag_formatter {
   }
 };
 
-/// Standard error, without ever waiting for who reads it: what does not fit is lost and counted.
+/// Non-blocking log sink on standard error. Lines that a slow reader cannot take are dropped, and a
+/// later line reports their number.
 class QuickSink : public spdlog::sinks::base_sink<std::mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -56,7 +57,7 @@ class QuickSink : public spdlog::sinks::base_sink<std::mutex> {
   void flush_() override {}
 
  private:
-  /// A pipe that is ready takes PIPE_BUF bytes at once.
+  /// Whether standard error accepts output; a ready pipe takes PIPE_BUF bytes without blocking.
   static bool ready() {
     pollfd out{STDERR_FILENO, POLLOUT, 0};
     return ::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0;

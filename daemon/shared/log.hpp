@@ -1,4 +1,4 @@
-/// Where the log goes: stderr, with time for a person, with journal priorities under systemd.
+/// The log on standard error: with time stamps, or with journal priorities under systemd.
 #pragma once
 
 #include "config/config.hpp"
@@ -6,7 +6,7 @@
 namespace ovws {
 
 void start_log(LogLevel level);
-/// Thread-safe: from now on.
+/// Changes the level of all later messages. Thread-safe.
 void set_log_level(LogLevel level);
 
 }  // namespace ovws

@@ -12,7 +12,7 @@ void notify_ready() {
   sd_notify(0, "READY=1");
 }
 void notify_reloading() {
-  // systemd wants the time, to know which of several reloads this is.
+  // systemd requires the time, to tell several reloads apart.
   sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIi64, monotonic_ns() / 1000);
 }
 void notify_stopping() {

@@ -1,5 +1,5 @@
-/// What systemd hears of us: READY, RELOADING, STATUS, WATCHDOG, STOPPING. Without systemd every
-/// call does nothing.
+/// systemd notifications (sd_notify): READY, RELOADING, STATUS, WATCHDOG, STOPPING. Without systemd
+/// every call does nothing.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 namespace ovws::service {
 
 void notify_ready();
-/// To be followed by notify_ready when it is done, whatever came of it.
+/// Call notify_ready when the reload is finished, whether it succeeded or not.
 void notify_reloading();
 void notify_stopping();
-/// Work at the end takes so much longer, from now on.
+/// Extends the stop timeout: shutdown may take `seconds` more from now on.
 void notify_extend(double seconds);
 void notify_status(const std::string& text);
 void notify_watchdog();
-/// How often the watchdog wants to be fed at the latest, us; 0: not watched.
+/// The watchdog timeout, us; 0: no watchdog.
 std::uint64_t watchdog_interval_us();
 
 }  // namespace ovws::service

@@ -14,8 +14,8 @@
 namespace ovws {
 namespace {
 
-/// All numbers of a text file by its lines, those without a number left out; none if it cannot be
-/// read. `bad` is set to the first word that is not a finite number.
+/// Reads the numbers of a text file line by line, skipping lines without any; none if it cannot be
+/// read. Stops at the first word that is not a finite number and sets `bad` to it.
 std::optional<std::vector<std::vector<double>>> read_lines(const std::string& path,
                                                            std::string& bad) {
   std::ifstream file(path);
@@ -53,8 +53,8 @@ Result<std::vector<std::vector<double>>> checked_lines(const std::string& path, 
   return fail(Errc::invalid, field, fmt::format("{}: \"{}\" is not a finite number", path, bad));
 }
 
-/// A table of phases over one turn goes through the grey levels once: it may begin anew at one
-/// place, where the phase is a whole turn on. More changes of direction are a damaged file.
+/// Checks that the LUT is monotonic except for one phase wrap. More changes of direction mean a
+/// damaged file.
 Result<void> check_monotonic(const std::string& path, const PhaseLut& lut) {
   std::vector<std::size_t> rises, falls;
   for (std::size_t i = 1; i < lut.size(); ++i) {

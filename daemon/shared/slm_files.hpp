@@ -1,4 +1,4 @@
-/// Reads the SLM's LUT and flatness map from files of a lab.
+/// Loads the SLM's LUT and flatness map from files.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,17 @@
 
 namespace ovws {
 
-/// 256 grey levels, 0 to 255, separated by white space or commas; `#` begins a comment. Errors name
-/// field "slm.lut" and the place.
+/// Loads 256 grey levels from 0 to 255, separated by white space, commas or semicolons; `#` begins
+/// a comment. Errors name field "slm.lut" and the wrong entry.
 Result<PhaseLut> load_lut(const std::string& path);
 
-/// Phase to add, in waves, of exactly width x height pixels: a 16-bit grey PNG (65536 = 1 wave), or
-/// text with one row of numbers (waves) a line. Errors name field "slm.flatness".
+/// Loads the phase to add, in waves, with exactly width x height pixels: from a 16-bit greyscale
+/// PNG (65536 = 1 wave), or from text with one row of numbers (waves) per line. Errors name field
+/// "slm.flatness".
 Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& path, int width,
                                                           int height);
 
-/// What the hologram is made of, with the files that the configuration names.
+/// Builds the hologram's configuration and loads the LUT and flatness files that it names.
 Result<HologramConfig> load_hologram_config(const Config& config);
 
 }  // namespace ovws

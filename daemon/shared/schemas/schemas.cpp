@@ -9,8 +9,8 @@
 
 namespace ovws {
 
-/// {params: {METHOD: [...]}, results: {TABLE: ...}, messages: {TOPIC: ...}}:
-/// daemon/shared/schemas/examples.json.
+/// Text of daemon/shared/schemas/examples.json:
+/// {params: {METHOD: [...]}, results: {TABLE: ...}, messages: {TOPIC: ...}}.
 extern const std::string_view kExamples;
 
 namespace {

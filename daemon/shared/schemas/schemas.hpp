@@ -1,4 +1,4 @@
-/// The JSON Schemas of every method and stream, made from the field tables.
+/// JSON Schemas of every method and stream, generated from the field tables.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,14 +10,14 @@ namespace ovws {
 
 struct Schema {
   std::string name;  ///< "camera.set", "stream.wavefront"
-  /// Of a method: {title, description, params, result}, the last two JSON Schemas; of a stream: the
-  /// JSON Schema of its messages' JSON part. All have examples.
+  /// For a method: {title, description, params, result}, the last two JSON Schemas. For a stream:
+  /// the JSON Schema of its messages' JSON part. All have examples.
   nlohmann::json json;
 };
 
-/// All, sorted by name. Made at the first call, which takes milliseconds. Any thread.
+/// All schemas, sorted by name. The first call builds them within milliseconds. Thread-safe.
 const std::vector<Schema>& schemas();
-/// Null if there is none of that name.
+/// The schema of this name; null if it does not exist.
 const nlohmann::json& schema(std::string_view name);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// write_schemas FOLDER: every JSON Schema as a file FOLDER/NAME.json.
+/// write_schemas FOLDER: writes every JSON Schema to FOLDER/NAME.json.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
