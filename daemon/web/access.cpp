@@ -45,13 +45,14 @@ std::string random_token() {
   return text.data();
 }
 
-/// In a time that tells nothing of the secret.
+/// Compares in constant time, against timing attacks.
 bool is_secret(std::string_view given, const std::string& secret) {
   return !secret.empty() && given.size() == secret.size() &&
          sodium_memcmp(given.data(), secret.data(), secret.size()) == 0;
 }
 
-/// Cut, and without anything that would make a second line of the log or move a terminal's cursor.
+/// Truncated, with non-printable characters replaced, so that a request cannot forge log lines or
+/// send terminal escape sequences.
 std::string loggable(std::string_view text) {
   std::string shown(text.substr(0, kMostLogged));
   std::replace_if(
@@ -99,14 +100,14 @@ tl::expected<Right, Refusal> Access::judge(const RequestHead& head) const {
   if (std::find(hosts_.begin(), hosts_.end(), head.host) == hosts_.end()) {
     return refuse(Refusal::host);
   }
-  // A browser names the origin of every page that sends more than a plain GET.
+  // Browsers send Origin with every cross-origin request that is more than a plain GET.
   if (!head.origin.empty() && head.origin != "http://" + head.host &&
       head.origin != "https://" + head.host) {
     return refuse(Refusal::origin);
   }
   const bool foreign = head.fetch_site == "cross-site" || head.fetch_site == "same-site";
   const auto route = route_of(head.target);
-  // A link on another site may lead to the page, which holds no secret.
+  // Another site may link to the page itself, which contains no secret.
   if (foreign && !(route && route->right == Right::page)) return refuse(Refusal::origin);
   if (!route) return refuse(Refusal::path);
   if (head.method != route->method) return refuse(Refusal::method);

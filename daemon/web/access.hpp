@@ -1,5 +1,5 @@
-/// Who may look and who may control, and what is refused: a page of another origin, a name that
-/// somebody made point here (DNS rebinding), a request without the token.
+/// Access control: bearer tokens for viewing and control. Refuses cross-origin requests, unknown
+/// host names (DNS rebinding) and requests without a token.
 #pragma once
 
 #include <array>
@@ -16,17 +16,17 @@
 
 namespace ovws::web {
 
-enum class Right { page, look, control };  ///< each holds those before it
+enum class Right { page, look, control };  ///< each includes those before it
 
 enum class Refusal { malformed, host, origin, method, path, size, token, right, command, full };
 constexpr std::size_t kRefusals = 10;
 std::string_view refusal_name(Refusal refusal);
-/// What a person can do about it.
+/// The reason, and what to do about it.
 std::string_view refusal_reason(Refusal refusal);
-/// The HTTP status that says it.
+/// The HTTP status code of the refusal.
 int refusal_status(Refusal refusal);
 
-/// Of a request's head; empty where the request has none.
+/// The checked fields of a request header; empty if the request lacks them.
 struct RequestHead {
   std::string method;
   std::string target;
@@ -40,13 +40,13 @@ struct RequestHead {
 
 struct Tokens {
   std::string look;
-  std::string control;  ///< empty: nobody may control
+  std::string control;  ///< empty: control is disabled
 };
 
 /// Tokens of 128 random bits.
 Tokens make_tokens(bool control);
 
-/// What each path takes. None: there is no such path.
+/// The HTTP method and the right that a path requires. route_of: none if the path does not exist.
 struct Route {
   std::string_view method;
   Right right;
@@ -55,13 +55,14 @@ std::optional<Route> route_of(std::string_view path);
 
 constexpr std::uint64_t kMostBodyBytes = 64 * 1024;
 
-/// Immutable, thread-safe.
+/// Immutable and thread-safe.
 class Access {
  public:
-  /// `hosts`: what a browser may call this server, "127.0.0.1:7704", "localhost:7704".
+  /// `hosts`: accepted values of the Host header, e.g. "127.0.0.1:7704", "localhost:7704".
   Access(std::vector<std::string> hosts, Tokens tokens);
 
-  /// The right that the request has proven, which is at least that of its path.
+  /// Checks a request. Returns the right that its token gives, at least that which its path
+  /// requires.
   tl::expected<Right, Refusal> judge(const RequestHead& head) const;
 
  private:
@@ -71,11 +72,11 @@ class Access {
   Tokens tokens_;
 };
 
-/// Counts all refusals, and writes at most one a second and kind to the log. Thread-safe.
+/// Counts all refusals and logs at most one per second and kind. Thread-safe.
 class RefusalLog {
  public:
   void add(Refusal refusal, const RequestHead& head, const std::string& peer);
-  /// {name: how many since the start}
+  /// {name: count since the start}
   nlohmann::json counts() const;
 
  private:

@@ -11,10 +11,10 @@ namespace {
 
 using nlohmann::json;
 
-/// While the loop is closed there are ten new holograms a second: nobody needs each of them.
+/// Limits the redraw rate: a closed loop makes up to ten holograms per second.
 constexpr std::chrono::milliseconds kDrawPeriod{500};
 
-/// Radius of the bright ring, or of the bright spot, on the camera.
+/// Radius of the bright ring (vortex) or of the bright spot (charge 0), camera pixels.
 double ring_px(const Config& config) {
   const SpotGeometry shape = spot_geometry(config.sensor.charge);
   const double lambdas = config.sensor.charge == 0 ? shape.ring_outer : shape.ring;
@@ -34,14 +34,14 @@ json sensor_of(const json& sensor, const json& config_json) {
   return view;
 }
 
-/// What the daemon itself refuses beyond; a device may allow less.
+/// The daemon's own limits; a device may allow less.
 json limits_of_wire() {
   const auto range = [](const auto& limits) {
     return json{{"min", limits.min}, {"max", limits.max}};
   };
   json trackers = json::array();
   for (const std::string& name : tracker_names()) {
-    if (name != "lg_contour") trackers.push_back(name);  // for work offline only
+    if (name != "lg_contour") trackers.push_back(name);  // only for offline use
   }
   return {{"mode_waves", range(limits::kModeWaves)},
           {"charge", range(limits::kCharge)},

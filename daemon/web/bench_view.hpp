@@ -1,5 +1,5 @@
-/// What the streams do not tell and a browser wants to know: the camera's limits, what is
-/// introduced and corrected, the loop, the reference, the hologram's picture.
+/// Bench data that no stream publishes: camera limits, introduced aberration, correction, loop,
+/// reference and the hologram's image. Polled from the daemon for the browsers.
 #pragma once
 
 #include <chrono>
@@ -16,17 +16,17 @@ class BenchView {
  public:
   explicit BenchView(const cli::Common& common) : common_(common) {}
 
-  /// Asks the daemon; the message for a browser, or none if the daemon did not answer all of it, or
-  /// nothing is new. One thread.
+  /// Queries the daemon and returns the message for browsers. None if a query failed or nothing
+  /// changed. Call from one thread only.
   std::optional<nlohmann::json> look(const std::string& pattern);
 
-  /// The newest; null: there is none yet. Thread-safe.
+  /// The newest hologram image; null: none yet. Thread-safe.
   HologramPicturePtr hologram() const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// "crc32" and "hologram_id" of its picture, or why there is none.
+  /// {"hologram_id", "crc32", "reason"} of the image; the reason says why there is none.
   nlohmann::json hologram_of(const HologramSources& sources);
 
   const cli::Common& common_;

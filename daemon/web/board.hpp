@@ -1,5 +1,5 @@
-/// The newest message of each kind for any number of browsers, and the last of those that tell a
-/// history. Nobody waits for a slow reader: what was replaced meanwhile it never sees.
+/// Latest-value buffer: the newest message of each kind, and a short history of events and trends,
+/// for any number of browsers. Slow readers block nobody; they skip messages that were replaced.
 #pragma once
 
 #include <array>
@@ -15,18 +15,18 @@
 
 namespace ovws::web {
 
-/// Of each only the newest is kept.
+/// Kinds of which only the newest message is kept.
 enum class Slot { status, bench, health, wavefront, refined, spots, image, phase };
 constexpr std::size_t kSlots = 8;
 
-/// Of each the last ones are kept: kEventsKept and kTrendKept.
+/// Kinds with a history: the last kEventsKept and kTrendKept messages.
 enum class Series { event, trend };
 constexpr std::size_t kSeries = 2;
 constexpr std::size_t kEventsKept = 100;
-constexpr std::size_t kTrendKept = 360;  ///< at two a second: three minutes
+constexpr std::size_t kTrendKept = 360;  ///< three minutes at two per second
 
-/// One message as it goes to a browser: its JSON's length and its binary part's as two
-/// little-endian uint32, then both.
+/// Frames a message for the browser: lengths of the JSON and of the binary part as two
+/// little-endian uint32, then both parts.
 std::string framed(std::string_view json, std::span<const std::byte> binary = {});
 
 struct Packet {
@@ -41,7 +41,7 @@ class Board {
   void put(Slot slot, std::string bytes);
   void append(Series series, std::string bytes);
 
-  /// All that is newer than `seen`, the oldest first, and moves `seen` on. 0: all there is.
+  /// All messages newer than `seen`, oldest first; advances `seen`. 0: all messages.
   std::vector<PacketPtr> newer(std::uint64_t& seen) const;
 
  private:

@@ -7,9 +7,9 @@
 namespace ovws::web {
 namespace {
 
-constexpr std::chrono::milliseconds kLook{10};  ///< how often who waits looks around
+constexpr std::chrono::milliseconds kLook{10};  ///< polling interval while waiting for a turn
 
-/// Among the numbers as long as it lives.
+/// Scope guard that keeps a number in a set.
 class Entry {
  public:
   Entry(std::set<std::uint64_t>& numbers, std::uint64_t number)
@@ -25,7 +25,7 @@ class Entry {
   std::uint64_t number_;
 };
 
-/// Also if there is something of it that nobody has read.
+/// Whether the browser closed its side of the connection (POLLRDHUP), even with data left unread.
 bool has_left(tcp::socket& browser) {
   pollfd look{browser.native_handle(), POLLRDHUP, 0};
   return ::poll(&look, 1, 0) != 0;

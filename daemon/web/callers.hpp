@@ -1,4 +1,4 @@
-/// The few threads that wait for the daemon's answers, and the browsers that wait for one of them.
+/// Thread pool for blocking calls to the daemon, with a first-come, first-served queue of browsers.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,25 @@
 
 namespace ovws::web {
 
-/// But for the calls themselves all happens in the server's thread.
+/// Everything except the calls themselves runs in the server's thread.
 class Callers {
  public:
   using Call = std::function<std::string()>;
 
-  /// What `call` returns, made in a thread of this class; first come, first served. None if the
-  /// browser closed its connection before its turn: then there was no call.
+  /// Runs `call` in a thread of the pool and returns its result, first come, first served. None if
+  /// the browser disconnected before its turn; the call is then not made.
   Task<std::optional<std::string>> carry_out(tcp::socket& browser, const Call& call);
 
-  /// Waits for the calls that are under way.
+  /// Waits for the running calls.
   void join() { threads_.join(); }
 
  private:
   using Numbers = std::set<std::uint64_t>;
 
-  /// Whether it has come; else the browser has left.
+  /// Waits for this number's turn. False: the browser has disconnected.
   Task<bool> turn(tcp::socket& browser, std::uint64_t number);
 
-  static constexpr std::size_t kCalls = 4;  ///< at a time
+  static constexpr std::size_t kCalls = 4;  ///< concurrent calls
   net::thread_pool threads_{kCalls};
   std::uint64_t next_ = 0;
   Numbers waiting_, under_way_;

@@ -1,4 +1,4 @@
-/// Commands of a browser: which methods it may call, and the call.
+/// Commands of a browser: allowed methods, and calls to the daemon.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,12 +14,12 @@ struct Command {
   nlohmann::json params;
 };
 
-/// {"method": ..., "params": {...}}, strict JSON. Refusal::malformed if it is not;
-/// Refusal::command for a method that the page does not need.
+/// Parses {"method": ..., "params": {...}} as strict JSON. Errors: Refusal::malformed;
+/// Refusal::command for a method that the page may not call.
 tl::expected<Command, Refusal> parse_command(const std::string& body);
 
-/// Waits for the daemon. {"result": ...} or {"error": {"code", "message", "data"}} as the daemon
-/// said it; without an answer an error without a code.
+/// Calls the daemon and blocks for its reply. Returns {"result": ...} or {"error": {"code",
+/// "message", "data"}} as text; if the daemon does not answer, the error has no code.
 std::string carry_out(const cli::Common& common, const Command& command);
 
 }  // namespace ovws::web

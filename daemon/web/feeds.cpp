@@ -11,10 +11,10 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{100};
-constexpr milliseconds kSilence{3000};  ///< `status` comes once a second
+constexpr milliseconds kSilence{3000};  ///< `status` comes once per second
 constexpr milliseconds kHealthPeriod{250};
 constexpr milliseconds kAskPeriod{2000};
-constexpr milliseconds kAskAtOnce{150};  ///< after a change, at most so often
+constexpr milliseconds kAskAtOnce{150};  ///< minimum interval of requests after changes
 constexpr int kNumbersQueue = 1000;
 constexpr int kPicturesQueue = 4;
 
@@ -69,7 +69,7 @@ void Feeds::rest(milliseconds time) const {
   while (!stop_ && Clock::now() < end) std::this_thread::sleep_for(milliseconds(20));
 }
 
-/// Subscribes anew when the daemon is silent: it may be another one, with other endpoints.
+/// Subscribes again when the daemon is silent: it may have restarted with other endpoints.
 void Feeds::take_numbers() {
   while (!stop_) {
     tell_health();
@@ -92,7 +92,7 @@ void Feeds::take_numbers() {
   }
 }
 
-/// While somebody looks. Silence is nothing unusual here: the image rate may be 0.
+/// Subscribes only while a browser is connected. Silence is normal here: the image rate may be 0.
 void Feeds::take_pictures() {
   while (!stop_) {
     if (!watched()) {
@@ -116,7 +116,7 @@ void Feeds::take_pictures() {
   }
 }
 
-/// Soon after the hologram or the settings changed, and now and then.
+/// Queries the daemon soon after a change of hologram or settings, and every kAskPeriod.
 void Feeds::ask() {
   std::int64_t known = -1;
   auto asked = Clock::time_point{};

@@ -1,5 +1,4 @@
-/// From the daemon to the board: its streams, what must be asked for, and whether the bench is
-/// well.
+/// Feeds the board from the daemon: its streams, polled data, and the health of the bench.
 #pragma once
 
 #include <atomic>
@@ -20,18 +19,18 @@
 
 namespace ovws::web {
 
-/// What a browser is told of this server beside the bench's health.
+/// Server data that browsers receive with the bench's health.
 struct ServerFacts {
   int browsers = 0;
   nlohmann::json refused;
 };
 
-/// The spots of the last frames, so that those of an image's frame can be shown with it.
+/// Spots of the last frames, so that an image is shown with the spots of its own frame.
 /// Thread-safe.
 class SpotShelf {
  public:
   void add(std::uint64_t frame_id, std::string packet);
-  /// None if they have not come, or are long gone.
+  /// The spots of this frame; none if they have not arrived or are no longer kept.
   std::optional<std::string> of_frame(std::uint64_t frame_id) const;
 
  private:
@@ -40,13 +39,13 @@ class SpotShelf {
   std::deque<std::pair<std::uint64_t, std::string>> kept_;
 };
 
-/// While the loop or a hand on a slider changes the hologram many times a second, most frames are
-/// not valid: those that are stay in sight for a while. One thread at a time.
+/// Holds the last valid frame on screen for a while. While the loop or a slider changes the
+/// hologram many times per second, most frames are not valid. One thread at a time.
 class HeldValid {
  public:
   explicit HeldValid(std::chrono::milliseconds hold) : hold_(hold) {}
 
-  /// Whether a frame that is (not) valid is to be shown.
+  /// Whether to show the next frame, which is valid or not.
   bool shows(bool valid);
 
  private:
@@ -54,17 +53,18 @@ class HeldValid {
   std::chrono::steady_clock::time_point last_{};
 };
 
-/// Three threads of its own, from the construction to the destruction, which waits for them (a
-/// question's time-out at most).
+/// Runs three threads from construction to destruction. The destructor joins them, which takes at
+/// most the timeout of one request.
 class Feeds {
  public:
-  /// `server_facts` is called from a thread of this class. All outlive it.
+  /// Threads of this class call `server_facts`. All arguments must outlive it.
   Feeds(const cli::Common& common, Board& board, std::function<ServerFacts()> server_facts);
   ~Feeds();
   Feeds(const Feeds&) = delete;
   Feeds& operator=(const Feeds&) = delete;
 
-  /// Thread-safe. Pictures and questions cost the daemon something: only while somebody looks.
+  /// The newest hologram image. Thread-safe. Images and polled data are fetched only while a
+  /// browser is connected, because they load the daemon.
   HologramPicturePtr hologram() const { return view_.hologram(); }
 
  private:
@@ -88,20 +88,20 @@ class Feeds {
   BenchView view_;
   SpotShelf spots_;
   std::atomic<bool> stop_{false};
-  std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes that `status` told
+  std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes seen in `status`
   std::atomic<Clock::rep> last_picture_{0};
 
   std::mutex pattern_mutex_;
   std::string pattern_;
 
-  // Of the thread of numbers.
+  // Used only by the thread numbers_.
   BenchFacts facts_;
   Clock::time_point status_at_{}, wavefront_at_{}, health_at_{};
   RiseLately lost_, missed_;
   Trend trend_;
   HeldValid valid_wavefront_{std::chrono::milliseconds(500)};
 
-  // Of the thread of pictures: there are ten a second at most, and few of them may be valid.
+  // Used only by the thread pictures_: at most ten per second, few of which may be valid.
   HeldValid valid_phase_{std::chrono::milliseconds(2000)};
 
   std::thread numbers_, pictures_, questions_;

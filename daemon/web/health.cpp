@@ -13,10 +13,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSilentS = 3.0;  // status comes once a second
+constexpr double kSilentS = 3.0;  // status comes once per second
 constexpr double kNoFramesS = 1.5;
 constexpr double kLatelyS = 10.0;
-constexpr double kMuchSaturated = 0.1;  // reference.take refuses beyond
+constexpr double kMuchSaturated = 0.1;  // reference.take refuses more
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
 
 class Findings {
@@ -36,7 +36,7 @@ class Findings {
   std::vector<HealthFinding> found_;
 };
 
-/// Whether the device works; if not, why.
+/// Whether the device works; if not, adds a finding with the reason.
 bool check_device(const json& device, const char* title, Findings& findings) {
   if (device["fault"].is_string()) {
     findings.bad(fmt::format("{}: {}", title, device["fault"].get<std::string>()));
@@ -57,14 +57,14 @@ void check_state(const json& status, Findings& findings) {
   }
 }
 
-/// What the daemon does about invalid frames, and when.
+/// The daemon's next action against invalid frames, as text.
 std::string action_of(const json& status) {
   const json invalid = status.at("sensor").value("invalid", json());
   if (!invalid.is_object()) return "";
   return "; " + invalid.at("action").get<std::string>();
 }
 
-/// The sensor's numbers, when both devices work.
+/// Checks frames, reference, validity, saturation and lost spots; requires both devices to work.
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
   if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {

@@ -1,4 +1,4 @@
-/// Whether the bench is well, as a person at a glance wants to know it.
+/// Health summary of the bench for the head of the page.
 #pragma once
 
 #include <cstdint>
@@ -9,33 +9,33 @@
 
 namespace ovws::web {
 
-/// What is known of the bench now. Null where no such message came yet.
+/// The newest messages and counters. A message is null until the first one arrives.
 struct BenchFacts {
   nlohmann::json status;
   nlohmann::json wavefront;
   double status_age_s = 0.0;
   double wavefront_age_s = 0.0;
-  std::int64_t lost_lately = 0;    ///< frames that the camera lost, in the last kLately
-  std::int64_t missed_lately = 0;  ///< frames later than their period, in the last kLately
+  std::int64_t lost_lately = 0;    ///< frames that the camera lost in the last 10 s
+  std::int64_t missed_lately = 0;  ///< frames that took longer than a period in the last 10 s
 };
 
 enum class Wellness { good, note, warning, bad };
 
 struct HealthFinding {
   Wellness wellness = Wellness::good;
-  std::string text;  ///< what is so, and what to do
+  std::string text;  ///< the problem, and what to do
 };
 
-/// The worst first; of one finding "good" if nothing is wrong.
+/// All findings, the worst first; a single one with `good` if nothing is wrong.
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts);
 
-/// {wellness, text} of each, as a browser gets them.
+/// The findings as a JSON array of {wellness, text} for the browser.
 nlohmann::json findings_json(const std::vector<HealthFinding>& findings);
 
-/// By how much a counter of `status` rose in the last ten seconds. One thread at a time.
+/// Increase of a counter of `status` in the last ten seconds. One thread at a time.
 class RiseLately {
  public:
-  /// `t_s`: any clock that only moves on. A counter that fell is that of a new daemon.
+  /// `t_s`: time of a monotonic clock. A smaller count than before means that the daemon restarted.
   void add(double t_s, std::int64_t count);
   std::int64_t rise() const;
 

@@ -24,7 +24,8 @@ std::vector<Mode> modes_of(const json& list) {
   return modes;
 }
 
-/// The aberration less the correction; the corrected beam has no aberration of ours.
+/// The modes in the hologram: aberration minus correction. The other patterns have only the
+/// correction.
 std::vector<Mode> shown_modes(const HologramSources& sources, HologramKind kind) {
   std::vector<Mode> modes;
   if (kind == HologramKind::sensor) modes = modes_of(sources.aberration["modes"]);
@@ -57,7 +58,7 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
   return configured;
 }
 
-/// Whether all answers are of one hologram.
+/// Whether all replies belong to the same hologram.
 bool agree(const HologramSources& sources) {
   const json& id = sources.sensor.at("hologram_id");
   return sources.aberration["hologram_id"] == id && sources.correction["hologram_id"] == id;

@@ -1,5 +1,5 @@
-/// The hologram as a picture for a browser, made by the daemon's own code from what the daemon says
-/// is in force: no pixel of it crosses the wire from the daemon.
+/// Image of the hologram for the browser. It is rendered here, with the daemon's own code, from the
+/// daemon's active settings; no pixels are transferred from the daemon.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace ovws::web {
 
 struct HologramPicture {
   std::uint64_t hologram_id = 0;
-  std::uint32_t crc32 = 0;  ///< of the grey levels, row by row, as slm.verify gives it
+  std::uint32_t crc32 = 0;  ///< of the grey levels, row by row, as in slm.verify
   std::string png;
 };
 using HologramPicturePtr = std::shared_ptr<const HologramPicture>;
@@ -29,8 +29,9 @@ struct HologramSources {
   std::string pattern;        ///< status: slm.pattern
 };
 
-/// Takes tens of milliseconds. Errors: Errc::unavailable if the hologram changed between the
-/// answers, if a job paints its own, or if the flatness file is not on this machine.
+/// Renders the hologram and encodes it as PNG; takes tens of milliseconds. Errors:
+/// Errc::unavailable if the hologram changed between the replies, if a job shows its own patterns,
+/// or if the flatness file is not on this machine.
 Result<HologramPicturePtr> draw_hologram(const HologramSources& sources);
 
 }  // namespace ovws::web

@@ -1,5 +1,4 @@
-/// Boost's HTTP and coroutines under short names; nothing outside server.cpp, session.cpp and
-/// callers.cpp knows them.
+/// Aliases for Boost.Asio and Boost.Beast, used only by server.cpp, session.cpp and callers.cpp.
 #pragma once
 
 #include <utility>  // Boost 1.74 uses it in its coroutines and does not include it

@@ -1,5 +1,4 @@
-/// The links that open the page, each with its token in the fragment, which no browser sends to
-/// anybody.
+/// Links that open the page. The token is in the URL's fragment, which browsers never send.
 #pragma once
 
 #include <string>
@@ -9,13 +8,13 @@
 
 namespace ovws::web {
 
-/// "look http://HOST/#TOKEN" and, if there is one for it, "control http://HOST/#TOKEN", a line
-/// each.
+/// One line each: "look http://HOST/#TOKEN" and, if that token exists, "control
+/// http://HOST/#TOKEN".
 std::string links_text(const std::string& host, const Tokens& tokens);
 
-/// The tokens of a file of such lines, made if it is not there, so that links stay good over a
-/// restart; the file is written anew with this host, mode 0600. Errors: Errc::invalid for a file
-/// that others can read or that holds something else, Errc::unavailable if it cannot be written.
+/// Loads the tokens from a file of such lines, or makes new ones, so that links stay valid over a
+/// restart. Rewrites the file with this host, mode 0600. Errors: Errc::invalid for a file that
+/// others can read or with other content, Errc::unavailable if it cannot be written.
 Result<Tokens> keep_links(const std::string& path, const std::string& host, bool control);
 
 }  // namespace ovws::web

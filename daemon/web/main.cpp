@@ -1,4 +1,4 @@
-/// ovws-web: the bench in a browser.
+/// ovws-web: the live page of the bench.
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ Result<Tokens> tokens_of(const Options& options) {
   return keep_links(options.links_path, options.host(), options.control);
 }
 
-/// Who still waits for the daemon's answer is not waited for.
+/// Forces the exit after kEndPatienceS, so that pending calls to the daemon do not delay it.
 void end_soon() {
   std::signal(SIGALRM, [](int) { std::_Exit(cli::kOk); });
   ::alarm(kEndPatienceS);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kAnswerTimeoutS = 10.0;  ///< a camera may take seconds to change
 
-/// [::1] and 127.x.x.x, as they are written in a URL.
+/// Whether the address, in URL notation, is [::1] or 127.x.x.x.
 bool is_loopback(const std::string& address) {
   return address == "[::1]" || address.starts_with("127.");
 }

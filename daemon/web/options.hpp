@@ -13,25 +13,25 @@ namespace ovws::web {
 struct Options {
   cli::Common common;
   std::string listen = "127.0.0.1:7704";
-  std::vector<std::string> more_hosts;  ///< names under which a browser may reach this server
+  std::vector<std::string> more_hosts;  ///< further accepted host names
   std::string links_path;               ///< empty: new tokens at each start, printed
   bool control = false;
   bool cleartext = false;
 
-  // Of `listen`, by check_options.
+  // Parsed from `listen` by check_options.
   std::string address;
   unsigned short port = 0;
 
-  /// "127.0.0.1:7704": what the links name.
+  /// The host of the links, e.g. "127.0.0.1:7704".
   std::string host() const;
-  /// All that a browser may call this server.
+  /// All accepted values of the Host header.
   std::vector<std::string> hosts() const;
 };
 
 void add_options(CLI::App& app, Options& options);
 
-/// Takes `listen` apart. Errors: Errc::invalid, field "--listen", also for an address that other
-/// machines reach, unless that was asked for.
+/// Parses and checks `listen`. Errors: Errc::invalid, field "--listen", also for an address that
+/// other machines can reach, unless `cleartext` is set.
 Result<void> check_options(Options& options);
 
 }  // namespace ovws::web

@@ -1,4 +1,4 @@
-/// The page itself, compiled in: nothing is read from the disk, so no path leads anywhere else.
+/// The page's files, compiled in. Nothing is read from disk, so path traversal is impossible.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ struct PageFile {
   std::string_view text;
 };
 
-/// "/" is the page.
+/// The file at this path; "/" is index.html. None: no such file.
 std::optional<PageFile> page_file(std::string_view path);
 
 }  // namespace ovws::web

@@ -1,4 +1,4 @@
-/// Camera images small enough for a browser.
+/// Downscales camera images for the browser.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@ namespace ovws::web {
 
 constexpr int kMostPictureSide = 1024;
 
-/// An `image` message whose sides have at most kMostPictureSide pixels, each the mean of a square
-/// of `reduced_by` x `reduced_by` camera pixels; its JSON has that key added. None if the message
-/// is not what WIRE.md says.
+/// Bins an `image` message to at most kMostPictureSide pixels per side. Each pixel is the mean of
+/// `reduced_by` x `reduced_by` camera pixels; the JSON gets that key. None if the message does not
+/// conform to WIRE.md.
 std::optional<StreamMessage> reduced_image(const StreamMessage& image);
 
 }  // namespace ovws::web

@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kNoDescriptors{100};
 struct Server::Impl {
   ServerParts parts;
   Callers callers;
-  std::list<Session*> sessions;  ///< the oldest first
+  std::list<Session*> sessions;  ///< oldest first
   net::io_context io{1};
   tcp::acceptor acceptor{io};
 
@@ -31,7 +31,8 @@ struct Server::Impl {
     sessions.remove(&session);
   }
 
-  /// Whether one more connection has a place: if need be that of the oldest without a token.
+  /// Whether one more connection is allowed. If all slots are in use, closes the oldest connection
+  /// without a token.
   bool make_room() {
     if (sessions.size() < kMostConnections) return true;
     parts.refusals.add(Refusal::full, {}, "a connection too many");

@@ -1,5 +1,5 @@
-/// The HTTP side: gives the page, streams the board to each browser at the browser's own pace, and
-/// passes on the commands that it may.
+/// HTTP server: serves the page, streams the board to each browser at that browser's own pace, and
+/// forwards allowed commands.
 #pragma once
 
 #include <atomic>
@@ -15,33 +15,33 @@
 
 namespace ovws::web {
 
-/// At a time. One more takes the place of the oldest that has shown no token; if all have, it is
-/// closed.
+/// Concurrent connections. One more replaces the oldest connection without a token; if all have
+/// one, it is closed.
 constexpr std::size_t kMostConnections = 64;
-constexpr int kMostBrowsers = 16;  ///< streams at a time
+constexpr int kMostBrowsers = 16;  ///< concurrent streams
 
-/// What the server stands on; all of it outlives the server.
+/// What the server uses; all of it must outlive the server.
 struct ServerParts {
   const cli::Common& common;
   const Access& access;
   RefusalLog& refusals;
   const Board& board;
   std::function<HologramPicturePtr()> hologram;
-  std::atomic<int>& browsers;  ///< how many streams are open
+  std::atomic<int>& browsers;  ///< number of open streams
 };
 
 class Server {
  public:
-  /// Binds at once. Errors (field "--listen"): Errc::invalid for what is no address in numbers,
-  /// Errc::unavailable if it is taken.
+  /// Binds and listens. Errors (field "--listen"): Errc::invalid if the address is not numeric,
+  /// Errc::unavailable if it is in use.
   static Result<std::unique_ptr<Server>> listen(const std::string& address, unsigned short port,
                                                 ServerParts parts);
-  ~Server();  ///< waits for the commands that are under way
+  ~Server();  ///< waits for running commands
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Serves until SIGINT or SIGTERM, then drops what waits for its turn. All happens in the calling
-  /// thread, but for the waiting for the daemon's answers to commands.
+  /// Serves until SIGINT or SIGTERM, then drops queued commands. Runs in the calling thread; only
+  /// calls to the daemon block in other threads.
   void run();
 
  private:

@@ -16,18 +16,17 @@ using std::chrono::milliseconds;
 constexpr std::size_t kMostHeadBytes = 8 * 1024;
 constexpr milliseconds kRequestPatience{5000};
 constexpr milliseconds kWritePatience{10'000};
-constexpr milliseconds kLook{5};     ///< how often the board is looked at
-constexpr milliseconds kRhythm{33};  ///< a browser is sent something at most so often
-/// What the kernel keeps for a browser that does not read is old when it reads on.
+constexpr milliseconds kLook{5};     ///< polling interval of the board
+constexpr milliseconds kRhythm{33};  ///< minimum interval of messages to a browser
+/// Small, because messages in the kernel's buffer for a slow browser are stale when it reads them.
 constexpr int kSendBufferBytes = 256 * 1024;
 
-/// Everything from here, nothing from elsewhere, and nobody may put the page into a frame.
+/// Content Security Policy: only resources of this server, and no embedding in frames.
 constexpr const char* kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-// In what follows a co_await gets locals, never temporaries that own something: g++ 12 destroys
-// some of these twice.
+// Pass only locals to co_await, never owning temporaries: g++ 12 destroys some temporaries twice.
 
 template <class Body>
 void prepare(http::response<Body>& response, std::string_view type) {
@@ -57,7 +56,7 @@ RequestHead head_of(const http::request_parser<http::string_body>& parser) {
   return head;
 }
 
-/// Counts one more as long as it lives.
+/// Scope guard that increments a counter.
 class Counted {
  public:
   explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
@@ -98,7 +97,7 @@ Task<void> Session::run() {
 
 Task<bool> Session::read_head(Request& parser) {
   parser.header_limit(kMostHeadBytes);
-  // The head is judged first, and says how long the body is.
+  // No body limit here: Access::judge checks Content-Length before the body is read.
   parser.body_limit(std::numeric_limits<std::uint64_t>::max());
   boost::system::error_code error;
   connection_.expires_after(kRequestPatience);
@@ -164,8 +163,8 @@ Task<void> Session::stream(const RequestHead& head, Right right) {
   co_await pump(right);
 }
 
-/// What is newer than what was sent, again and again. While a slow browser takes its time the board
-/// goes on, and the next look finds what is newest then.
+/// Sends all messages newer than those sent, repeatedly. While a slow browser receives, the board
+/// goes on, and the next read returns the newest messages of then.
 Task<void> Session::pump(Right right) {
   net::steady_timer timer(co_await net::this_coro::executor);
   const nlohmann::json hello{{"schema", "ovws.web.hello/1"},

@@ -1,4 +1,4 @@
-/// One connection: a request, its answer, and the end.
+/// One HTTP connection: a request and its response.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace ovws::web {
 
-/// Of one connection; it lives as long as its coroutine.
+/// State of one connection; lives as long as its coroutine.
 class Session {
  public:
   Session(tcp::socket socket, const ServerParts& parts, Callers& callers);
 
-  /// Errors of the connection end it, and are nobody's concern.
+  /// Serves the request. Connection errors close the connection and are not reported.
   Task<void> run();
-  /// Whether it has shown a token.
+  /// Whether the request had a valid token.
   bool trusted() const { return trusted_; }
   /// Closes the connection; `run` returns soon.
   void end() { connection_.close(); }
@@ -25,7 +25,7 @@ class Session {
   using Request = http::request_parser<http::string_body>;
 
   Task<void> serve();
-  /// The head; false if it was none, which has been answered.
+  /// Reads the request header. False: malformed (and answered) or disconnected.
   Task<bool> read_head(Request& parser);
   Task<void> answer(http::status status, std::string_view type, std::string body);
   Task<void> refuse(Refusal why, const RequestHead& head);

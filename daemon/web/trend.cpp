@@ -9,7 +9,7 @@ using nlohmann::json;
 std::optional<json> Trend::add(const json& wavefront) {
   const auto t_ns = wavefront.at("t_arrival_ns").get<std::int64_t>();
   std::optional<json> done;
-  // A clock that was set back begins anew, too.
+  // A clock set back also starts a new bin.
   if (t_ns - begin_ns_ >= kTrendBinNs || t_ns < begin_ns_) {
     if (frames_ > 0) done = ended(std::clamp(t_ns, begin_ns_, begin_ns_ + kTrendBinNs));
     begin(t_ns);

@@ -1,5 +1,5 @@
-/// What the wavefront did, half a second at a time: no frame's spike is missed by a browser that
-/// sees only some frames.
+/// Trend statistics of the wavefront in bins of half a second, so that browsers, which receive only
+/// some frames, miss no peak.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,10 @@ constexpr std::int64_t kTrendBinNs = 500'000'000;
 /// One thread at a time.
 class Trend {
  public:
-  /// Takes a `wavefront` message; returns the bin that it ended, if it ended one, as the message
-  /// that a browser gets: `t_ns` its end, `span_s`, counts `frames`, `valid`, `gap`, the most spots
-  /// lost in a frame `lost_max`, `rms_waves` (mean of valid frames, or null) and `rms_max_waves`,
-  /// `latency_median_us`, `latency_max_us`, `j` and `coefficients` (means of valid frames, or
-  /// null).
+  /// Adds a `wavefront` message. If it completes a bin, returns the message for browsers: `t_ns`
+  /// (end of the bin), `span_s`, counts `frames`, `valid` and `gap`, `lost_max` (most spots lost in
+  /// one frame), `rms_waves` (mean of valid frames, or null), `rms_max_waves`, `latency_median_us`,
+  /// `latency_max_us`, `j` and `coefficients` (means of valid frames, or null).
   std::optional<nlohmann::json> add(const nlohmann::json& wavefront);
 
  private:

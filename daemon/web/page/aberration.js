@@ -1,13 +1,13 @@
-// The aberration that is introduced: a slider a mode. Modes that the sensor does not read are left as they are.
+// Introduced aberration: one slider per mode. Modes that the sensor does not reconstruct keep their values.
 import { brief, byId, element, say, signed } from "./format.js";
 import { button, NumberControl, reasonOf, Sender, showError } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
 const RANGES = [0.1, 0.5, 1, 2, 5, 20];
 let sliders = new Map(); // j -> NumberControl
-let waves = new Map(); // j -> what is wished, or in force
-let chosen = 0.5; // how far the sliders reach by the user's choice
-let range = chosen; // and now: further while more is introduced
+let waves = new Map(); // j -> requested or active waves
+let chosen = 0.5; // range of the sliders chosen by the user
+let range = chosen; // current range: wider while a larger aberration is introduced
 let shownModes = "";
 let limits = { min: -1000, max: 1000 };
 
@@ -41,7 +41,7 @@ function buildSliders(names) {
   show(true);
 }
 
-/** The user's choice, or what is introduced if that is more. */
+/** The user's range, or a wider one if the introduced aberration exceeds it. */
 function neededRange() {
   const most = Math.max(0, ...inForce.map((mode) => Math.abs(mode.waves)));
   return most <= chosen ? chosen : (RANGES.find((wide) => wide >= most) ?? RANGES.at(-1));
@@ -54,7 +54,7 @@ function setRange(wide) {
   show(true);
 }
 
-/** Who may only look sees what is introduced, in words. */
+/** Builds the sliders; without control rights, a read-only list. */
 export function build(mayControl) {
   const toolbar = document.querySelector("#aberration .toolbar");
   toolbar.replaceChildren();

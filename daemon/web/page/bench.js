@@ -1,4 +1,4 @@
-// Exposure, gain, charge, tracker, reference and loop: what is in force, and, for who may, the means to change it.
+// Exposure, gain, charge, tracker, reference and loop: current values, and controls for users with control rights.
 import { brief, byId, element, grouped, NONE, say, timeOfDay } from "./format.js";
 import { call } from "./link.js";
 import { button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
@@ -8,7 +8,7 @@ let view = null; // the newest bench message
 const REFERENCE_FRAMES = 100;
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
 
-/** In the unit that the camera has: dB, or steps of its own. */
+/** The gain in the camera's unit: dB or raw steps. */
 function gainOf(settings) {
   return settings?.gain_db === null
     ? { key: "gain_raw", value: settings.gain_raw, unit: "(raw)", step: 1 }
@@ -122,7 +122,7 @@ function showControls({ camera, sensor, limits, reference, aberration, loop }) {
     const { exposure_us: e } = camera.limits;
     const { key, unit, step } = gainOf(settings);
     const g = camera.limits[key] ?? camera.limits.gain_db ?? camera.limits.gain_raw;
-    // An exposure ends before the next one begins.
+    // The exposure cannot exceed the frame period.
     const longest = Math.min(e.max, 1e6 / settings.frame_rate_hz);
     controls.exposure.limits(e.min, longest);
     controls.exposure.reach(e.min, longest);
@@ -142,7 +142,7 @@ function showControls({ camera, sensor, limits, reference, aberration, loop }) {
   controls.loop.help(`${loopText(loop)}; gain ${limits.loop_gain.min} to ${limits.loop_gain.max}`);
 }
 
-/** Pairs of a title and a text, in a list that is rebuilt only if its length changes. */
+/** Shows pairs of title and text; rebuilds the list only if its length changes. */
 export function showFacts(list, facts) {
   if (list.children.length !== 2 * facts.length) {
     list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));

@@ -1,4 +1,4 @@
-// The camera image with what was found in it.
+// The camera image with the spots.
 import { begin, font, paint } from "./canvas.js";
 import { MARKS } from "./colour.js";
 import { brief, byId, fixed, say, element, NONE, roundUp } from "./format.js";
@@ -10,11 +10,11 @@ let spots = null; // {rows: [{x, y, refX, refY, peak, quality}], frameId}
 let magnification = { value: 1, at: 0 };
 let ringPx = null;
 let pixels = null;
-let painted = true; // the newest image has been
+let painted = true; // whether the newest image has been painted
 
 const shown = (id) => byId(`show-${id}`).checked;
 
-/** From the brightest pixel down; "dim light" brings up what is weak, and never hides what is not. */
+/** Colour table for grey levels up to full scale; full scale is red. "dim light" scales to the brightest pixel and takes the square root. */
 function greyTable(full, brightest) {
   const dim = shown("dim");
   const top = dim ? Math.max(1, brightest) : full;
@@ -34,7 +34,7 @@ export function takeImage(json, binary) {
   repaint();
 }
 
-/** The image is painted when it is drawn: of those that came in between none costs anything. */
+/** Marks the image for painting. It is painted only when drawn, so that skipped images cost nothing. */
 export function repaint() {
   painted = false;
 }
@@ -67,7 +67,7 @@ export function takeRing(px) {
   ringPx = px;
 }
 
-/** Least distance of two references (or, without them, of two spots), px. */
+/** Smallest distance between two references (or, without references, two spots), px. */
 function pitchOf(rows) {
   const at = rows.map((r) => (r.refX === null ? [r.x, r.y] : [r.refX, r.refY])).filter(([x]) => x !== null);
   let least = Infinity;
@@ -75,7 +75,7 @@ function pitchOf(rows) {
   return Number.isFinite(least) ? least : null;
 }
 
-/** So that the longest arrow is about half the way to the neighbour; changed rarely, so that arrows can be compared. */
+/** Magnification of the arrows: the longest spans about half the distance to the neighbour. Changes rarely, so that arrows stay comparable. */
 function arrowMagnification(now) {
   const longest = Math.max(...spots.rows.map((row) => row.moved ?? 0));
   const wanted = longest > 0 && spots.pitch ? Math.min(100, Math.max(1, roundUp(spots.pitch / 2 / longest / 2.5))) : 1;
@@ -83,7 +83,7 @@ function arrowMagnification(now) {
   return magnification.value;
 }
 
-/** A line with a dark rim, so that it is seen on any picture; as thick as the page's text is large. */
+/** Draws a line with a dark outline, visible on any image; its width scales with the text size. */
 function stroke(context, colour, width, draw) {
   const thick = (width * font(1).px) / 15;
   for (const [style, line] of [[MARKS.halo, thick * 2.2], [colour, thick]]) {
@@ -161,7 +161,7 @@ export function draw(now) {
   spots.rows.forEach((row, i) => drawSpot(context, row, i, place, zoom));
 }
 
-/** For those who read rather than look; twice a second. */
+/** Updates texts, table and the label for screen readers; called twice per second. */
 export function describe() {
   if (pixels) say(byId("camera-sub"), `${pixels.format}, frame ${pixels.frameId}`);
   if (!spots) return;

@@ -1,6 +1,6 @@
-// Canvases as sharp as the screen.
+// Canvases at the screen's pixel resolution.
 
-/** Makes the canvas' pixels those of the screen; returns its context in CSS pixels, and its size in them. */
+/** Resizes the canvas to device pixels and clears it; returns its context and size in CSS pixels. */
 export function begin(canvas) {
   const ratio = window.devicePixelRatio || 1;
   const width = canvas.clientWidth;
@@ -13,7 +13,7 @@ export function begin(canvas) {
   return { context, width, height };
 }
 
-/** A picture of `width` x `height` pixels that `fill(abgr)` paints, kept in `store` from call to call. */
+/** An off-screen image of `width` x `height` pixels painted by `fill(abgr)`; reused through `store`. */
 export function paint(store, width, height, fill) {
   if (!store.canvas || store.canvas.width !== width || store.canvas.height !== height) {
     store.canvas = new OffscreenCanvas(width, height);
@@ -26,7 +26,7 @@ export function paint(store, width, height, fill) {
   return store.canvas;
 }
 
-/** The font of the page, `size` times its text. */
+/** The page's font at `size` times the text size. */
 export function font(size = 0.8) {
   const base = parseFloat(getComputedStyle(document.documentElement).fontSize);
   return { css: `${size * base}px system-ui, sans-serif`, px: size * base };

@@ -1,5 +1,5 @@
-// Colours of maps and charts. The diverging map runs from blue over near-white to brown: its two halves differ in
-// hue for every kind of colour vision, and its lightness falls evenly to both ends.
+// Colours of maps and charts. The diverging map runs from blue over near-white to brown. Its halves differ in hue for
+// every kind of colour vision, and its lightness decreases evenly towards both ends.
 
 const ANCHORS = [[8, 48, 107], [38, 102, 172], [110, 170, 212], [190, 216, 232], [246, 244, 238], [244, 208, 160], [222, 148, 74], [170, 88, 22], [104, 44, 4]];
 const STEPS = 512;
@@ -23,10 +23,10 @@ export function colourOf(value, scale) {
   return diverging[Math.max(0, Math.min(STEPS - 1, at))];
 }
 
-/** A colour of the style sheet: "--ink". */
+/** A colour variable of the style sheet, e.g. "--ink". */
 export function themed(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
-// On the camera image, which is dark in both themes.
+// Marks on the camera image, which is dark in both themes.
 export const MARKS = { core: "#62c8ff", reference: "#ffb000", arrow: "#ffffff", region: "rgba(255,255,255,0.28)", lost: "#ff7a4d", halo: "rgba(0,0,0,0.65)" };

@@ -1,4 +1,4 @@
-// What happened, the newest first.
+// The list of events, newest first.
 import { element, timeOfDay } from "./format.js";
 
 const MOST = 100;
@@ -17,7 +17,7 @@ export function takeEvent(event) {
   mark.setAttribute("role", "img");
   mark.setAttribute("aria-label", event.severity);
   line.append(time, mark, element("span", "kind", event.kind), element("span", "text", event.text));
-  // A job's progress takes the place of what it was before.
+  // A job's progress replaces its previous entry.
   const job = event.kind === "job" ? `${event.data.job}` : "";
   const before = [...list.children].find((other) => job && other.dataset.job === job);
   if (before?.dataset.state === "running") before.remove();

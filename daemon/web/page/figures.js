@@ -1,4 +1,4 @@
-// The numbers that one looks at first.
+// The key figures at the top of the page.
 import { brief, byId, element, fixed, NONE, say, strehl } from "./format.js";
 
 const FIGURES = [
@@ -39,7 +39,7 @@ export function takeTrend(bin) {
   if (bin.span_s > 0.2) put("rate", brief(bin.frames / bin.span_s));
 }
 
-/** From the frame's arrival in the daemon until now, by both clocks. */
+/** Time since the frame arrived in the daemon, ms, corrected for the clock difference. */
 export function takeAge(ms) {
   put("screen", ms === null ? NONE : fixed(ms, 0));
 }

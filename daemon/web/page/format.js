@@ -1,22 +1,22 @@
-// Numbers as a person reads them: with a sign where it means something, never wider than they must be.
+// Formatting of numbers and times, and small DOM helpers.
 
 const MINUS = "\u2212";
 export const NONE = "\u2013";
 
-/** With `digits` after the point; "–" for what is not known. */
+/** A number with `digits` decimals; "–" if unknown. */
 export function fixed(value, digits) {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", MINUS);
 }
 
-/** The same, with a sign whatever it is. */
+/** Like fixed, with an explicit plus sign. */
 export function signed(value, digits) {
   const text = fixed(value, digits);
   return text === NONE || text.startsWith(MINUS) || Number(text) === 0 ? text : `+${text}`;
 }
 
-/** With three figures, or all before the point. */
+/** A number with about three significant digits. */
 export function brief(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   const size = Math.abs(value);
@@ -24,7 +24,7 @@ export function brief(value) {
   return fixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
 }
 
-/** A number of an axis: as short as it is. */
+/** Shortest text of an axis label. */
 export function tick(value) {
   return String(Number(value.toPrecision(3))).replace("-", MINUS);
 }
@@ -60,7 +60,7 @@ export function element(name, className = "", text = "") {
 
 export const byId = (id) => document.getElementById(id);
 
-/** Sets a text only if it changes: the page is looked at, not rebuilt. */
+/** Sets a text only if it changes, to avoid needless layout. */
 export function say(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }

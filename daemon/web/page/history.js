@@ -1,16 +1,16 @@
-// The last minutes, half a second a bin, as ovws-web kept them: a page that was just opened has them, too.
+// History of the last minutes in bins of half a second. ovws-web keeps them, so that a newly opened page has them too.
 
 export const SPAN_S = 180;
 export const bins = [];
 let lastAt = 0;
 
-/** By the daemon's clock, ns: what was not measured since the last bin is a gap. */
+/** The current time by the daemon's clock, ns. */
 export const now = () => (bins.length ? bins[bins.length - 1].t_ns + (performance.now() - lastAt) * 1e6 : 0);
 
-/** Whether something is missing between a bin and the one before it. */
+/** Whether there is a gap between a bin and the previous one. */
 export const isGap = (before, bin) => !before || bin.t_ns - bin.span_s * 1e9 - before.t_ns > 0.5e9;
 
-/** Bins come in order; after a connection anew those that are known come again. */
+/** Adds a bin. Bins arrive in order; after a reconnect known bins arrive again and are ignored. */
 export function takeTrend(bin) {
   const last = bins[bins.length - 1];
   if (last && bin.t_ns <= last.t_ns) {

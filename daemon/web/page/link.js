@@ -1,4 +1,4 @@
-// The connection to ovws-web: one stream down, commands up, the token on both.
+// The connection to ovws-web: one stream to the browser, commands to the server, both with the token.
 
 const token = () => location.hash.slice(1);
 const headers = () => ({ Authorization: `Bearer ${token()}` });
@@ -19,7 +19,7 @@ export async function call(method, params = {}) {
   }
 }
 
-/** A picture of this server as a blob; null if there is none. */
+/** Fetches an image from the server as a blob; null if there is none. */
 export async function picture(path) {
   try {
     const reply = await fetch(path, { headers: headers() });
@@ -29,7 +29,7 @@ export async function picture(path) {
   }
 }
 
-/** Bytes as they come, taken out as messages. */
+/** Splits the byte stream into messages. */
 class Inbox {
   #parts = [];
   #size = 0;
@@ -52,7 +52,7 @@ class Inbox {
     return this.#parts[0];
   }
 
-  /** The next whole message, or null. */
+  /** The next complete message, or null. */
   next() {
     if (this.#size < HEAD_BYTES) return null;
     if (this.#parts[0].length < HEAD_BYTES) this.#joined();
@@ -69,9 +69,9 @@ class Inbox {
   }
 }
 
-let leastLag = Infinity; // ms: how far the clocks differ, and the way's own time
+let leastLag = Infinity; // ms: clock difference plus transfer time
 
-/** What waits on the way for a browser that was held up is old: one that fell behind begins anew, with what is newest. */
+/** Whether this browser has fallen behind. It then reconnects, to skip stale messages that are still in transit. */
 function isBehind(json) {
   if (json.schema !== "ovws.web.health/1") return false;
   const lag = Date.now() - json.t_ns / 1e6;
@@ -99,7 +99,7 @@ async function readOnce(onMessage, onState) {
   }
 }
 
-/** Reads the stream for ever, connecting anew whenever it ends. onState: "" when connected, else why not. */
+/** Reads the stream forever and reconnects whenever it ends. onState: "" when connected, else the reason. */
 export async function listen(onMessage, onState) {
   for (;;) {
     try {

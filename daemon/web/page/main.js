@@ -1,4 +1,4 @@
-// The page: takes messages to the views that show them, and draws what changed with the screen's next picture.
+// The page: dispatches messages to the views and redraws changed views in the next animation frame.
 import * as aberration from "./aberration.js";
 import * as bench from "./bench.js";
 import * as camera from "./camera.js";
@@ -24,7 +24,7 @@ let lastFrame = { wavefront: 0, image: 0, phase: 0 };
 let newestBench = null;
 let modeNames = "";
 let right = "look";
-let clockOffset = null; // ms by which this computer's clock is ahead of the server's, at most
+let clockOffset = null; // ms: upper limit of this computer's clock minus the server's
 const CLOCKS_AGREE_MS = 100;
 
 const takers = {
@@ -64,7 +64,7 @@ const takers = {
   "ovws.web.bench/1": takeBench,
 };
 
-/** As a text: whatever of it changes may be the end of a refusal's cause. */
+/** The state that refusals may depend on, as text. When it changes, displayed errors may be outdated. */
 function whatRefusalsRestOn() {
   const { camera: device, sensor, aberration: introduced, reference, loop } = newestBench ?? {};
   const devices = [status?.state, status?.camera.connected, status?.slm.connected, status?.slm.pattern, status?.record.state];
@@ -102,7 +102,7 @@ function takeHealth({ findings, t_ns: sent, browsers, refused }) {
   clockOffset = clockOffset === null ? offset : Math.min(clockOffset, offset);
   const [worst, ...others] = findings;
   if (worst) showVerdict(worst.wellness, worst.text, others);
-  dirty.add("trends"); // time goes on, with frames or without
+  dirty.add("trends"); // the time axis moves, with frames or without
   const count = Object.values(refused).reduce((sum, n) => sum + n, 0);
   say(byId("foot"), `${browsers} ${browsers === 1 ? "browser" : "browsers"} connected, ${count} ${count === 1 ? "request" : "requests"} refused`);
 }
@@ -112,7 +112,7 @@ function takeState(reason) {
   document.body.classList.toggle("cut", reason !== "");
 }
 
-/** What is no longer true must not look as if it were. */
+/** Covers a view whose data are stale. */
 function veil(section, since, now) {
   const age = now - since;
   const target = document.querySelector(`#${section} .veil`);
@@ -154,7 +154,7 @@ function drawAll(now) {
 
 const redraw = () => ["camera", "map", "trends"].forEach((view) => dirty.add(view));
 
-/** Comes with each connection; controls that are in use stay. */
+/** Handles the first message of each connection; rebuilds controls only if the rights changed. */
 function takeHello({ right: given }) {
   if (given !== right) build(given === "control");
   right = given;
@@ -179,4 +179,4 @@ for (const box of document.querySelectorAll("#camera .switches input")) {
 addEventListener("hashchange", () => location.reload());
 listen((json, binary) => takers[json.schema]?.(json, binary), takeState);
 requestAnimationFrame(drawAll);
-setInterval(describe, DESCRIBE_MS); // not with the pictures: what is old is told when nothing is drawn, too
+setInterval(describe, DESCRIBE_MS); // not in drawAll: stale data must show even when nothing is drawn

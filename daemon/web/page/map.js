@@ -1,4 +1,4 @@
-// The wavefront over the pupil, with its colour scale.
+// The wavefront map over the pupil, with its colour scale.
 import { begin, font, paint } from "./canvas.js";
 import { colourOf, themed } from "./colour.js";
 import { brief, byId, fixed, roundUp, say, tick } from "./format.js";
@@ -7,7 +7,7 @@ const store = {};
 let map = null; // {canvas, low, high, valid}
 let scale = { value: 0.1, at: 0 };
 
-/** Wide enough at once, narrower only after a while: colours that keep their meaning. */
+/** The colour scale's limit: widens at once and narrows only after 4 s, so that colours stay comparable. */
 function scaleFor(most, now) {
   const wanted = roundUp(Math.max(most, 0.01), [1, 1.5, 2, 3, 4, 5, 7.5, 10]);
   if (wanted > scale.value || (wanted < scale.value && now - scale.at > 4000)) scale = { value: wanted, at: now };
@@ -15,7 +15,7 @@ function scaleFor(most, now) {
   return scale.value;
 }
 
-let newest = null; // [json, binary] that has not been drawn
+let newest = null; // [json, binary] not yet painted
 
 export function takePhase(json, binary) {
   newest = [json, binary];
@@ -90,7 +90,7 @@ export function draw() {
   drawScale(context, left + side + 10, top + inset, side - 2 * inset, map.limit);
 }
 
-/** Twice a second. */
+/** Updates texts and the label for screen readers; called twice per second. */
 export function describe() {
   if (!map || !map.valid) {
     say(byId("map-sub"), "");

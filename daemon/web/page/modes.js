@@ -1,4 +1,4 @@
-// The coefficients: a signed bar each, and what they did in the last minutes.
+// The coefficients: one signed bar per mode, and their history over the last minutes.
 import { begin, font } from "./canvas.js";
 import { colourOf, themed } from "./colour.js";
 import { byId, element, roundUp, say, signed, tick } from "./format.js";
@@ -52,7 +52,7 @@ export function takeWavefront(message) {
   say(byId("axis-high"), `+${tick(limit)}`);
 }
 
-/** One row a mode, in line with the bars; time runs to the right, now at the edge. */
+/** Draws the history: one row per mode, aligned with the bars; time runs to the right, now is at the edge. */
 export function draw() {
   const canvas = byId("strip-canvas");
   canvas.style.height = `${byId("mode-table").tBodies[0].offsetHeight}px`;

@@ -1,4 +1,4 @@
-// The recording that is on, or the last one; for who may, its begin and end.
+// The running or last recording, with start and stop buttons for users with control rights.
 import { byId, element, grouped, NONE, say } from "./format.js";
 import { call } from "./link.js";
 import { button, field, reasonOf } from "./widgets.js";
@@ -8,7 +8,7 @@ const MIB = 2 ** 20;
 let start = null;
 let stop = null;
 
-/** A name that no file has yet: run- and this computer's time. */
+/** Proposes a new file name: "run-" and this computer's time. */
 function proposedName() {
   const now = new Date();
   const two = (number) => String(number).padStart(2, "0");

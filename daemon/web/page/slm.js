@@ -1,17 +1,17 @@
-// The SLM: what stands on it, and whether that is what the daemon means.
+// The SLM: the hologram on it, and a comparison of its output with that hologram.
 import { byId, element, NONE, say } from "./format.js";
 import { call, picture } from "./link.js";
 import { button, ChoiceControl, field, reasonOf } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
-let drawn = null; // hologram id and checksum of the picture shown
+let drawn = null; // hologram id and checksum of the displayed image
 let checksum = null;
 let pattern = null;
 let url = null;
-let compared = null; // where the last comparison is told, and what it found
+let compared = null; // the last comparison: its field and result
 const veil = () => document.querySelector("#slm .veil");
 
-/** The picture above may be drawn only after the comparison: what is said follows both. */
+/** Shows the result of the comparison. Called again when the image changes, which may be later. */
 function tell() {
   if (!compared) return;
   const { frame, result } = compared;

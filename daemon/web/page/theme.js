@@ -1,10 +1,10 @@
-// Light, dark, or as the system has it.
+// Colour theme: light, dark or the system's.
 import { byId, say } from "./format.js";
 
 const NAMES = { auto: ["Auto", "as the system"], light: ["Light", "light"], dark: ["Dark", "dark"] };
 const ORDER = Object.keys(NAMES);
 
-/** The button goes through the three; `onChange` draws the canvases anew. */
+/** Sets up the button that cycles through the themes; `onChange` redraws the canvases. */
 export function chooseTheme(onChange) {
   const button = byId("theme");
   const set = (theme) => {

@@ -1,4 +1,4 @@
-// What changes over minutes: one small chart a quantity, all with the same time axis.
+// Trend charts of the last minutes: one per quantity, all with the same time axis.
 import { begin, font } from "./canvas.js";
 import { themed } from "./colour.js";
 import { bins, isGap, now, SPAN_S } from "./history.js";
@@ -6,7 +6,7 @@ import { brief, element, NONE, roundUp, say, strehl, tick } from "./format.js";
 
 const rate = (bin) => (bin.span_s > 0.2 ? bin.frames / bin.span_s : null);
 
-// `most`: the axis ends there; else at a round number above what is shown. `decades`: a logarithmic axis from there on.
+// `most`: fixed end of the axis; else a round number above the data. `decades`: logarithmic axis that starts there.
 const CHARTS = [
   { title: "RMS without tilts", unit: "wave", of: (bin) => bin.rms_waves, peak: (bin) => bin.rms_max_waves, least: 0.01 },
   { title: "Strehl ratio, estimated", unit: "", of: (bin) => strehl(bin.rms_waves), most: 1 },
@@ -55,7 +55,7 @@ function line(context, points, colour, width, steps) {
   context.stroke();
 }
 
-/** The axis' numbers, and how far up each is, 0 to 1. */
+/** The axis' tick values, and a function from value to height, 0 to 1. */
 function axisOf(view, shown) {
   const most = Math.max(view.least ?? 0, ...shown);
   if (view.decades) {
@@ -67,7 +67,7 @@ function axisOf(view, shown) {
   return { marks: [0, 0.5 * limit, limit], part: (value) => value / limit };
 }
 
-/** Horizontal lines with their numbers, and the minutes. */
+/** Draws the horizontal grid lines with labels, and the time axis. */
 function drawAxes(context, box, axis, ink) {
   const text = font(0.72);
   context.font = text.css;
@@ -110,7 +110,7 @@ export function draw() {
   for (const view of views) drawChart(view, now(), ink);
 }
 
-/** Twice a second. */
+/** Updates values and labels for screen readers; called twice per second. */
 export function describe() {
   const last = bins[bins.length - 1];
   for (const view of views) {

@@ -1,12 +1,12 @@
-// Controls that say what is in force, what the daemon made of a wish, and why it refused one.
+// Form controls that show the active value and the daemon's error.
 import { call } from "./link.js";
 import { brief, element, say } from "./format.js";
 
-const SETTLE_MS = 1500; // within which the bench shows what a refused command changed itself, e.g. a job that ends
+const SETTLE_MS = 1500; // grace time for changes that the refused command itself causes, e.g. the end of a job
 const standing = new Map(); // element with an error -> {bench, since}
 let count = 0;
 
-/** An error beside a control: it stands until the next attempt, or until the bench is no longer as it was then. */
+/** Shows an error beside a control until the next attempt or until the bench changes. */
 export function showError(target, text) {
   say(target, text);
   target.closest(".field")?.querySelector("input:not([type=range])")?.setAttribute("aria-invalid", String(text !== ""));
@@ -14,7 +14,7 @@ export function showError(target, text) {
   else standing.delete(target);
 }
 
-/** `bench`: a text that differs whenever what a refusal may rest on has changed. */
+/** Removes errors when the bench has changed. `bench`: the state that refusals may depend on, as text. */
 export function forgetErrors(bench) {
   for (const [target, error] of standing) {
     if (error.bench === null || performance.now() - error.since < SETTLE_MS) error.bench = bench;
@@ -22,7 +22,7 @@ export function forgetErrors(bench) {
   }
 }
 
-/** One control's frame: a label, what goes into it, a line of help and one for the daemon's refusal. */
+/** The frame of a control: label, body, help line and error line. */
 export function field(parent, title, unit = "") {
   const id = `field-${++count}`;
   const box = element("div", "field");
@@ -39,10 +39,10 @@ export function field(parent, title, unit = "") {
   return { id, box, body, unit, help: (text) => say(help, text), error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
 }
 
-/** Why, as the daemon says it; empty if all went well. */
+/** The daemon's reason for an error; empty on success. */
 export const reasonOf = (reply) => (reply.error ? reply.error.data.reason || reply.error.message : "");
 
-/** Sends the newest wish as soon as the one before is answered: what was wished between is not sent. */
+/** Sends the newest request as soon as the previous one is answered; requests in between are skipped. */
 export class Sender {
   #method;
   #onReply;
@@ -72,7 +72,7 @@ export class Sender {
   }
 }
 
-/** A slider and a number that say the same. `toSlider` and `toValue` map between them, for a logarithmic one. */
+/** A slider and a number field for one value. `toSlider` and `toValue` map between them, e.g. logarithmically. */
 export class NumberControl {
   #frame;
   #slider = element("input");
@@ -81,7 +81,7 @@ export class NumberControl {
   #unit;
   #touched = -Infinity;
   #range = { min: -Infinity, max: Infinity };
-  #shown = null; // what is in force
+  #shown = null; // the active value
 
   constructor(parent, title, unit, { onChange, map = { toSlider: (v) => v, toValue: (s) => s }, help = true }) {
     this.#frame = field(parent, title, unit);
@@ -107,7 +107,7 @@ export class NumberControl {
     });
   }
 
-  /** Refuses in the words of the range that is shown: the daemon's own may be wider than the device's. */
+  /** Checks the value against the displayed range; the daemon's own range may be wider than the device's. */
   #isPossible(value) {
     const { min, max } = this.#range;
     const possible = value >= min && value <= max;
@@ -116,24 +116,24 @@ export class NumberControl {
     return possible;
   }
 
-  /** What numbers are possible now. */
+  /** Sets the range of accepted numbers. */
   limits(min, max) {
     this.#range = { min, max };
   }
 
-  /** How far the slider goes. */
+  /** Sets the slider's range and step. */
   reach(min, max, step) {
     [this.#slider.min, this.#slider.max] = [this.#map.toSlider(min), this.#map.toSlider(max)].map(String);
     this.#slider.step = step ? String(step) : "any";
     this.#number.step = "any";
   }
 
-  /** Whether somebody is about to change it. */
+  /** Whether the user is changing the value. */
   get inHand() {
     return document.activeElement === this.#number || performance.now() - this.#touched < 1000;
   }
 
-  /** What is in force, unless somebody's hand is on it. */
+  /** Shows the active value, unless the user is changing it. */
   show(value, force = false) {
     this.#shown = value;
     if (value === null || (this.inHand && !force)) return;
@@ -150,7 +150,7 @@ export class NumberControl {
   }
 }
 
-/** One of some names. */
+/** A selection from a list of names. */
 export class ChoiceControl {
   #frame;
   #select = element("select");
