@@ -1,4 +1,4 @@
-/// How long the work of a frame takes, against yardsticks in the same run. Read it as ratios:
+/// Micro-benchmarks of the work per frame, with reference loops in the same run. Compare ratios:
 ///   ovws_bench --benchmark_format=json
 #include <benchmark/benchmark.h>
 
@@ -37,7 +37,7 @@ void track(State& state, TrackerKind kind) {
   if (found != int(field.middles_px.size())) state.SkipWithError("spots were lost");
 }
 
-/// Nothing is there: the same noise as beside the spots.
+/// Tracks noise without spots, of the same level as beside the spots.
 void track_lost(State& state) {
   SpotField field(int(state.range(0)), int(state.range(1)), 1);
   std::mt19937 random(2);
@@ -110,7 +110,7 @@ void hologram(State& state) {
   }
 }
 
-/// One 32-bit frame copied.
+/// Reference: copies one 32-bit frame.
 void memcpy_mark(State& state) {
   const std::vector<std::uint32_t> from(std::size_t(state.range(0) * state.range(1)), 7U);
   std::vector<std::uint32_t> to(from.size());

@@ -32,7 +32,7 @@ SpotField::SpotField(int count, int region, int charge)
     : spots{charge, kLambdaDPerRegion * region}, region_px(region) {
   const int columns = int(std::ceil(std::sqrt(double(count))));
   const int rows = (count + columns - 1) / columns;
-  // A rim, so that no tracker's window is clipped.
+  // A border, so that no tracker's window is clipped.
   picture =
       Image<std::uint16_t>((columns + 1) * region, (rows + 1) * region, std::uint16_t(kBlackDn));
   const ModelShape shape(spots, 1.5 * region / spots.lambda_d_px);

@@ -1,4 +1,4 @@
-/// A picture full of spots, one a region, for timing.
+/// Synthetic image of many spots, one per region, for timing.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,20 @@
 
 namespace ovws::bench {
 
-/// `count` regions of `region_px` x `region_px` side by side, a noisy spot of the charge a few
-/// pixels off the middle of each; lambda/d is 12.5 px for 64, and in proportion.
+/// A grid of `count` regions of `region_px` x `region_px`, each with a noisy spot a few pixels off
+/// its middle. lambda/d is proportional to region_px: 12.5 px for 64.
 struct SpotField {
   SpotField(int count, int region_px, int charge);
 
   SpotModel spots;
   int region_px = 64;
-  std::vector<Vec2> middles_px;  ///< of the regions: where a tracker starts
+  std::vector<Vec2> middles_px;  ///< centres of the regions: start positions of trackers
   Image<std::uint16_t> picture;  ///< 12 significant bits
   ImageView view() const { return view_of(picture, PixelFormat::mono16); }
 };
 
-/// The yardstick: one pass of a plain thresholded centroid over each region. Returns the sum of all
-/// positions, so that nothing is left out.
+/// Reference for timing: one pass of a thresholded centroid over each region. Returns the sum of
+/// all positions, so that the compiler cannot remove the work.
 double centroid_mark(const SpotField& field);
 
 }  // namespace ovws::bench

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The rules of the tree that a compiler does not hold: one-way includes, where vendors' headers may be, sizes, words.
+"""Checks rules of the tree that the compiler does not: one-way includes, places of vendor headers, sizes, forbidden words.
 
     tests/lint/check.py [root]      prints each violation as file:line: rule, and exits 1 if there is any
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[2]).resolve()
 
-# The top rooms: each may use itself and the rooms named here.
+# Top-level folders ("rooms"): each may include itself and the rooms listed here.
 MAY_INCLUDE = {
     "core": set(),
     "proto": {"core"},
@@ -18,7 +18,7 @@ MAY_INCLUDE = {
     "drivers": {"core", "proto"},
     "daemon": {"core", "proto", "config", "drivers"},
 }
-# Vendors' headers, and the only places that may know them.
+# Vendor headers, and the only places that may include them.
 VENDORS = {
     r"arv\.h|aravis": ("drivers/aravis/", "drivers/twin/"),
     r"SDL": ("drivers/sdl/",),
@@ -36,8 +36,8 @@ VENDORS = {
     r"n?curses": ("daemon/ovws/screen/",),
     r"boost/": ("daemon/web/",),
 }
-SHARED_BY_DRIVERS = "hdf5"  # no driver, but what two of them stand on
-# Threads are made in one place a program.
+SHARED_BY_DRIVERS = "hdf5"  # not a driver, but shared by two drivers
+# Each program creates threads in one place only.
 THREAD_OWNERS = ("daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
@@ -54,7 +54,7 @@ def room_of(name):
 
 
 def read_targets():
-    """{folder: {target: [what it links]}}: every folder's targets, as its CMakeLists.txt declares them."""
+    """{folder: {target: [linked targets]}} from all CMakeLists.txt files."""
     folders = {}
     for name in tracked("*CMakeLists.txt"):
         text = re.sub(r"#[^\n]*", "", (ROOT / name).read_text())
@@ -69,7 +69,7 @@ LINKS = {target: links for targets in TARGETS.values() for target, links in targ
 
 
 def targets_of(name):
-    """The targets of the nearest folder above a file that has any."""
+    """The targets of the nearest folder above a file that declares targets."""
     for folder in Path(name).parents:
         if str(folder) in TARGETS:
             return TARGETS[str(folder)]
@@ -77,7 +77,7 @@ def targets_of(name):
 
 
 def usable(target, seen):
-    """All targets that one links, directly or not."""
+    """Adds all targets that a target links, directly or indirectly, to `seen` and returns it."""
     for linked in LINKS.get(target, ()):
         if linked not in seen:
             seen.add(linked)
@@ -116,13 +116,13 @@ def check_text_line(line):
 
 
 def blanked(text):
-    """The code with comments, literals and preprocessor lines blanked out, every line kept where it is."""
+    """The code with comments, literals and preprocessor lines blanked out; line numbers are kept."""
     pattern = r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Za-z_])\'(?:\\.|[^\'\\\n])\'|^[ \t]*#(?:\\\n|[^\n])*'
     return re.sub(pattern, lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.S | re.M)
 
 
 def opens_function(statement):
-    """Whether a brace behind this text begins a function's body. None: it initialises a member, the body is still to come."""
+    """Whether a brace after this text begins a function body. None: it initialises a member in a constructor's initialiser list."""
     if "(" not in statement or re.search(r"=\s*$", statement):
         return False
     if re.search(r"\)[\w\s]*:(?!:)", statement) and re.search(r"\w\s*$", statement):
@@ -131,9 +131,9 @@ def opens_function(statement):
 
 
 def functions_too_long(text):
-    """Yields (line, length) of functions, from the first line of their signature; lambdas in a function are part of it."""
-    kinds = []  # of the braces that are open
-    begin, function_begin = 0, None  # of this statement, of the function that is open
+    """Yields (line, length) of functions that are too long, counted from the signature; lambdas belong to their function."""
+    kinds = []  # kinds of the open braces
+    begin, function_begin = 0, None  # start of the current statement and of the current function
     text = blanked(text)
     for found in re.finditer(r"[{};]", text):
         at = found.start()

@@ -3,14 +3,14 @@
 #include <cerrno>
 #include <cstddef>
 
-// Hooking malloc itself sees operator new as well as Eigen's own aligned memory.
+// Interposes malloc, which counts operator new and Eigen's aligned allocations too.
 
 namespace {
 // Plain data with constant initialisation: reading it never allocates.
 thread_local std::uint64_t allocations_of_this_thread = 0;
 }  // namespace
 
-// GCC says it by a macro, Clang by a feature.
+// GCC reports sanitizers by a macro, Clang by __has_feature.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define OVWS_SANITIZED 1
 #elif defined(__has_feature)

@@ -6,7 +6,7 @@
 
 namespace ovws::test {
 
-/// Decodes params as every method would: none may throw.
+/// Decodes params with the table of every method; none may throw.
 inline void decode_all(const Json& params) {
   (void)CameraSet::decode(params);
   (void)SensorSet::decode(params);

@@ -1,4 +1,4 @@
-/// A folder's path that no other process uses: two runs of the tests may share a machine.
+/// A temporary path unique to this process, so that concurrent test runs do not collide.
 #pragma once
 
 #include <gtest/gtest.h>

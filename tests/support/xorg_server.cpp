@@ -16,7 +16,7 @@ namespace ovws::test {
 namespace {
 
 [[noreturn]] void become_server(const std::string& name) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that dies leaves no server behind
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // end with the test, even if it crashes
   const int nowhere = open("/dev/null", O_WRONLY);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);

@@ -1,4 +1,4 @@
-/// A private X server with two outputs (xorg_two_outputs.conf) that a test starts and kills.
+/// Private X server for a test, with two outputs (xorg_two_outputs.conf).
 #pragma once
 
 #include <sys/types.h>
@@ -9,15 +9,15 @@ namespace ovws::test {
 
 class XorgServer {
  public:
-  /// Starts one of that display number and waits until it answers. Throws std::runtime_error if it
-  /// does not.
+  /// Starts the server with this display number and waits until it answers. Throws
+  /// std::runtime_error if it does not within 10 s.
   explicit XorgServer(int number);
-  ~XorgServer();  ///< ends it in peace, so that it removes its lock and socket
+  ~XorgServer();  ///< SIGTERM, so that it removes its lock and socket
   XorgServer(const XorgServer&) = delete;
   XorgServer& operator=(const XorgServer&) = delete;
 
   const std::string& name() const { return name_; }  ///< ":7", for DISPLAY
-  void kill();                                       ///< SIGKILL, and waits until it is gone
+  void kill();                                       ///< sends SIGKILL and waits for the end
 
  private:
   void end(int signal);
