@@ -1,4 +1,4 @@
-// A Chromium driven by Playwright for the tests, which are in Python: one JSON request a line of standard input, one answer a line of standard output.
+// Drives Chromium with Playwright for the Python tests: one JSON request per line on standard input, one JSON reply per line on standard output.
 //   node browser.mjs FOLDER-WITH-NODE_MODULES
 import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
@@ -6,7 +6,7 @@ import { createInterface } from "node:readline";
 const { chromium } = createRequire(`${process.argv[2]}/`)("playwright-core");
 const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"] });
 const page = await browser.newPage();
-const said = []; // of the console and by errors, with the place
+const said = []; // console messages and page errors, with their location
 page.on("console", (message) => {
   if (["warning", "error"].includes(message.type())) said.push(`${message.location().url}: ${message.text()}`);
 });
@@ -14,7 +14,7 @@ page.on("pageerror", (error) => said.push(`${page.url()}: ${error.stack}`));
 
 const answers = {
   open: ({ url }) => page.goto(url).then(() => null),
-  // As an expression: the page's own policy forbids to make functions of texts.
+  // As an expression: the page's Content Security Policy forbids new Function().
   run: ({ body, values }) => page.evaluate(`(async function () { ${body} }).apply(null, ${JSON.stringify(values)})`),
   resize: ({ width, height }) => page.setViewportSize({ width, height }),
   colours: ({ scheme }) => page.emulateMedia({ colorScheme: scheme }),

@@ -1,4 +1,4 @@
-"""What every system test stands on: a bench of its own in a network namespace of its own, and a client."""
+"""Base of the system tests: a bench in its own network namespace, and a client."""
 import ctypes
 import os
 import subprocess
@@ -19,7 +19,7 @@ __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT
 
 
 def own_mounts():
-    """From now on what this process and its children mount nobody else sees, and it is gone with them."""
+    """Moves this process into its own mount namespace: its mounts are private and disappear with it."""
     clone_newns = 0x00020000
     if ctypes.CDLL(None, use_errno=True).unshare(clone_newns) != 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
@@ -27,7 +27,7 @@ def own_mounts():
 
 
 def wait_for(condition, timeout_s=10.0, what="the condition"):
-    """The first true value of condition(), asked for again and again."""
+    """Polls condition() and returns its first true value; fails after `timeout_s`."""
     end = time.monotonic() + timeout_s
     while time.monotonic() < end:
         value = condition()
@@ -52,10 +52,10 @@ SMALL_TWIN = SMALL_DAEMON | {"light": {"diameter_px": 600.0}}
 
 
 class BenchCase(unittest.TestCase):
-    """A whole bench: display, twin, daemon. `twin_config` and `daemon_config` are keys that differ from the defaults.
+    """A complete bench: display, twin, daemon. `twin_config` and `daemon_config` are keys that differ from the defaults.
 
-    The twin repeats a pool of noisy frames while nothing changes: fresh noise in every frame takes half a processor, and
-    matters to few tests, which ask for {"noise": "fresh"}."""
+    The twin repeats a pool of noisy frames while nothing changes, because fresh noise in every frame takes half a core.
+    Tests that depend on fresh noise set {"noise": "fresh"}."""
 
     twin_config = {}
     daemon_config = {}
@@ -106,7 +106,7 @@ class BenchCase(unittest.TestCase):
         return self.run_job("reference.take", {"frames": frames} | params)
 
     def settled_frames(self, stream, count, hologram_id=None, timeout_s=10.0):
-        """The next `count` settled and valid messages, of that hologram if one is named."""
+        """The next `count` settled and valid messages, of hologram `hologram_id` if it is given."""
         frames = []
         end = time.monotonic() + timeout_s
         while len(frames) < count:
@@ -119,7 +119,7 @@ class BenchCase(unittest.TestCase):
         return frames
 
     def refused(self, method, params=None):
-        """The error of a call that must be refused."""
+        """Calls a method that must fail; returns the error."""
         with self.assertRaises(ClientError) as caught:
             self.call(method, params)
         self.assertIsNotNone(caught.exception.code, caught.exception)

@@ -1,10 +1,10 @@
-"""A bench whose state directory is a small disk of its own."""
+"""A bench whose state directory is on its own small disk."""
 import contextlib
 import subprocess
 
 from case import BenchCase, own_mounts, wait_for
 
-# One of each kind that is kept, in the order in which they depend on each other, with what says whether it is kept.
+# One job for each kind of stored result, in order of dependency: method, params, and the method that reports whether it is stored.
 RUNS = (("registration.run", {"frames": 2}, None),
         ("lut.run", {"levels": 17, "frames": 2}, "lut.get"),
         ("reference.take", {"frames": 10}, "reference.get"),
@@ -34,7 +34,7 @@ class DiskCase(BenchCase):
         return self.bench.log("ovwsd")
 
     def sweep(self, frames):
-        """What is known of the sweep of that many frames a cell when it has ended."""
+        """Runs a gain sweep with `frames` frames per cell; returns experiment.get."""
         self.run_job("experiment.gain_sweep", SWEEP | {"frames": frames}, 60.0)
         return self.call("experiment.get")
 
@@ -42,16 +42,16 @@ class DiskCase(BenchCase):
         return [self.call("experiment.cell", {"cell": number}) for number in range(len(SWEEP["gains_db"]))]
 
     def known(self):
-        """Whether a calibration is in force is the configuration's to say."""
+        """The results of all get methods, without `in_force`, which depends on the configuration."""
         return {method: {key: value for key, value in self.call(method).items() if key != "in_force"} for method in ITEMS}
 
     def files(self):
-        """What is kept, and what was set aside because it is outdated: whole, all of it."""
+        """The contents of all stored files, including those set aside as outdated."""
         return {path.name.removesuffix(".outdated"): path.read_bytes() for path in self.state.iterdir() if path.name != "filler"}
 
     @contextlib.contextmanager
     def flowing(self):
-        """Every frame of the meantime is published, with nothing dropped on the way."""
+        """Checks that every frame is published meanwhile, with none dropped."""
         stream = self.stream("wavefront")
         first = last = wait_for(lambda: stream.next(1.0), what="a frame")
         dropped = self.call("system.status")["counters"]["frames_dropped"]
@@ -68,7 +68,7 @@ class DiskCase(BenchCase):
         print(f"  {last['seq'] - first['seq']} frames meanwhile")
 
     def assert_nothing_is_kept(self, why, frames):
-        """All goes on in memory, and says that it will not survive, and why."""
+        """Checks that jobs work in memory and report that their results are not stored, and why."""
         events = self.stream("event")
         for method, params, get in RUNS:
             with self.subTest(method):
@@ -92,7 +92,7 @@ class DiskCase(BenchCase):
         self.call("camera.set", {"exposure_us": 2000.0})
 
     def check(self, break_it, mend_it, why, sets_aside):
-        """`sets_aside`: what is outdated can be renamed, so that the restart does not load it."""
+        """`sets_aside`: outdated files can be renamed, so that a restart does not load them."""
         for method, params, _ in RUNS:
             self.run_job(method, params, 60.0)
         self.sweep(3)
@@ -118,7 +118,7 @@ class DiskCase(BenchCase):
         with self.flowing():
             measured = self.cells()
             self.assertIsNone(self.sweep(3 + 2)["not_kept_reason"])
-            self.assertEqual(self.cells(), measured)  # kept now, not measured again
+            self.assertEqual(self.cells(), measured)  # stored now, not measured again
             for method, params, _ in RUNS:
                 self.run_job(method, params, 60.0)
             self.call("config.save")

@@ -1,4 +1,4 @@
-"""A memory cgroup of its own, version 1 or 2: what is started in it may take so much memory, and no swap."""
+"""Memory cgroup (version 1 or 2) that limits the memory of the processes started in it, without swap."""
 import contextlib
 import os
 import pathlib
@@ -9,7 +9,7 @@ ROOTS = ((pathlib.Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes", "memor
 
 
 class NoGroup(Exception):
-    """None can be made here; the text says why."""
+    """The cgroup cannot be created; the text says why."""
 
 
 class MemoryGroup:
@@ -32,7 +32,7 @@ class MemoryGroup:
 
     @staticmethod
     def _homes(root):
-        """Where this process is now."""
+        """The cgroup folders of this process."""
         for line in pathlib.Path("/proc/self/cgroup").read_text().splitlines():
             _, controllers, path = line.split(":", 2)
             if "memory" in controllers.split(",") if root.name == "memory" else controllers == "":
@@ -40,7 +40,7 @@ class MemoryGroup:
 
     @contextlib.contextmanager
     def entered(self):
-        """What this process starts meanwhile is of the group for good; memory counts where it was taken."""
+        """Context in which started processes join the group permanently; memory counts in the group that allocated it."""
         (self.folder / "cgroup.procs").write_text(str(os.getpid()))
         try:
             yield
@@ -51,11 +51,11 @@ class MemoryGroup:
         return int((self.folder / self._usage).read_text())
 
     def limit(self, count):
-        """Bytes, without swap."""
+        """Limits memory to `count` bytes, without swap."""
         (self.folder / self._limit).write_text(str(count))
         if self._swap_limit is None:
             (self.folder / "memory.swap.max").write_text("0")
-        elif (self.folder / self._swap_limit).exists():  # memory and swap together
+        elif (self.folder / self._swap_limit).exists():  # limit of memory plus swap
             (self.folder / self._swap_limit).write_text(str(count))
 
     def lift(self):
@@ -64,7 +64,7 @@ class MemoryGroup:
                 (self.folder / name).write_text("-1" if self._swap_limit else "max")
 
     def close(self):
-        """Once all its processes have ended."""
+        """Removes the group once all its processes have ended."""
         end = time.monotonic() + 5.0
         while True:
             try:

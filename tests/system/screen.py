@@ -1,4 +1,4 @@
-"""Reads the pixels of an X display, so that a test sees what the SLM is given, and spoils them."""
+"""Reads and overwrites pixels of an X display, to check what the SLM receives."""
 import ctypes
 
 import numpy
@@ -14,7 +14,7 @@ class XImage(ctypes.Structure):
 
 
 def grab(display, x, y, width, height):
-    """The rectangle as an array of height x width x 3 (blue, green, red)."""
+    """The rectangle's pixels as an array of height x width x 3 (blue, green, red)."""
     xlib = ctypes.CDLL("libX11.so.6")
     xlib.XOpenDisplay.restype = ctypes.c_void_p
     xlib.XDefaultRootWindow.restype = ctypes.c_ulong
@@ -36,7 +36,7 @@ def grab(display, x, y, width, height):
 
 
 def draw_over(display, x, y, width, height):
-    """A white rectangle on the screen, through all windows."""
+    """Draws a white rectangle on the screen over all windows."""
     xlib = ctypes.CDLL("libX11.so.6")
     pointer, number = ctypes.c_void_p, ctypes.c_ulong
     xlib.XOpenDisplay.restype = pointer

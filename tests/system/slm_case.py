@@ -1,4 +1,4 @@
-"""A bench whose SLM the instrument measures, and the truth of the twin."""
+"""A bench whose SLM the daemon measures, compared with the twin's truth."""
 from case import BenchCase, Client, wait_for
 
 
@@ -19,7 +19,7 @@ class SlmCase(BenchCase):
         return self.twin.call("twin.get", {"judge": pattern})
 
     def failure(self, method, params=None):
-        """What a job of this method, which must fail, says."""
+        """Runs a job that must fail; returns its error."""
         job = self.call(method, params)["job"]
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
         self.assertEqual(ended["state"], "failed", ended)

@@ -1,8 +1,8 @@
-// Loaded before the C library (LD_PRELOAD): a disk that stands still, or is slow, for one process.
+// LD_PRELOAD library that simulates a slow or blocked disk for one process.
 //
-// $OVWS_SLOW_FOLDER is the folder that lies on that disk, $OVWS_SLOW_DISK a file elsewhere that
-// says how fast it is: no file, as fast as it is; "0", it stands still until that changes; else
-// bytes a second. A call that would wait for a real disk waits in this library.
+// $OVWS_SLOW_FOLDER is the folder on that disk. $OVWS_SLOW_DISK is a file elsewhere with its speed
+// in bytes per second: "0" blocks until the value changes; without the file the disk has its real
+// speed. File system calls wait in this library as they would for a slow disk.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -24,7 +24,8 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
 }
 
-/// Bytes a second; below 0: as fast as it is. By system calls alone, which nobody replaces.
+/// Bytes per second; negative: real speed. Uses raw system calls, which this library does not
+/// replace.
 long speed() {
   static const char* const path = std::getenv("OVWS_SLOW_DISK");
   const long fd =

@@ -1,9 +1,8 @@
-// Loaded before the C library (LD_PRELOAD): the wall clock of one process, moved by what a file
-// says, and nobody else's.
+// LD_PRELOAD library that steps the wall clock of one process.
 //
-// $OVWS_CLOCK_STEP holds two 64-bit integers: nanoseconds that are added to the wall clock now, and
-// how many waits were asked for that end at a time of the wall clock, which a step would make
-// longer or shorter. The monotonic clock is untouched, as by a real step.
+// The file $OVWS_CLOCK_STEP holds two 64-bit integers: the nanoseconds added to the wall clock, and
+// the number of waits with a wall-clock deadline, which a step would lengthen or shorten. The
+// monotonic clock is unchanged, as with a real step.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-"""A person's terminal: a program in a pseudo-terminal of its own, and the screen that it draws."""
+"""Terminal emulator: runs a program in its own pseudo-terminal and holds the screen that it draws."""
 import fcntl
 import os
 import pty
@@ -14,7 +14,7 @@ import pyte
 
 
 class Terminal:
-    """Reads all the time, as a terminal does. `raw` is every byte that came; `writes` when they came."""
+    """Reads continuously, like a terminal. `raw` holds all bytes received; `writes` their times."""
 
     def __init__(self, command, columns=80, lines=24, **environment):
         self.master, self.slave = pty.openpty()
@@ -58,7 +58,7 @@ class Terminal:
         return "\n".join(self.rows())
 
     def colours(self):
-        """Those that characters on the screen have."""
+        """The foreground colours on the screen."""
         with self._lock:
             return {cell.fg for row in self._screen.buffer.values() for cell in row.values()}
 
@@ -66,7 +66,7 @@ class Terminal:
         os.write(self.master, keys.encode())
 
     def modes(self):
-        """The four words of flags."""
+        """The four flag words of termios."""
         return termios.tcgetattr(self.slave)[:4]
 
     def close(self):

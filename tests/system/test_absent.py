@@ -1,4 +1,4 @@
-"""What is not there: camera, display, port, a right configuration. The daemon says so, and works when it comes."""
+"""Missing camera, display or port, and wrong configuration: the daemon reports them, and recovers when they appear."""
 import json
 import os
 import signal
@@ -93,7 +93,7 @@ class Absent(BenchCase):
         self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
         told = wait_for(lambda: (slm := self.call("system.status")["slm"])["fault"] and slm, 15.0, "the fault")
         print("\n  display frozen:", told["fault"])
-        self.call("camera.set", {"roi": {"x": 8}})  # what the display shows belongs to another region from now on
+        self.call("camera.set", {"roi": {"x": 8}})  # the displayed hologram is now for another region
         self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
         os.kill(server, signal.SIGCONT)
         wait_for(lambda: not self.call("system.status")["slm"]["fault"], 15.0, "the end of the fault")
@@ -117,7 +117,7 @@ class Absent(BenchCase):
 
 
 class Refusals(unittest.TestCase):
-    """The daemon ends at once, with status 1 and a sentence."""
+    """The daemon exits at once with status 1 and an error message."""
 
     def run_daemon(self, config, *arguments):
         from bench import Bench

@@ -1,8 +1,8 @@
-"""The interaction matrix, measured on the bench: what is read with it is right, wherever the camera stands.
+"""The interaction matrix measured on the bench gives correct modes for any orientation of the camera.
 
-    OVWS_CALIBRATION=full   one fault a camera, and every mode for each; else two cameras with all of it
-    OVWS_AMPLITUDE=0.1      of the pushes, waves; without it the daemon's default
-    OVWS_TRACKER=matched    that finds the spots, of both tests that read modes
+    OVWS_CALIBRATION=full   one camera per geometric fault, every mode for each; default: two cameras with all faults
+    OVWS_AMPLITUDE=0.1      amplitude of the pokes, waves; default: the daemon's
+    OVWS_TRACKER=matched    tracker of both tests that measure modes
 """
 import os
 import time
@@ -52,7 +52,7 @@ class CalibrationCase(BenchCase):
         return sensor["operator"], sensor["operator_in_force"], sensor["operator_reason"]
 
     def means(self, hologram_id=None):
-        """After a change that the daemon does not know of, `hologram_id` is none, and the frames of before are to be let go."""
+        """Mean coefficients. Without `hologram_id`, after a change that the daemon does not know of, skips the previous frames."""
         stream = self.stream("wavefront")
         frames = self.settled_frames(stream, 10, hologram_id)
         stream.close()
@@ -101,12 +101,12 @@ class Reading(CalibrationCase):
         for j in ALL if FULL else (3, 7, 12, 14):
             with self.subTest(mode=j):
                 self.twin.call("twin.set", {"aberration": [{"j": j, "waves": WAVES}]})
-                time.sleep(1.0)  # the frames that were begun before
+                time.sleep(1.0)  # frames exposed before the change
                 self.check(j, self.means())
 
 
 class Rules(CalibrationCase):
-    """What a calibration belongs to, and what is refused. A few modes and frames will do."""
+    """What makes a calibration stale, and what is refused, with few modes and frames."""
 
     def quick(self, **params):
         return self.calibrate(frames=3, modes=[1, 2, 3, 4, 5], **params)
@@ -124,7 +124,7 @@ class Rules(CalibrationCase):
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})
         first = self.quick()
         self.assertEqual(self.in_use(), ("measured", "measured", None))
-        self.assertEqual(self.call("aberration.get")["modes"][0]["waves"], 0.05)  # as it was
+        self.assertEqual(self.call("aberration.get")["modes"][0]["waves"], 0.05)  # unchanged
         self.assertEqual(self.call("sensor.get")["modes_j"], [1, 2, 3, 4, 5])
         origin = first["origin"]
         self.assertEqual((origin["aberration"], origin["camera"]["serial"], origin["settings"]["gain_db"], origin["slm"]["width"],
@@ -141,7 +141,7 @@ class Rules(CalibrationCase):
         self.expect_fallback("roi")
         self.call("camera.set", {"roi": {"x": 0}})
         self.assertEqual(self.in_use()[1], "measured")
-        # One a key.
+        # Each key makes it stale.
         self.call("sensor.set", {"tracker": "matched"})
         self.expect_fallback("tracker")
         second = self.quick()
@@ -153,7 +153,7 @@ class Rules(CalibrationCase):
         self.assertEqual(self.call("calibration.get"), first | {"in_force": False})
         self.call("sensor.set", {"operator": "measured"})
         self.assertEqual(self.in_use(), ("measured", "measured", None))
-        # The same map measured is the same registration; another magnification is another one.
+        # Measuring the same map again is the same registration; another magnification is a different one.
         self.run_job("registration.run", {"frames": 3}, 60.0)
         self.assertEqual(self.in_use(), ("measured", "measured", None))
         self.twin.call("twin.set", {"geometry": {"magnification": 1.05}})
@@ -161,7 +161,7 @@ class Rules(CalibrationCase):
         self.expect_fallback("registration")
         self.call("registration.clear")
         self.twin.call("twin.set", {"geometry": {"magnification": 1.0}})
-        # Found again after a restart, which begins with what the configuration asks for.
+        # Loaded again after a restart, which starts with the configuration's values.
         self.bench.stop("ovwsd")
         self.client.close()
         self.start_daemon(tracking={"operator": "measured"})
@@ -188,7 +188,7 @@ class Rules(CalibrationCase):
         self.call("job.cancel", {"job": job})
         self.wait_until("running")
         self.assertEqual((self.call("calibration.get")["calibrated"], self.in_use()), (False, ("slopes", "slopes", None)))
-        # Spots that move on their own are seen.
+        # Detects spots that move during the calibration.
         job = self.call("calibration.run", {"modes": [3, 5], "frames": 10})["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.0, what="the first picture")
         self.twin.call("twin.set", {"geometry": {"centre_px": [258.5, 255.5]}})
@@ -201,7 +201,7 @@ class Rules(CalibrationCase):
 
 
 class FineGrating(CalibrationCase):
-    """Spots that need nearly all that the SLM's pixels can show."""
+    """A base grating near the SLM's sampling limit."""
     small = False
     twin_config = {"sensor": {"grooves": [562, 20]}}
     daemon_config = CalibrationCase.daemon_config | {"sensor": {"grooves": [562, 20]}}

@@ -1,4 +1,4 @@
-"""Each way a camera can go wrong has a counter of its own; frames around it are measured, requests answered."""
+"""Each camera fault has its own counter; frames around it are measured, and requests are answered."""
 import json
 import time
 
@@ -23,15 +23,15 @@ class CameraFaults(BenchCase):
         return self.call("system.status")["counters"]
 
     def ask(self):
-        """One request of each kind that needs no answer of the camera."""
+        """Sends one request of each kind that does not involve the camera."""
         for method, params in (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []}), ("config.get", {})):
             asked = time.monotonic()
             self.call(method, params)
             self.slowest_s = max(self.slowest_s, time.monotonic() - asked)
 
     def fault(self, counter, fault, least):
-        """Orders the fault, and waits until its counter says so; how much each counter rose."""
-        time.sleep(1.2)  # over 100 frames, after which no number is looked for any more
+        """Injects the fault and waits for its counter; returns the increase of each counter."""
+        time.sleep(1.2)  # more than 100 frames, after which missing numbers are no longer searched
         self.wavefront.drain()
         before = self.counters()
         self.twin.call("twin.fault", fault)
@@ -51,7 +51,7 @@ class CameraFaults(BenchCase):
             with self.subTest(kind):
                 rose = self.fault(counter, {"kind": kind, "frames": 5}, 5)
                 others = {"frames_duplicated", "frames_out_of_order", "frames_incomplete"} - {counter}
-                if kind != "drop":  # on a busy machine others may be lost, too
+                if kind != "drop":  # a busy machine may lose other frames too
                     self.assertEqual(rose[counter], 5)
                 self.assertFalse(others & rose.keys(), rose)
                 self.assertNotIn("camera_reconnects", rose)
@@ -112,7 +112,7 @@ class CameraFaults(BenchCase):
         self.wavefront.drain()
         before = self.counters()["camera_reconnects"]
         self.assertIsNotNone(self.wavefront.next(10.0))
-        self.call("camera.set", {"frame_rate_hz": 100.0})  # the camera begins the next frame when the one before is due
+        self.call("camera.set", {"frame_rate_hz": 100.0})  # the camera starts a frame when the previous one is due
         self.settled_frames(self.wavefront, 20)
         self.assertEqual(self.counters()["camera_reconnects"], before)
 

@@ -1,4 +1,4 @@
-"""A camera that dies, or only seems to: seen at once, told, and measured with again soon after it is back."""
+"""A camera that dies or hangs: detected at once, reported, and used again soon after it returns."""
 import os
 import signal
 import time
@@ -24,7 +24,7 @@ class CameraKilled(BenchCase):
         self.slowest_s = 0.0
 
     def wait_for_fault(self, since):
-        """Seconds until the camera counts as gone, by its event, by the status, and by the frames."""
+        """Seconds until the camera counts as gone by its event; checks status and frames too."""
         told = wait_for(lambda: (m := self.events.next(1.0)) and m["kind"] == "camera" and m["severity"] == "error" and m, 10.0, "the event")
         seconds = time.monotonic() - since
         self.assertIn("frames", told["text"])
@@ -35,7 +35,7 @@ class CameraKilled(BenchCase):
         return seconds
 
     def assert_settings_are_back(self):
-        """As the camera itself says, and as the daemon does."""
+        """Checks the settings in the camera's registers and in the daemon."""
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         registers = twin.call("twin.get")["camera"]
@@ -48,7 +48,7 @@ class CameraKilled(BenchCase):
                     self.assertEqual(told, value, key)
 
     def come_back(self):
-        """Starts the camera again; seconds from its answering to valid coefficients, and the first frame."""
+        """Restarts the camera; returns the seconds until valid coefficients, and the first frame."""
         self.start_twin()
         ready = time.monotonic()
         self.gaps = 0
@@ -61,7 +61,7 @@ class CameraKilled(BenchCase):
         return time.monotonic() - ready, frame
 
     def ask(self, absent):
-        """Requests are answered while the camera is away; one for the camera is refused at once when that is known."""
+        """Checks that requests are answered without a camera; once its absence is known, camera requests are refused at once."""
         for method, params in (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []})):
             asked = time.monotonic()
             self.call(method, params)

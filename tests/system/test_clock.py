@@ -1,6 +1,6 @@
-"""The wall clock steps by an hour, both ways, while frames flow: only the stamps of the wall clock follow.
+"""The wall clock steps by an hour, both ways, while frames flow: only wall-clock time stamps change.
 
-The daemon alone sees the step, by a small library that stands before the C library (stepped_clock.cpp).
+Only the daemon sees the step, through an LD_PRELOAD library (stepped_clock.cpp).
 """
 import mmap
 import os
@@ -39,7 +39,7 @@ class Clock(BenchCase):
         return struct.unpack("q", self.clock[8:])[0]
 
     def frames(self, stream, seconds):
-        """All that arrive in so much time."""
+        """All frames that arrive within `seconds`."""
         frames, end = [], time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             if message := stream.next(left):
@@ -58,7 +58,7 @@ class Clock(BenchCase):
         ids = [frame["seq"] for frame in frames]
         self.assertEqual(ids, list(range(ids[0], ids[0] + len(ids))), "none is missing in the stream")
         self.assertGreater(len(after), 0.8 * 3.0 * 50.0, "frames keep their rate")
-        # The same path before and after: as slow as the machine is, but nowhere near the step.
+        # Latency stays that of the machine, far below the step.
         latency = self.call("system.status")["latency"]["published"]
         self.assertTrue(0.0 < latency["max_us"] < 2e6, latency)
         arrived = self.call("system.status")["latency"]["arrived"]

@@ -1,4 +1,4 @@
-"""ovws as a person and a script use it: words, JSON and exit codes."""
+"""The command line ovws: text, JSON and exit codes."""
 import itertools
 import json
 import os
@@ -100,7 +100,7 @@ class CommandLine(BenchCase):
         self.assertIn("Exit codes: 0", self.ovws("--help"))
 
     def test_a_peer_that_is_no_daemon(self):
-        """Answers of the right envelope with nothing in it: told, whatever the command."""
+        """Every command reports a peer whose JSON-RPC replies have empty results."""
         peer = threading.Thread(target=self.answer_emptily, daemon=True)
         self.peer_ends = threading.Event()
         peer.start()
@@ -139,7 +139,7 @@ class CommandLine(BenchCase):
                     self.assertIn("ovws: standard output", done.stderr)
 
     def test_watch_ends_when_nobody_reads(self):
-        for topic in ("wavefront", "event"):  # of events none comes
+        for topic in ("wavefront", "event"):  # no event arrives
             with self.subTest(topic):
                 watch = subprocess.Popen([self.bench.programs / "ovws", "watch", topic], stdout=subprocess.PIPE)
                 watch.stdout.close()
@@ -159,7 +159,7 @@ class CommandLine(BenchCase):
         self.ovws("watch", "-n", -1, code=2)
 
     def is_told_of_a_change(self, watch, waves):
-        """Whether `watch` sees this change of the hologram: on a busy machine the change may be over when it looks."""
+        """Whether `watch` reports this change of the hologram. On a busy machine it may be over before watch sees it."""
         hologram = self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": waves}]})["hologram_id"]
         for line in watch.stdout:
             if "NOT VALID: hologram changing" in line:

@@ -1,6 +1,6 @@
-"""Subscribers in crowds: those who never read, one who reads slowly, a thousand who come and go. What they lose is theirs alone.
+"""Crowds of subscribers: some never read, one is slow, a thousand connect and disconnect. Only they lose messages.
 
-    OVWS_CROWD_S=60   how long each crowd is there, and nobody before it, seconds
+    OVWS_CROWD_S=60   duration of each crowd, and of the baseline before it, seconds
 """
 import os
 import statistics
@@ -15,7 +15,7 @@ SECONDS = float(os.environ.get("OVWS_CROWD_S", "4"))
 NEVER_READ, COME_AND_GO = 100, 1000
 STREAMS, IMAGES = "tcp://127.0.0.1:7701", "tcp://127.0.0.1:7703"
 MOST_GROWTH_MIB = 64
-# A subscriber that is on its way out holds its socket for some seconds.
+# A disconnected subscriber's socket stays open for some seconds.
 PATIENCE_S = 20.0
 
 
@@ -45,7 +45,7 @@ class Crowd(BenchCase):
         return socket
 
     def watch(self, seconds, each=lambda: None):
-        """A good subscriber's messages meanwhile, none of them lost, and the medians of each second's p99, us."""
+        """Checks that a fast subscriber loses no message; returns their number and the median of each second's p99, us."""
         self.reader.drain()
         self.status.drain()
         p99, last, heard, end = [], None, 0, time.monotonic() + seconds
@@ -66,7 +66,7 @@ class Crowd(BenchCase):
         print(f"\n  {name}: p99 in the pipeline {self.alone[0]:.0f} us alone, {crowded[0]:.0f} us with them; to the message {self.alone[1]:.0f},"
               f" {crowded[1]:.0f} us; memory +{grown_mib:.1f} MiB")
         self.assertLess(grown_mib, MOST_GROWTH_MIB)
-        # A tenth is what is seen on a quiet machine; the rest is for one that is not.
+        # A tenth of this is typical on a quiet machine; the rest is margin for a busy one.
         self.assertLess(crowded[0], 2.0 * self.alone[0] + 500.0)
         self.assertEqual(self.call("system.status")["counters"]["frames_dropped"], 0)
 
@@ -105,7 +105,7 @@ class Crowd(BenchCase):
                     guest.close(0)
 
         crowded = self.watch(max(SECONDS, COME_AND_GO / 100), ten)
-        while come < COME_AND_GO:  # a busy machine takes longer
+        while come < COME_AND_GO:  # takes longer on a busy machine
             ten()
         self.judge("1000 that come and go", crowded)
         self.assertEqual((come, heard), (COME_AND_GO, COME_AND_GO))

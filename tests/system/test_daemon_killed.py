@@ -1,6 +1,6 @@
-"""A daemon that is killed leaves the camera streaming to nobody: the next one is ready at once, stops that, and has frames.
+"""A killed daemon leaves the camera streaming without a receiver: the next daemon stops that stream and gets frames.
 
-    OVWS_LONG_ABSENCE=1   twenty times
+    OVWS_LONG_ABSENCE=1   repeat twenty times
 """
 import os
 import statistics
@@ -9,7 +9,7 @@ import time
 from case import BenchCase, main, wait_for
 
 TIMES = 20 if os.environ.get("OVWS_LONG_ABSENCE") else 5
-# A second on a machine that has nothing else to do. The camera answers to the one that was killed for three seconds (its heartbeat).
+# 1 s on an idle machine. The camera stays under the killed daemon's control for 3 s (heartbeat timeout).
 READY_S, FRAMES_S = 4.0, 15.0
 
 
@@ -21,7 +21,7 @@ class DaemonKilled(BenchCase):
     daemon_config = {"stream": {"image_rate_hz": 0}}
 
     def kill_and_start(self):
-        """Seconds from the start of the next one until it is ready, answers, and has a frame."""
+        """Seconds from the start of the next daemon until it is ready, answers, and has a frame."""
         self.bench.process("ovwsd").popen.kill()
         self.bench.stop("ovwsd")
         self.client.close()

@@ -1,4 +1,4 @@
-"""The demonstration ends by itself, shows what it promises, and leaves nothing behind."""
+"""The demonstration ends by itself, shows the promised results, and leaves no processes or files behind."""
 import os
 import pathlib
 import re
@@ -14,7 +14,7 @@ from case import ROOT, Client, main
 
 
 def processes_of(marker):
-    """Process ids whose environment holds the marker: all that a run of the demo started, however deep."""
+    """Ids of processes whose environment holds the marker: all descendants of a demo run."""
     found = []
     for entry in pathlib.Path("/proc").glob("[0-9]*"):
         try:
@@ -50,7 +50,7 @@ class Demo(unittest.TestCase):
         key, value = marker.split("=")
         out = tempfile.TemporaryDirectory()
         self.addCleanup(out.cleanup)
-        # As a shell starts a job in the background: Ctrl-C ignored.
+        # Ignore SIGINT, as a shell does for background jobs.
         self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.SIG_IGN))
         demo = subprocess.Popen([sys.executable, "-u", ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], "--keep", "--out", out.name],
                                 stdout=subprocess.PIPE, text=True, env=os.environ | {key: value})

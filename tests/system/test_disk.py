@@ -1,4 +1,4 @@
-"""The disk of the state directory can only be read, or lost parts of files: told with the way out, and nothing else suffers."""
+"""The disk of the state directory is read-only or lost parts of files: reported with a remedy, and all else works."""
 import json
 import random
 import subprocess
@@ -36,7 +36,7 @@ class Disk(DiskCase):
         for method, params, _ in RUNS:
             self.run_job(method, params, 60.0)
         self.sweep(3)
-        names = [name for name in sorted(self.files()) if "picture" not in name]  # pictures are read when asked for
+        names = [name for name in sorted(self.files()) if "picture" not in name]  # images are read on demand
         self.assertEqual(len(names), 4 + 1 + 1 + 2, names)
         for cut in range(CUTS):
             path = self.state / names[cut % len(names)]

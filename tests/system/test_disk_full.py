@@ -1,4 +1,4 @@
-"""The disk of the state directory fills up: told with the way out, and nothing else suffers."""
+"""The disk of the state directory fills up: reported with a remedy, and all else works."""
 import contextlib
 
 from case import main

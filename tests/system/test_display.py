@@ -1,4 +1,4 @@
-"""The SLM's display fails in every way that a desktop knows: told as a fault, nothing valid meanwhile, and all as before when it is back."""
+"""Faults of the SLM's display on a desktop: reported as a fault, no valid frames meanwhile, and full recovery afterwards."""
 import ctypes
 import os
 import signal
@@ -12,7 +12,7 @@ PATIENCE_S = 15.0
 
 
 class WindowOnTop:
-    """A plain window over the SLM's output, of a client of its own."""
+    """A plain window of another X client over the SLM's output."""
 
     def __init__(self, display):
         self._x = ctypes.CDLL("libX11.so.6")
@@ -44,14 +44,14 @@ class DisplayFaults(BenchCase):
         subprocess.run(["xrandr", "-display", self.bench.display, *arguments], check=True, capture_output=True)
 
     def check_measures(self):
-        """The aberration shown is the one measured, in frames from now on."""
+        """Checks that new frames measure the introduced aberration."""
         self.frames.drain()
         found = self.settled_frames(self.frames, 10, timeout_s=PATIENCE_S)
         read = [frame["coefficients"][frame["j"].index(MODE)] for frame in found]
         self.assertLess(abs(sum(read) / len(read) - WAVES), 0.02)
 
     def check_fault(self, *words):
-        """The fault is in the status and told by an event; nothing is valid; the daemon lives."""
+        """Checks that status and an event report the fault, that no frame is valid, and that the daemon runs."""
         status = wait_for(lambda: (now := self.call("system.status"))["slm"]["fault"] and now, PATIENCE_S, "the fault")
         print("\n ", status["slm"]["fault"])
         for word in words:
@@ -112,7 +112,7 @@ class DisplayFaults(BenchCase):
         event = wait_for(lambda: (told := self.told.next(1.0)) and "letter" in told["text"] and told, PATIENCE_S, "the event")
         print("\n ", event["text"])
         self.assertEqual((event["kind"], event["severity"]), ("slm", "error"))
-        self.check_over()  # the SLM's window is above it now
+        self.check_over()  # now the SLM's window is on top
         window.close()
         self.check_over()
         self.assertGreater(self.call("system.status")["counters"]["display_faults"], before)

@@ -1,4 +1,4 @@
-"""ovws doctor on a bench that is well, and on one with a fault made for each check: it tells the truth, how to mend it, and disturbs nobody."""
+"""ovws doctor on a healthy bench and with a fault for each check: correct findings, working fixes, no disturbance."""
 import json
 import os
 import shutil
@@ -14,11 +14,11 @@ from case import BenchCase, main, own_mounts, wait_for
 SLM = (1920, 0, 1280, 768)  # on the desktop
 VERDICTS = {"ok", "warning", "fault", "not_here"}
 NOBODY = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--bounding-set=-all", "--inh-caps=-all"]
-ALONE = ["unshare", "--pid", "--fork", "--mount-proc"]  # where no service of this machine's is seen
+ALONE = ["unshare", "--pid", "--fork", "--mount-proc"]  # hides services of this machine
 
 
 class DoctorCase(BenchCase):
-    """`examine` asks the doctor, with these keys of the configuration."""
+    """`examine` runs the doctor with the configuration of `config`."""
 
     def setUp(self):
         own_mounts()
@@ -38,7 +38,7 @@ class DoctorCase(BenchCase):
         return {"state": {"directory": str(self.bench.directory / "state")}}
 
     def examine(self, *arguments, **more):
-        """The findings by name. The document is whole, and the exit status is what it says."""
+        """The findings by name. Also checks the JSON document and the exit status."""
         done = self.run_doctor("--json", *arguments, **more)
         self.assertEqual(done.stderr, "")
         document = json.loads(done.stdout)
@@ -66,7 +66,7 @@ class DoctorCase(BenchCase):
         return {name for name, one in findings.items() if one["verdict"] == "fault"}
 
     def mount_over(self, folder, name, text):
-        """From now on a folder of the kernel's holds this one file, for this test only."""
+        """Mounts a tmpfs with this one file over a kernel folder, for this test only."""
         subprocess.run(["mount", "-t", "tmpfs", "none", folder], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", folder], check=True)
         path = Path(folder) / name
@@ -75,7 +75,7 @@ class DoctorCase(BenchCase):
 
 
 class Well(DoctorCase):
-    """Everything runs."""
+    """A healthy bench with a running daemon."""
 
     def start_daemon(self):
         self.daemon_config = self.config()
@@ -105,11 +105,11 @@ class Well(DoctorCase):
         self.assertTrue((screen.grab(self.bench.display, *SLM) == seen).all())
 
     def test_real_time_is_what_the_daemon_met(self):
-        """The doctor foresees what the same user's daemon was refused."""
+        """The doctor predicts which privileges the same user's daemon lacks."""
         findings, log = self.examine(before=ALONE), self.bench.log("ovwsd")
         for name, refusal in (("realtime.priority", "runs without SCHED_FIFO"), ("realtime.memory", "memory is not locked"),
                               ("cpu.sleep", "/dev/cpu_dma_latency cannot be written")):
-            if findings[name]["verdict"] != "not_here":  # the system has none
+            if findings[name]["verdict"] != "not_here":  # not available on this system
                 self.assertEqual(findings[name]["verdict"], "warning" if refusal in log else "ok", findings[name])
 
     def test_a_camera_in_unknown_hands(self):
@@ -134,7 +134,7 @@ class Well(DoctorCase):
 
 
 class Ill(DoctorCase):
-    """No daemon; what is wrong is made here."""
+    """No daemon; the tests create the faults."""
 
     def start(self):
         self.bench.start_display()
@@ -144,7 +144,7 @@ class Ill(DoctorCase):
         subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", *arguments], check=True, capture_output=True)
 
     def mend(self, fix):
-        """Does as the doctor says."""
+        """Applies the doctor's fix."""
         subprocess.run(["sh", "-c", fix.replace("sudo ", "")], check=True, capture_output=True, env=self.environment())
 
     def test_no_camera_and_another_one(self):
@@ -249,7 +249,7 @@ class Ill(DoctorCase):
         self.check(self.examine(config="{ nonsense"), "configuration", "fault", "sudoedit")
         unusable = self.examine(config=self.config() | {"slm": {"lut": "/nowhere/lut.txt"}})
         self.check(unusable, "configuration", "fault", "/nowhere/lut.txt")
-        self.check(unusable, "camera.found", "ok")  # what is known is looked at all the same
+        self.check(unusable, "camera.found", "ok")  # checks that do not need the LUT still run
         done = self.run_doctor("--config", "/nowhere.json")
         self.assertEqual(done.returncode, 2, "an option given twice")
 

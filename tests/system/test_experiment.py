@@ -1,8 +1,8 @@
-"""The paper's experiment on the twin: the order of the sensors, and that nothing of it is lost.
+"""The paper's experiment on the twin: the ranking of the sensors, and that no result is lost.
 
-The twin's light: 250 electrons in the brightest pixel of a charge-1 spot (975 of charge 0, the same laser), read noise 30
-electrons. So the peak SNR is 7 and 22, at 16 dB the brightest spot fills three quarters of the 8 bits, at 10 dB a vortex has 40 DN
-with 2 DN of noise, and above 20 dB the bright spots saturate first, as on the paper's bench.
+The twin has 250 electrons in the brightest pixel of a charge-1 spot (975 for charge 0 with the same laser) and 30 electrons of
+read noise, so the peak SNR is 7 and 22. At 16 dB the brightest spot fills three quarters of 8 bits; at 10 dB a vortex has 40 DN
+with 2 DN of noise. Above 20 dB the bright spots saturate first, as on the paper's bench.
 """
 import csv
 import hashlib
@@ -68,7 +68,7 @@ class Experiment(BenchCase):
                     self.assertEqual((lg["undetermined_frames"], cell["undetermined_frames"]), ("0", "0"))
                     self.assertLess(float(lg["variance_rad2"]), 0.1 * float(cell["variance_rad2"]))
                     self.assertLess(float(matched["variance_rad2"]), float(lg["variance_rad2"]))
-                    # Whatever the wavefront: 1/20 wave RMS.
+                    # 1/20 wave RMS for every wavefront.
                     self.assertLess(float(lg["variance_rad2"]), 0.1)
         self.assertEqual(variance["0", "10.0", "1", "lg"]["saturated_frames"], "0")
         self.assertEqual(variance["0", "40.0", "0", "cell_centroid"]["saturated_frames"], "10")
@@ -115,7 +115,7 @@ class Experiment(BenchCase):
         after_cancel = self.kept_cells()
         self.assertGreaterEqual(len(after_cancel), 2)
         job = self.call("experiment.gain_sweep", QUICK)["job"]
-        self.assertEqual(self.call("experiment.gain_sweep", QUICK)["job"], job)  # joined
+        self.assertEqual(self.call("experiment.gain_sweep", QUICK)["job"], job)  # joins the running job
         wait_for(lambda: self.cells_done() >= len(after_cancel) + 2, 30.0, "two more cells")
         self.bench.process("ovwsd").popen.send_signal(signal.SIGKILL)
         self.bench.stop("ovwsd")
@@ -132,7 +132,7 @@ class Experiment(BenchCase):
         study = self.study(QUICK)
         self.addCleanup(study.stdout.close)
         wait_for(lambda: self.cells_done() > len(killed), 30.0, "one more cell")
-        twin.call("twin.fault", {"kind": "unplug", "seconds": 1.5})  # and it goes on when the camera is there again
+        twin.call("twin.fault", {"kind": "unplug", "seconds": 1.5})  # the sweep continues when the camera returns
         found = self.call("experiment.get")
         self.assertFalse(found["complete"])
         self.assertEqual(self.call("job.get", {"job": found["job"]})["state"], "running")
@@ -148,7 +148,7 @@ class Experiment(BenchCase):
             self.assertEqual(self.call("experiment.cell", {"cell": number}), reply)
         self.assertEqual(self.everything(), before)
         written = {name: (self.folder / name).read_bytes() for name in ("cells.csv", "frames.csv")}
-        begun = time.monotonic()  # nothing is missing: it ends at once
+        begun = time.monotonic()  # complete: it ends at once
         study = self.study(QUICK)
         output, _ = study.communicate(timeout=20)
         self.assertEqual(study.returncode, 0, output)
@@ -157,7 +157,7 @@ class Experiment(BenchCase):
         print(f"  all of it again in {time.monotonic() - begun:.1f} s")
 
     def leave_another_run_in_the_folder(self):
-        """And what is none of its files; returns the names of these."""
+        """Writes files of an earlier run, and unrelated files; returns the names of the latter."""
         others = ("experiment-notes.txt", "experiment-variance-2.csv", "localisation.png", "localisation.gnuplot")
         self.folder.mkdir()
         for name in (*others, "cells.csv", "frames.csv", "table.txt", "summary.json", "experiment-residual.png", "experiment-images-charge--1.png",
@@ -166,7 +166,7 @@ class Experiment(BenchCase):
         return others
 
     def moved_by(self, twin, change):
-        """Where the twin's truth has the spots after that change, less where it had them: pixels, the mean."""
+        """Mean displacement of the twin's true spots by this change, pixels."""
         def places():
             return [(spot["x"], spot["y"]) for spot in twin.call("twin.get")["spots"]]
         before = places()
@@ -186,7 +186,7 @@ class Experiment(BenchCase):
         x, y = twin.call("twin.get")["geometry"]["centre_px"]
         there = {"geometry": {"centre_px": [x, y]}, "aberration": []}
         moves = ({"geometry": {"centre_px": [x + 1.0, y]}}, {"aberration": [{"n": 1, "m": -1, "waves": 0.2}]},
-                 {"geometry": {"rotation_deg": 0.6}})  # about the base spot: on average not by far
+                 {"geometry": {"rotation_deg": 0.6}})  # rotation about the base spot: small mean displacement
         for move in moves:
             with self.subTest(move):
                 truth = self.moved_by(twin, move)
@@ -207,7 +207,7 @@ class Experiment(BenchCase):
         study = self.study_of_a_moved_bench(twin, moves[0])
         self.assertIn('"anew": true', study)
         self.assertNotIn("the same command goes on", study)
-        twin.call("twin.set", {"geometry": {"centre_px": [x + 0.2, y]}})  # less than counts
+        twin.call("twin.set", {"geometry": {"centre_px": [x + 0.2, y]}})  # below the limit
         ended = self.job_ended(self.call("experiment.gain_sweep", QUICK)["job"])
         self.assertEqual(ended["state"], "done", ended)
         after = self.kept_cells()

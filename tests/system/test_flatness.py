@@ -1,4 +1,4 @@
-"""The instrument measures how flat its SLM is, against the truth of the twin."""
+"""The daemon measures the flatness of its SLM, compared with the twin's truth."""
 import math
 
 from case import Client, main, wait_for
@@ -6,14 +6,14 @@ from slm_case import SlmCase
 
 
 class Flatness(SlmCase):
-    """A surface finer than the sensor's modes, before a camera that is turned and mirrored."""
+    """Surface errors finer than the sensor's modes, with a rotated and mirrored camera."""
     small = True
     daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 100}}
     twin_config = {"camera": {"rotation_deg": 90.0, "mirror": "x"},
                    "slm": {"flatness_rms_waves": 0.3, "flatness_cycles": 2.5}}
 
     def measure(self):
-        """Runs it on what is shown; the truth, and what was found."""
+        """Runs flatness.run on the current hologram; returns the truth and the result."""
         before = self.judge()
         found = self.run_job("flatness.run", {"frames": 2}, 120.0)["result"]
         after = self.judge()
@@ -51,7 +51,7 @@ class Flatness(SlmCase):
         self.assertIn("registration.run", self.failure("flatness.run"))
 
     def check_another_camera(self, found):
-        """Another one stands behind other optics: what was measured with the one of before is not used, and comes back with it."""
+        """Another camera means other optics: results measured with the previous one are not used until it returns."""
         events = self.stream("event")
         self.exchange_camera({"serial": "TWIN0002"})
         told = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "another camera" in e["text"] and e, 20.0, "an event")

@@ -1,4 +1,4 @@
-"""Every pixel format of the camera, through the real link: the same light is the same spots, also under colour filters."""
+"""Every pixel format of the camera, through the real link: the same light gives the same spots, also with colour filters."""
 import numpy
 
 from case import BenchCase, Client, main, wait_for
@@ -6,8 +6,8 @@ from ovws_client import Image, Spots
 
 FORMATS = ["Mono10", "Mono10p", "Mono10Packed", "Mono12p", "Mono12Packed", "Mono14", "Mono16", "BayerRG10", "BayerGR10p",
            "BayerGB12", "BayerBG12p", "Mono8", "BayerRG8"]
-EXACT_PX = 0.01   # where numbers are fine enough for it
-COARSE_PX = 0.02  # 8 bits, rounded: a quarter of the pixels seen by a colour camera
+EXACT_PX = 0.01   # formats with sufficient bits
+COARSE_PX = 0.02  # 8-bit rounding; a colour camera uses a quarter of its pixels
 STILL = {"noise": "none"}
 
 
@@ -16,7 +16,7 @@ class Formats(BenchCase):
     daemon_config = {"camera": {"pixel_format": "Mono12", "frame_rate_hz": 20.0}, "stream": {"image_rate_hz": 10.0}}
 
     def spots(self, stream):
-        """The newest settled frame's, all found."""
+        """The spots of the newest settled frame, all of which must be found."""
         stream.drain()
         frame = self.settled_frames(stream, 2)[-1]
         self.assertEqual(frame["tracked"], 19)
@@ -61,7 +61,7 @@ class Formats(BenchCase):
         self.check(FORMATS)
 
     def test_a_colour_camera_is_registered_and_calibrated(self):
-        """Turned, too: what the paper's camera would be given first."""
+        """Also rotated: the first steps with the paper's camera."""
         self.bench.stop("ovws-twin")
         self.bench.start_twin(STILL | {"camera": {"rotation_deg": 20.0}})
         self.wait_until("running", 20.0)
@@ -95,17 +95,17 @@ class Formats(BenchCase):
         self.assertEqual(int(self.picture(images, "Mono12").pixels.max()), peak)
 
     def test_a_colour_camera_makes_templates_of_its_lit_pixels(self):
-        """Of which a reference of the same camera without filters tells nothing, and the other way round."""
+        """Colour and mono formats of the same camera do not share reference templates."""
         self.call("sensor.set", {"tracker": "matched", "template": "reference"})
         self.call("camera.set", {"pixel_format": "BayerRG12"})
         self.take_reference(4)
         spots = self.stream("spots")
         self.assertEqual(self.call("sensor.get")["own_templates"], 19)
-        # What interferes is left out of a template: some spots are then found 0.04 px aside, with Mono12 as well.
+        # Templates exclude interfering light, which shifts some spots by 0.04 px, with Mono12 too.
         self.assertLess(float(numpy.abs(self.spots(spots).displacements_px).max()), 0.06)
         self.call("camera.set", {"pixel_format": "Mono12"})
         wait_for(lambda: self.call("sensor.get")["own_templates"] == 0, 10.0, "templates of another camera to be given up")
-        self.assertLess(float(numpy.abs(self.spots(spots).displacements_px).max()), 0.06)  # by the model's templates
+        self.assertLess(float(numpy.abs(self.spots(spots).displacements_px).max()), 0.06)  # with the model's templates
 
     def test_a_colour_camera_measures_what_is_shown(self):
         self.call("camera.set", {"pixel_format": "BayerRG12p"})
@@ -120,7 +120,7 @@ class Formats(BenchCase):
 
 
 class GreenLaser(Formats):
-    """Two pixels of each four see it."""
+    """Two of every four pixels see green light."""
     twin_config = STILL | {"optics": {"wavelength_nm": 532.0}}
     daemon_config = Formats.daemon_config | {"optics": {"wavelength_nm": 532.0}}
 
@@ -133,7 +133,7 @@ class GreenLaser(Formats):
 
 
 class SmallSpots(BenchCase):
-    """Lambda/d of 6.3 pixels: enough for a camera without filters."""
+    """lambda/d of 6.3 pixels: sufficient only for a camera without colour filters."""
     twin_config = STILL | {"optics": {"magnification": 0.5}}
     daemon_config = {"optics": {"magnification": 0.5}}
 

@@ -1,4 +1,4 @@
-"""What stands on the SLM's output are exactly the grey levels that `ovws hologram` writes."""
+"""The SLM's output shows exactly the grey levels that `ovws hologram` writes."""
 import json
 import subprocess
 

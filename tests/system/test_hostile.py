@@ -1,6 +1,6 @@
-"""Whoever reaches the control socket cannot end the daemon, fill its memory, or keep others from being answered.
+"""Clients of the control socket cannot crash the daemon, exhaust its memory or block other clients.
 
-    OVWS_REQUESTS=1000000   how many random and mutated requests
+    OVWS_REQUESTS=1000000   number of random and mutated requests
 """
 import itertools
 import json
@@ -27,7 +27,7 @@ GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
 READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
 VALUES = [None, True, False, 0, -1, 1, 3, 1e308, -0.0, 2**63, 0.5, "", "lg", "matched", "sensor", "Mono8", "\u2028\ud83d\ude00", [], {}, [1, 2], [[]],
           {"x": 0}, {"x": 0, "y": 0, "width": 512, "height": 512}, [{"j": 3, "waves": 0.1}], [{"n": 2, "m": -2, "waves": "x"}], "a" * 300]
-# Those that keep the bench busy for minutes, or write its files, are left to tests of their own.
+# Methods that occupy the bench for minutes or write files have their own tests.
 LEFT_OUT = ("config.save", "calibration.run", "registration.run", "lut.run", "flatness.run", "slm.settle", "experiment.gain_sweep", "reference.take")
 
 
@@ -39,7 +39,7 @@ class Hostile(BenchCase):
         self.pid = self.bench.process("ovwsd").pid
         self.methods = {name: list(about["params"].get("properties", {})) for name, about in self.call("system.describe")["methods"].items()
                         if name not in LEFT_OUT}
-        # A tenth of a million times a new hologram takes half an hour.
+        # Called rarely: 100,000 new holograms would take half an hour.
         self.slow = [name for name in self.methods if name.endswith(".clear") or name in ("slm.verify", "system.describe")]
         self.quick = [name for name in self.methods if name not in self.slow]
         self.context = zmq.Context()
@@ -71,11 +71,11 @@ class Hostile(BenchCase):
     def say(connection, words):
         try:
             connection.sendall(words)
-        except OSError:  # the daemon had heard enough
+        except OSError:  # the daemon closed the connection
             pass
 
     def plain(self, number, port=PORT):
-        """A connection that speaks no ZeroMQ by itself."""
+        """Plain TCP connections without ZeroMQ."""
         made = [socket.create_connection(("127.0.0.1", port)) for _ in range(number)]
         for one in made:
             self.addCleanup(one.close)
@@ -91,7 +91,7 @@ class Hostile(BenchCase):
         return took_s
 
     def request(self, number):
-        """A well-formed one: of any method, with params that may be wrong."""
+        """A well-formed request of a random method, with params that may be wrong."""
         method = self.random.choice(self.slow if self.random.random() < 0.005 else self.quick)
         params = {key: self.random.choice(VALUES) for key in self.methods[method] if self.random.random() < 0.4}
         return json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode()
@@ -109,11 +109,11 @@ class Hostile(BenchCase):
         for number in range(REQUESTS):
             request = self.request(number)
             if number % 3 == 2:
-                request = self.mutated(request).replace(b'"id"', b'"ID"')  # it shall not pass for one of ours
+                request = self.mutated(request).replace(b'"id"', b'"ID"')  # keeps its id from matching a well-formed request
             else:
                 well_formed += 1
             dealers[number % CLIENTS].send(request)
-            if number == REQUESTS // 10:  # buffers and caches have come to their size
+            if number == REQUESTS // 10:  # buffers and caches have reached their size
                 self.early_mib = self.resident_mib()
             if number % 256 == 255:
                 self.read(dealers, replies, 0.0)
@@ -154,10 +154,10 @@ class Hostile(BenchCase):
         for connection, _ in begun[::2]:
             try:
                 connection.shutdown(socket.SHUT_WR)  # half-closed
-            except OSError:  # what it said made the daemon end it first
+            except OSError:  # the daemon closed the connection first
                 pass
         slow = self.plain(30)
-        for k in range(20):  # the others say a byte now and then
+        for k in range(20):  # the others send a byte from time to time
             for connection in slow:
                 connection.sendall(GREETING[k:k + 1])
             self.assertLess(self.check_others_are_answered(), ANSWERED_WITHIN_S)
@@ -169,7 +169,7 @@ class Hostile(BenchCase):
         for length, port in itertools.product((2**62, 2**31, 2**24), PORTS):
             for connection in self.plain(10, port):
                 connection.sendall(GREETING)
-                self.say(connection, b"\6" + struct.pack(">Q", length) + bytes(100_000))  # a command so long, it says
+                self.say(connection, b"\6" + struct.pack(">Q", length) + bytes(100_000))  # claims a command of this length
         for size in (70_000, 1 << 20, 3 << 20):
             dealer = self.dealer()
             for _ in range(8):
@@ -186,7 +186,7 @@ class Hostile(BenchCase):
         self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
 
     def mute(self):
-        """A client that takes hardly any reply before it is read."""
+        """A client with minimal receive buffers that does not read its replies."""
         mute = self.context.socket(zmq.DEALER)
         mute.linger = 0
         mute.rcvhwm, mute.rcvbuf = 1, 4096
@@ -220,7 +220,7 @@ class Hostile(BenchCase):
         self.assertFalse(mute.poll(100))
 
     def allocator_mib(self):
-        """What the allocator holds of small blocks: the heap, and arenas, which begin at multiples of 64 MiB."""
+        """Memory of the allocator: the heap, and arenas, which start at multiples of 64 MiB."""
         total_kib, counts = 0, False
         for line in Path(f"/proc/{self.pid}/smaps").read_text().splitlines():
             fields = line.split()

@@ -1,4 +1,4 @@
-"""What `cmake --install` puts in place is complete and right."""
+"""`cmake --install` installs complete and correct files."""
 import json
 import os
 import pathlib
@@ -68,7 +68,7 @@ class Install(unittest.TestCase):
                     self.assertTrue((document.parent / link).exists())
 
     def test_the_package_is_whole(self):
-        """That it installs on a clean Debian is what tests/package tries."""
+        """Whether it installs on a clean Debian is tested by tests/package."""
         built = run("cpack", "--config", pathlib.Path(os.environ["OVWS_BUILD"]) / "CPackConfig.cmake", "-B", self.root / "package")
         self.assertEqual(built.returncode, 0, built.stdout + built.stderr)
         (package,) = (self.root / "package").glob("ovws_*.deb")
@@ -85,7 +85,7 @@ class Install(unittest.TestCase):
             self.assertTrue((scripts / name).stat().st_mode & 0o111, name)
 
     def check_unit(self, name, most_exposure):
-        # systemd-analyze verify exits 0 even on bad keys: what it says is what counts.
+        # systemd-analyze verify exits 0 even on unknown keys, so check its output.
         unit = self.root / f"{name}.service"
         unit.write_text((self.root / UNIT.format(name)).read_text().replace(f"/usr/bin/{name}", str(self.root / "usr/bin" / name)))
         done = run("systemd-analyze", "verify", "--man=no", unit)
@@ -93,7 +93,7 @@ class Install(unittest.TestCase):
         exposure = run("systemd-analyze", "security", "--offline=yes", unit).stdout.strip().splitlines()[-1]
         print("\n ", exposure)
         self.assertLessEqual(float(exposure.split(":")[1].split()[0]), most_exposure)
-        # What is left of it, each with its reason in the unit.
+        # Remaining findings, whose reasons are in the unit.
         points = json.loads(run("systemd-analyze", "security", "--offline=yes", "--json=short", unit).stdout)
         reasons = re.findall(r"[@\w]+", " ".join(re.findall(r"^#   ([^:]+):", unit.read_text(), re.M)))
         left = [point["name"] for point in points if float(point["exposure"] or 0) > 0.0]
@@ -126,7 +126,7 @@ class Install(unittest.TestCase):
             self.assertIn("\nDynamicUser=yes\n", unit)
             self.assertIn(f"\nLoadCredential=ovws.key:{name}.key\n", unit)
             self.assertNotRegex(unit, r"(?m)^(User|Group|SupplementaryGroups)=")
-            # Options of the service come from the unit alone, never from the daemon's configuration.
+            # Options of the service come only from the unit, never from the daemon's configuration.
             self.assertNotRegex(unit, r"(?m)^EnvironmentFile=.*/etc/ovws")
 
     def test_who_reads_recordings_can_write_nothing(self):
@@ -134,7 +134,7 @@ class Install(unittest.TestCase):
             root = pathlib.Path(name)
             for folder in ("etc", "var/lib"):
                 (root / folder).mkdir(parents=True)
-            # As an earlier version left them, whose daemon wrote its configuration.
+            # As left by an earlier version, whose daemon wrote its configuration.
             configuration = root / "etc/ovws/ovwsd.json"
             configuration.parent.mkdir(mode=0o775)
             configuration.write_text("{}")

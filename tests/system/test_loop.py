@@ -1,4 +1,4 @@
-"""The closed loop against hidden aberrations, with the twin's own truth as judge."""
+"""The closed loop against hidden aberrations, compared with the twin's truth."""
 import os
 import random
 import time
@@ -13,13 +13,13 @@ def random_modes(seed, rms_waves):
     return [{"j": j, "waves": scale * v} for j, v in modes.items()]
 
 
-# The whole pupil's light in one spot: (D/d)^2 = 25 times the field of a subaperture.
+# All the pupil's light is in one spot: its field is (D/d)^2 = 25 times that of a subaperture.
 BEAM_ELECTRONS = 1.5
-# Waves of j = 3 to 14, 0.5 RMS. The first splits spots; the second has two pairs of spots overlap, which no tracker can follow one by one.
+# Waves of j = 3 to 14, 0.5 RMS. The first splits spots; the second makes two pairs of spots overlap, which no tracker can separate.
 SPLIT = (-0.139, -0.173, 0.029, -0.141, 0.149, 0.091, -0.254, 0.035, -0.140, 0.004, 0.006, -0.253)
 OVERLAPPING = (0.098, -0.354, 0.030, 0.016, -0.099, 0.021, -0.143, -0.123, 0.023, -0.130, -0.226, 0.002)
 HOLD_S = float(os.environ.get("OVWS_HOLD_S", "5"))
-# A spot's peak of 500 electrons with a read noise of 97 has a signal to noise ratio of 500 / sqrt(500 + 97^2) = 5.
+# A peak of 500 electrons with a read noise of 97 has an SNR of 500 / sqrt(500 + 97^2) = 5.
 SNR_5 = {"peak_electrons": 500, "read_noise_e": 97.0, "full_well_e": 4000, "black_level_dn": 32, "bits": 12, "noise": "fresh"}
 
 
@@ -36,7 +36,7 @@ class Loop(BenchCase):
         self.twin.call("twin.set", {"aberration": modes})
 
     def true_residual(self):
-        """RMS of j = 3 to 18, waves: what is hidden, less the correction shown."""
+        """RMS of j = 3 to 18 of the hidden aberration minus the correction, waves."""
         left = {m["j"]: m["waves"] for m in self.twin.call("twin.get")["aberration"]}
         for mode in self.call("correction.get")["modes"]:
             left[mode["j"]] = left.get(mode["j"], 0.0) - mode["waves"]
@@ -52,7 +52,7 @@ class Loop(BenchCase):
         self.take_reference(20)
 
     def test_a_static_aberration_is_gone_within_twenty_steps_and_stays_so(self):
-        """The second time in a camera that is turned and mirrored; some spots are torn at first, both times."""
+        """The second time with a rotated and mirrored camera; both times some spots are split at first."""
         for seed in (1, 2):
             if seed == 2:
                 self.turn_the_camera()
@@ -71,10 +71,10 @@ class Loop(BenchCase):
             self.assertFalse(report["closed"])
 
     def test_closes_on_wavefronts_that_have_just_split_spots(self):
-        """The search for spots goes on while the loop is closed, and the loop's patience begins again when they are found."""
+        """The search for spots continues while the loop is closed, and the loop's timeout restarts when they are found."""
         for waves in (SPLIT, OVERLAPPING):
             self.hide([{"j": j, "waves": w} for j, w in enumerate(waves, 3)])
-            if waves == OVERLAPPING:  # closed when a search has found them, and still too few are followed
+            if waves == OVERLAPPING:  # close when a search has found them but too few are tracked
                 wait_for(lambda: self.call("system.status")["sensor"]["torn"], what="split spots")
             began = time.monotonic()
             self.call("loop.close")
@@ -126,11 +126,11 @@ class Loop(BenchCase):
         self.assertLess(aberrated[1], 0.2 * before[1])
 
     def beam(self, pictures):
-        """The beam of the grating: its true Strehl ratio, and its brightest pixel as the camera sees it, at an exposure that it bears."""
+        """The beam of the pattern `grating`: its true Strehl ratio, and its brightest camera pixel without saturation."""
         hologram = self.call("slm.show", {"pattern": "grating"})["hologram_id"]
         self.twin.call("twin.set", {"peak_electrons": BEAM_ELECTRONS})
         picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
-        for _ in range(3):  # begun after all had settled
+        for _ in range(3):  # exposed after all had settled
             picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
         if "OVWS_PICTURES" in os.environ:
             self.keep(picture, hologram)
@@ -141,7 +141,7 @@ class Loop(BenchCase):
         return judged.get("strehl"), brightest
 
     def keep(self, picture, number):
-        """As PGM, to be looked at."""
+        """Writes the image as PGM for inspection."""
         rows, columns = picture["shape"]
         with open(f"{os.environ['OVWS_PICTURES']}/beam-{number}.pgm", "wb") as file:
             file.write(b"P5 %d %d 255\n" % (columns, rows) + picture["binary"])
@@ -153,7 +153,7 @@ class Loop(BenchCase):
                                ("correction.clear", {}), ("slm.show", {"pattern": "grating"}), ("reference.clear", {})):
             with self.assertRaisesRegex(ClientError, f"^{method}: the loop is closed; open it with loop.open first$"):
                 self.call(method, params)
-            # A typo is reported all the same: what is wrong in any state comes before what is in this one.
+            # A typo is reported first: errors that hold in any state come before those of the present state.
             with self.assertRaisesRegex(ClientError, "chrage: unknown key"):
                 self.call(method, {"chrage": 1})
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 7, "waves": 0.1}]})

@@ -1,4 +1,4 @@
-"""The instrument measures the look-up table of its SLM, against the truth of the twin."""
+"""The daemon measures the look-up table of its SLM, compared with the twin's truth."""
 import math
 import subprocess
 
@@ -9,7 +9,7 @@ TWO_PI = 2.0 * math.pi
 
 
 def lut_error_rad(grey_levels, truth_waves):
-    """How far the phases shown are from those wanted, RMS over what is in reach, free of piston."""
+    """RMS error of the phases shown, over the reachable range, without piston, rad."""
     falls = truth_waves[255] < 0.0
     wanted = [k / 256 for k in range(256) if (1.0 - k / 256 if falls and k > 0 else k / 256) <= abs(truth_waves[255])]
     off = [math.remainder(truth_waves[grey_levels[round(256 * phase)]] - phase, 1.0) for phase in wanted]
@@ -46,11 +46,11 @@ class ShallowSlm(LookUpTable):
     twin_config = {"slm": {"gamma": 1.4, "depth_waves": 0.9}}
 
     def check_clear_that_fails(self, found):
-        """Neither in force nor on the disk does anything change."""
+        """Checks that a failed lut.clear changes neither the active table nor the stored file."""
         kept = self.bench.directory / "state" / "lut.slm.json"
         aside = kept.with_suffix(".aside")
         kept.rename(aside)
-        (kept / "x").mkdir(parents=True)  # what nobody can remove as a file
+        (kept / "x").mkdir(parents=True)  # a folder cannot be removed as a file
         self.refused("lut.clear")
         self.assertEqual(self.call("lut.get"), found)
         self.assertTrue(self.call("reference.get")["taken"])
@@ -87,7 +87,7 @@ class ShallowSlm(LookUpTable):
 
 
 class SteepSlm(LookUpTable):
-    """A gamma of 0.4: grey level 1 is at a tenth of a turn, and no table shows what lies before it."""
+    """A gamma of 0.4: grey level 1 is at a tenth of a wave, and no table can show smaller phases."""
     twin_config = {"slm": {"gamma": 0.4, "depth_waves": 1.0}}
 
     def test_is_measured_where_it_is_steep(self):
@@ -107,7 +107,7 @@ class SteepSlm(LookUpTable):
 
 
 class FallingSlm(LookUpTable):
-    """Without a table its light goes to the other side of the zeroth order, and the camera sees next to nothing."""
+    """Phase decreases with grey level: without a table the light goes to the other side of the zeroth order, off the camera."""
     twin_config = {"slm": {"gamma": 1.4, "depth_waves": -1.2}}
 
     def test_is_found_falling(self):
@@ -118,7 +118,7 @@ class FallingSlm(LookUpTable):
         self.check_read_only(found)
 
     def check_read_only(self, found):
-        """What is kept is used, although nothing new can be kept."""
+        """Checks that stored results are used although the disk is read-only."""
         state = self.bench.directory / "state"
         own_mounts()
         subprocess.run(["mount", "--bind", state, state], check=True)

@@ -1,4 +1,4 @@
-"""ovws measure: image files of any lab, good and bad, and what it says of them."""
+"""ovws measure: results and errors for good and bad image files."""
 import json
 import os
 import random
@@ -103,7 +103,7 @@ class Measure(unittest.TestCase):
         self.assertIn("template", str(refused))
 
     def operator_errors(self, operator, waves, tracker, modes):
-        """Root sum square over all modes of what each noise-free image is read wrong."""
+        """Error of each noise-free image: root sum square over all modes, waves."""
         images = [self.farfield(f"{j}.png", f"{mode}:{waves}", 12, "--noise-free", "--peak", 9000) for j, mode in modes.items()]
         flat = self.farfield("flat.png", "", 12, "--noise-free", "--peak", 9000)
         lines = self.measure(*images, reference=flat, more=("--tracker", tracker, "--operator", operator))
@@ -139,7 +139,7 @@ class Measure(unittest.TestCase):
         self.assertAlmostEqual(line["refined"]["chi2_per_pixel"], 1.0, delta=0.2)
 
     def uneven(self, name, modes, amplitudes, scale=None):
-        """The default bench's image with an amplitude for each subaperture (hexagonal, 5 across), and the electrons that its light was scaled by."""
+        """Writes the default bench's image (hexagonal, 5 across) with an amplitude per subaperture; returns the scale in electrons."""
         hologram = self.folder / "hologram.png"
         self.ovws("hologram", "--modes", modes, "-o", hologram)
         grey = np.asarray(Image.open(hologram)).astype(float)
@@ -218,7 +218,7 @@ class Measure(unittest.TestCase):
         self.assertFalse(line.get("valid", False), line)
 
     def off(self, line, spot):
-        """How far a spot is from where it is in the good image, px."""
+        """Distance of a spot from its position in the good image, px."""
         if not hasattr(self, "truth"):
             self.truth = self.measure(self.folder / "good.png")[0]["spots"]
         there = self.truth[spot["i"]]

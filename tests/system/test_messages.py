@@ -1,4 +1,4 @@
-"""All that the daemon says is what its schemas promise: every stream, every method, in every state."""
+"""Every message and result of the daemon conforms to its schema: every stream, every method, in every state."""
 import json
 import struct
 
@@ -26,7 +26,7 @@ class Messages(BenchCase):
         return result
 
     def checked_job(self, job, method):
-        """Waits for its end; its result is that of `method`."""
+        """Waits for the job's end and checks its result against the schema of `method`."""
         ended = wait_for(lambda: (report := self.checked_call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
         self.assertEqual(ended["state"], "done", ended)
         self.check(self.description["methods"][method]["result"], ended["result"])

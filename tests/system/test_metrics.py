@@ -1,4 +1,4 @@
-"""ovws metrics: what Prometheus reads agrees with what the daemon says, and with the dashboard that draws it."""
+"""ovws metrics: the exported metrics agree with the daemon's messages and with the dashboard."""
 import http.client
 import json
 import math
@@ -28,7 +28,7 @@ def get(path="/metrics"):
 
 
 class Scrape:
-    """One answer, read strictly: every sample belongs to a family with HELP and TYPE before it, given once."""
+    """One scrape, parsed strictly: every sample follows the HELP and TYPE lines of its family, which appear once."""
 
     def __init__(self):
         status, self.text, content_type = get()
@@ -51,7 +51,7 @@ class Scrape:
 
 
 def names_in(expression):
-    """The metrics that a query reads."""
+    """The metrics used by a query."""
     bare = re.sub(r'"[^"]*"', "", expression)
     bare = re.sub(r"\{[^}]*\}|\[[^\]]*\]|\bby \([^)]*\)", "", bare)
     return {word for word in re.findall(r"[a-zA-Z_]\w*", bare) if word not in WORDS}
@@ -146,7 +146,7 @@ class Metrics(BenchCase):
         self.bench.stop("ovwsd")
         first.send_signal(signal.SIGTERM)
         self.assertEqual(first.wait(5.0), 0)
-        self.serve()  # which has never seen a daemon
+        self.serve()  # a new exporter, which has never seen a daemon
         self.assertEqual(Scrape().value("ovws_up"), 0)
         self.start_daemon()
         self.wait_until("running")

@@ -1,4 +1,4 @@
-"""An aberration that is set is seen in the stream, as that aberration: all modes, both signs, both kinds of sensor."""
+"""The stream measures an introduced aberration correctly: all modes, both signs, both kinds of sensor."""
 import statistics
 import time
 
@@ -17,7 +17,7 @@ class Modes(BenchCase):
     daemon_config = {"stream": {"image_rate_hz": 0}}
 
     def measure(self, stream, j, waves):
-        """Sets the mode alone; returns the mean coefficients and how long the first settled frame of it took, s."""
+        """Sets one mode; returns the mean coefficients and the time until the first settled frame, s."""
         stream.drain()
         asked = time.monotonic()
         answer = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})

@@ -1,4 +1,4 @@
-"""The operator from displacements to modes: asked for, made beside the measurement, swapped in, and better where it should be."""
+"""The operator from displacements to modes: requested, computed in the background, swapped in, and more accurate."""
 import statistics
 
 from case import BenchCase, main, wait_for
@@ -19,7 +19,7 @@ class Operator(BenchCase):
         self.assertIsNone(self.in_use()[2])
 
     def error(self, j, waves):
-        """Root sum square over all modes of what is read wrong while one is shown."""
+        """Measurement error with one mode shown: root sum square over all modes, waves."""
         fast = self.stream("wavefront")
         hologram_id = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})["hologram_id"]
         frames = self.settled_frames(fast, FRAMES, hologram_id)
@@ -36,24 +36,24 @@ class Operator(BenchCase):
         self.wait_for_operator("diffractive")  # the configuration's
         events = self.stream("event")
         self.take_reference()
-        events.drain()  # that of the configuration's may still have been on its way
+        events.drain()  # the event of the configuration's operator may still arrive
         diffractive = self.errors("diffractive")
         applied = self.call("sensor.set", {"operator": "slopes"})["applied"]
         self.assertEqual((applied["operator"], self.in_use()), ("slopes", ("slopes", "slopes", None)))
-        self.assertTrue(self.call("system.status")["sensor"]["referenced"])  # a reference serves both
+        self.assertTrue(self.call("system.status")["sensor"]["referenced"])  # both operators use the same reference
         slopes = self.errors("slopes")
         for j, error in diffractive.items():
             self.assertLess(error, 0.002)
             self.assertLess(error, slopes[j])
         self.assertLess(sum(diffractive.values()), 0.5 * sum(slopes.values()))
-        # Known already: in force at once.
+        # Already computed: active at once.
         self.assertEqual(self.call("sensor.set", {"operator": "diffractive"})["applied"]["operator"], "diffractive")
         self.assertEqual(self.in_use(), ("diffractive", "diffractive", None))
-        # Another sensor: the slopes measure until its matrix is there.
+        # Another sensor: slopes are used until its matrix is ready.
         self.call("sensor.set", {"subapertures_across": 4})
         self.assertEqual(self.in_use()[:2], ("diffractive", "slopes"))
         self.assertIn("being made", self.in_use()[2])
-        self.call("sensor.set", {"subapertures_across": 5, "tracker": "lg"})  # given up for this one
+        self.call("sensor.set", {"subapertures_across": 5, "tracker": "lg"})  # cancels the previous computation
         self.wait_for_operator("diffractive")
         self.assertEqual(self.call("sensor.get")["operator_in_force"], "diffractive")
         said = []
@@ -61,7 +61,7 @@ class Operator(BenchCase):
             if event["kind"] == "sensor" and "operator" in (event["data"] or {}):
                 said.append(event["data"]["operator"])
         self.assertEqual(said, ["slopes", "diffractive", "slopes", "diffractive"])
-        counters = self.call("system.status")["counters"]  # a busy machine loses a packet now and then
+        counters = self.call("system.status")["counters"]  # a busy machine may lose packets
         self.assertLessEqual(counters["frames_lost"], 0.01 * counters["frames_grabbed"])
 
     def test_what_is_for_work_offline_is_refused_and_the_rest_saved(self):
@@ -71,7 +71,7 @@ class Operator(BenchCase):
             self.assertEqual(self.call("sensor.get")["charge"], before["charge"])
         self.assertIn("refine", self.refused("sensor.set", {"operator": "relinearised"}).data["reason"])
         self.assertEqual(self.call("config.get")["tracking"]["operator"], "diffractive")
-        # A region without spots: why is said, and the slopes stay.
+        # A region without spots: the reason is reported, and the slopes stay active.
         self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 64, "height": 64}})
         reason = wait_for(lambda: (now := self.in_use())[1] == "slopes" and "finds only" in (now[2] or "") and now[2], 30.0)
         print(f"\n  without spots: {reason}")

@@ -1,4 +1,4 @@
-"""Other processes take the processors and the memory: the daemon goes on, and recovers when they are gone."""
+"""Other processes take CPU and memory: the daemon keeps running and recovers when they end."""
 import contextlib
 import os
 import pathlib
@@ -12,11 +12,11 @@ import unittest
 from case import BenchCase, ClientError, main, wait_for
 from memory_group import MemoryGroup, NoGroup
 
-# Where the system shares by session first, its nice value is what counts.
+# With autogroup scheduling, the nice value of the session counts.
 HOG = "import os, pathlib\nos.nice(-10)\ngroup = pathlib.Path('/proc/self/autogroup')\nif group.exists(): group.write_text('-10')\nblock = bytearray({bytes})\nwhile True:\n    for at in range(0, len(block), 4096):\n        block[at] = 1"
 HOGS_PER_CORE = 4
 HOG_BYTES = 16 << 20
-# Whoever it stops waits for more than a frame period.
+# Blocks a preempted thread for more than a frame period.
 REALTIME_HOG = """import os, time
 os.sched_setaffinity(0, {{{core}}})
 os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
@@ -31,7 +31,7 @@ MORE_BYTES = 2 << 20
 
 
 def schedule(pid, policy, priority=0, name=None):
-    """All threads of the process, or those of that name."""
+    """Sets the scheduling of all threads of the process, or of those named `name`."""
     for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
         if name in (None, (task / "comm").read_text().strip()):
             os.sched_setscheduler(int(task.name), policy, os.sched_param(priority))
@@ -43,7 +43,7 @@ def may_be_realtime():
 
 
 class PressureCase(BenchCase):
-    # Threads that hand a frame on wait for a processor at each step.
+    # With two workers, each hand-over of a frame may wait for a CPU.
     daemon_config = {"pipeline": {"workers": 2}, "camera": {"frame_rate_hz": 100.0}}
 
     def missed(self):
@@ -64,9 +64,9 @@ class PressureCase(BenchCase):
         self.assertEqual(self.call("system.status")["state"], "running")
 
     def press(self, start_hogs):
-        """Status goes on while the hogs are there, nothing ends, and afterwards all is as before.
+        """Checks that status continues under load, that nothing ends, and that the daemon recovers.
 
-        How many deadlines are missed is the machine's affair, and printed; that one is counted: tests/unit/pipeline."""
+        Prints missed deadlines, whose number depends on the machine; their counting is tested in tests/unit/pipeline."""
         self.client.timeout_s = 20.0
         status = self.stream("status")
         self.take_reference(20)
@@ -86,17 +86,17 @@ class PressureCase(BenchCase):
 
 
 class WithoutRealtime(PressureCase):
-    """As on a desk: against SCHED_FIFO no hog of normal scheduling has a chance."""
+    """Without real-time scheduling: normal processes cannot preempt SCHED_FIFO threads."""
 
     def start_daemon(self):
         super().start_daemon()
-        # The trackers have the least claim to a processor, so that a short test sees what a long one would.
+        # Give the trackers the lowest priority, so that a short test shows the effect of a long one.
         pid = self.bench.process("ovwsd").pid
         schedule(pid, os.SCHED_OTHER)
         schedule(pid, os.SCHED_IDLE, name="track")
 
     def start_hogs(self):
-        for name in ("ovws-twin", "xorg"):  # the bench goes on: only the daemon is pressed
+        for name in ("ovws-twin", "xorg"):  # keep twin and display running: only the daemon is under load
             schedule(self.bench.process(name).pid, os.SCHED_FIFO, 1)
         hogs = []
         for core in os.sched_getaffinity(0):
@@ -115,7 +115,7 @@ class WithRealtime(PressureCase):
     daemon_config = PressureCase.daemon_config | {"pipeline": {"workers": 2, "cpus": [core]}}
 
     def test_a_hog_above_the_frame_path(self):
-        """The frame path's own scheduling stays: on the processor that it keeps to somebody stands above it."""
+        """A process with a higher SCHED_FIFO priority on the frame path's CPU."""
         tasks = pathlib.Path(f"/proc/{self.bench.process('ovwsd').pid}/task")
         paths = [task for task in tasks.iterdir() if (task / "comm").read_text().strip() in FRAME_PATH]
         self.assertEqual(len(paths), len(FRAME_PATH) + 1)  # two trackers
@@ -143,7 +143,7 @@ class Memory(PressureCase):
             super().start_daemon()
 
     def in_the_group(self):
-        """The reference taken; from now on the cgroup allows next to no more than there is."""
+        """Takes the reference, then limits the cgroup to little more than the present memory."""
         if self.group is None:
             self.skipTest(self.why)
         self.take_reference(20)
@@ -153,7 +153,7 @@ class Memory(PressureCase):
         print(f"\n  {usage >> 20} MiB, and {MORE_BYTES >> 20} more allowed")
 
     def test_a_cgroup_without_room(self):
-        """All that frames need is there and locked."""
+        """Frames continue, because their memory is allocated and locked."""
         self.in_the_group()
         self.settled_frames(self.stream("wavefront"), 200, timeout_s=20.0)
         self.assertGreater(self.published_hz(), 80.0)

@@ -1,4 +1,4 @@
-"""What clients are promised while things change: nothing is published that cannot be stood behind, and every request is answered."""
+"""Promises to clients during changes: no wrong value is published as valid, and every request is answered."""
 import json
 import time
 
@@ -56,10 +56,10 @@ class Promises(BenchCase):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         twin.call("twin.set", {"noise": "none"})
-        self.call("camera.set", {"exposure_us": 2400.0})  # the brightest spot alone comes to full scale
+        self.call("camera.set", {"exposure_us": 2400.0})  # only the brightest spot saturates
         wait_for(lambda: 0.0 < self.stream("spots").next(5.0)["saturated"] < 0.1, what="one saturated spot")
         events = self.stream("event")
-        time.sleep(0.3)  # a subscription takes a moment
+        time.sleep(0.3)  # time for the subscription
         saturated = self.take_reference(20)["result"]["saturated_spots"]
         self.assertEqual(len(saturated), 1)
         told = wait_for(lambda: (message := events.next(1.0))["kind"] == "reference" and message, what="the event")
@@ -108,7 +108,7 @@ class Promises(BenchCase):
         self.assertIsNone(self.call("reference.get")["frames"])
 
     def test_every_lattice_has_as_many_modes_as_it_can_tell(self):
-        self.call("camera.set", {"exposure_us": 700.0})  # the larger subapertures of 4 across are 2.4 times as bright
+        self.call("camera.set", {"exposure_us": 700.0})  # with 4 across, subapertures are larger and spots 2.4 times as bright
         for grid, across in (("hexagonal", 4), ("hexagonal", 6), ("square", 4)):
             with self.subTest(grid=grid, across=across):
                 self.call("sensor.set", {"grid": grid, "subapertures_across": across})
@@ -121,7 +121,7 @@ class Promises(BenchCase):
 
     def test_a_job_tells_its_quarters(self):
         stream = self.stream("event")
-        time.sleep(0.3)  # a subscription takes a moment
+        time.sleep(0.3)  # time for the subscription
         self.run_job("reference.take", {"frames": 100})
         told = []
         while (message := stream.next(1.0)) is not None:

@@ -1,4 +1,4 @@
-"""The Python client on a whole bench: what its README shows, its examples, every kind of message, and its numbers against the daemon's."""
+"""The Python client on a complete bench: its README, its examples, every kind of message, and its numbers against the daemon's."""
 import asyncio
 import json
 import os
@@ -33,7 +33,7 @@ def blocks(language):
 
 
 class Scripts(BenchCase):
-    """Programs of their own, as a user runs them."""
+    """Examples as separate programs, as a user runs them."""
 
     daemon_config = {"record": {"directory": "recordings"}}
 
@@ -55,7 +55,7 @@ class Scripts(BenchCase):
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=env)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.wait)
-        self.addCleanup(process.terminate)  # it would go on for ever
+        self.addCleanup(process.terminate)  # it would run forever
         printed = "".join(line for line, _ in zip(process.stdout, range(20)))
         self.assertRegex(printed, r"\d+ True \[")
 
@@ -92,7 +92,7 @@ class Scripts(BenchCase):
         self.assertEqual(self.example("live_plot.py", "2", path=self.matplotlib(PYPLOT)).count("pyplot bar"), 2)
 
     def matplotlib(self, pyplot):
-        """Where Python finds one that is played, whether this machine has the real one or not."""
+        """A folder with a fake matplotlib, used whether the real one is installed or not."""
         package = self.bench.directory / "played" / "matplotlib"
         package.mkdir(parents=True, exist_ok=True)
         (package / "__init__.py").touch()
@@ -149,7 +149,7 @@ class Numbers(BenchCase):
         with Subscription(*KINDS, timeout_s=20.0) as stream:
             for message in self.for_a_while(stream):
                 if type(message) not in found and isinstance(message, ovws_client.Status):
-                    self.client.reference_take(frames=5)  # makes events; who has a status has subscribed to events, too
+                    self.client.reference_take(frames=5)  # causes events; a client that got a status has also subscribed to events
                 found.setdefault(type(message), message)
                 if set(found) == set(KINDS):
                     break
@@ -196,7 +196,7 @@ class Numbers(BenchCase):
         config = self.client.config_get()
         centres, matrix_px = ovws_client.subaperture_centres(config), ovws_client.px_per_slope(config, self.client.registration_get())
         self.assertEqual(centres.shape, positions_px.shape)
-        # The lattice's gratings are slopes, too: s V grooves over the SLM's width and height.
+        # The lattice's own gratings are slopes too: s V grooves over the SLM's width and height.
         radius_px, slm = 0.5 * config["sensor"]["pupil_diameter_px"], config["slm"]
         slopes = centres * radius_px**2 * config["sensor"]["spacing"] / [slm["width"], slm["height"]]
         base = np.argmin(np.hypot(*centres.T))

@@ -1,6 +1,6 @@
-"""200 frames a second of 512 x 512 Mono8: none lost, every vortex found in every frame.
+"""200 frames/s of 512 x 512 Mono8: none lost, every vortex found in every frame.
 
-    OVWS_RATE_S=60   for how long, seconds
+    OVWS_RATE_S=60   duration, seconds
 """
 import os
 import time
@@ -41,9 +41,9 @@ class Rate(BenchCase):
         self.assertEqual(lost, 0)
         for counter in ("frames_lost", "frames_incomplete", "frames_dropped", "frames_unexpected", "spots_lost", "messages_dropped"):
             self.assertEqual(changed.get(counter, 0), 0, counter)
-        # What a busy machine delays is counted, and not measured as if it were of now.
+        # Frames delayed by a busy machine are counted as late and not tracked as current.
         self.assertGreaterEqual(all_tracked, messages - changed.get("frames_late", 0))
-        # The pace is the twin's, which shares the two cores: what is judged is that nothing of it is lost.
+        # The twin shares the two cores and sets the rate: only lost frames are judged.
         self.assertGreater(messages, 0.9 * RATE_HZ * SECONDS)
 
 

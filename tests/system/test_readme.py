@@ -1,4 +1,4 @@
-"""The commands and the code that README.md and the guides show are run as they stand there; the links of all of them resolve."""
+"""Runs the commands and code shown in README.md and the guides; checks that all their links resolve."""
 import re
 import shlex
 import subprocess
@@ -8,7 +8,7 @@ import unittest
 
 from case import ROOT, BenchCase, main
 
-# In this order the commands build on each other, as on a bench.
+# The commands build on each other in this order, as on a bench.
 GUIDES = [f"daemon/guide/{name}.md" for name in ("refined", "live-page", "images", "bench")]
 PAGES = ["README.md", *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))]
 
@@ -19,12 +19,12 @@ def blocks(language, *pages):
 
 
 def commands_of(*pages):
-    """What the shell blocks of these pages run of `ovws`, in their order."""
+    """All `ovws` commands in the shell blocks of these pages, in order."""
     return [shlex.split(line) for block in blocks("sh", *pages) for line in block.splitlines() if re.search(r"(^|/bin/)ovws ", line)]
 
 
 def anchors(page):
-    """The names by which a browser finds the headings of a page."""
+    """The link anchors of the page's headings."""
     text = re.sub(r"^( *)```.*?^\1```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
     headings = (re.sub(r"[^\w\- ]", "", heading).lower() for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE))
     return {heading.replace(" ", "-") for heading in headings}
@@ -66,13 +66,13 @@ class Readme(BenchCase):
 
     def test_the_commands_for_a_running_daemon(self):
         commands = commands_of("README.md", *GUIDES)
-        (self.bench.directory / "build").mkdir()  # there in a clone that was built
+        (self.bench.directory / "build").mkdir()  # exists in a built clone
         self.assertGreaterEqual(len(commands), 9)
         for program, *arguments in commands:
             if arguments[0] == "watch":
-                arguments += ["-n", "1"]  # it would go on for ever
+                arguments += ["-n", "1"]  # it would run forever
             self.assertTrue(self.run_here([self.bench.programs / program.rsplit("/", 1)[-1], *arguments]))
-            self.wait_until("running")  # a reference takes its time
+            self.wait_until("running")  # wait for jobs, such as the reference
         self.assertTrue((self.bench.directory / "build" / "coma-camera.png").exists())
 
     def test_the_code_for_numbers(self):

@@ -1,6 +1,6 @@
-"""Recordings: what is in the file is what was published, whatever ends the recording.
+"""Recordings contain what was published, whatever ends the recording.
 
-    OVWS_RECORD_KILLS=50   of the daemon while it records
+    OVWS_RECORD_KILLS=50   number of times to kill the daemon while it records
 """
 import contextlib
 import hashlib
@@ -33,7 +33,7 @@ class RecordCase(BenchCase):
         return recording
 
     def check_whole(self, recording):
-        """Everything that a row names is there, and every document is the one of its checksum."""
+        """Checks that everything referenced by a row exists, and that documents match their checksums."""
         frames = recording.frames
         self.assertTrue((numpy.diff(frames["frame_id"].astype(int)) - 1 == frames["gap"][1:] + frames["dropped_before"][1:]).all())
         self.assertTrue((frames["picture"] < len(recording.file["pictures"])).all())
@@ -51,7 +51,7 @@ class Record(RecordCase):
         return int(Path(f"/proc/{self.bench.process('ovwsd').pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
 
     def test_references_of_the_past_take_no_memory(self):
-        """A megabyte each, were their pictures kept for a recording that needs them no more."""
+        """Each would take 1 MB if its image were kept for a recording that no longer needs it."""
         for recording in (False, True):
             if recording:
                 self.call("record.start", {"name": "references", "pictures_every": 0})
@@ -69,7 +69,7 @@ class Record(RecordCase):
         self.settled_frames(numbers, 1)
         self.call("record.start", {"name": "run"})
         for stream in (numbers, pictures):
-            while stream.next(0.0):  # from before it
+            while stream.next(0.0):  # from before the start
                 pass
         published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
         shown = {}
@@ -87,7 +87,7 @@ class Record(RecordCase):
         compared = 0
         for frame_id, message in published.items():
             if frame_id not in ids:
-                continue  # before the first, or after the last
+                continue  # before the first or after the last recorded frame
             row = ids.index(frame_id)
             self.assertEqual([numpy.float32(c) for c in message["coefficients"]], list(coefficients[row]))
             self.assertEqual(int(run.frames["t_arrival_ns"][row]), message["t_arrival_ns"])
@@ -182,7 +182,7 @@ class Record(RecordCase):
 
 
 class RecordDisk(RecordCase):
-    """A disk of 90 MiB, of which a recording leaves 64."""
+    """A disk of 90 MiB, on which a recording leaves 64 MiB free."""
 
     def start(self):
         folder = self.bench.directory / "recordings"
@@ -193,12 +193,12 @@ class RecordDisk(RecordCase):
         super().start()
 
     def ended(self, name):
-        """Its report, once it has ended; what it had until then is whole, and frames go on."""
+        """Waits for the recording's end and returns its report; checks that the file is complete and frames continue."""
         report = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, 20.0, "the end")
         recording = self.open(name)
         self.check_whole(recording)
         self.assertEqual(len(recording.frames), report["frames"])
-        recording.close()  # else its room is not free when its name is gone
+        recording.close()  # an open file keeps its space after it is removed
         self.assertTrue(self.call("system.status")["record"]["reason"])
         self.settled_frames(self.stream("wavefront"), 5)
         return report

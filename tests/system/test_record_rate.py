@@ -1,6 +1,6 @@
-"""Recording at speed: no frame is lacking in the file, and the pipeline does not notice.
+"""Recording at high rates: no frame is missing in the file, and the pipeline is not slowed down.
 
-    OVWS_RECORD_S=60 OVWS_RECORD_HZ=500   seconds of recording, and frames a second; 60 s and more also judge the latency
+    OVWS_RECORD_S=60 OVWS_RECORD_HZ=500   seconds of recording, and frames/s; from 60 s on the latency is checked too
 """
 import os
 import time
@@ -10,7 +10,7 @@ from ovws_client.recording import Recording
 
 SECONDS = float(os.environ.get("OVWS_RECORD_S", "4"))
 RATE_HZ = float(os.environ.get("OVWS_RECORD_HZ", "200"))
-PARTS = 2  # with and without recording in turn: whatever else the machine does meanwhile hits both
+PARTS = 2  # alternate with and without recording, so that other load affects both
 LOST = ("frames_lost", "frames_incomplete", "frames_dropped", "messages_dropped")
 
 
@@ -20,7 +20,7 @@ class RecordRate(BenchCase):
     twin_config = {"noise": "pool", "light": {"peak_electrons": 6000}}
 
     def watch(self, stream, seconds):
-        """Latencies of the frames of these seconds, us, and what the counters of losses rose by."""
+        """Latencies of the frames within `seconds`, us, and the increase of the loss counters."""
         while stream.next(0.001):
             pass
         before = self.call("system.status")["counters"]

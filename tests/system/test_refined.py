@@ -1,4 +1,4 @@
-"""Frames refined beside the fast estimate: right, honest about which frame it was, and in nobody's way."""
+"""Refined frames beside the fast estimate: correct, labelled with their frame, and without slowing the frame path."""
 import signal
 import statistics
 import subprocess
@@ -55,7 +55,7 @@ class RefinedCase(BenchCase):
 
 class Refined(RefinedCase):
     def latency_us(self, stream, seconds):
-        """Median and 99th percentile of arrival to message, and that no frame was lost meanwhile."""
+        """Median and 99th percentile of the latency from arrival to message; checks that no frame was lost."""
         stream.drain()
         end, heard = time.monotonic() + seconds, []
         while time.monotonic() < end:
@@ -75,7 +75,7 @@ class Refined(RefinedCase):
         self.assertEqual(applied["pixel_format"], "Mono8")
         hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
         tracked = self.settled_frames(fast, 50, hologram_id)
-        # Each j's mean over the frames: what the fast estimate is wrong by, not its noise.
+        # Mean over the frames for each j: the bias of the fast estimate, without its noise.
         fast_errors = [statistics.fmean(error) for error in zip(*map(errors, tracked))]
         found = self.of_hologram(hologram_id, FITS)
         with_it = self.latency_us(fast, 4.0)
@@ -105,7 +105,7 @@ class Refined(RefinedCase):
         self.assertEqual((first["against"], first["charge"], first["valid"]), ("model", 1, True), first)
         self.take_reference()
         self.next_refined(lambda m: m["against"] == "reference" and m["valid"])
-        # Changed under a fit that runs: what comes of it still bears the old hologram and the old charge.
+        # A change during a fit: its result still has the old hologram and charge.
         wait_for(lambda: self.call("system.status")["refine"]["state"] == "refining")
         hologram_id = self.call("sensor.set", {"charge": 0, "tracker": "thresholded"})["hologram_id"]
         self.call("camera.set", {"exposure_us": 500.0})
@@ -114,7 +114,7 @@ class Refined(RefinedCase):
         print("\n  hologram, charge, against:", sorted(set(seen)))
         self.assertTrue(all((charge == 0) == (number >= hologram_id) for number, charge, _ in seen), seen)
         self.assertEqual(seen[-1], (hologram_id, 0, "model"))
-        # Gain and format: the numbers follow, and so do the electrons.
+        # Gain, format and exposure: the conversion to electrons follows.
         peak_e = self.of_hologram(hologram_id)[0]["peak_e"]
         self.call("camera.set", {"gain_db": 3.0, "pixel_format": "Mono12", "exposure_us": 300.0})
         self.assertAlmostEqual(self.call("refine.get")["electrons_per_dn"], 10000 / 255 / 16)
@@ -140,12 +140,12 @@ class Refined(RefinedCase):
             self.assertIn(words, str(error))
             self.assertEqual(self.call("refine.get"), before)
         self.call("refine.set", {"black_level_dn": 2.0})
-        error = self.refused("refine.set", {"saturation_dn": 1})  # the number given is at fault, not the one that stands
+        error = self.refused("refine.set", {"saturation_dn": 1})  # the error names the given value, not the active one
         self.assertEqual(error.data["field"], "saturation_dn")
         self.assertIn("above black_level_dn, which is 2", error.data["reason"])
         self.call("refine.set", {"black_level_dn": 0.0})
         self.assertEqual(self.call("system.status")["refine"]["state"], "off")
-        # Less noise stated than there is: the fit is there, and nobody is asked to believe it.
+        # Less noise configured than present: the fit is published, but not valid.
         self.call("camera.set", {"pixel_format": "Mono12"})
         self.enable(electrons_per_dn=100.0, black_level_dn=32.0)
         doubted = self.next_refined()
@@ -175,7 +175,7 @@ class Refined(RefinedCase):
 
 
 class UnevenLight(RefinedCase):
-    """A gaussian beam: the outermost subapertures get about three quarters of the innermost's light."""
+    """A Gaussian beam: the outermost subapertures get about three quarters of the light of the innermost."""
 
     twin_config = {"light": {"shape": "gaussian", "diameter_px": 1700}}
 
@@ -184,7 +184,7 @@ class UnevenLight(RefinedCase):
         chi2, error = {}, {}
         for fitted in (False, True):
             self.assertEqual(self.enable(rate_hz=5.0, spot_amplitudes=fitted)["spot_amplitudes"], fitted)
-            # The first may have been on its way already. Not every fit of amplitudes settles.
+            # The first may have started before the change. Not every fit of amplitudes converges.
             found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
             chi2[fitted] = statistics.fmean(message["chi2_per_pixel"] for message in found)
             error[fitted] = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])

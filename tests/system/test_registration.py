@@ -1,4 +1,4 @@
-"""A camera that is turned, mirrored, magnified and moved: registration finds out, and what is measured is right."""
+"""Registration of a rotated, mirrored, magnified and shifted camera; measurements are then correct."""
 import math
 
 from case import BenchCase, Client, main, wait_for
@@ -75,7 +75,7 @@ class Registration(BenchCase):
         self.call("registration.clear")
         self.assertFalse(self.call("registration.get")["registered"])
         self.place_camera(rotation_deg=0.0, mirror="none", magnification=1.0, centre_px=[255.5, 255.5])
-        self.take_reference(20)  # frames count for the sensor again
+        self.take_reference(20)  # frames are of the sensor's hologram again
         self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
 
 

@@ -1,4 +1,4 @@
-"""SIGHUP: the configuration's file is read again; what can change live changes, all else goes on."""
+"""SIGHUP reloads the configuration file: live keys change, everything else continues."""
 import json
 import signal
 
@@ -15,13 +15,13 @@ class Reload(BenchCase):
         self.events = self.stream("event")
 
     def signal(self, config):
-        """Asks for a reload of this file: a text, or the keys that differ from the defaults."""
+        """Writes the configuration (text, or keys that differ from the defaults) and requests a reload."""
         text = config if isinstance(config, str) else json.dumps(config)
         (self.bench.directory / "ovwsd.json").write_text(text)
         self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
 
     def ended(self):
-        """The event that ends a reload."""
+        """The event at the end of a reload."""
         return wait_for(lambda: (event := self.events.next(0.5)) and event["kind"] == "config" and event, 15.0, "the reload's end")
 
     def reload(self, config):
@@ -45,7 +45,7 @@ class Reload(BenchCase):
         return event
 
     def assert_frames(self, hologram):
-        """Settled frames of this hologram flow now, with or without a reference."""
+        """Checks that settled frames of this hologram are published, with or without a reference."""
         stream = self.stream("wavefront")
         for _ in range(20):
             wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"] and frame["hologram_id"] == hologram, 10.0, "a settled frame")
@@ -83,7 +83,7 @@ class Reload(BenchCase):
         self.assert_refused('{"camera": {"gain_db": 2.0, "exposure_su": 1}}', "camera.exposure_su", "exposure_us")
         self.assert_refused("{", "", "ovwsd.json")
         self.assert_refused({"camera": {"gain_db": 2.0}, "slm": {"driver": "none"}}, "slm.driver")
-        # The camera's own limit; then a sensor that no camera setting stands in the way of.
+        # First the camera's own limit; then a sensor error that no camera setting precedes.
         self.assert_refused({"camera": {"gain_db": 90.0}, "tracking": {"tracker": "matched"}}, "camera.gain_db")
         self.assert_refused({"camera": {"gain_db": 2.0}, "tracking": {"operator": "measured"}}, "tracking.operator", "calibration")
         (self.bench.directory / "ovwsd.json").unlink()
@@ -106,7 +106,7 @@ class Reload(BenchCase):
         self.assertEqual((event["data"]["saved"], event["data"]["edited"]), (["camera.exposure_us", "tracking.tracker"], ["camera.gain_db"]))
         self.assertIn("the file's values are used: camera.gain_db", event["text"])
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 1.0)
-        self.call("config.save")  # what waits for a restart is not saved
+        self.call("config.save")  # keys that wait for a restart are not saved
         self.assertEqual(set(json.loads(overlay.read_text())["saved"]), {"camera.exposure_us", "tracking.tracker"})
         for bad in ("{", overlay.read_text().replace('"matched"', '"best"')):
             overlay.write_text(bad)
@@ -115,7 +115,7 @@ class Reload(BenchCase):
             self.assertIn("renamed to state/config.json.rejected", event["text"])
             self.assertEqual(self.call("config.get")["tracking"]["tracker"], "lg")
         self.assertFalse(overlay.exists())
-        # A value that the camera refuses is none of the file's.
+        # The camera refuses a saved value: the error says that it is a saved one.
         text = json.dumps({"file": str(self.bench.directory / "ovwsd.json"), "saved": {"camera.gain_db": {"value": 90.0, "instead_of": 0.0}}})
         overlay.write_text(text)
         self.assert_refused(file, "camera.gain_db", "a saved value: remove state/config.json")
@@ -164,7 +164,7 @@ class Reload(BenchCase):
         self.assertEqual(self.reload(rounded)["data"]["applied"], [])
         (self.bench.directory / "state" / "config.json").unlink()
         self.assertEqual(self.reload(rounded)["data"]["applied"], ["camera.exposure_us"])
-        # What was asked for comes back, too, where a later part of the file refuses.
+        # If a later part of the file is refused, the requested values are rolled back too.
         self.assert_refused({"camera": {"exposure_us": 900.0}, "tracking": {"operator": "measured"}}, "tracking.operator")
         self.assertEqual(self.reload(rounded)["data"]["applied"], [])
 

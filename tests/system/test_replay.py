@@ -1,4 +1,4 @@
-"""Replay and export: a recording gives the same numbers again, through the pipeline and in other programs' files."""
+"""Replay and export: a recording gives the same numbers again in the pipeline and in exported files."""
 import contextlib
 import csv
 import hashlib
@@ -18,7 +18,7 @@ from ovws_client.recording import Recording
 
 
 def places(content, path=()):
-    """The path to every value of a document; of a list to its first."""
+    """The paths of all values of a document; of lists only the first element."""
     inner = content.items() if isinstance(content, dict) else enumerate(content[:1]) if isinstance(content, list) else ()
     for key, value in inner:
         yield (*path, key)
@@ -26,7 +26,7 @@ def places(content, path=()):
 
 
 def change_document(path, kind, place, value):
-    """In the first of that kind, and everywhere its checksum stands."""
+    """Changes a value in the first document of this kind, and its checksum everywhere."""
     with h5py.File(path, "r+") as file:
         changed = {}
         for number, row in enumerate(file["documents"][:]):
@@ -49,7 +49,7 @@ def change_document(path, kind, place, value):
 
 
 def change_field(table, field, value):
-    """A way to damage a recording: another number in the fourth row."""
+    """Returns a function that damages a recording: it changes a field in the fourth row."""
     def damage(file):
         row = file[table][3]
         row[field] = value
@@ -76,7 +76,7 @@ def forget_attribute(name):
 
 
 def change_text(file):
-    """One bit of the plan."""
+    """Flips one bit of the plan."""
     plan = next(row for row in file["documents"][:] if row["kind"] == b"plan")
     file["text"][int(plan["first_byte"]) + 100] ^= 1
 
@@ -123,13 +123,13 @@ class Replay(BenchCase):
         self.replayed("still", "--speed", "1")
         self.assertGreater(time.monotonic() - begun, 0.7)
         shutil.copy(self.path("still"), self.path("older"))
-        with h5py.File(self.path("older"), "r+") as file:  # texts of fixed length, as older versions wrote them
+        with h5py.File(self.path("older"), "r+") as file:  # fixed-length texts, as written by older versions
             for name, value in dict(file.attrs).items():
                 if isinstance(value, str):
                     file.attrs[name] = numpy.bytes_(value)
         self.assertEqual(self.replayed("older"), still)
         stepped = self.replay(self.path("still"), "--step", input="\n\n")
-        self.assertEqual(len(stepped.stdout.splitlines()), 4)  # three frames, and what they come to
+        self.assertEqual(len(stepped.stdout.splitlines()), 4)  # three frames and the summary
 
         self.call("record.start", {"name": "changes"})
         stream = self.stream("wavefront")
@@ -172,11 +172,11 @@ class Replay(BenchCase):
         same = []
         for message in self.settled_frames(stream, 60, timeout_s=20.0):
             number = message["frame_id"]
-            if number in then and number - 1 in then:  # after a lost frame the spots were looked for elsewhere
+            if number in then and number - 1 in then:  # after a lost frame the search started elsewhere
                 same.append(list(then[number]) == [numpy.float32(c) for c in message["coefficients"]])
         print(f"\n  {sum(same)} of {len(same)} the same bit for bit")
         self.assertGreater(len(same), 20)
-        self.assertTrue(all(same[5:]), same)  # the first are where a search has found the spots
+        self.assertTrue(all(same[5:]), same)  # the first frames follow an acquisition
         self.call("camera.set", {"frame_rate_hz": 300})
         wait_for(lambda: self.call("system.status")["rates"]["grabbed_hz"] > 150, what="a faster pace")
         self.assertIn("roi.width", str(self.refused("camera.set", {"roi": {"width": 256}})))
@@ -191,7 +191,7 @@ class Replay(BenchCase):
         coefficients = run.coefficients()
         with open(folder / "out.csv", newline="") as file:
             lines = list(csv.DictReader(file))
-        written = [float(line["j3"] or "nan") for line in lines]  # a frame that came incomplete has no modes
+        written = [float(line["j3"] or "nan") for line in lines]  # an incomplete frame has no modes
         self.assertTrue(numpy.array_equal(written, coefficients[:, 2].astype(float), equal_nan=True))
         with numpy.load(folder / "out.npz") as arrays:
             self.assertTrue(numpy.array_equal(arrays["coefficients"], coefficients, equal_nan=True))
@@ -246,7 +246,7 @@ class Replay(BenchCase):
         return done
 
     def test_plans_with_absurd_numbers_are_told(self):
-        """The checksums are right: only what the numbers say is wrong."""
+        """The checksums are correct; only the values are wrong."""
         self.take_reference(20)
         self.call("record.start", {"name": "honest"})
         time.sleep(0.3)
@@ -256,7 +256,7 @@ class Replay(BenchCase):
         for kind in ("plan", "operator"):
             for place in places(next(self.open("honest").documents(kind))):
                 for value in (-1, 0, 2**31 - 1, 2**63, 1e300, "x", None, [], {}):
-                    if (tried := tried + 1) % 7:  # all of them take minutes
+                    if (tried := tried + 1) % 7:  # testing all of them takes minutes
                         continue
                     shutil.copy(self.path("honest"), absurd)
                     change_document(absurd, kind, place, value)

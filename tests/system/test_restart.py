@@ -1,6 +1,6 @@
-"""What survives a restart: the reference, with all that it was taken with; and nothing that a kill can break.
+"""State that survives a restart, such as the reference with its conditions; killing the daemon never corrupts it.
 
-    OVWS_KILLS=200   of the daemon while it stores
+    OVWS_KILLS=200   number of times to kill the daemon while it writes
 """
 import collections
 import json
@@ -23,7 +23,7 @@ class Restart(BenchCase):
     twin_config = {"aberration": [{"n": 2, "m": 2, "waves": 0.2}]}
 
     def files(self):
-        """What is kept besides the saved settings."""
+        """The stored files except the saved settings."""
         return sorted(path for path in (self.bench.directory / "state").iterdir() if path.name != "config.json")
 
     def new_client(self):
@@ -36,7 +36,7 @@ class Restart(BenchCase):
         self.bench.stop("ovwsd")
 
     def start_again(self, **more):
-        """The daemon as it was, but for these sections; returns its log."""
+        """Restarts the daemon with its configuration, changed by these sections; returns its log."""
         self.start_daemon(**more)
         self.wait_until("running", 30.0)
         return self.bench.log("ovwsd")
@@ -119,7 +119,7 @@ class Restart(BenchCase):
         self.assertEqual((self.files(), self.reference_state()), ([], "none"))
         model = self.call("reference.set", {"source": "model"})
         self.assertEqual((model["source"], model["frames"], model["stale"]), ("model", 0, []))
-        self.assertEqual(model["positions_px"][9], [255.5, 255.5])  # the base subaperture's, in the middle of 19
+        self.assertEqual(model["positions_px"][9], [255.5, 255.5])  # the base subaperture is in the middle of 19
         self.call("camera.set", {"gain_db": 6.0})
         self.assertEqual(self.reference_state(), "in_force")
         self.call("camera.set", {"gain_db": 0.0})
@@ -174,7 +174,7 @@ class Restart(BenchCase):
         self.call("camera.set", {"gain_db": 3.0, "exposure_us": 1400.0})
         self.assertEqual(self.call("config.save"), {"path": "state/config.json", "saved": ["camera.exposure_us", "camera.gain_db"]})
         self.assertEqual(config.read_bytes(), file)
-        # A key that is edited afterwards is the file's, and all others are as saved.
+        # A key edited in the file afterwards overrides its saved value; all others stay saved.
         self.kill()
         log = self.start_again(camera={"gain_db": 6.0})
         self.assertIn("saved values active: camera.exposure_us (", log)
@@ -185,14 +185,14 @@ class Restart(BenchCase):
         self.assertEqual(checked.returncode, 0, checked.stderr)
         self.assertIn("saved values active: camera.exposure_us (", checked.stderr)
         self.assertEqual(json.loads(checked.stdout)["camera"]["exposure_us"], 1400.0)
-        # A bad one stops nothing.
+        # A damaged overlay does not prevent the start.
         for bad in (overlay.read_text()[:40], overlay.read_text().replace("1400.0", "-1.0")):
             self.kill()
             overlay.write_text(bad)
             self.assertRegex(self.start_again(), r"warning.*state/config.json are not used: .*renamed to state/config.json.rejected")
             self.assertEqual(overlay.with_name("config.json.rejected").read_text(), bad)
             self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0)
-        # Saved with the file's own values there is nothing to keep.
+        # Saving the file's own values leaves no overlay.
         self.call("camera.set", {"exposure_us": 1400.0})
         self.call("config.save")
         self.assertTrue(overlay.exists())
@@ -206,7 +206,7 @@ class Restart(BenchCase):
         self.assertIn("set state.directory", refused.data["reason"])
 
     def kept(self):
-        """What is to survive: the reference and the calibration by their checksums (None: there is none), and the gain in the saved configuration."""
+        """The stored state: checksums of reference and calibration (None: none), and the gain in the saved configuration."""
         return {"reference": self.call("reference.get")["sha256"], "calibration": self.call("calibration.get")["sha256"],
                 "gain_db": self.call("config.get")["camera"]["gain_db"]}
 
@@ -224,19 +224,19 @@ class Restart(BenchCase):
             self.call("config.save")
 
     def churn(self, end, kept):
-        """Takes, clears and saves until the daemon is gone: what is kept since the last step that was done, and the step that was not."""
+        """Takes, clears and saves until the daemon is killed; returns the state after the last finished step, and the interrupted step."""
         while True:
             action = random.choice(["reference", "calibration", "no reference", "no calibration", float(random.randrange(10))])
             try:
                 self.step(action)
                 kept = self.kept()
             except ClientError as error:
-                self.assertIsNone(error.code, error)  # no answer, and no refusal
+                self.assertIsNone(error.code, error)  # no reply; not an error reply
                 self.assertTrue(end.wait(5.0))
                 return kept, action
 
     def check_found(self, old, now, action, log):
-        """The old or the new one of what was interrupted, and all else as it was."""
+        """Checks that only the interrupted item may have changed, to its new value."""
         changed = [key for key in now if now[key] != old[key]]
         by = "gain_db" if isinstance(action, float) else action.split()[-1]
         self.assertIn(changed, ([], [by]), (old, now, action))
@@ -250,7 +250,7 @@ class Restart(BenchCase):
 
     def test_kills_at_any_moment_leave_the_old_or_the_new(self):
         random.seed(11)
-        self.call("camera.set", {"exposure_us": 500.0})  # saturates nothing at any gain of these
+        self.call("camera.set", {"exposure_us": 500.0})  # no saturation at any of these gains
         self.call("config.save")
         old, found_new, interrupted = self.kept(), 0, collections.Counter()
         for _ in range(KILLS):
@@ -260,7 +260,7 @@ class Restart(BenchCase):
             old, action = self.churn(end, old)
             killer.join()
             self.bench.stop("ovwsd")
-            self.new_client()  # what the old one has asked for must not reach the next daemon
+            self.new_client()  # pending requests of the old client must not reach the next daemon
             log = self.start_again()
             self.assertNotRegex(log, BY_DEFECT)
             now = self.kept()

@@ -1,4 +1,4 @@
-"""Nobody gets in: without the right keys no answer and no stream, each one counted; and what each client may."""
+"""Access control: without valid keys there is no reply and no stream, and attempts are counted; rights of each client."""
 import json
 import os
 import socket
@@ -13,7 +13,7 @@ CONTROL_PORT = 7702
 
 
 class Recorder:
-    """A relay on a port of its own that keeps what the client sent over its first connection."""
+    """A relay on its own port that records what the client sends over its first connection."""
 
     def __init__(self, port):
         self.sent = []
@@ -52,7 +52,7 @@ class Secured(BenchCase):
         self.server_key = self.keygen("daemon")
         self.public = {name: self.keygen(name) for name in ("boss", "guest", "leaver", "stranger")}
         self.write_clients("boss", "guest", "leaver")
-        # As daemon/guide/remote-access.md has it: reached from other machines, too.
+        # As in daemon/guide/remote-access.md: reachable from other machines.
         self.daemon_config = {"security": {"secret_key": str(self.folder / "daemon.json"), "clients": str(self.folder / "clients.json")},
                               "stream": {"endpoint": "tcp://*:7701", "image_endpoint": "tcp://*:7703"}, "control": {"endpoint": "tcp://*:7702"}}
         self.bench.start_daemon(self.daemon_config)
@@ -145,7 +145,7 @@ class Secured(BenchCase):
                 while data := replay.recv(65536):
                     received += data
             except OSError:
-                pass  # shut in our face
+                pass  # closed by the daemon
         self.assert_rejected(before, "a handshake played back")
         self.assertNotIn(b"READY", received)
         now = self.call("system.status")["counters"]["requests"]
@@ -237,7 +237,7 @@ class Secured(BenchCase):
 
 
 class Files(BenchCase):
-    """What is refused before anything starts, and the files of keys and sockets."""
+    """Configurations refused at the start, and the files of keys and sockets."""
 
     def start(self):
         self.folder = self.bench.directory
@@ -332,7 +332,7 @@ class Files(BenchCase):
         self.addCleanup(goes.close)
         self.assertIsNotNone(stays.next(10.0))
         self.assertIsNotNone(goes.next(10.0))
-        for _ in range(3):  # the file of the socket is removed and made anew each time
+        for _ in range(3):  # the socket file is removed and recreated each time
             write("stays")
             wait_for(lambda: goes.next(1.6) is None, 20.0, "the end of the stream")
             self.assertIsNotNone(stays.next(10.0))

@@ -1,4 +1,4 @@
-"""The daemon as a service: what it tells the service manager, how it logs, how it ends. The test plays the manager's part."""
+"""The daemon as a service: notifications, log and exit. The test plays the service manager."""
 import os
 import pathlib
 import re
@@ -29,7 +29,7 @@ class Service(unittest.TestCase):
         self.addCleanup(self.daemon.kill)
 
     def messages(self, seconds):
-        """(time, line) of each thing told within so many seconds."""
+        """(time, line) of each notification within `seconds`."""
         told, end = [], time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self.notify.settimeout(left)

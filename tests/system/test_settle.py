@@ -1,4 +1,4 @@
-"""The instrument measures how long its SLM takes, against the truth of the twin."""
+"""The daemon measures the settle time of its SLM, compared with the twin's truth."""
 from case import main, wait_for
 from slm_case import SlmCase
 
@@ -11,7 +11,7 @@ class Settling(SlmCase):
         found = self.run_job("slm.settle", {"repetitions": 8}, 60.0)["result"]
         print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, worst {found['worst_ms']:.1f}, {found['outliers']} outliers, not before {found['least_ms']:.1f}, "
               f"resolution {found['resolution_ms']:.1f} ms, proposed {found['proposed_settle_ms']} ms")
-        # The first exposure that stands begins after the truth, and the one before it began before; 5 ms for stamps that all came late.
+        # The first settled exposure starts after the true time, the previous one before it; 5 ms tolerance for late time stamps.
         self.assertGreater(found["p50_ms"], truth_ms - 5.0)
         self.assertLess(found["p50_ms"], truth_ms + found["resolution_ms"] + 5.0)
         self.assertLess(found["resolution_ms"], 20.0)  # two frames
@@ -32,7 +32,7 @@ class Settling(SlmCase):
         self.check_lost_display()
 
     def check_too_short(self):
-        """The SLM takes longer than slm.settle_ms says."""
+        """The SLM takes longer than slm.settle_ms."""
         self.bench.stop("ovws-twin")
         self.bench.start_twin({"noise": "pool", "slm": {"settle_ms": 250}})
         self.wait_until("running")
@@ -44,7 +44,7 @@ class Settling(SlmCase):
         self.assertIn("slm.settle_ms", self.failure("lut.run", {"frames": 1}))
 
     def check_lost_display(self):
-        """The X server ends in the middle of a job."""
+        """The X server ends during a job."""
         display = int(self.bench.display[1:])
         for method, params in (("slm.settle", {"repetitions": 100, "watch_ms": 600}), ("lut.run", {"levels": 256, "frames": 20})):
             with self.subTest(method):

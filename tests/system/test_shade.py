@@ -1,4 +1,4 @@
-"""A subaperture without light, before and after the reference: it costs information, and nothing else."""
+"""A dark subaperture, before and after the reference: it costs information but causes no error."""
 import statistics
 import time
 
@@ -21,7 +21,7 @@ class Shade(BenchCase):
         self.twin.call("twin.set", {"shades": [dict(zip(keys, disc)) for disc in discs]})
 
     def measured(self, stream):
-        """The mean of each mode over frames begun from now on, and the least number of spots."""
+        """The mean of each mode over frames exposed from now on, and the smallest number of spots."""
         since_ns = time.time_ns()
         stream.drain()
         wait_for(lambda: (frame := stream.next(1.0)) is not None and frame["t_device_ns"] > since_ns, 10.0)

@@ -1,4 +1,4 @@
-"""What stands on the SLM is what was presented, and what a job that measures it leaves."""
+"""The SLM's output shows the presented hologram, also after jobs that measure the SLM."""
 import zlib
 
 from case import main, wait_for
@@ -43,7 +43,7 @@ class ReadBack(SlmCase):
         shown = grab(self.bench.display, 1920, 0, 1280, 768)[:, :, 0]
         self.assertEqual(seen["crc32"], zlib.crc32(shown.tobytes()))
         events = self.stream("event")
-        draw_over(self.bench.display, 2000, 100, 30, 20)  # of the output, without a window of its own
+        draw_over(self.bench.display, 2000, 100, 30, 20)  # within the output, without a window
         spoilt = self.call("slm.verify")
         self.assertFalse(spoilt["equal"], spoilt)
         self.assertEqual(spoilt["crc32"], seen["crc32"])

@@ -1,6 +1,6 @@
-"""A disk that stands still, or is slow, holds up nobody: frames go on, control answers, and everything is written afterwards.
+"""A blocked or slow disk blocks nothing else: frames continue, requests are answered, and all data are written afterwards.
 
-The daemon alone sees such a disk, by a small library that stands before the C library (slow_disk.cpp).
+Only the daemon sees such a disk, through an LD_PRELOAD library (slow_disk.cpp).
 """
 import json
 import os
@@ -12,7 +12,7 @@ import time
 import h5py
 from case import BenchCase, Client, main, wait_for
 
-STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than a guarded thread may take
+STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than the watchdog allows a thread
 MIB = 1 << 20
 
 
@@ -36,7 +36,7 @@ class SlowDisk(BenchCase):
                 del os.environ[name]
 
     def speed(self, bytes_per_s):
-        """0: the disk stands still; None: it is as fast as it is."""
+        """Sets the disk's speed. 0: blocked; None: real speed."""
         if bytes_per_s is None:
             return self.speed_file.unlink()
         new = self.speed_file.with_suffix(".new")
@@ -44,7 +44,7 @@ class SlowDisk(BenchCase):
         return new.rename(self.speed_file)
 
     def in_background(self, method, params=None):
-        """The reply of a client of its own, when it is there."""
+        """Calls a method with a separate client in a thread; returns a list that receives the reply."""
         replies = []
 
         def ask():
@@ -56,7 +56,7 @@ class SlowDisk(BenchCase):
         return replies
 
     def exit_status(self, timeout_s):
-        """Of the daemon, which was asked to end."""
+        """Waits for the terminating daemon; returns its exit status."""
         return self.bench.process("ovwsd").popen.wait(timeout_s)
 
     def ended_by_sigterm(self, timeout_s):
@@ -124,7 +124,7 @@ class Standing(SlowDisk):
 
 class Recording(SlowDisk):
     def record(self, name, bytes_per_s):
-        """Until so much waits that a slow disk is busy with it for seconds."""
+        """Records until the backlog keeps a slow disk busy for seconds."""
         self.call("record.start", {"name": name, "pictures_every": 1})
         wait_for(lambda: self.call("record.get")["frames"] > 0, what="the first frame")
         self.speed(bytes_per_s)

@@ -1,4 +1,4 @@
-"""The installed unit under a real systemd: ready, status, reload, a thread that hangs, stop, and what its log holds."""
+"""The installed unit under a real systemd: ready, status, reload, a hanging thread, stop, and the log."""
 import contextlib
 import json
 import os
@@ -15,7 +15,7 @@ import user_manager
 from case import Client, bench_module, wait_for
 
 UNIT, METRICS_UNIT = "ovwsd.service", "ovws-metrics.service"
-# What a user's manager cannot do, or not here, and the paths of this test.
+# Overrides for options that a user manager does not support, and the paths of this test.
 NOT_HERE = """
 [Service]
 # The user and its groups, and capabilities: only the system's manager can give those.
@@ -157,7 +157,7 @@ class Systemd(unittest.TestCase):
         wait_for(told, 20.0, f"ovws_up {up}")
 
     def test_the_metrics_take_their_key_from_systemd(self):
-        self.start_metrics()  # without a key, as there is none
+        self.start_metrics()  # no key exists yet
         self.wait_for_metrics(1)
         server_key = self.keygen(self.bench.directory / "daemon.json")
         KEY.parent.mkdir()
@@ -168,12 +168,12 @@ class Systemd(unittest.TestCase):
         self.config.write_text(json.dumps({"security": {"secret_key": str(self.bench.directory / "daemon.json"), "clients": str(clients)}}))
         self.addCleanup(self.config.write_text, "{}")
         self.manager.systemctl("restart", UNIT)
-        self.wait_for_metrics(0)  # this process was started before there was a key
+        self.wait_for_metrics(0)  # this process started before the key existed
         self.start_metrics()
         self.wait_for_metrics(1)
 
     def hang(self, name, longest_turn_s):
-        """The service is killed by the watchdog and starts again, and the log names the thread before."""
+        """Holds a thread; checks that the log names it, and that the watchdog kills and restarts the service."""
         pid, seen = self.pid(), len(self.log())
         began = time.monotonic()
         with thread_holder.held(pid, name) as ended:
@@ -185,7 +185,7 @@ class Systemd(unittest.TestCase):
         wait_for(lambda: self.show("Result") == "watchdog", 5.0, "the manager's word on why")
         wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 30.0, "the restart")
         print(f"\n  {name}: told after {told_s:.1f} s, ended after {killed_s:.1f} s")
-        # Fed last at the latest when the thread was told to hang.
+        # The last keep-alive was sent at the latest when the log reported the thread.
         self.assertLess(killed_s - told_s, self.watchdog_s + 5.0)
 
     def test_a_hanging_acquire_thread_ends_in_a_restart(self):

@@ -1,4 +1,4 @@
-"""Templates from the reference: on a bench whose spots are not the model's they fit better, read modes right, and say when they are not there."""
+"""Templates from the reference: better fits and correct modes on a bench that differs from the model; missing ones are reported."""
 import statistics
 import struct
 
@@ -14,7 +14,7 @@ class Templates(BenchCase):
     daemon_config = {"state": {"directory": "state"}, "tracking": {"tracker": "matched"}}
 
     def qualities(self, count=FRAMES):
-        """Each spot's median quality; 0 for a lost one."""
+        """Median quality of each spot; 0 for lost spots."""
         spots = self.stream("spots")
         rows = []
         for message in self.settled_frames(spots, count):
@@ -27,7 +27,7 @@ class Templates(BenchCase):
         return sensor["template"], sensor["own_templates"], sensor["template_reason"]
 
     def read(self, j, waves):
-        """Each mode's mean reading while one is shown."""
+        """Mean of each measured mode while one mode is shown."""
         fast = self.stream("wavefront")
         hologram_id = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})["hologram_id"]
         frames = self.settled_frames(fast, FRAMES, hologram_id)
@@ -63,7 +63,7 @@ class Templates(BenchCase):
         for waves, found, others in self.readings("reference"):
             self.assertLess(abs(found - waves), 0.05 * abs(waves) + 0.005)
             self.assertLess(others, 0.01)
-        # The references are remembered with their template.
+        # References are stored per template kind.
         self.call("sensor.set", {"template": "model"})
         self.assertEqual(self.in_use(), ("model", 0, None))
         self.assertTrue(self.call("system.status")["sensor"]["referenced"])
@@ -80,19 +80,19 @@ class Templates(BenchCase):
         self.assertEqual((applied["template"], applied["tracker"]), ("reference", "lg"))
         self.assertIn("only the tracker matched", self.in_use()[2])
         self.call("sensor.set", {"tracker": "matched"})
-        self.take_reference(1)  # may hold a picture, or none
+        self.take_reference(1)  # may or may not contain an image
         _, own, reason = self.in_use()
         print(f"\n  a reference of one frame: {own} templates, {reason}")
         self.assertTrue((own == 19) == (reason is None) and (own == 19 or "no picture" in reason))
-        # A saturated spot of a reference is found by the model's template, and that is said.
+        # A spot that is saturated in the reference uses the model's template, which is reported.
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         twin.call("twin.set", {"noise": "none"})
-        twin.call("twin.set", {"peak_electrons": 3000})  # no spot is at full scale
+        twin.call("twin.set", {"peak_electrons": 3000})  # no spot saturates
         wait_for(lambda: self.stream("spots").next(5.0)["saturated"] == 0.0, what="spots that are not saturated")
         peaks = sorted(row[4] for row in struct.iter_unpack("<6f", self.stream("spots").next(5.0)["binary"]))
         exposure_us = self.call("camera.get")["settings"]["exposure_us"] * 255.0 / (peaks[-1] * peaks[-2]) ** 0.5
-        self.call("camera.set", {"exposure_us": exposure_us})  # the brightest spot alone comes to full scale
+        self.call("camera.set", {"exposure_us": exposure_us})  # only the brightest spot saturates
         wait_for(lambda: 0.0 < self.stream("spots").next(5.0)["saturated"] < 0.1, what="one saturated spot")
         self.call("reference.clear")
         self.take_reference(20)

@@ -1,4 +1,4 @@
-"""Half a wave of hidden high orders: the spots that it tears are found, followed, and let go when they are round again."""
+"""Half a wave of hidden high orders splits spots: they are found, tracked, and released when they are round again."""
 import random
 import statistics
 import time
@@ -30,7 +30,7 @@ class Torn(BenchCase):
         self.hidden_at_ns = time.time_ns()
 
     def newest(self, stream, count=FRAMES):
-        """Settled frames begun after what is hidden now was hidden: one on its way still shows what was before."""
+        """Settled frames exposed after the last change of the hidden aberration; frames in transit are skipped."""
         stream.drain()
         end, frames = time.monotonic() + 20.0, []
         while len(frames) < count and time.monotonic() < end:
@@ -71,7 +71,7 @@ class Torn(BenchCase):
         wait_for(lambda: not self.call("system.status")["sensor"]["torn"], 60.0)
         self.assertEqual({frame["tracked"] for frame in self.newest(stream)}, {19})
         self.assertLess(self.error(self.newest(stream), {}), 0.01)
-        counters = self.call("system.status")["counters"]  # a busy machine loses a packet now and then
+        counters = self.call("system.status")["counters"]  # a busy machine may lose packets
         self.assertLessEqual(counters["frames_lost"], 0.01 * counters["frames_grabbed"])
 
     def test_bright_spots_found_in_their_wrong_half_are_refused_and_then_seen_through(self):
@@ -95,7 +95,7 @@ class Torn(BenchCase):
         self.assertGreaterEqual(refused, 3)
 
     def frames_until_valid(self, stream, limit_s):
-        """Seconds by the camera's stamps from hiding until the first valid frame."""
+        """Seconds from the change of the hidden aberration to the first valid frame, by camera time stamps."""
         end = time.monotonic() + limit_s
         while time.monotonic() < end:
             message = stream.next(0.5)
@@ -104,7 +104,7 @@ class Torn(BenchCase):
         self.fail(f"no valid frame within {limit_s} s: {self.call('system.status')['sensor']['invalid']}")
 
     def test_sudden_wavefronts_do_not_make_the_search_slower(self):
-        """Twelve of them, each before the search of the last one need have ended; then one stays, stands, and goes."""
+        """Twelve wavefronts, each before the previous search need have ended; then one stays for a while and is removed."""
         self.take_reference()
         stream = self.stream("wavefront")
         valid = count = 0

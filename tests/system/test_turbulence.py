@@ -1,4 +1,4 @@
-"""Moving air: how much of it the closed loop takes away, by frequency, as ovws study rejection tells; the twin's truth of each frame is judge."""
+"""Turbulence: the closed loop's rejection by frequency from `ovws study rejection`, compared with the twin's truth of each frame."""
 import json
 import math
 import os
@@ -7,7 +7,7 @@ import subprocess
 
 from case import BenchCase, Client, main, wait_for
 
-SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # open, and as long closed
+SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
 MODES = list(range(3, 10))
 LOOP = {"gain": 0.5, "patience_s": 10, "modes": MODES}
@@ -45,7 +45,7 @@ class Turbulence(BenchCase):
         return frames
 
     def check_bands(self, summary):
-        """Far below the step rate nothing but the integrator counts: it is as good as that, and a loop that takes nothing away is told."""
+        """Far below the step rate the rejection must match the integrator's; a loop without effect would fail."""
         steps_hz, judged = summary["steps_hz"], 0
         for band in summary["bands"]:
             if band["to_hz"] > 0.1 * steps_hz or band["integrator_db"] is None or band["integrator_db"] > -5.0:
@@ -90,7 +90,7 @@ class Turbulence(BenchCase):
         self.assertLess(error, 0.5 * size)
         self.assertLess(abs(summary["open"]["rms_waves"] - size), error + 0.05 * size)
         self.check_bands(summary)
-        self.assertLess(left, (0.6 if summary["steps_hz"] >= 2.0 else 1.0) * size)  # slower, the air has gone on
+        self.assertLess(left, (0.6 if summary["steps_hz"] >= 2.0 else 1.0) * size)  # with slower steps the air has moved on
 
     def stopped_when_closed(self):
         study = self.study(6)

@@ -1,4 +1,4 @@
-"""A camera that was unplugged comes back by itself, and the frames that it did not send are counted."""
+"""An unplugged camera reconnects automatically, and the frames that it did not send are counted."""
 import time
 
 from case import BenchCase, Client, ClientError, main, wait_for
@@ -28,7 +28,7 @@ class Unplug(BenchCase):
         for seconds in (0.1, 0.3, 0.6, 2.0):
             with self.subTest(seconds=seconds):
                 before = stream.next(10.0)
-                twin.call("twin.fault", {"kind": "incomplete", "seconds": 9})  # the camera's properties change as it goes
+                twin.call("twin.fault", {"kind": "incomplete", "seconds": 9})  # the camera's properties change while it disconnects
                 time.sleep(0.1)
                 begun = time.monotonic()
                 twin.call("twin.fault", {"kind": "unplug", "seconds": seconds})
@@ -45,11 +45,11 @@ class Unplug(BenchCase):
         for gain_db in (5.0, 6.0):
             with self.subTest(gain_db=gain_db):
                 twin.call("twin.fault", {"kind": "unplug", "seconds": 2.2})
-                while stream.next(0.25) is not None:  # so long after the last frame: the last try to write meets the camera again
+                while stream.next(0.25) is not None:  # by then the last write attempt reaches the camera again
                     pass
                 try:
                     mine = {**mine, "gain_db": self.call("camera.set", {"gain_db": gain_db})["applied"]["gain_db"]}
-                except ClientError as error:  # it was still away: then nothing was set
+                except ClientError as error:  # still disconnected: nothing was set
                     print(f"\n  {error}")
                 wait_for(lambda: twin.call("twin.get")["camera"]["plugged"], what="a camera that is back")
                 wait_for(lambda: self.call("camera.get")["connected"] and stream.next(0.5), 20.0, "frames")

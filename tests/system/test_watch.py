@@ -1,4 +1,4 @@
-"""ovws watch on a terminal: what stands on the screen is what the stream says, and the terminal is given back as it was."""
+"""ovws watch on a terminal: the screen agrees with the stream, and the terminal is restored on exit."""
 import os
 import re
 import signal
@@ -7,7 +7,7 @@ import time
 from case import BenchCase, Client, main, wait_for
 from terminal import Terminal
 
-LEFT_BY_THE_PAGE = b"\x1b[?1049l"  # xterm: back to what stood there before
+LEFT_BY_THE_PAGE = b"\x1b[?1049l"  # xterm: leave the alternate screen
 
 
 class Watch(BenchCase):
@@ -49,7 +49,7 @@ class Watch(BenchCase):
         self.check_pace(terminal)
 
     def check_modes(self, terminal, message):
-        """While it is paused, by scrolling: every mode is there, with its bar to the right side."""
+        """Scrolls the paused screen and checks every mode and the side of its bar."""
         seen = {}
         for key in ["\x1b[A"] * 2 + ["\x1b[B"] * 10:
             for row in terminal.rows()[4:19]:
@@ -76,7 +76,7 @@ class Watch(BenchCase):
         begin = time.monotonic()
         time.sleep(2.0)
         came = [t for t in terminal.writes if t >= begin]
-        drawn = 1 + sum(after - before > 0.01 for before, after in zip(came, came[1:]))  # a drawing may come in pieces
+        drawn = 1 + sum(after - before > 0.01 for before, after in zip(came, came[1:]))  # one drawing may arrive in pieces
         print(f"\n  drawn {drawn / 2.0:.0f} times a second")
         self.assertLessEqual(drawn, 2 * 22)
         self.assertGreaterEqual(drawn, 2 * 8)

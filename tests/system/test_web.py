@@ -1,4 +1,4 @@
-"""ovws-web without a browser: who gets in, how old its numbers are, what a slow reader and a daemon that goes cost."""
+"""ovws-web without a browser: access control, age of its data, slow readers, and restarts of the daemon."""
 import http.client
 import json
 import os
@@ -31,14 +31,14 @@ ESTABLISHED, CLOSE_WAIT = "01", "08"
 
 
 def unread(state):
-    """How many bytes wait in each connection of ovws-web that is in that state; CLOSE_WAIT: its browser has closed it."""
+    """Unread bytes of each connection of ovws-web in this TCP state; CLOSE_WAIT: closed by the browser."""
     rows = [row.split() for row in Path("/proc/net/tcp").read_text(encoding="ascii").splitlines()[1:]]
     return [int(row[4].partition(":")[2], 16) for row in rows if row[1].endswith(f":{PORT:04X}") and row[3] == state]
 
 
 class Web(WebCase):
     def wavefronts(self, count):
-        """That many wavefront messages of the stream, and how old each was when it was here."""
+        """`count` wavefront messages of the stream, each with its age on arrival."""
         found = []
         for message, _ in self.messages():
             if message["schema"] == "ovws.wavefront/1":
@@ -50,7 +50,7 @@ class Web(WebCase):
     def test_what_is_refused_is_counted_and_logged(self):
         look, control = self.tokens["look"], self.tokens["control"]
         body = json.dumps({"method": "camera.set", "params": {"gain_db": 1}}).encode()
-        attempts = [  # refused as, status, the request
+        attempts = [  # refusal, HTTP status, request
             ("origin", 403, dict(method="POST", path="/rpc", body=body, token=control, headers={"Origin": "http://evil.example"})),
             ("origin", 403, dict(method="GET", path="/stream", token=look, headers={"Sec-Fetch-Site": "cross-site"})),
             ("token", 401, dict(method="POST", path="/rpc", body=body)),
@@ -88,12 +88,12 @@ class Web(WebCase):
                     raw.shutdown(socket.SHUT_WR)
                     raw.recv(4096)
                 except OSError:
-                    pass  # it was cut off: fine
+                    pass  # the server closed the connection, as expected
         silent = [socket.create_connection((HOST, PORT)) for _ in range(70)]
         for connection in silent:
             connection.close()
         sent = 0
-        with socket.create_connection((HOST, PORT), timeout=10) as raw:  # a body of 10 MiB that is really sent
+        with socket.create_connection((HOST, PORT), timeout=10) as raw:  # sends a body of 10 MiB
             raw.sendall(b"POST /rpc HTTP/1.1\r\nHost: %s\r\nContent-Length: %d\r\n\r\n" % (ADDRESS.encode(), 10 << 20))
             try:
                 while sent < 10 << 20:
@@ -112,9 +112,9 @@ class Web(WebCase):
             self.addCleanup(connection.close)
         for path, token in (("/", None), ("/hologram.png", self.tokens["look"])) * 20:
             self.assertEqual(self.ask("GET", path, token=token)[0] // 100, 2)
-            silent.append(socket.create_connection((HOST, PORT)))  # they are renewed
+            silent.append(socket.create_connection((HOST, PORT)))  # replace closed ones
             self.addCleanup(silent[-1].close)
-        self.health(lambda m: m["refused"]["full"] >= 137)  # one for each too many
+        self.health(lambda m: m["refused"]["full"] >= 137)  # one for each excess connection
         for _ in range(20):
             next(stream)
 
@@ -167,7 +167,7 @@ class Web(WebCase):
         self.addCleanup(slow.close)
         slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16384)
         slow.sendall(f"GET /stream HTTP/1.1\r\nHost: {ADDRESS}\r\nAuthorization: Bearer {self.tokens['look']}\r\n\r\n".encode())
-        time.sleep(1.5)  # megabytes of pictures
+        time.sleep(1.5)  # megabytes of images
         ages = sorted(age for _, age in self.wavefronts(40)[10:])
         self.assertLess(ages[-3], CURRENT_MS)
         kept = 0
@@ -177,7 +177,7 @@ class Web(WebCase):
                 kept += len(slow.recv(1 << 16))
         except TimeoutError:
             pass
-        # What waited for it is a buffer's worth, not what was sent to others meanwhile.
+        # Only a buffer of data waits for it, not everything sent to others meanwhile.
         self.assertLess(kept, 8 << 20)
         self.assertEqual(self.call("system.status")["counters"]["messages_dropped"], 0)
 
@@ -231,15 +231,15 @@ class Web(WebCase):
         self.assertTrue(self.wavefronts(3))
 
     def hold_daemon(self):
-        """It answers nothing until `os.kill(pid, SIGCONT)`."""
+        """Stops the daemon with SIGSTOP; it answers nothing until `os.kill(pid, SIGCONT)`."""
         pid = self.bench.process("ovwsd").pid
         os.kill(pid, signal.SIGSTOP)
         self.addCleanup(os.kill, pid, signal.SIGCONT)
-        os.waitid(os.P_PID, pid, os.WSTOPPED)  # every thread of it
+        os.waitid(os.P_PID, pid, os.WSTOPPED)  # waits until all threads have stopped
         return pid
 
     def send_command(self, method, params=None):
-        """The connection of a command whose answer nobody waits for yet."""
+        """Sends a command without reading the reply; returns the connection."""
         connection = http.client.HTTPConnection(HOST, PORT, timeout=15)
         self.addCleanup(connection.close)
         body = json.dumps({"method": method, "params": params or {}})

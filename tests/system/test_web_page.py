@@ -1,4 +1,4 @@
-"""The page in a real browser: what it shows, what its controls do, and what another site's page cannot."""
+"""The live page in a real browser: its views, its controls, and protection against other sites."""
 import http.server
 import threading
 import time
@@ -60,11 +60,11 @@ class Page(WebCase):
         wait_for(lambda: self.colours("#camera-canvas") > 10, what="the first picture")
 
     def check_console(self):
-        """What these tests run in the page has no address."""
+        """Checks that the console has no warnings or errors of the page; scripts of these tests have no address."""
         self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
 
     def colours(self, selector):
-        """How many different colours the canvas has."""
+        """Number of distinct colours on the canvas."""
         return self.browser.run("""const c = document.querySelector(arguments[0]);
             return new Set(new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer)).size""", selector)
 
@@ -72,7 +72,7 @@ class Page(WebCase):
         return float(self.browser.wait_text("#map-caption", lambda text: "valley" in text).split()[3])
 
     def slide(self, name, value):
-        """Moves a slider as a hand would, by its events."""
+        """Moves a slider through its input event, like a user."""
         self.browser.run("""const slider = document.querySelector(`input[type=range][aria-label^="${arguments[0]}"]`);
             slider.value = arguments[1]; slider.dispatchEvent(new Event("input", {bubbles: true}));""", name, str(value))
 
@@ -96,11 +96,11 @@ class Page(WebCase):
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
                 for canvas in ("#camera-canvas", "#map-canvas", "#strip-canvas"):
                     self.assertGreater(self.colours(canvas), 10 if canvas != "#strip-canvas" else 2, canvas)
-        wait_for(lambda: self.median_age_ms() < 100, 30.0, what="an age on screen below 100 ms")  # other programs may hold it up
+        wait_for(lambda: self.median_age_ms() < 100, 30.0, what="an age on screen below 100 ms")  # other programs may delay it
         self.check_console()
 
     def median_age_ms(self):
-        """Of what the page shows, over two seconds."""
+        """Median of the displayed age on screen over two seconds."""
         ages = [wait_for(lambda: float(self.browser.text("#figures div:last-child .value"))) for _ in range(8) if not time.sleep(0.25)]
         print(f"\n  age on screen: {sorted(ages)} ms")
         return sorted(ages)[len(ages) // 2]
@@ -115,7 +115,7 @@ class Page(WebCase):
             found = self.browser.run("return (await axe.run()).violations")
             grave = [(v["id"], v["impact"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
             self.assertEqual(grave, [], f"{theme}, {width} px")
-        # Everything that can be clicked is reached by the keyboard, in the order that is seen.
+        # All clickable elements are reachable by keyboard in visual order.
         reached = []
         for _ in range(60):
             self.browser.press("Tab")
@@ -149,12 +149,12 @@ class Page(WebCase):
         self.assertEqual(self.browser.text("#role"), "looking only")
 
     def error_of(self, name):
-        """What stands beside the control of that name."""
+        """The error text of the control with this label."""
         return self.browser.run("""const label = [...document.querySelectorAll(".field > label")].find((l) => l.textContent.startsWith(arguments[0]));
             return label.parentElement.querySelector(".error").textContent""", name)
 
     def type(self, name, text):
-        """Into the number of that name, as a hand would."""
+        """Types into the number field with this label, like a user."""
         self.browser.run("""const label = [...document.querySelectorAll(".field > label")].find((l) => l.textContent.startsWith(arguments[0]));
             const input = document.getElementById(label.htmlFor);
             input.value = arguments[1]; input.dispatchEvent(new Event("change", {bubbles: true}));""", name, text)
@@ -243,5 +243,5 @@ class Page(WebCase):
 
 
 if __name__ == "__main__":
-    PACKAGES_AT = browser_packages()  # before there is no network any more
+    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
     main()

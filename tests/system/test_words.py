@@ -1,4 +1,4 @@
-"""Manual pages and completions say what the programs say, all of it, and tools that are strict with them have nothing to say."""
+"""Manual pages and completions are complete, agree with --help, and pass strict lint tools."""
 import functools
 import json
 import os
@@ -79,7 +79,7 @@ class Pages(unittest.TestCase):
 
 class Completions(unittest.TestCase):
     def completed(self, *words):
-        """What bash is told for the last of these words."""
+        """Bash's completions of the last of these words."""
         script = f'source {MADE / "completion.bash"}; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _ovws; printf "%s\\n" "${{COMPREPLY[@]}}"'
         return set(run("bash", "--norc", "-c", script, "bash", *words).stdout.splitlines()) - {""}
 
@@ -128,7 +128,7 @@ class Completions(unittest.TestCase):
 
 
 def wait_on(condition, shell):
-    """As wait_for, and shows the terminal if it does not come true."""
+    """Like wait_for; on failure shows the terminal's content."""
     try:
         wait_for(condition, 5.0)
     except AssertionError:

@@ -1,4 +1,4 @@
-"""Wrong input of every kind: a clear error each time, one reply each time, and nothing lost or half done."""
+"""Wrong input of every kind: one reply with a clear error each time, and no partial changes."""
 import json
 
 from case import BenchCase, Client, main
@@ -16,7 +16,7 @@ class WrongInput(BenchCase):
         return {m: self.call(m) for m in ("camera.get", "sensor.get", "aberration.get", "reference.get", "config.get")}
 
     def tearDown(self):
-        """After each test the daemon must be as before it, and still measure."""
+        """After each test the daemon's state must be unchanged, and it must still measure."""
         self.assertEqual(self.everything(), self.before)
         self.settled_frames(self.stream("wavefront"), 5)
 

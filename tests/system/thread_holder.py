@@ -1,15 +1,15 @@
-"""Stops one thread of a process as a debugger would: nothing in the program is made for it."""
+"""Stops one thread of a process with ptrace, like a debugger; the program needs no support for it."""
 import contextlib
 import ctypes
 import os
 import pathlib
 
 PTRACE_DETACH, PTRACE_SEIZE, PTRACE_INTERRUPT = 17, 0x4206, 0x4207
-WALL = 0x40000000  # waits for a thread, too
+WALL = 0x40000000  # __WALL: wait for threads too
 
 
 def thread_id(pid, name):
-    """The thread of that name."""
+    """The id of the thread with this name."""
     for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
         if (task / "comm").read_text().strip() == name:
             return int(task.name)
@@ -26,8 +26,8 @@ def _ptrace(request, tid):
 
 @contextlib.contextmanager
 def held(pid, name):
-    """The thread stands still within this block, which gets a function: whether it has ended, by whatever ended its process.
-    Who waits for the process must ask it: a thread that is held is gone only when its holder knows."""
+    """Context in which the thread is stopped; yields a function that returns whether the thread has ended.
+    Poll it while waiting for the process: a traced thread is reaped only when its tracer waits for it."""
     tid = thread_id(pid, name)
     _ptrace(PTRACE_SEIZE, tid)
     _ptrace(PTRACE_INTERRUPT, tid)

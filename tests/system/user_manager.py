@@ -1,6 +1,6 @@
-"""A real systemd, as a user's manager, in namespaces of its own: of the machine it sees no unit and no socket.
+"""A real systemd user manager in its own namespaces: it sees no unit and no socket of the machine.
 
-Root only. The mounts are this process's own; two cgroups are made for the manager, and removed with all that is in them.
+Root only. The mounts are private to this process; two cgroups are made for the manager and removed with their processes.
 """
 import contextlib
 import ctypes
@@ -16,11 +16,11 @@ TARGETS = ("basic", "default", "exit", "shutdown", "sysinit", "multi-user")
 
 
 class NoManager(Exception):
-    """It cannot run here; the text says why."""
+    """The manager cannot run here; the text says why."""
 
 
 def own_mounts():
-    """Moves this process into a mount namespace of its own, with an empty /run."""
+    """Moves this process into its own mount namespace, with an empty /run."""
     clone_newns, ms_rec_private, ms_rec_shared = 0x00020000, 0x4000 | 0x40000, 0x4000 | 0x100000
     libc = ctypes.CDLL(None, use_errno=True)
 
@@ -30,7 +30,7 @@ def own_mounts():
 
     must(libc.unshare(clone_newns), "no mount namespace")
     must(libc.mount(b"none", b"/", None, ms_rec_private, None), "mounts cannot be made private")
-    # Among themselves this process and the manager share them: a service's credentials are a mount that its child makes.
+    # Share mounts between this process and the manager: a service's credentials are a mount made by its child.
     must(libc.mount(b"none", b"/", None, ms_rec_shared, None), "mounts cannot be shared with the manager")
     must(libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None), "no /run of its own")
     pathlib.Path("/run/systemd/system").mkdir(parents=True)
@@ -77,7 +77,7 @@ class Manager:
                               capture_output=True, text=True, timeout=timeout)
 
     def show(self, unit, *properties):
-        """The unit's properties, as a dictionary of texts."""
+        """The unit's properties as a dictionary of strings."""
         told = self.systemctl("show", unit, "--property=" + ",".join(properties)).stdout
         return dict(line.split("=", 1) for line in told.splitlines() if "=" in line)
 

@@ -1,4 +1,4 @@
-"""A bench with its live page, and a browser without a window that looks at it."""
+"""A bench with its live page, and a headless browser."""
 import http.client
 import json
 import os
@@ -13,7 +13,7 @@ PACKAGES = ("playwright-core@1.65.1", "axe-core@4.10.2")
 
 
 class Refused(Exception):
-    """An HTTP answer that is no success."""
+    """An HTTP response other than 200."""
 
 
 class WebCase(BenchCase):
@@ -24,7 +24,7 @@ class WebCase(BenchCase):
         self.start_web()
 
     def start_web(self, *more):
-        """ovws-web, and its links by name."""
+        """Starts ovws-web and reads its links by name."""
         self.web = self.bench.start("ovws-web", [self.bench.programs / "ovws-web", *self.web_arguments, *more])
         self.web.wait_for_line("ready", 10.0)
         lines = (self.bench.directory / "ovws-web.out").read_text().splitlines()
@@ -32,7 +32,7 @@ class WebCase(BenchCase):
         self.tokens = {name: link.partition("#")[2] for name, link in self.links.items()}
 
     def ask(self, method, path, body=None, token=None, host=ADDRESS, headers=None):
-        """(status, headers, bytes) of one request, as it is: nothing is put right on the way."""
+        """(status, headers, bytes) of one request, sent without corrections by the HTTP library."""
         connection = http.client.HTTPConnection(HOST, PORT, timeout=10)
         self.addCleanup(connection.close)
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
@@ -48,14 +48,14 @@ class WebCase(BenchCase):
         return reply.status, reply.headers, reply.read()
 
     def command(self, method, params=None, right="control"):
-        """The daemon's answer to a command of the page."""
+        """Sends a command like the page; returns the daemon's reply."""
         status, _, body = self.ask("POST", "/rpc", json.dumps({"method": method, "params": params or {}}).encode(), self.tokens[right])
         if status != 200:
             raise Refused(status)
         return json.loads(body)
 
     def messages(self, token=None):
-        """The stream's messages, as they come: (JSON, binary)."""
+        """Yields the stream's messages: (JSON, binary)."""
         connection = http.client.HTTPConnection(HOST, PORT, timeout=10)
         self.addCleanup(connection.close)
         connection.request("GET", "/stream", headers={"Authorization": f"Bearer {token or self.tokens['look']}"})
@@ -67,7 +67,7 @@ class WebCase(BenchCase):
             yield json.loads(reply.read(sizes[0])), reply.read(sizes[1])
 
     def message(self, schema, condition=lambda message: True):
-        """The first message of that kind that fulfils the condition."""
+        """The first message with this schema that fulfils the condition."""
         return next((m, b) for m, b in self.messages() if m["schema"] == schema and condition(m))
 
     def health(self, condition=lambda message: True):
@@ -75,7 +75,7 @@ class WebCase(BenchCase):
 
 
 class Browser:
-    """A Chromium without a window, driven by Playwright, with one page."""
+    """Headless Chromium with one page, driven by Playwright."""
 
     def __init__(self, packages):
         script = pathlib.Path(__file__).with_name("browser.mjs")
@@ -93,7 +93,7 @@ class Browser:
         self.ask("open", url=url)
 
     def run(self, body, *values):
-        """What a function of this body, with these arguments, returns in the page."""
+        """Runs a function with this body and these arguments in the page; returns its result."""
         return self.ask("run", body=body, values=values)
 
     def resize(self, width, height):
@@ -112,7 +112,7 @@ class Browser:
         return self.run("return document.querySelector(arguments[0]).textContent", selector)
 
     def wait_text(self, selector, condition, timeout_s=30.0):
-        """The text of the element once it fulfils the condition."""
+        """Waits until the element's text fulfils the condition; returns the text."""
         return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
 
     def close(self):
@@ -122,7 +122,7 @@ class Browser:
 
 
 def browser_packages():
-    """The folder with Playwright and axe-core of the npm registry, kept beside the build; none where there is no npm or no network."""
+    """The folder with Playwright and axe-core from npm, cached beside the build; none without npm or network."""
     folder = pathlib.Path(os.environ["OVWS_BUILD"]) / "browser"
     if not all((folder / "node_modules" / package.split("@")[0]).exists() for package in PACKAGES):
         folder.mkdir(exist_ok=True)
