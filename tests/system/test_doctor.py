@@ -94,7 +94,7 @@ class Well(DoctorCase):
                          "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
                          "daemon.version", "daemon.state", "daemon.store", "daemon.job"):
                 self.check(findings, name, "ok")
-            self.check(findings, "camera.control", "ok", "the daemon has its control")
+            self.check(findings, "camera.control", "ok", "the daemon controls the camera")
             self.check(findings, "camera.usb_memory", "not_here", "network")
         self.assertTrue(all(frame["valid"] for frame in self.settled_frames(frames, 20)))
         after = self.call("system.status")
@@ -115,7 +115,7 @@ class Well(DoctorCase):
     def test_a_camera_in_unknown_hands(self):
         findings = self.examine("--endpoint", "tcp://127.0.0.1:7999")
         self.check(findings, "daemon.answer", "not_here", "tcp://127.0.0.1:7999", "systemctl start ovwsd")
-        self.check(findings, "camera.control", "warning", "a program has its control")
+        self.check(findings, "camera.control", "warning", "a program controls the camera")
 
     def test_what_the_daemon_says_is_told(self):
         subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", "--off"], check=True, capture_output=True)
@@ -148,7 +148,7 @@ class Ill(DoctorCase):
         subprocess.run(["sh", "-c", fix.replace("sudo ", "")], check=True, capture_output=True, env=self.environment())
 
     def test_no_camera_and_another_one(self):
-        self.check(self.examine(), "camera.control", "ok", "nobody has its control")
+        self.check(self.examine(), "camera.control", "ok", "no program controls the camera")
         serial = self.config() | {"camera": {"id": "no such serial"}}
         self.check(self.examine(config=serial), "camera.found", "fault", '"camera": {"id": "127.0.0.1"}')
         self.bench.stop("ovws-twin")
@@ -202,19 +202,19 @@ class Ill(DoctorCase):
 
     def test_the_state_folder(self):
         state = self.bench.directory / "state"
-        self.check(self.examine(), "state.directory", "ok", "will be made")
+        self.check(self.examine(), "state.directory", "ok", "will be created")
         self.assertFalse(state.exists())
         state.mkdir()
-        self.check(self.examine(), "state.directory", "ok", "can be written")
+        self.check(self.examine(), "state.directory", "ok", "is writable")
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8m", "none", state], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", state], check=True)
         self.check(self.examine(), "state.room", "fault", "MiB left")
         subprocess.run(["mount", "-o", "remount,ro", state], check=True)
         findings = self.examine()
-        self.check(findings, "state.directory", "fault", "can only be read")
+        self.check(findings, "state.directory", "fault", "read-only")
         self.assertEqual(list(state.iterdir()), [])
         wrong = {"state": {"directory": str(self.bench.directory / "doctor.json")}}
-        self.check(self.examine(config=wrong), "state.directory", "fault", "is no folder")
+        self.check(self.examine(config=wrong), "state.directory", "fault", "is not a folder")
         self.check(self.examine(config={"log": {}}, env=self.environment() | {"STATE_DIRECTORY": str(self.bench.directory)}),
                    "state.directory", "ok", self.bench.directory)
 

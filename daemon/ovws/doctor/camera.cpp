@@ -10,7 +10,7 @@
 namespace ovws::doctor {
 namespace {
 
-constexpr const char* kNoCamera = "there is no camera to ask";
+constexpr const char* kNoCamera = "the camera does not answer";
 constexpr const char* kUsb = "the camera is on USB";
 
 bool on_usb(const CameraFacts& facts) {
@@ -36,21 +36,23 @@ Finding judge_found(const CameraFacts& facts) {
   if (facts.camera) {
     return fault(
         kName,
-        fmt::format("{} is heard on the network but does not answer at its address {}: "
-                    "this machine has no address in its network",
+        fmt::format("discovery finds {}, but it does not answer at its address {}: give this "
+                    "machine an address in the camera's network",
                     facts.camera->id, facts.camera->address),
         fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(facts.camera->address)));
   }
   if (facts.listed.empty()) {
     return fault(kName,
                  "camera.id is " + facts.config.id +
-                     ", and no camera at all is found: look at its cable and power; this lists "
-                     "what is found",
+                     ", but no camera at all is found: check its cable and power, then list the "
+                     "cameras",
                  "arv-tool-0.8");
   }
   const ListedCamera& other = facts.listed.front();
   return fault(
-      kName, "camera.id is " + facts.config.id + ", but found were: " + names_of(facts.listed),
+      kName,
+      "camera.id is " + facts.config.id +
+          ", but other cameras were found: " + names_of(facts.listed),
       fmt::format("\"camera\": {{\"id\": \"{}\"}}",
                   printable(other.gige && !other.address.empty() ? other.address : other.id,
                             kMaxNameBytes)));
@@ -58,20 +60,22 @@ Finding judge_found(const CameraFacts& facts) {
 
 Finding judge_control(const CameraFacts& facts) {
   constexpr const char* kName = "camera.control";
-  if (on_usb(facts)) return not_here(kName, "a USB camera does not tell in whose hands it is");
+  if (on_usb(facts))
+    return not_here(kName, "a USB camera does not report which program controls it");
   if (!facts.answer) return not_here(kName, kNoCamera);
-  if (!facts.answer->controlled) return ok(kName, "nobody has its control: a daemon may take it");
-  if (facts.daemon == DaemonsCamera::with) return ok(kName, "the daemon has its control");
+  if (!facts.answer->controlled)
+    return ok(kName, "no program controls the camera: a daemon can take control");
+  if (facts.daemon == DaemonsCamera::with) return ok(kName, "the daemon controls the camera");
   const std::string fix = "sudo ss --udp --all --processes";
   if (facts.daemon == DaemonsCamera::silent) {
     return warning(kName,
-                   "a program has its control, and no daemon answers here that it could be: close "
-                   "it before you start a daemon; this lists the programs that might",
+                   "a program controls the camera, but no daemon answers here: close that program "
+                   "before you start a daemon; the command lists candidates",
                    fix);
   }
   return fault(kName,
-               "another program than the daemon has its control, maybe on another machine: close "
-               "it; this lists those here that might",
+               "a program other than the daemon controls the camera, possibly on another machine: "
+               "close it; the command lists candidates on this machine",
                fix);
 }
 
@@ -89,7 +93,10 @@ Finding judge_interface(const CameraFacts& facts) {
   const std::string where =
       fmt::format("{} ({}) leads to {}", facts.path->interface, facts.path->own_address, address);
   if (facts.path->same_network) return ok(kName, where);
-  return warning(kName, where + " through a router, which loses packets and lets no large ones by",
+  return warning(kName,
+                 where +
+                     " through a router, which may lose packets and blocks large ones: give this "
+                     "machine an address in the camera's network",
                  fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
 }
 
@@ -108,24 +115,26 @@ Finding judge_link(const CameraFacts& facts) {
   constexpr double kOverhead = 1.05;  // headers and retransmitted packets
   if (!facts.camera) return not_here(kName, kNoCamera);
   const auto link = link_mbps(facts);
-  if (!link) return not_here(kName, "neither the camera nor its interface tells a speed");
+  if (!link) return not_here(kName, "neither the camera nor its interface reports a link speed");
   const CameraSettings& settings = facts.config.settings;
   const double needed_mbps =
       8e-6 * kOverhead * frame_bytes(settings) * std::max(settings.frame_rate_hz, 0.0);
-  const std::string says = fmt::format("frames as configured need {:.0f} Mbit/s, the link has {}",
+  const std::string says = fmt::format("the configured frames need {:.0f} Mbit/s, the link has {}",
                                        std::ceil(needed_mbps), *link);
   if (needed_mbps <= *link) return ok(kName, says);
   const double rate_hz = settings.frame_rate_hz * *link / needed_mbps;
-  return fault(kName, says + ": not all of them arrive; or mend the cable, port or switch",
-               fmt::format("\"camera\": {{\"frame_rate_hz\": {:.3g}}}",
-                           rate_hz >= 1.0 ? std::floor(rate_hz) : 0.9 * rate_hz));
+  return fault(
+      kName,
+      says + ": frames will be lost; lower the frame rate, or repair the cable, port or switch",
+      fmt::format("\"camera\": {{\"frame_rate_hz\": {:.3g}}}",
+                  rate_hz >= 1.0 ? std::floor(rate_hz) : 0.9 * rate_hz));
 }
 
 Finding judge_packets(const CameraFacts& facts) {
   constexpr const char* kName = "camera.packets";
   if (on_usb(facts)) return not_here(kName, kUsb);
   if (!facts.path || facts.path->mtu_bytes == 0) {
-    return not_here(kName, "the interface to the camera is not known");
+    return not_here(kName, "the network interface to the camera is unknown");
   }
   const int mtu = facts.path->mtu_bytes;
   const int asked = facts.config.packet_size_bytes;
@@ -134,31 +143,33 @@ Finding judge_packets(const CameraFacts& facts) {
   const int sent = in_use ? *facts.answer->packet_size_bytes : asked;
   const std::string fix =
       fmt::format("sudo ip link set dev {} mtu {}", facts.path->interface, std::max(asked, sent));
-  const std::string takes = fmt::format("{} takes packets of {} bytes", facts.path->interface, mtu);
+  const std::string takes =
+      fmt::format("{} accepts packets of up to {} bytes", facts.path->interface, mtu);
   if (in_use && sent > mtu) {
-    return fault(kName, fmt::format("the camera sends {} bytes a packet, {}", sent, takes), fix);
+    return fault(kName, fmt::format("the camera sends packets of {} bytes, but {}", sent, takes),
+                 fix);
   }
   if (asked > mtu) {
     return warning(kName,
-                   fmt::format("camera.packet_size_bytes is {}, {}: unless the camera finds a "
-                               "smaller size by test packets, no frame arrives",
+                   fmt::format("camera.packet_size_bytes is {}, but {}: no frame arrives unless "
+                               "test packets find a smaller size",
                                asked, takes),
                    fix);
   }
-  return ok(kName, fmt::format("camera.packet_size_bytes is {}, {}", asked, takes));
+  return ok(kName, fmt::format("camera.packet_size_bytes is {}, and {}", asked, takes));
 }
 
 Finding judge_socket_buffer(const CameraFacts& facts) {
   constexpr const char* kName = "camera.socket_buffer";
   if (on_usb(facts)) return not_here(kName, kUsb);
-  if (!facts.rmem_max_bytes) return not_here(kName, "net.core.rmem_max is not to be seen here");
-  const std::string says = fmt::format("net.core.rmem_max is {}, a daemon asks for {} bytes",
+  if (!facts.rmem_max_bytes) return not_here(kName, "net.core.rmem_max cannot be read here");
+  const std::string says = fmt::format("net.core.rmem_max is {}, a daemon requests {} bytes",
                                        *facts.rmem_max_bytes, facts.socket_buffer_bytes);
   if (*facts.rmem_max_bytes >= facts.socket_buffer_bytes) return ok(kName, says);
   return warning(kName,
                  says +
-                     ": one without CAP_NET_RAW, which the service has, loses packets when the "
-                     "processor is busy",
+                     ": a daemon without CAP_NET_RAW loses packets when the CPU is busy (the "
+                     "service has it)",
                  fmt::format("sudo sysctl -w net.core.rmem_max={}", facts.socket_buffer_bytes));
 }
 
@@ -167,16 +178,18 @@ Finding judge_usb_memory(const CameraFacts& facts) {
   constexpr const char* kPath = "/sys/module/usbcore/parameters/usbfs_memory_mb";
   if (!facts.camera) return not_here(kName, kNoCamera);
   if (!on_usb(facts)) return not_here(kName, "the camera is on the network");
-  if (!facts.usbfs_mb) return not_here(kName, "usbfs_memory_mb is not to be seen here");
+  if (!facts.usbfs_mb) return not_here(kName, "usbfs_memory_mb cannot be read here");
   const auto needed_mb =
       std::int64_t(std::ceil(frame_bytes(facts.config.settings) * facts.buffers / 1048576.0)) + 1;
-  const std::string says =
-      fmt::format("the system gives USB {} MiB, {} buffers of frames as configured need {}",
-                  *facts.usbfs_mb, facts.buffers, needed_mb);
-  if (*facts.usbfs_mb == 0) return ok(kName, "the system gives USB as much memory as it asks for");
+  const std::string says = fmt::format(
+      "the kernel allows {} MiB for USB transfers, {} buffers of the configured frames "
+      "need {}",
+      *facts.usbfs_mb, facts.buffers, needed_mb);
+  if (*facts.usbfs_mb == 0)
+    return ok(kName, "the kernel does not limit the memory of USB transfers");
   if (*facts.usbfs_mb >= needed_mb) return ok(kName, says);
   return fault(
-      kName, says + ": frames are lost",
+      kName, says + ": frames will be lost",
       fmt::format("echo {} | sudo tee {}", std::max<std::int64_t>(needed_mb, 1000), kPath));
 }
 

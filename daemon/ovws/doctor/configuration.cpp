@@ -49,25 +49,26 @@ ConfigurationFacts read_configuration(const std::string& path) {
 
 Findings judge(const ConfigurationFacts& facts) {
   if (facts.error) {
-    return {fault(kName, "no daemon starts with it: " + told(*facts.error),
+    return {fault(kName, "a daemon does not start with this configuration: " + told(*facts.error),
                   fix_of(facts, *facts.error))};
   }
   if (const auto& keys = facts.keys; keys.error) {
-    return {fault(kName, "no daemon starts with it: " + told(*keys.error),
+    return {fault(kName, "a daemon does not start with this configuration: " + told(*keys.error),
                   keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
   }
   if (facts.unseen) {
-    return {fault(kName, "the sensor would find no spots with it: " + told(*facts.unseen),
+    return {fault(kName,
+                  "the sensor would find no spots with this configuration: " + told(*facts.unseen),
                   fix_of(facts, *facts.unseen))};
   }
   if (facts.path.empty()) {
     return {warning(kName,
-                    fmt::format("no file is named and there is no {}, so all is held against the "
+                    fmt::format("no file is named and {} does not exist: the checks use the "
                                 "defaults, which are the demonstration's",
                                 kServicePath),
                     "ovws doctor --config FILE")};
   }
-  const std::string good = facts.path + " reads well and makes a sensor";
+  const std::string good = facts.path + " is valid";
   if (facts.saved_is_unused) {
     return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
   }
@@ -75,14 +76,14 @@ Findings judge(const ConfigurationFacts& facts) {
     return {warning(kName,
                     good + "; saved settings could not be used and were renamed to " +
                         facts.rejected +
-                        ": set what is missing again, save it with config.save, "
-                        "and remove that file",
+                        ": set the missing ones again, save them with config.save, and remove "
+                        "that file",
                     "sudo rm " + facts.rejected)};
   }
   if (!facts.keys.read) {
-    return {not_here(kName,
-                     good + "; the daemon's secret key was not checked: this user may not read it",
-                     "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path)};
+    return {not_here(
+        kName, good + "; the daemon's secret key was not checked, because this user cannot read it",
+        "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path)};
   }
   return {ok(kName, facts.saved.empty() ? good : good + "; " + facts.saved)};
 }

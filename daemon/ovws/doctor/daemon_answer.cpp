@@ -20,7 +20,7 @@ Finding judge_answer(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.answer";
   if (facts.status) return ok(kName, "a daemon answers at " + facts.endpoint);
   if (facts.refused) {
-    return warning(kName, "the daemon at " + facts.endpoint + " refuses: " + facts.why,
+    return warning(kName, "the daemon at " + facts.endpoint + " refuses the request: " + facts.why,
                    "ovws --key FILE doctor");
   }
   return not_here(kName, facts.why,
@@ -31,10 +31,11 @@ Finding judge_answer(const DaemonFacts& facts) {
 Finding judge_version(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.version";
   const std::string version = text_at(*facts.status, "/versions/ovws");
-  if (version == facts.own_version) return ok(kName, "it is of version " + version + ", as this");
+  if (version == facts.own_version)
+    return ok(kName, "the daemon has version " + version + ", the same as this program");
   return warning(kName,
-                 fmt::format("the daemon is of version {}, this program of {}: an installation "
-                             "waits for a restart, or there are two",
+                 fmt::format("the daemon has version {}, this program {}: restart the daemon, or "
+                             "remove the second installation",
                              version.empty() ? "unknown" : version, facts.own_version),
                  "sudo systemctl restart ovwsd");
 }
@@ -45,32 +46,35 @@ Finding judge_state(const DaemonFacts& facts) {
   for (const char* part : {"camera", "slm"}) {
     const std::string told = text_at(*facts.status, fmt::format("/{}/fault", part).c_str());
     if (!told.empty()) {
-      return fault(kName, fmt::format("it is {}, and says of its {}: {}", state, part, told), kLog);
+      return fault(kName,
+                   fmt::format("the daemon is in state {}; its {} reports: {}", state, part, told),
+                   kLog);
     }
   }
   if (state == "fault" || state.starts_with("waiting")) {
-    return fault(kName, "it is in the state " + state, kLog);
+    return fault(kName, "the daemon is in state " + state, kLog);
   }
-  return ok(kName, "it is " + state);
+  return ok(kName, "the daemon is in state " + state);
 }
 
 Finding judge_store(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.store";
   const std::string reason = text_at(*facts.status, "/store/reason");
   if (reason.empty()) {
-    return ok(kName, "it keeps what it measures in " + text_at(*facts.status, "/store/directory"));
+    return ok(kName, "the daemon stores its measurements in " +
+                         text_at(*facts.status, "/store/directory"));
   }
-  return warning(kName, "not all that it measures is kept: " + reason,
+  return warning(kName, "the daemon cannot store all its measurements: " + reason,
                  "\"state\": {\"directory\": \"/var/lib/ovws\"}");
 }
 
 Finding judge_job(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.job";
   const std::string kind = text_at(*facts.status, "/failed_job/kind");
-  if (kind.empty()) return ok(kName, "none of its jobs has failed without succeeding since");
+  if (kind.empty()) return ok(kName, "no job has failed since its last success");
   return warning(kName,
-                 fmt::format("its job {} failed at {}, and none of that kind was done since: {}",
-                             kind, text_at(*facts.status, "/failed_job/t_failed"),
+                 fmt::format("job {} failed at {} and has not succeeded since: {}", kind,
+                             text_at(*facts.status, "/failed_job/t_failed"),
                              text_at(*facts.status, "/failed_job/reason")),
                  "ovws call --wait " + kind);
 }

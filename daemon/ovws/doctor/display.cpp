@@ -45,13 +45,14 @@ Finding judge_server(const DisplayFacts& facts) {
         facts.server_named ? "sudo systemctl restart display-manager" : "export DISPLAY=:0");
   }
   if (facts.probe->colour_depth_bits == sdl::kExactDepthBits) {
-    return ok(kName, "the X server answers, with 8 bits for each colour");
+    return ok(kName, "the X server answers and uses 8 bits per colour");
   }
-  return fault(kName,
-               fmt::format("the X server's colour depth is {}: grey levels are not exact",
-                           facts.probe->colour_depth_bits),
-               fmt::format("DefaultDepth {} in section \"Screen\" of /etc/X11/xorg.conf",
-                           sdl::kExactDepthBits));
+  return fault(
+      kName,
+      fmt::format("the X server's colour depth is {} bits: grey levels on the SLM are not exact",
+                  facts.probe->colour_depth_bits),
+      fmt::format("DefaultDepth {} in section \"Screen\" of /etc/X11/xorg.conf",
+                  sdl::kExactDepthBits));
 }
 
 Finding judge_mode(const Output& output, const DisplayFacts& facts) {
@@ -73,14 +74,15 @@ Finding judge_mode(const Output& output, const DisplayFacts& facts) {
   }
   if (output.mode_width != config.width || output.mode_height != config.height) {
     return fault(kName,
-                 fmt::format("{} sends {}x{}, the configured SLM has {}x{}: its pixels are not "
-                             "ours",
+                 fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
+                             "not match SLM pixels",
                              output.name, output.mode_width, output.mode_height, config.width,
                              config.height),
                  set_mode);
   }
   return fault(
-      kName, output.name + " is scaled, rotated or mirrored: its pixels are not ours",
+      kName,
+      output.name + " is scaled, rotated or mirrored: hologram pixels do not match SLM pixels",
       fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
 }
 
@@ -90,7 +92,7 @@ Finding judge_output(const Output& output, const DisplayFacts& facts) {
   const auto chosen = sdl::choose_output(facts.probe->outputs, facts.config);
   const bool is_desktop = output.primary && !facts.config.allow_primary;
   if (chosen || (!is_desktop && !sdl::check_mode(output, facts.config))) {
-    return ok(kName, output.name + " is there");
+    return ok(kName, "output " + output.name + " exists");
   }
   const std::string& reason = chosen.error().reason;
   if (is_desktop) {
@@ -106,12 +108,13 @@ Finding judge_output(const Output& output, const DisplayFacts& facts) {
 Finding judge_gamma(const Output& output) {
   constexpr const char* kName = "slm.gamma";
   if (!output.on()) return not_here(kName, output.name + " is switched off");
-  if (output.linear_gamma) return ok(kName, "grey levels pass " + output.name + " unchanged");
-  return fault(kName,
-               "the gamma ramp of " + output.name +
-                   " is bent, so grey levels are not what the SLM gets; stop the night-light or "
-                   "colour management that does it",
-               fmt::format("xrandr --output {} --gamma 1:1:1", output.name));
+  if (output.linear_gamma) return ok(kName, "the gamma ramp of " + output.name + " is linear");
+  return fault(
+      kName,
+      "the gamma ramp of " + output.name +
+          " is not linear, so that the SLM gets wrong grey levels; stop the night light or "
+          "colour management that sets it",
+      fmt::format("xrandr --output {} --gamma 1:1:1", output.name));
 }
 
 Finding judge_power(const DisplayProbe& probe) {
@@ -119,29 +122,29 @@ Finding judge_power(const DisplayProbe& probe) {
   if (probe.asleep) {
     return fault(kName, "the screens are powered down", "xset dpms force on && xset -dpms");
   }
-  if (!probe.power_saving) return ok(kName, "nothing powers the screens down");
+  if (!probe.power_saving) return ok(kName, "DPMS does not power the screens down");
   return warning(kName,
-                 "DPMS powers the screens down when nobody touches the desktop; a daemon holds it "
-                 "off only while it shows",
+                 "DPMS powers the screens down when the desktop is idle; a daemon prevents it only "
+                 "while it shows a hologram",
                  "xset -dpms");
 }
 
 Finding judge_screen_saver(const DisplayProbe& probe) {
   constexpr const char* kName = "slm.screen_saver";
-  if (probe.screen_saver_s == 0) return ok(kName, "the X server has no screen saver on");
+  if (probe.screen_saver_s == 0) return ok(kName, "the X server's screen saver is off");
   return warning(kName,
-                 fmt::format("a screen saver blanks the screens after {} s without a touch; a "
-                             "daemon holds it off only while it shows",
+                 fmt::format("the screen saver blanks the screens after {} s without input; a "
+                             "daemon prevents it only while it shows a hologram",
                              probe.screen_saver_s),
                  "xset s off");
 }
 
 Finding judge_compositor(const DisplayProbe& probe) {
   constexpr const char* kName = "slm.compositor";
-  if (!probe.composited) return ok(kName, "no compositing manager delays what is shown");
+  if (!probe.composited) return ok(kName, "no compositing manager is running");
   return warning(kName,
-                 "a compositing manager draws the desktop and may hold a hologram back for a "
-                 "frame or two; switch it off, or measure the delay and put it into slm.settle_ms",
+                 "a compositing manager is running and may delay holograms by one or two frames; "
+                 "switch it off, or measure the delay and set slm.settle_ms",
                  "ovws call --wait slm.settle");
 }
 
@@ -154,8 +157,8 @@ Result<DisplayProbe> probe_in_time() {
   std::thread(std::move(probe)).detach();
   if (found.wait_for(kPatience) == std::future_status::ready) return found.get();
   return fail(Errc::unavailable, "slm.display",
-              fmt::format("the X server DISPLAY={} does not answer within {} s: it hangs, end it "
-                          "and start it again",
+              fmt::format("the X server DISPLAY={} does not answer within {} s: it hangs, restart "
+                          "it",
                           sdl::environment("DISPLAY"), kPatience.count()));
 }
 
@@ -171,7 +174,7 @@ DisplayFacts read_display(const SlmConfig& config) {
 Findings judge(const DisplayFacts& facts) {
   Findings found{judge_server(facts)};
   if (!facts.probe) {
-    const char* why = "the display system cannot be asked";
+    const char* why = "the X server cannot be queried";
     for (const char* name : {"slm.output", "slm.mode", "slm.gamma", "slm.power", "slm.screen_saver",
                              "slm.compositor"}) {
       found.push_back(not_here(name, why));
@@ -187,8 +190,8 @@ Findings judge(const DisplayFacts& facts) {
     found.push_back(fault("slm.output", output.error().reason,
                           fmt::format("\"slm\": {{\"display\": \"{}\"}}",
                                       likely_output(*facts.probe, facts.config))));
-    found.push_back(not_here("slm.mode", "the output is not found"));
-    found.push_back(not_here("slm.gamma", "the output is not found"));
+    found.push_back(not_here("slm.mode", "the output was not found"));
+    found.push_back(not_here("slm.gamma", "the output was not found"));
   }
   found.push_back(judge_power(*facts.probe));
   found.push_back(judge_screen_saver(*facts.probe));

@@ -30,7 +30,7 @@ Findings examine(const std::string& path, const std::string& endpoint, const Ask
     add(found, judge(read_state(config.state)));
   } else {
     for (const char* name : {"camera", "slm", "state"}) {
-      found.push_back(not_here(name, "the configuration does not say what to look for"));
+      found.push_back(not_here(name, "the configuration could not be loaded"));
     }
   }
   add(found, judge(read_host(config.realtime)));

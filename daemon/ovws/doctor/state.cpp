@@ -43,27 +43,28 @@ std::string other_owner(const struct stat& status) {
 Finding judge_folder(const StateFacts& facts) {
   const std::string& folder = *facts.directory;
   if (facts.there && !facts.is_folder) {
-    return fault(kName, folder + " is no folder: nothing is kept over a restart",
+    return fault(kName, folder + " is not a folder: no measurement survives a restart",
                  "\"state\": {\"directory\": \"/var/lib/ovws\"}");
   }
   if (!facts.disk_writable) {
-    return fault(kName, folder + " is on a disk that can only be read: nothing new is kept",
+    return fault(kName,
+                 folder + " is on a read-only file system: new measurements cannot be stored",
                  fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
   }
   if (facts.writable) {
-    return ok(kName, folder + (facts.there ? " can be written" : " will be made at the start"));
+    return ok(kName, folder + (facts.there ? " is writable" : " will be created at the start"));
   }
   if (!facts.there) {
-    return fault(kName, folder + " is not there and this user cannot make it",
+    return fault(kName, folder + " does not exist and this user cannot create it",
                  fmt::format("sudo install -d -o ovws -g ovws {}", folder));
   }
   if (!facts.owner.empty()) {
-    return not_here(kName,
-                    folder + " belongs to " + facts.owner +
-                        ": whether that user can write it is not known here",
-                    fmt::format("sudo -u {} ovws doctor", facts.owner));
+    return not_here(
+        kName,
+        folder + " belongs to " + facts.owner + ": only that user can check whether it is writable",
+        fmt::format("sudo -u {} ovws doctor", facts.owner));
   }
-  return fault(kName, folder + " cannot be written: nothing new is kept over a restart",
+  return fault(kName, folder + " is not writable: new measurements do not survive a restart",
                "chmod u+rwx " + folder);
 }
 
@@ -74,8 +75,10 @@ Finding judge_room(const StateFacts& facts) {
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
   const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);
-  if (facts.free_bytes < kLeast) return fault(kRoom, says + ": too little for references", fix);
-  if (facts.free_bytes < kEnough) return warning(kRoom, says + ": too little for sweeps", fix);
+  if (facts.free_bytes < kLeast)
+    return fault(kRoom, says + ": too little to store references", fix);
+  if (facts.free_bytes < kEnough)
+    return warning(kRoom, says + ": too little to store gain sweeps", fix);
   return ok(kRoom, says);
 }
 
@@ -105,9 +108,11 @@ StateFacts read_state(const StateConfig& config) {
 
 Findings judge(const StateFacts& facts) {
   if (!facts.directory) {
-    return {warning(kName, "no folder is named: references and calibrations are lost at a restart",
+    return {warning(kName,
+                    "no state folder is configured: references and calibrations are lost at a "
+                    "restart",
                     "\"state\": {\"directory\": \"/var/lib/ovws\"}"),
-            not_here(kRoom, "no folder is named")};
+            not_here(kRoom, "no state folder is configured")};
   }
   return {judge_folder(facts), judge_room(facts)};
 }
