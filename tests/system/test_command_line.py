@@ -82,9 +82,9 @@ class CommandLine(BenchCase):
     def test_watching_what_does_not_come(self):
         said = self.ovws("watch", "refined", code=1)
         self.assertIn("refine.enabled: refinement is off", said)
-        self.assertIn("no event message came within 0.3 s", self.ovws("--timeout", 0.3, "watch", "event", code=3))
+        self.assertIn("no event message arrived within 0.3 s", self.ovws("--timeout", 0.3, "watch", "event", code=3))
         self.call("refine.set", {"enabled": True, "electrons_per_dn": 39.2, "rate_hz": 0.01})
-        self.assertIn("no refined message came within 0.3 s", self.ovws("watch", "refined", "--timeout", 0.3, code=3))
+        self.assertIn("no refined message arrived within 0.3 s", self.ovws("watch", "refined", "--timeout", 0.3, code=3))
 
     def test_exit_codes(self):
         for endpoint in ("127.0.0.1", "127.0.0.1:7702", "tcp://127.0.0.1", "tcp://:7702", "tcp://127.0.0.1:77020", "tcp://127.0.0.1:port", ""):
@@ -109,7 +109,7 @@ class CommandLine(BenchCase):
             for command in ("status", "describe", "watch -n 1", "watch refined -n 1", "snapshot -o nothing", "study experiment --output nothing"):
                 with self.subTest(command):
                     said = self.ovws("--endpoint", "tcp://127.0.0.1:7998", "--timeout", 2, *command.split(), code=1)
-                    self.assertRegex(said, "of another version|the daemon's answer")
+                    self.assertRegex(said, "another version|the daemon's reply")
 
     def answer_emptily(self):
         context = zmq.Context()
@@ -212,7 +212,7 @@ class CommandLine(BenchCase):
 
     def test_snapshot_that_cannot_be_written(self):
         done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
-        self.assertIn(f"there is no folder {self.bench.directory}/nowhere", done)
+        self.assertIn(f"the folder {self.bench.directory}/nowhere does not exist", done)
         self.assertFalse((self.bench.directory / "nowhere").exists())
         (self.bench.directory / "shot-camera.png").mkdir()
         done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "shot", code=1)

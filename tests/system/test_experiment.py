@@ -108,7 +108,7 @@ class Experiment(BenchCase):
         study.send_signal(signal.SIGINT)
         output, _ = study.communicate(timeout=20)
         self.assertEqual(study.returncode, 1, output)
-        self.assertIn("the same command goes on", output)
+        self.assertIn("repeat the command to continue", output)
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"cells.csv", "frames.csv", *others})
         self.assertNotIn("of another run", (self.folder / "cells.csv").read_text() + (self.folder / "frames.csv").read_text())
         self.assertEqual(self.everything(), before)
@@ -206,7 +206,7 @@ class Experiment(BenchCase):
                 twin.call("twin.set", {**there, "geometry": {**there["geometry"], "rotation_deg": 0}})
         study = self.study_of_a_moved_bench(twin, moves[0])
         self.assertIn('"anew": true', study)
-        self.assertNotIn("the same command goes on", study)
+        self.assertNotIn("repeat the command to continue", study)
         twin.call("twin.set", {"geometry": {"centre_px": [x + 0.2, y]}})  # below the limit
         ended = self.job_ended(self.call("experiment.gain_sweep", QUICK)["job"])
         self.assertEqual(ended["state"], "done", ended)

@@ -98,7 +98,7 @@ class Turbulence(BenchCase):
         study.send_signal(signal.SIGINT)
         output, _ = study.communicate(timeout=20)
         self.assertEqual(study.returncode, 1, output)
-        self.assertIn("interrupted; the loop is open, and the correction as it was", output)
+        self.assertIn("interrupted; the loop is open, and the correction is restored", output)
         self.assertFalse(self.call("loop.get")["closed"])
 
 

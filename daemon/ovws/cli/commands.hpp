@@ -10,8 +10,8 @@ namespace ovws::cli {
 /// Help of --config for commands that work offline. They ignore saved settings, so that the same
 /// file gives the same result on every machine.
 inline constexpr const char* kConfigHelp =
-    "the daemon's configuration file (default: every key's default); what config.save saved is not "
-    "laid over it: ovwsd --check-config --config FILE > NEW prints a file that has both";
+    "the daemon's configuration file (default: every key's default); saved settings are ignored: "
+    "ovwsd --check-config --config FILE > NEW prints a file that includes them";
 
 /// Whether standard output is a pipe or terminal whose reader has gone.
 bool output_has_no_reader();

@@ -81,21 +81,21 @@ doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
 }  // namespace
 
 void add_doctor(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "doctor",
-      "say what is wrong with this bench, in a few seconds, and the line that mends it; changes "
-      "nothing, needs no daemon and disturbs none, needs no root");
+  auto* command = app.add_subcommand("doctor",
+                                     "check this bench in a few seconds and print a fix for each "
+                                     "problem; read-only, works with or "
+                                     "without a daemon, needs no root");
   command->footer(
-      "Looks at the configuration, the camera and the way to it, the SLM's output, the state\n"
-      "folder, the real-time limits and the clock of this machine, and a daemon if one runs.\n"
-      "Ask as the user that the daemon runs as, on its display:\n"
+      "Checks the configuration, the camera and its link, the SLM's output, the state folder,\n"
+      "the real-time limits and the clock of this machine, and the daemon if one is running.\n"
+      "Run it as the daemon's user, on its display:\n"
       "  sudo -u ovws DISPLAY=:0 XAUTHORITY=/var/lib/ovws/xauthority ovws doctor\n\n"
-      "Each finding is FAULT (does not work, or measures wrongly), warning (works, or may, and "
-      "not\n"
-      "as well as it could), ok, or not here (cannot be checked, and why). Behind \"fix:\" stands "
-      "a\n"
-      "shell command, or a line for the configuration file.\n"
-      "With --json one document: {\"schema\", \"version\", \"counts\": {\"fault\", …}, "
+      "Each finding is FAULT (does not work, or measures wrongly), warning (works or may work, "
+      "but\n"
+      "worse than it could), ok, or not here (cannot be checked, with the reason). \"fix:\" is "
+      "followed\n"
+      "by a shell command or a line for the configuration file.\n"
+      "--json prints one document: {\"schema\", \"version\", \"counts\": {\"fault\", …}, "
       "\"findings\":\n"
       "[{\"name\", \"verdict\": \"fault\" | \"warning\" | \"ok\" | \"not_here\", \"meaning\", "
       "\"fix\"}]}.\n\n"
@@ -103,7 +103,7 @@ void add_doctor(CLI::App& app, const Common& common, int& status) {
   auto path = std::make_shared<std::string>();
   command->add_option(
       "--config,-c", *path,
-      "configuration file (default: /etc/ovws/ovwsd.json; the defaults without it)");
+      "configuration file (default: /etc/ovws/ovwsd.json, or every key's default without it)");
   const CLI::Option* const given = app.get_option("--endpoint");
   command->callback([&common, &status, path, given] {
     const std::string endpoint = given->count() > 0 ? common.endpoint : "";

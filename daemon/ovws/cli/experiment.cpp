@@ -196,7 +196,7 @@ void tell_bench(const json& experiment) {
         bench.at("exposure_us").get<double>(), bench.at("pixel_format").get<std::string>(),
         bench.at("roi").at("width").get<int>(), bench.at("roi").at("height").get<int>());
   if (experiment.at("not_kept_reason").is_string()) {
-    print("not kept over a restart of the daemon: {}\n",
+    print("the results do not survive a restart of the daemon: {}\n",
           experiment.at("not_kept_reason").get<std::string>());
   }
 }
@@ -206,8 +206,8 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   if (!experiment) return report_failure(common, experiment.error());
   if (!fetched.is_own(*experiment) || experiment->at("complete") != true) {
     return report(common, {Errc::refused, "",
-                           "another gain sweep has begun since: the same command fetches this one "
-                           "when that has ended"});
+                           "another gain sweep has started since: repeat this command when it has "
+                           "ended to fetch this one"});
   }
   auto written = write_findings(*experiment, fetched.cells(), folder);
   if (!fetched.write_in_order()) {
@@ -237,7 +237,8 @@ std::string why_it_ended(const json& report, std::size_t cells) {
   const std::string why = error.is_object() ? error.value("message", state) : state;
   const json field = error.is_object() ? error.at("data").value("field", json()) : json();
   if (field == "anew" || field == "reference_frames") return why;
-  return fmt::format("{}; {} cells are measured and kept: the same command goes on", why, cells);
+  return fmt::format("{}; {} cells are measured and stored: repeat the command to continue", why,
+                     cells);
 }
 
 }  // namespace

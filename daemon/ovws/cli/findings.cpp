@@ -52,7 +52,7 @@ Result<void> remove_findings(const std::string& study, const fs::path& folder) {
     fs::remove(file, error);
     if (!error) continue;
     return fail(Errc::unavailable, "output",
-                file.string() + " of before cannot be removed: " + error.message());
+                file.string() + " of an earlier run cannot be removed: " + error.message());
   }
   return {};
 }

@@ -16,7 +16,7 @@ int keygen(const Common& common, const KeygenOptions& options) {
   const auto pair = make_key_pair();
   if (!pair) return report(common, pair.error());
   if (!common.server_key.empty() && !is_curve_key(common.server_key)) {
-    return report(common, {Errc::invalid, "--server-key", "is no key of 40 characters"});
+    return report(common, {Errc::invalid, "--server-key", "is not a key of 40 characters"});
   }
   const KeyFile keys{*pair, common.server_key};
   if (auto written = write_key_file(options.output, keys, options.replace); !written) {
@@ -36,12 +36,12 @@ int keygen(const Common& common, const KeygenOptions& options) {
 void add_keygen(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "keygen",
-      "make a pair of keys for a daemon or a client, in a file that only you can read, and print "
-      "the public one; with --server-key that of the daemon is kept beside them; asks no daemon");
+      "make a key pair for a daemon or a client, write it to a file that only you can read, and "
+      "print the public key; --server-key stores the daemon's public key in the same file; works "
+      "offline");
   auto options = std::make_shared<KeygenOptions>();
   command->add_option("--output,-o", options->output, "JSON file to write")->required();
-  command->add_flag("--replace", options->replace,
-                    "take the place of a file that is there, and keep its owner");
+  command->add_flag("--replace", options->replace, "replace an existing file, and keep its owner");
   command->callback([&common, &status, options] { status = keygen(common, *options); });
 }
 

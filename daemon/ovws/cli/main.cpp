@@ -15,7 +15,7 @@ namespace ovws::cli {
 namespace {
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 done; 1 the daemon or the work answered with an error, or the output cannot be "
+    "Exit codes: 0 done; 1 the daemon or the command reported an error, or the output cannot be "
     "written;\n2 the command line is wrong; 3 no daemon answered in time.";
 
 bool is_open(int descriptor) {
@@ -69,8 +69,8 @@ void add_common_options(CLI::App& app, Common& common) {
   app.set_version_flag("--version", OVWS_VERSION);
   app.footer(kExitCodes);
   add_connection_options(app, common);
-  app.add_flag("--json", common.json, "machine-readable: one JSON a line");
-  app.add_option("--timeout", common.timeout_s, "how long to wait for an answer, s")
+  app.add_flag("--json", common.json, "machine-readable output: one JSON object per line");
+  app.add_option("--timeout", common.timeout_s, "how long to wait for a reply, s")
       ->capture_default_str()
       ->check(number_from(0.01, 3600.0));
 }
@@ -99,10 +99,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return report_parse(app, error);
   } catch (const nlohmann::json::exception& error) {
-    fmt::print(
-        stderr,
-        "ovws: the daemon's answer is none that this ovws knows; is it of another version? {}\n",
-        error.what());
+    fmt::print(stderr,
+               "ovws: the daemon's reply has an unknown format; does it have another version? {}\n",
+               error.what());
     return kError;
   }
   return status;

@@ -98,8 +98,8 @@ class ImageMeasurer {
                       const ImageView& image) {
     if (traits_of(config_.camera.settings.pixel_format).filter != ColourFilter::none) {
       return fail(Errc::refused, "refine",
-                  "the model knows no colour filters: measure without, or with a Mono "
-                  "camera.pixel_format in the configuration");
+                  "the model does not support colour filters: measure without --refine, or set a "
+                  "Mono camera.pixel_format in the configuration");
     }
     const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
     RefineCamera camera = options_.camera;
@@ -127,11 +127,11 @@ class ImageMeasurer {
 std::optional<Error> fault_of(const MeasureOptions& options) {
   if (options.reference.empty() && !options.model_reference) {
     return Error{Errc::invalid, "reference",
-                 "say what the positions count from: --reference FILE, or --model-reference"};
+                 "the reference is missing: give --reference FILE, or --model-reference"};
   }
   if (options.templates == "reference" && options.reference.empty()) {
     return Error{Errc::invalid, "template",
-                 "the reference's spots are of a picture: give --reference FILE"};
+                 "templates of the reference need an image: give --reference FILE"};
   }
   return std::nullopt;
 }
@@ -169,7 +169,7 @@ int measure(const Common& common, const MeasureOptions& options) {
     print_line(common, *line);
     if (line->at("tracked") == 0) {
       status = report(common, {Errc::refused, "image",
-                               path + ": no spots are found: check the picture, its exposure, and "
+                               path + ": no spots are found: check the image, its exposure, and "
                                       "the configuration's sensor and optics"});
     }
   }
@@ -180,54 +180,58 @@ int measure(const Common& common, const MeasureOptions& options) {
 
 void add_measure(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
-      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); asks no daemon");
+      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); works offline");
   auto options = std::make_shared<MeasureOptions>();
   command->add_option("--config,-c", options->config_path, kConfigHelp);
-  auto* reference = command->add_option("--reference,-r", options->reference,
-                                        "image without aberration: positions count from it");
+  auto* reference =
+      command->add_option("--reference,-r", options->reference,
+                          "image without aberration, from which displacements are measured");
   command
       ->add_flag("--model-reference", options->model_reference,
-                 "positions count from where the configuration says that spots are")
+                 "measure displacements from the positions that the configuration predicts")
       ->excludes(reference);
-  command
-      ->add_option("--tracker", options->tracker,
-                   "how spots are found, instead of the configuration's")
+  command->add_option("--tracker", options->tracker, "tracker, instead of the configuration's")
       ->check(CLI::IsMember(tracker_names()));
   command
       ->add_option("--template", options->templates,
-                   "of the tracker matched, instead of the configuration's")
+                   "templates of the tracker matched, instead of the configuration's")
       ->check(CLI::IsMember(template_names()));
   command
-      ->add_option("--operator", options->mode_operator,
-                   "from displacements to modes, instead of the configuration's: diffractive is "
-                   "better up to about 0.1 wave, relinearised beyond, too, in a tenth of a second")
+      ->add_option(
+          "--operator", options->mode_operator,
+          "operator from displacements to modes, instead of the configuration's: "
+          "diffractive is better up to about 0.1 wave; relinearised is better beyond, too, "
+          "but takes 0.1 s")
       ->check(CLI::IsMember(operator_names()));
   auto* refine = command->add_flag("--refine", options->refine,
-                                   "fit every pixel by the diffraction model: seconds an image");
+                                   "fit every pixel to the diffraction model: takes seconds per "
+                                   "image");
   command
       ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
-                   "of the camera, to refine")
+                   "camera gain for --refine")
       ->check(number_from(1e-6, 1e6))
       ->needs(refine)
       ->capture_default_str();
-  command->add_option("--read-noise", options->camera.read_noise_e, "electrons RMS, to refine")
+  command
+      ->add_option("--read-noise", options->camera.read_noise_e,
+                   "read noise for --refine, electrons RMS")
       ->check(number_from(0.0, 1e6))
       ->needs(refine)
       ->capture_default_str();
   command
       ->add_option("--saturation", options->camera.saturated_dn,
-                   "DN from which a pixel is left out, to refine (default: the file's full scale)")
+                   "for --refine: ignore pixels from this DN on (default: the file's full scale)")
       ->check(number_from(1.0, 65535.0))
       ->needs(refine);
-  command->add_option("--black-level", options->camera.black_dn, "DN, to refine")
+  command->add_option("--black-level", options->camera.black_dn, "black level for --refine, DN")
       ->check(number_from(0.0, 65535.0))
       ->needs(refine)
       ->capture_default_str();
   command
       ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
-                 "fit each subaperture's amplitude, too: uneven light; to refine")
+                 "for --refine: also fit each subaperture's amplitude, for uneven light")
       ->needs(refine);
-  command->add_option("images", options->images, "each a frame of the camera")->required();
+  command->add_option("images", options->images, "image files, each a camera frame")->required();
   command->callback([&common, &status, options] { status = measure(common, *options); });
 }
 

@@ -46,7 +46,7 @@ Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
   if (config.tracking.mode_operator == OperatorKind::measured) {
     return fail(Errc::refused, "operator",
-                "a measured matrix is the running daemon's: choose slopes, diffractive or "
+                "a measured matrix exists only in a running daemon: choose slopes, diffractive or "
                 "relinearised");
   }
   if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
@@ -95,16 +95,17 @@ Result<Picture> read_picture(const std::string& path) {
   try {
     mat = cv::imread(path, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
-    return fail(unreadable(path, "cannot be read: its header asks for too much"));
+    return fail(unreadable(path, "cannot be read: the size in its header is too large"));
   }
-  if (mat.empty()) return fail(unreadable(path, "cannot be read as a picture"));
+  if (mat.empty()) return fail(unreadable(path, "cannot be read as an image"));
   Picture picture;
   if (mat.type() == CV_8UC1) {
     picture.narrow = pixels_of<std::uint8_t>(mat);
   } else if (mat.type() == CV_16UC1) {
     picture.wide = pixels_of<std::uint16_t>(mat);
   } else {
-    return fail(unreadable(path, "is not grey with 8 or 16 bit: convert it, e.g. to a grey TIFF"));
+    return fail(unreadable(
+        path, "is not greyscale with 8 or 16 bits: convert it, e.g. to a greyscale TIFF"));
   }
   return picture;
 }
@@ -128,13 +129,13 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
     if (reference->width != like.width || reference->height != like.height) {
-      return fail(Errc::invalid, "reference", "the reference image is of another size");
+      return fail(Errc::invalid, "reference", "the reference image has another size");
     }
     Measurement first(config, std::move(*by_model));
     const Measured measured = first.measure(*reference);
     if (const std::string which = missing(measured); !which.empty()) {
       return fail(Errc::invalid, "reference",
-                  "in the reference image these spots are not found: " + which);
+                  "these spots are not found in the reference image: " + which);
     }
     taken.positions_px = positions_of(measured.spots);
     taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
@@ -160,7 +161,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
 /// `mode_operator.reason` says why.
 void Measurement::relinearise(Measured& measured) {
   if (!measured.reconstruction.determined) {
-    measured.mode_operator.reason = "too few spots were found to begin from";
+    measured.mode_operator.reason = "too few spots were found for a start";
     return;
   }
   const auto found = relineariser_->measure(measured.spots, measured.torn, measured.coefficients);

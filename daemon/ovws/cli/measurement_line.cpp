@@ -65,11 +65,11 @@ void print_table(const json& line) {
   print("{}: {} of {} spots, {}\n", line["file"].get<std::string>(), line["tracked"].get<int>(),
         line["subapertures"].get<int>(), line["valid"].get<bool>() ? "valid" : "NOT VALID");
   if (line["template_reason"].is_string()) {
-    print("{} spots have a template of the reference: {}\n", line["own_templates"].get<int>(),
+    print("{} spots have a template from the reference: {}\n", line["own_templates"].get<int>(),
           line["template_reason"].get<std::string>());
   }
   if (line["operator_reason"].is_string()) {
-    print("modes are read by {}: {}\n", line["operator_in_force"].get<std::string>(),
+    print("the operator is {}: {}\n", line["operator_in_force"].get<std::string>(),
           line["operator_reason"].get<std::string>());
   }
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
@@ -77,7 +77,7 @@ void print_table(const json& line) {
   }
   if (!line["valid"].get<bool>()) {
     if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
-      print("fit residual {:.4f} px: no wavefront explains where the spots are\n",
+      print("fit residual {:.4f} px: no wavefront explains the spot positions\n",
             line["fit_residual_px"].get<double>());
     }
     return;

@@ -35,12 +35,12 @@ int serve_metrics(const Common& common, const std::string& address) {
 void add_metrics(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "metrics",
-      "serve the daemon's metrics to Prometheus (http://ADDRESS:PORT/metrics), until Ctrl-C; a "
-      "process of its own, which follows the daemon's stream through its restarts");
+      "serve the daemon's metrics to Prometheus (http://ADDRESS:PORT/metrics) until Ctrl-C; "
+      "reconnects when the daemon restarts");
   auto address = std::make_shared<std::string>("127.0.0.1:7705");
   command
       ->add_option("--listen", *address,
-                   "ADDRESS:PORT, a loopback address in numbers: metrics need no key")
+                   "ADDRESS:PORT with a numeric loopback address, because metrics need no key")
       ->envname("OVWS_METRICS_LISTEN")
       ->capture_default_str();
   command->callback([&common, &status, address] { status = serve_metrics(common, *address); });

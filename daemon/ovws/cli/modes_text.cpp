@@ -17,7 +17,7 @@ Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
   words >> n >> comma >> m >> colon >> waves;
   if (!words || comma != ',' || colon != ':' || !(words >> std::ws).eof() ||
       !std::isfinite(waves)) {
-    return fail(Errc::invalid, "modes", "\"" + part + "\" is not of the form n,m:waves");
+    return fail(Errc::invalid, "modes", "\"" + part + "\" does not have the form n,m:waves");
   }
   const auto j = checked_osa_index(n, m);
   if (!j) return fail(Errc::invalid, "modes", "\"" + part + "\": there is no such Zernike mode");
@@ -30,7 +30,7 @@ Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm)
   std::vector<Mode> modes;
   if (!text.empty() && text.find_first_not_of(" \t;") == std::string::npos) {
     return fail(Errc::invalid, "modes",
-                "\"" + text + "\" holds none: leave it out, or give n,m:waves");
+                "\"" + text + "\" contains no mode: omit it, or give n,m:waves");
   }
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ';');) {

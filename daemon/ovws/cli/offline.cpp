@@ -41,7 +41,7 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
       "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
   command
       .add_option("--norm", options.norm,
-                  "what 1 wave of a mode is: RMS over the pupil, or unit amplitude at its edge")
+                  "normalisation of modes: RMS over the pupil, or unit amplitude at its edge")
       ->check(CLI::IsMember({"rms", "unit"}))
       ->capture_default_str();
   command.add_option("--output,-o", options.output, "PNG file to write")->required();
@@ -140,8 +140,8 @@ int finish(const Common& common, const std::string& output, const Result<void>& 
 void add_hologram(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "hologram",
-      "write as PNG what the SLM shows with a configuration: the sensor's hologram, pixel by pixel "
-      "in grey levels, with the configuration's LUT and flatness; asks no daemon");
+      "write the sensor's hologram for a configuration as PNG: the SLM's grey levels pixel by "
+      "pixel, with the configuration's LUT and flatness; works offline");
   auto options = std::make_shared<PictureOptions>();
   add_picture_options(*command, *options);
   command->callback([&common, &status, options] {
@@ -150,31 +150,34 @@ void add_hologram(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_farfield(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "farfield",
-      "write as PNG what the camera sees of that hologram on an ideal bench, computed with noise; "
-      "asks no daemon");
+  auto* command = app.add_subcommand("farfield",
+                                     "write the camera image of that hologram on an ideal bench as "
+                                     "PNG, computed with noise; works "
+                                     "offline");
   auto options = std::make_shared<FarFieldOptions>();
   add_picture_options(*command, options->picture);
-  auto* peak = command
-                   ->add_option("--peak", options->peak_e,
-                                "light: electrons in the spots' brightest pixel (default 8000)")
-                   ->check(number_from(1e-3, 1e9));
+  auto* peak =
+      command
+          ->add_option("--peak", options->peak_e,
+                       "light level: electrons in the spots' brightest pixel (default 8000)")
+          ->check(number_from(1e-3, 1e9));
   command
       ->add_option("--photons", options->total_e,
-                   "the same in another way: electrons in the whole image")
+                   "light level: electrons in the whole image, instead of --peak")
       ->check(number_from(1e-3, 1e15))
       ->excludes(peak);
-  command->add_option("--read-noise", options->read_noise_e, "of the camera, electrons RMS")
+  command
+      ->add_option("--read-noise", options->read_noise_e, "read noise of the camera, electrons RMS")
       ->check(number_from(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--gain-db", options->gain_db, "camera gain, dB")
       ->check(number_from(limits::kGainDb.min, limits::kGainDb.max))
       ->capture_default_str();
-  command->add_option("--bits", options->bits, "of a pixel; above 8 the PNG has 16")
+  command->add_option("--bits", options->bits, "bits per pixel; above 8 the PNG has 16")
       ->check(CLI::Range(8, 16))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the noise: the same seed gives the same image")
+  command
+      ->add_option("--seed", options->seed, "seed of the noise: the same seed gives the same image")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--noise-free", options->noise_free, "no noise of any kind");

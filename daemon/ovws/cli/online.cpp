@@ -30,8 +30,8 @@ std::string reference_text(const json& sensor) {
   const double introduced = sensor.value("reference_introduced_rms_waves", 0.0);
   if (introduced == 0.0) return text;
   return text + fmt::format(
-                    "\nreference  holds an introduced aberration of {:.4f} wave RMS: "
-                    "coefficients count from it; for one without: ovws call "
+                    "\nreference  contains an introduced aberration of {:.4f} wave RMS, and "
+                    "coefficients are relative to it; for one without: ovws call "
                     "aberration.clear, then ovws call --wait reference.take",
                     introduced);
 }
@@ -242,7 +242,8 @@ int call_anything(const Common& common, const CallOptions& options) {
 }  // namespace
 
 void add_status(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("status", "how the daemon, the camera and the SLM are");
+  auto* command =
+      app.add_subcommand("status", "show the state of the daemon, the camera and the SLM");
   command->callback([&common, &status] { status = show_status(common); });
 }
 
@@ -259,12 +260,13 @@ void add_call(CLI::App& app, const Common& common, int& status) {
                                      "call any method of the daemon, e.g. ovws call aberration.set "
                                      "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
   auto options = std::make_shared<CallOptions>();
-  command->add_option("method", options->method, "its name; ovws describe lists all")->required();
-  command->add_option("params", options->params, "a JSON object (default: none)");
+  command->add_option("method", options->method, "name of the method; ovws describe lists all")
+      ->required();
+  command->add_option("params", options->params, "params as a JSON object (default: none)");
   command->add_flag(
       "--wait,-w", options->wait,
-      "if that starts a job, wait for its end: print its result, or why it failed; on a "
-      "terminal its progress, too");
+      "if the method starts a job, wait for its end and print its result, or why it failed; on a "
+      "terminal also show its progress");
   command->callback([&common, &status, options] { status = call_anything(common, *options); });
 }
 

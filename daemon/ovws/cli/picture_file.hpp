@@ -22,7 +22,7 @@ inline std::string why_not_opened(const std::filesystem::path& path, int error_n
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code ignored;
   if (!std::filesystem::exists(folder, ignored)) {
-    return "there is no folder " + folder.string();
+    return "the folder " + folder.string() + " does not exist";
   }
   return std::string(std::strerror(error_number)) + " (the folder " + folder.string() + " exists)";
 }
@@ -32,9 +32,10 @@ inline Result<void> write_picture(const std::filesystem::path& path, const cv::M
   std::vector<unsigned char> bytes;
   const std::string format = path.has_extension() ? path.extension().string() : ".png";
   try {
-    if (!cv::imencode(format, picture, bytes)) return cannot_write(path, "not as " + format);
+    if (!cv::imencode(format, picture, bytes))
+      return cannot_write(path, "encoding as " + format + " failed");
   } catch (const cv::Exception&) {
-    return cannot_write(path, "no picture format is called " + format);
+    return cannot_write(path, "there is no image format " + format);
   }
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return cannot_write(path, why_not_opened(path, errno));

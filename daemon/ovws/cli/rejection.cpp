@@ -55,7 +55,7 @@ class BorrowedLoop {
     const std::string why = done.error().error.value("message", "unknown error");
     return tl::make_unexpected(CallFailure{
         done.error().answered,
-        {{"message", "the correction could not be put back to " + modes_.dump() + ": " + why}}});
+        {{"message", "the correction could not be restored to " + modes_.dump() + ": " + why}}});
   }
 
  private:
@@ -96,7 +96,7 @@ tl::expected<void, CallFailure> check_bench(const Common& common) {
   }
   if (!status->at("sensor").at("referenced").get<bool>()) {
     return tl::make_unexpected(
-        failure("no reference is in force: take one of the good wavefront first, ovws call "
+        failure("there is no reference: take one with a good wavefront first, ovws call "
                 "reference.take"));
   }
   const Answer loop = call(common, "loop.get", json::object());
@@ -112,7 +112,7 @@ Answer closed_loop(const Common& common) {
   const json& why = loop->at("opened_because");
   return tl::make_unexpected(
       failure(fmt::format("the loop opened itself after {} steps: {}", loop->at("steps").get<int>(),
-                          why.is_string() ? why.get<std::string>() : "it does not say why")));
+                          why.is_string() ? why.get<std::string>() : "no reason given")));
 }
 
 /// Waits until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
@@ -191,8 +191,8 @@ int run_rejection(const Common& common, const json& params, double seconds,
   if (found.rejection.empty()) {
     return report(common,
                   {Errc::refused, "",
-                   fmt::format("frames came too rarely for a spectrum, every {:.2g} s: "
-                               "record for longer",
+                   fmt::format("frames are too rare for a spectrum, one every {:.2g} s: record for "
+                               "longer (--seconds)",
                                study::median_interval_s(measured->closed.recording.times_s))});
   }
   json summary = study::rejection_summary(*measured, found);

@@ -32,7 +32,7 @@ class Recorder {
   tl::expected<void, CallFailure> take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
       return tl::make_unexpected(
-          failure(task_.loop_closed ? "the loop opened itself" : "somebody closed the loop"));
+          failure(task_.loop_closed ? "the loop opened itself" : "another client closed the loop"));
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
@@ -42,7 +42,7 @@ class Recorder {
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();
     if (modes_j != known_modes_j_ && !find_places(modes_j)) {
-      return tl::make_unexpected(failure("the sensor's modes changed meanwhile"));
+      return tl::make_unexpected(failure("the sensor's modes changed during the recording"));
     }
     stamps_.push_back({message.at("t_device_ns").get<std::int64_t>(),
                        message.at("t_arrival_ns").get<std::int64_t>()});
@@ -77,7 +77,7 @@ class Recorder {
   }
 
   std::string why_none() const {
-    return recorded_.why_not_valid.empty() ? "the camera gave no more"
+    return recorded_.why_not_valid.empty() ? "the camera sent no more"
                                            : "the last one: " + recorded_.why_not_valid;
   }
 
@@ -127,7 +127,7 @@ CallFailure failure(std::string message) {
 }
 
 CallFailure interrupted_failure() {
-  return failure("interrupted; the loop is open, and the correction as it was");
+  return failure("interrupted; the loop is open, and the correction is restored");
 }
 
 tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, const RecordTask& task,

@@ -44,7 +44,8 @@ Result<Relinearised> Relineariser::measure(const std::vector<SpotFix>& spots,
   auto found = relinearise(model_, sensor_, *tracker_, slopes_.slopes, slopes_.modes_j, fixes,
                            linear, kSteps);
   if (found && found->last_step_waves > kAtRest) {
-    return fail(Errc::refused, "operator", "its steps do not come to rest");
+    return fail(Errc::refused, "operator",
+                "the steps of the relinearised operator do not converge");
   }
   return found;
 }

@@ -87,7 +87,7 @@ int tell(const Common& common, const Options& options, const Tally& tally) {
                       .dump());
     return all_same ? kOk : kError;
   }
-  print("{}: {} frames, {} replayed, {} of them the same bit for bit, {} valid\n", options.path,
+  print("{}: {} frames, {} replayed, {} of them bit for bit the same, {} valid\n", options.path,
         tally.frames, tally.replayed, tally.same, tally.valid);
   if (!tally.first_reason.empty()) print("first not replayed: {}\n", tally.first_reason);
   if (!tally.first_difference.empty()) print("first difference: {}\n", tally.first_difference);
@@ -120,13 +120,13 @@ int replay(const Common& common, const Options& options) {
 void add_replay(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "replay",
-      "measure the pictures of a recording again, under the plans of their time, and say whether "
-      "the same comes out (else, and if there is nothing to measure, the exit code is 1)");
+      "measure the images of a recording again with the recorded settings and compare the results; "
+      "exit code 1 if they differ or if there is nothing to measure");
   auto options = std::make_shared<Options>();
-  command->add_option("file", options->path, "a file of record.start")->required();
-  command->add_option("--speed", options->speed, "1: as it was; 0 (default): as fast as it goes")
+  command->add_option("file", options->path, "recording made by record.start")->required();
+  command->add_option("--speed", options->speed, "1: as recorded; 0 (default): as fast as possible")
       ->check(number_from(0.0, 1e6));
-  command->add_flag("--step", options->step, "one frame, and the next with Enter");
+  command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
   command->add_flag("--frames", options->frames, "print each frame as one line of JSON");
   command->callback([&common, &status, options] { status = replay(common, *options); });
 }

@@ -242,7 +242,7 @@ int snapshot(const Common& common, const std::string& prefix) {
   if (!pictures) return report(common, pictures.error());
   const auto messages = collect(*numbers, *pictures, common.timeout_s);
   if (!messages) {
-    return report(common, {Errc::unavailable, "", "no image came in time: see ovws status"});
+    return report(common, {Errc::unavailable, "", "no image arrived in time: see ovws status"});
   }
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
@@ -254,12 +254,12 @@ int snapshot(const Common& common, const std::string& prefix) {
 void add_snapshot(CLI::App& app, const Common& common, int& status) {
   auto* command =
       app.add_subcommand("snapshot",
-                         "write the annotated camera image and the wavefront as PNG; waits "
-                         "up to --timeout for a valid frame");
+                         "write the camera image with its spots and the wavefront as PNG; waits up "
+                         "to --timeout for a valid frame");
   auto prefix = std::make_shared<std::string>("ovws");
   command
       ->add_option("--output,-o", *prefix,
-                   "files are PREFIX-camera.png and PREFIX-phase.png; a folder: files in it")
+                   "prefix of the files PREFIX-camera.png and PREFIX-phase.png, or a folder")
       ->capture_default_str();
   command->callback([&common, &status, prefix] { status = snapshot(common, *prefix); });
 }

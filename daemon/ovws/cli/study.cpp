@@ -40,7 +40,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
   }
   if (!error) return {};
   return fail(Errc::unavailable, "output",
-              folder.string() + " cannot be written to: " + error.message());
+              folder.string() + " is not writable: " + error.message());
 }
 
 /// Prints the current step on standard error, like study::Progress only on a terminal.
@@ -108,10 +108,10 @@ int study_command(const Common& common, const StudyOptions& options) {
 }  // namespace
 
 void add_study(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "study",
-      "run a study and write its figures, numbers and summary into a folder; experiment and "
-      "rejection run on a daemon's bench, the others compute all and ask no daemon");
+  auto* command = app.add_subcommand("study",
+                                     "run a study and write its figures, numbers and summary to a "
+                                     "folder; experiment and rejection "
+                                     "run on a daemon's bench, the others work offline");
   auto options = std::make_shared<StudyOptions>();
   std::vector<std::string> names;
   std::string help = "one of:";
@@ -121,34 +121,32 @@ void add_study(CLI::App& app, const Common& common, int& status) {
   }
   names.emplace_back(kExperiment);
   help += std::string("\n") + kExperiment +
-          ": the paper's comparison on a daemon's bench: variance against the camera's gain";
+          ": the paper's experiment on a daemon's bench: residual variance against camera gain";
   names.emplace_back(kRejection);
   help += std::string("\n") + kRejection +
-          ": on a daemon's bench, what the closed loop leaves of what moves, by frequency";
+          ": on a daemon's bench, the closed loop's disturbance rejection by frequency";
   command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
   command
       ->add_option("--output,-o", options->folder,
-                   "folder for the files; those of the same study there are replaced")
+                   "folder for the files; replaces those of the same study")
       ->required();
   command->add_flag("--quick", options->quick,
                     "fewer levels and realisations: seconds instead of minutes");
-  command->add_option("--threads", options->threads, "that compute; 0: one a core")
+  command->add_option("--threads", options->threads, "number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command
-      ->add_option("--seed", options->seed,
-                   "of all that is random: the same seed gives the same numbers")
+  command->add_option("--seed", options->seed, "random seed: the same seed gives the same numbers")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
       ->add_option("--seconds", options->seconds,
-                   "rejection only: how long it records with the loop open, and then closed")
+                   "rejection only: duration of each recording, loop open and loop closed")
       ->check(number_from(5.0, 86400.0))
       ->capture_default_str();
   command->add_option(
       "--params", options->params,
-      "experiment and rejection only: a JSON object, params of experiment.gain_sweep "
-      "or of loop.close; see ovws describe");
+      "experiment and rejection only: params of experiment.gain_sweep or loop.close as a JSON "
+      "object; see ovws describe");
   command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 

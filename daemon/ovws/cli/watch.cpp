@@ -64,7 +64,7 @@ class Watch {
 
   int report_silence() const {
     const std::string text =
-        fmt::format("no {} message came within {:g} s", options_.topic, *options_.timeout_s);
+        fmt::format("no {} message arrived within {:g} s", options_.topic, *options_.timeout_s);
     return report_failure(common_, {false, {{"message", text}}});
   }
 
@@ -110,8 +110,8 @@ int watch(const Common& common, const WatchOptions& options) {
   if (!status) return report_failure(common, status.error());
   if (options.topic == "refined" && status->at("refine").at("state") == "off") {
     return report(common, {Errc::refused, "refine.enabled",
-                           "refinement is off, so that no message comes; switch it on with your "
-                           "camera's number: ovws call refine.set '{\"enabled\": true, "
+                           "refinement is off, so there are no messages; switch it on with your "
+                           "camera's electrons per DN: ovws call refine.set '{\"enabled\": true, "
                            "\"electrons_per_dn\": 39.2}'"});
   }
   std::signal(SIGINT, [](int) { stop_requested.store(true); });
@@ -122,19 +122,19 @@ int watch(const Common& common, const WatchOptions& options) {
 }  // namespace
 
 void add_watch(CLI::App& app, const Common& common, int& status) {
-  auto* command =
-      app.add_subcommand("watch",
-                         "the bench on a full screen (? there says more); piped, with --plain or "
-                         "-n the wavefront, fast or refined, as a table; with --json, and always "
-                         "for the other topics, each message's JSON as a line; with --timeout "
-                         "it ends if no message comes for so long");
+  auto* command = app.add_subcommand(
+      "watch",
+      "show the bench full-screen (press ? for help). Piped, or with --plain or "
+      "-n: the topics wavefront and refined as a table. With --json, and for "
+      "other topics: one JSON object per line. With --timeout: end if no message "
+      "arrives for that long");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
       ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
       ->capture_default_str();
-  command->add_option("-n,--count", options->count, "end after so many messages; 0: never")
+  command->add_option("-n,--count", options->count, "end after this many messages; 0: never")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));
-  command->add_flag("--plain", options->plain, "a table on a terminal, too");
+  command->add_flag("--plain", options->plain, "print a table on a terminal too");
   command->callback([&app, &common, &status, options] {
     if (app.count("--timeout") > 0) options->timeout_s = common.timeout_s;
     status = watch(common, *options);

@@ -81,7 +81,7 @@ void print_refined(const json& message) {
   const bool valid = message.at("valid").get<bool>();
   const double age_s = 1e-9 * double(message.at("t_publish_ns").get<std::int64_t>() -
                                      message.at("t_arrival_ns").get<std::int64_t>());
-  print("frame {}  hologram {}  charge {}  against the {}  {:.1f} s after its frame  {}\n",
+  print("frame {}  hologram {}  charge {}  relative to the {}  {:.1f} s after its frame  {}\n",
         message.at("frame_id").get<std::uint64_t>(), message.at("hologram_id").get<std::uint64_t>(),
         message.at("charge").get<int>(), message.at("against").get<std::string>(), age_s,
         valid ? "valid" : "NOT VALID: " + message.at("reason").get<std::string>());
