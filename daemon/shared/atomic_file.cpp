@@ -21,17 +21,17 @@ const char* way_out(int error) {
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return ": make room there";
+      return ": free some space there";
     case EROFS:
-      return ": the file system can only be read, mount it for writing or name another folder";
+      return ": the file system is read-only, mount it for writing or choose another folder";
     case EACCES:
     case EPERM:
-      return ": give the daemon's user the right to write in this folder";
+      return ": give the daemon's user write permission in this folder";
     case ENOENT:
     case ENOTDIR:
-      return ": make the folder, or name another one";
+      return ": create the folder, or choose another one";
     default:
-      return ": check the disk, or name another folder";
+      return ": check the disk, or choose another folder";
   }
 }
 

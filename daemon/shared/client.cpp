@@ -35,7 +35,7 @@ std::string check_endpoint(const std::string& endpoint) {
     const bool whole = read.ec == std::errc{} && read.ptr == port.data() + port.size();
     if (whole && number >= 1 && number <= 65535) return {};
   }
-  return endpoint + " is no endpoint: it is written as tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+  return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
 }
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {
@@ -47,15 +47,15 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
   const std::string path = common.key_path.empty() ? credential_path(kCredential) : common.key_path;
   if (path.empty() && common.server_key.empty()) return std::nullopt;
   if (path.empty()) {
-    return fail(Errc::invalid, "--key", "--server-key is of no use without --key FILE");
+    return fail(Errc::invalid, "--key", "--server-key requires --key FILE");
   }
   const auto file = load_key_file(path);
   if (!file) return fail(file.error());
   const std::string server_key = common.server_key.empty() ? file->server_key : common.server_key;
   if (!server_key.empty()) return ClientKeys{file->pair, server_key};
   return fail(Errc::invalid, "--server-key",
-              "the daemon's public key must be given, as ovws keygen printed it there, or as "
-              "\"server_key\" in " +
+              "give the daemon's public key, which ovws keygen printed for it, or add it as "
+              "\"server_key\" to " +
                   path);
 }
 
@@ -92,7 +92,7 @@ tl::expected<json, CallFailure> result_of(json& answer) {
   if (answer.is_object() && answer.contains("error")) {
     return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
   }
-  return tl::make_unexpected(CallFailure{true, {{"message", "the answer is not JSON-RPC"}}});
+  return tl::make_unexpected(CallFailure{true, {{"message", "the reply is not JSON-RPC"}}});
 }
 
 }  // namespace
@@ -114,14 +114,15 @@ tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
   if (!answers) return tl::make_unexpected(answers.error());
   std::vector<json> results(methods.size());
   if (!answers->is_array() || answers->size() != methods.size()) {
-    return tl::make_unexpected(CallFailure{true, {{"message", "the answer is no batch"}}});
+    return tl::make_unexpected(
+        CallFailure{true, {{"message", "the reply is not a JSON-RPC batch"}}});
   }
   for (json& answer : *answers) {
     auto result = result_of(answer);
     if (!result) return tl::make_unexpected(result.error());
     const json id = answer.value("id", json());
     if (!id.is_number_unsigned() || id >= results.size()) {
-      return tl::make_unexpected(CallFailure{true, {{"message", "an answer to no question"}}});
+      return tl::make_unexpected(CallFailure{true, {{"message", "the reply has an unknown id"}}});
     }
     results[id.get<std::size_t>()] = std::move(*result);
   }
@@ -133,11 +134,11 @@ void add_connection_options(CLI::App& app, Common& common) {
       ->capture_default_str()
       ->check(CLI::Validator(check_endpoint, ""));
   app.add_option("--key", common.key_path,
-                 "file of this client's keys, as ovws keygen writes it; for a daemon that asks for "
-                 "keys (default: the service's credential ovws.key, if systemd gave it one)")
+                 "key file of this client, made by ovws keygen, for a daemon that requires keys "
+                 "(default: the service's credential ovws.key, if systemd provides one)")
       ->envname("OVWS_KEY");
   app.add_option("--server-key", common.server_key,
-                 "public key of that daemon (default: server_key in the key file)")
+                 "public key of the daemon (default: server_key in the key file)")
       ->envname("OVWS_SERVER_KEY");
 }
 
@@ -168,18 +169,18 @@ std::string why_not_valid(const json& message, const json& status) {
   const auto pattern = slm.at("pattern").get<std::string>();
   if (pattern != "sensor") {
     const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
-    return what + " stands on the SLM: no wavefront is measured";
+    return "the SLM shows " + what + ": no wavefront is measured";
   }
   if (!message.value("settled", false)) {
     const bool stands = slm.value("settled", false) &&
                         slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
-    return stands ? "the frame came late, or the camera is being changed" : "hologram changing";
+    return stands ? "the frame is late, or camera settings are changing" : "hologram changing";
   }
   if (!status.at("sensor").at("referenced").get<bool>()) {
     return "no reference: ovws call reference.take";
   }
   if (message.value("fit_residual_px", json()).is_number())
-    return "no wavefront explains where the spots are";
+    return "no wavefront explains the spot positions";
   return fmt::format("{} of {} spots found", message.value("tracked", 0),
                      message.value("subapertures", 0));
 }

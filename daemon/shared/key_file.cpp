@@ -50,7 +50,7 @@ Result<void> check_pair(const std::string& path, const KeyFile& keys) {
                    "public_key does not belong to secret_key: make both with ovws keygen");
   }
   if (keys.server_key.empty() || is_curve_key(keys.server_key)) return {};
-  return trouble(Errc::invalid, path, "server_key is no key of 40 characters");
+  return trouble(Errc::invalid, path, "server_key is not a key of 40 characters");
 }
 
 }  // namespace
@@ -97,11 +97,11 @@ Result<KeyFile> load_key_file(const std::string& path) {
   const bool is_credential = !credentials.empty() && path.starts_with(credentials + "/");
   const auto text = read_kept_file(
       path, is_credential ? S_IWGRP | S_IXGRP | S_IRWXO : S_IRWXG | S_IRWXO,
-      "a secret key that group or others can read is no secret: chmod 600 it, or, if somebody may "
-      "have read it, make a new one with ovws keygen");
+      "group or others can read this secret key: chmod 600 it, or, if another user may have read "
+      "it, make a new one with ovws keygen");
   if (!text) return fail(text.error());
   const auto json = parse_strict_json(*text, kMaxDepth, JsonComments::refused);
-  if (!json) return trouble(Errc::invalid, path, "is not what ovws keygen writes");
+  if (!json) return trouble(Errc::invalid, path, "is not a key file made by ovws keygen");
   KeyFile keys;
   ObjectReader reader(*json, "");
   reader.require("public_key");
@@ -125,9 +125,10 @@ Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool r
   const Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
   if (file.get() < 0 && errno == EEXIST) {
-    return trouble(Errc::refused, path,
-                   "is there already, and whoever uses that key would be shut out: choose another "
-                   "name, or --replace it");
+    return trouble(
+        Errc::refused, path,
+        "exists already, and users of its key would lose access: choose another name, or "
+        "use --replace");
   }
   const bool written = file.get() >= 0 && ::fchmod(file.get(), kOwnerOnly) == 0 &&
                        ::write(file.get(), text.data(), text.size()) == ssize_t(text.size()) &&

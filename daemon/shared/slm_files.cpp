@@ -65,8 +65,8 @@ Result<void> check_monotonic(const std::string& path, const PhaseLut& lut) {
   if (wrong.size() <= 1) return {};
   return fail(
       Errc::invalid, "slm.lut",
-      fmt::format("{} is not monotonic: entry {} is {}, entry {} is {}, and {} such changes "
-                  "of direction are in it; one, at a whole turn, is allowed",
+      fmt::format("{} is not monotonic: entry {} is {}, entry {} is {}; it has {} such changes of "
+                  "direction, but only one phase wrap is allowed",
                   path, wrong[0] - 1, lut[wrong[0] - 1], wrong[0], lut[wrong[0]], wrong.size()));
 }
 
@@ -90,7 +90,7 @@ Result<PhaseLut> load_lut(const std::string& path) {
   for (const auto& line : *lines) numbers.insert(numbers.end(), line.begin(), line.end());
   if (numbers.size() != lut.size()) {
     return fail(Errc::invalid, "slm.lut",
-                fmt::format("{} holds {} numbers, not {}", path, numbers.size(), lut.size()));
+                fmt::format("{} has {} numbers instead of {}", path, numbers.size(), lut.size()));
   }
   for (std::size_t i = 0; i < lut.size(); ++i) {
     const double grey = numbers[i];
@@ -116,7 +116,7 @@ Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& pat
                                   [cols](const auto& l) { return l.size() != cols; });
   if (other != lines->end()) {
     return fail(Errc::invalid, "slm.flatness",
-                fmt::format("{}: row {} holds {} numbers, the first {}", path,
+                fmt::format("{}: row {} has {} numbers, the first row {}", path,
                             other - lines->begin() + 1, other->size(), cols));
   }
   if (cols != std::size_t(width) || lines->size() != std::size_t(height)) {

@@ -181,7 +181,7 @@ class CommandLine(BenchCase):
     def test_a_grating_is_told_from_a_change(self):
         self.take_reference(10)
         self.call("slm.show", {"pattern": "grating"})
-        told = "NOT VALID: a grating stands on the SLM: no wavefront is measured"
+        told = "NOT VALID: the SLM shows a grating: no wavefront is measured"
         wait_for(lambda: told in self.ovws("watch", "-n", 1), what="the grating in watch")
         done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory / "shot"],
                               capture_output=True, text=True, timeout=30)

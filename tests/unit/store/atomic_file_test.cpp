@@ -106,7 +106,7 @@ TEST_F(AtomicFile, AFolderThatIsNotThereIsAnErrorWithThePathAndTheWayOut) {
   ASSERT_FALSE(stored);
   EXPECT_EQ(stored.error().field, "path");
   EXPECT_NE(stored.error().reason.find("/nowhere/at/all.json"), std::string::npos);
-  EXPECT_NE(stored.error().reason.find("make the folder"), std::string::npos);
+  EXPECT_NE(stored.error().reason.find("create the folder"), std::string::npos);
 }
 
 TEST_F(AtomicFile, AWriteThatFailsHalfwayLeavesTheOldFileAndNothingElse) {
@@ -118,7 +118,8 @@ TEST_F(AtomicFile, AWriteThatFailsHalfwayLeavesTheOldFileAndNothingElse) {
   const auto stored = replace_file(path_, std::string(100000, 'x'));
   setrlimit(RLIMIT_FSIZE, &before);
   ASSERT_FALSE(stored);
-  EXPECT_NE(stored.error().reason.find("make room"), std::string::npos) << stored.error().reason;
+  EXPECT_NE(stored.error().reason.find("free some space"), std::string::npos)
+      << stored.error().reason;
   expect_old_and_nothing_else();
 }
 
@@ -132,10 +133,10 @@ TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreToldWithTheWayOut) {
   FileCalls forbidden;
   forbidden.rename = [](const char*, const char*) { return failing<EACCES>(0); };
   const std::vector<std::pair<FileCalls, std::string>> cases{
-      {full, "No space left on device: make room"},
+      {full, "No space left on device: free some space"},
       {broken, "Input/output error: check the disk"},
-      {read_only, "Read-only file system: the file system can only be read"},
-      {forbidden, "Permission denied: give the daemon's user the right"}};
+      {read_only, "Read-only file system: the file system is read-only"},
+      {forbidden, "Permission denied: give the daemon's user write permission"}};
   for (const auto& [calls, told] : cases) {
     const auto stored = replace_file(path_, "new", calls);
     ASSERT_FALSE(stored) << told;

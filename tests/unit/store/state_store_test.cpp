@@ -218,7 +218,7 @@ TEST_F(Store, OfAReadOnlyDiskWhatWasNeverKeptIsDroppedAndWhatIsKeptIsNot) {
     if (!store->drop("lut", "never_kept")) return 2;
     const auto dropped = store->drop("lut", "kept");
     if (dropped) return 3;
-    return dropped.error().reason.find("can only be read") == std::string::npos ? 4 : 0;
+    return dropped.error().reason.find("is read-only") == std::string::npos ? 4 : 0;
   });
   if (wrong == kNoMounts) GTEST_SKIP() << "mounts need root";
   EXPECT_EQ(wrong, 0);
@@ -232,7 +232,7 @@ TEST_F(Store, AFullDiskIsReadAndSaysWhy) {
     const auto store = StateStore::open(folder_);
     if (!store || !store->why_read_only()) return 2;
     if (!store->find("lut", "slm")) return 3;
-    return store->why_read_only()->find("make room") == std::string::npos ? 4 : 0;
+    return store->why_read_only()->find("free some space") == std::string::npos ? 4 : 0;
   });
   if (wrong == kNoMounts) GTEST_SKIP() << "mounts need root";
   EXPECT_EQ(wrong, 0);
