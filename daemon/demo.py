@@ -123,7 +123,7 @@ class Demo:
               f"SLM {status['slm']['info']['output']} {status['slm']['info']['width']} x {status['slm']['info']['height']}, "
               f"{status['sensor']['subapertures']} subapertures, {status['sensor']['modes']} modes\n")
         print(f"coefficients in waves (OSA/ANSI, RMS-normalised), mean of {FRAMES} frames each")
-        print("answer: from the command's reply to the first settled frame; latency: frame complete to message")
+        print("answer: time from the command's reply to the first settled frame; latency: from complete frame to message")
         print(f"{'':<34} " + " ".join(f"{NAMES[j]:>8}" for j in SHOWN_J)
               + "    error   spread  spots  latency  answer\n" + " " * 80 + "(waves)  (waves)            (us)    (ms)")
 
@@ -144,7 +144,7 @@ class Demo:
         self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(**wanted))
         self.set_camera(gain_db=0.0, exposure_us=EXPOSURE_US)
         self.client.call("aberration.clear")
-        print("\npictures: " + "\n          ".join(self.written))
+        print("\nimages: " + "\n        ".join(self.written))
         lost = self.client.call("system.status")["counters"]["frames_lost"]
         print(f"\novws demo: {self.frames} frames shown, {lost} lost, {self.saturated} saturated, "
               f"largest error {self.worst_error:.4f} wave")
@@ -167,9 +167,9 @@ def live_row(message):
 
 def main():
     parser = argparse.ArgumentParser(prog="daemon/demo", description=__doc__.splitlines()[0])
-    parser.add_argument("--keep", action="store_true", help="stay up until Ctrl-C")
+    parser.add_argument("--keep", action="store_true", help="keep running until Ctrl-C")
     parser.add_argument("--build", type=Path, default=ROOT / "build" / "release", help="build folder")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the pictures (default: build/demo)")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the images (default: build/demo)")
     arguments = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start background jobs with SIGINT ignored
@@ -181,8 +181,8 @@ def main():
             bench.start_daemon({"state": {"directory": str(bench.directory / "state")}, "record": {"directory": str(recordings)}})
             Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
-                print(f"\nstaying up: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C ends it\n"
-                      f"what is wrong with it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
+                print(f"\nrunning: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C stops it\n"
+                      f"to check it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
                 wait_for_ctrl_c()
     except KeyboardInterrupt:
         print()

@@ -55,7 +55,7 @@ class Demo(unittest.TestCase):
         demo = subprocess.Popen([sys.executable, "-u", ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], "--keep", "--out", out.name],
                                 stdout=subprocess.PIPE, text=True, env=os.environ | {key: value})
         with demo:
-            while "staying up" not in (line := demo.stdout.readline()):
+            while "running: " not in (line := demo.stdout.readline()):
                 self.assertTrue(line, "the demo ended by itself")
             program = re.search(r"DISPLAY=\S+ (\S+) doctor", demo.stdout.readline())[1]
             self.assertTrue(shutil.which(program), "a command that can be typed")
