@@ -159,7 +159,7 @@ class Metrics(BenchCase):
         for address in ("7705", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:77050"):
             self.assertIn("is not ADDRESS:PORT", self.refused_command("--listen", address))
         process = self.serve()
-        self.assertIn("is another program there?", self.refused_command())
+        self.assertIn("in use by another program?", self.refused_command())
         self.assertEqual(get("/")[0], 404)
         self.assertEqual(get("/../../etc/passwd")[0], 404)
         for sent in (b"\0" * 4096, b"GET " + b"/x" * 100000, b"GET /metrics HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"):

@@ -94,7 +94,7 @@ class Watch(BenchCase):
         self.wait_for_text(terminal, r"spots lost +\d+ +\+\d+")
         self.wait_for_text(terminal, r"reference stale")
         self.call("slm.show", {"pattern": "grating"})
-        self.wait_for_text(terminal, r"NOT VALID: a grating stands on the SLM")
+        self.wait_for_text(terminal, r"NOT VALID: the SLM shows a grating")
 
     def test_it_follows_the_size(self):
         self.take_reference(10)
@@ -117,7 +117,7 @@ class Watch(BenchCase):
         terminal = self.open()
         self.wait_for_text(terminal, r"\bvalid\b")
         os.kill(self.bench.process("ovwsd").pid, signal.SIGKILL)
-        self.wait_for_text(terminal, r"no word for \d+ s: waiting for the daemon")
+        self.wait_for_text(terminal, r"no message for \d+ s: waiting for the daemon")
         self.assertNotRegex(terminal.text(), r"RMS \d|[-+]\d\.\d{4}")
         self.bench.stop("ovwsd")
         self.start_daemon()

@@ -84,10 +84,11 @@ Result<void> check_address(const std::string& address) {
                 "\"" + address + "\" is not ADDRESS:PORT, e.g. 127.0.0.1:7705");
   }
   if (is_reached_from_here_only(endpoint)) return {};
-  return fail(Errc::invalid, kField,
-              "other machines could read " + address +
-                  " without a key: take a loopback address in numbers, e.g. 127.0.0.1:7705; for "
-                  "another machine run ovws --key FILE --endpoint tcp://HOST:7702 metrics there");
+  return fail(
+      Errc::invalid, kField,
+      "other machines could read " + address +
+          " without a key: use a numeric loopback address, e.g. 127.0.0.1:7705; for another "
+          "machine run ovws --key FILE --endpoint tcp://HOST:7702 metrics there");
 }
 
 Result<Exporter> Exporter::serve(const std::string& address) {
@@ -100,7 +101,7 @@ Result<Exporter> Exporter::serve(const std::string& address) {
     impl->exposer->RegisterCollectable(impl->newest);
   } catch (const std::exception&) {
     return fail(Errc::unavailable, kField,
-                address + " cannot be listened at: is another program there?");
+                "cannot listen on " + address + ": is the address in use by another program?");
   }
   return Exporter(std::move(impl));
 }

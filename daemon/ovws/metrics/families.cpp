@@ -24,33 +24,35 @@ struct GaugeRow {
 };
 
 constexpr GaugeRow kStatusGauges[]{
-    {"/uptime_s", "ovws_uptime_seconds", "Since the daemon's start."},
-    {"/camera/connected", "ovws_camera_connected", "Whether there is a camera."},
-    {"/camera/streaming", "ovws_camera_streaming", "Whether frames come."},
+    {"/uptime_s", "ovws_uptime_seconds", "Time since the daemon's start."},
+    {"/camera/connected", "ovws_camera_connected", "Whether a camera is connected."},
+    {"/camera/streaming", "ovws_camera_streaming", "Whether frames arrive."},
     {"/camera/settings/gain_db", "ovws_camera_gain_decibels", "The camera's gain."},
     {"/camera/settings/gain_raw", "ovws_camera_gain_raw",
-     "The camera's gain in steps of its own, if it has none in dB."},
+     "The camera's gain in raw steps, if it has none in dB."},
     {"/camera/settings/exposure_us", "ovws_camera_exposure_seconds", "The camera's exposure.",
      1e-6},
     {"/camera/settings/frame_rate_hz", "ovws_camera_frame_rate_hertz",
-     "Frames a second that the camera was asked for."},
-    {"/slm/connected", "ovws_slm_connected", "Whether the SLM's display can be used."},
-    {"/slm/settled", "ovws_slm_settled", "Whether the hologram stands still."},
-    {"/slm/hologram_id", "ovws_slm_hologram_id", "Number of the hologram that is shown."},
+     "The requested frame rate of the camera."},
+    {"/slm/connected", "ovws_slm_connected", "Whether the SLM's display is usable."},
+    {"/slm/settled", "ovws_slm_settled", "Whether the hologram has settled."},
+    {"/slm/hologram_id", "ovws_slm_hologram_id", "Number of the displayed hologram."},
     {"/sensor/charge", "ovws_sensor_charge", "Topological charge; 0: bright spots."},
-    {"/sensor/subapertures", "ovws_sensor_subapertures", "How many subapertures there are."},
-    {"/sensor/modes", "ovws_sensor_modes", "How many modes are reconstructed."},
-    {"/sensor/referenced", "ovws_sensor_referenced", "Whether there is a reference."},
-    {"/rates/images_hz", "ovws_images_rate_hertz", "Images sent, a second."},
-    {"/refine/last_duration_ms", "ovws_refine_last_duration_seconds", "Of the last fit.", 1e-3},
+    {"/sensor/subapertures", "ovws_sensor_subapertures", "Number of subapertures."},
+    {"/sensor/modes", "ovws_sensor_modes", "Number of reconstructed modes."},
+    {"/sensor/referenced", "ovws_sensor_referenced", "Whether the sensor has a reference."},
+    {"/rates/images_hz", "ovws_images_rate_hertz", "Images published per second."},
+    {"/refine/last_duration_ms", "ovws_refine_last_duration_seconds",
+     "Duration of the last refining fit.", 1e-3},
 };
 
 constexpr GaugeRow kWavefrontGauges[]{
-    {"/valid", "ovws_wavefront_valid", "Whether the newest frame's wavefront can be stood behind."},
-    {"/rms_waves", "ovws_wavefront_rms_waves", "Of the newest frame, without tilts, waves."},
+    {"/valid", "ovws_wavefront_valid", "Whether the newest frame's wavefront is valid."},
+    {"/rms_waves", "ovws_wavefront_rms_waves",
+     "RMS of the newest frame's wavefront without tilts, waves."},
     {"/fit_residual_px", "ovws_wavefront_fit_residual_pixels",
-     "RMS of what the modes do not explain, camera pixels."},
-    {"/wavelength_nm", "ovws_wavefront_wavelength_meters", "Length of a wave.", 1e-9},
+     "RMS of the displacements that the modes do not explain, camera pixels."},
+    {"/wavelength_nm", "ovws_wavefront_wavelength_meters", "Wavelength.", 1e-9},
     {"/tracked", "ovws_spots_tracked", "Spots found in the newest frame."},
     {"/saturated", "ovws_spots_saturated_ratio", "Fraction of spots with a saturated pixel."},
 };
@@ -114,11 +116,11 @@ void add_counters(Families& out, const json& status) {
     const std::string_view help = counter_help(name);
     if (!count.is_number()) continue;
     add_counter(out, "ovws_" + name + "_total",
-                help.empty() ? "Of a newer daemon: see its WIRE.md." : std::string(help),
+                help.empty() ? "Counter of a newer daemon: see its WIRE.md." : std::string(help),
                 count.get<double>());
   }
   const std::pair<const char*, const char*> fits[]{{"done", "Frames refined."},
-                                                   {"refused", "Frames that no fit explained."}};
+                                                   {"refused", "Frames that no fit explains."}};
   for (const auto& [key, help] : fits) {
     const auto count = number_at(status, std::string("/refine/") + key);
     if (count) add_counter(out, std::string("ovws_refine_") + key + "_total", help, *count);
@@ -140,18 +142,18 @@ MetricFamily one_of(const char* name, const char* help, const char* label, const
 void add_states(Families& out, const json& status) {
   std::vector<std::string_view> names;
   for (const auto& row : control::kStates) names.push_back(row.name);
-  out.push_back(one_of("ovws_state", "The daemon's state: 1 for the one that it is in.", "state",
-                       names, text_at(status, "/state")));
-  out.push_back(one_of("ovws_reference", "Whether there is a reference, and a fresh one.", "state",
+  out.push_back(one_of("ovws_state", "The daemon's state: 1 for the current one.", "state", names,
+                       text_at(status, "/state")));
+  out.push_back(one_of("ovws_reference", "State of the reference: 1 for the current one.", "state",
                        std::array{"none", "in_force", "stale"},
                        text_at(status, "/sensor/reference")));
-  out.push_back(one_of("ovws_tracker", "How spots are found.", "tracker",
+  out.push_back(one_of("ovws_tracker", "The active tracker.", "tracker",
                        std::array{text_at(status, "/sensor/tracker")},
                        text_at(status, "/sensor/tracker")));
   add_gauge(out, "ovws_loop_closed", "Whether the loop is closed.",
             text_at(status, "/loop") == "closed" ? 1.0 : 0.0);
   const auto spots = array_at(status, "/sensor/torn");
-  add_gauge(out, "ovws_spots_torn", "Spots that are followed by the shapes of a torn one.",
+  add_gauge(out, "ovws_spots_torn", "Split spots, which are tracked by their split shapes.",
             double(spots.size()));
 }
 
@@ -194,8 +196,8 @@ std::optional<ClientMetric> histogram(const std::string& stage, const json& late
 
 void add_latencies(Families& out, const json& status) {
   MetricFamily family{"ovws_frame_latency_seconds",
-                      "From a frame's arrival until it was tracked, reconstructed, published; "
-                      "arrived: how late it came itself.",
+                      "Latency from a frame's arrival until it was tracked, reconstructed, "
+                      "published; arrived: the delay of its arrival.",
                       MetricType::Histogram,
                       {}};
   const json latency = object_at(status, "/latency");
@@ -237,7 +239,7 @@ void add_wavefront(Families& out, const json& wavefront) {
 std::vector<MetricFamily> families(const std::optional<json>& status,
                                    const std::optional<json>& wavefront) {
   Families out;
-  add_gauge(out, "ovws_up", "Whether the daemon tells how it is.", status ? 1.0 : 0.0);
+  add_gauge(out, "ovws_up", "Whether the daemon publishes its status.", status ? 1.0 : 0.0);
   if (!status) return out;
   add_versions(out, *status);
   add_states(out, *status);

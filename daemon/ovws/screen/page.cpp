@@ -14,22 +14,22 @@ using nlohmann::json;
 constexpr int kTopRows = 3, kLeastRight = 34, kMostRight = 70;
 constexpr int kLatencyRows = 5, kLeastMapRows = 7;
 constexpr const char* kKeys = " q quit   p pause   up/down modes   ? help";
-constexpr const char* kPausedKeys = " PAUSED   p go on   q quit   up/down modes   ? help";
+constexpr const char* kPausedKeys = " PAUSED   p resume   q quit   up/down modes   ? help";
 
 constexpr const char* kHelp[]{
     "q         quit",
-    "p         pause, and go on",
+    "p         pause, resume",
     "up, down  scroll the modes; also k and j, page up, page down, home, end",
-    "?         this text, and away with it",
+    "?         show or hide this help",
     "",
     "modes     OSA/ANSI, RMS-normalised, waves: aberration minus reference",
     "RMS       root sum square of the modes without tilts",
     "Strehl    exp(-(2 pi RMS)^2): good below about 0.1 wave RMS",
-    "spots     at their references as the camera sees them; an arrow says where",
-    "          a spot went that is more than a pixel away",
+    "spots     at their reference positions on the camera; an arrow shows the",
+    "          direction of a displacement of more than one pixel",
     "latency   of the last second, from a frame's arrival until it was tracked,",
-    "          reconstructed, published; arrived: how late it came itself",
-    "losses    and how many more they became in the last second",
+    "          reconstructed, published; arrived: delay of the arrival itself",
+    "losses    since the daemon's start, and their increase in the last second",
 };
 
 struct Layout {
@@ -84,7 +84,7 @@ std::string state_text(const json& status) {
   const std::string reference = sensor.at("reference").get<std::string>();
   const bool aberrated = sensor.value("reference_introduced_rms_waves", 0.0) > 0.0;
   return fmt::format("{}  {}  {}  loop {}  {}", status.at("state").get<std::string>(),
-                     aberrated                 ? "reference holds an aberration"
+                     aberrated                 ? "reference contains an aberration"
                      : reference == "in_force" ? "referenced"
                      : reference == "stale"    ? "reference stale"
                                                : "no reference",
@@ -95,7 +95,7 @@ void draw_state(Canvas& canvas, const View& view) {
   canvas.fill({0, 0, canvas.width(), 1}, {U' ', Style::title});
   if (view.status.is_null()) {
     canvas.text(1, 0, canvas.width() - 1,
-                fmt::format("no word for {:.0f} s: waiting for the daemon", view.silent_s),
+                fmt::format("no message for {:.0f} s: waiting for the daemon", view.silent_s),
                 Style::alarm);
     return;
   }
@@ -104,7 +104,7 @@ void draw_state(Canvas& canvas, const View& view) {
 
 void draw_frame(Canvas& canvas, const View& view) {
   if (view.wavefront.is_null()) {
-    if (!view.status.is_null()) canvas.text(0, 1, canvas.width(), "no frame comes", Style::alarm);
+    if (!view.status.is_null()) canvas.text(0, 1, canvas.width(), "no frames arrive", Style::alarm);
     return;
   }
   const json& frame = view.wavefront;
@@ -156,14 +156,15 @@ void draw(Canvas& canvas, const View& view, Choice& choice) {
   canvas.fill(canvas.all(), Cell{});
   if (canvas.width() < kLeastWidth || canvas.height() < kLeastHeight) {
     canvas.text(0, 0, canvas.width(),
-                fmt::format("{} x {} is too small: {} x {} at least", canvas.width(),
+                fmt::format("{} x {} is too small: enlarge the terminal to {} x {}", canvas.width(),
                             canvas.height(), kLeastWidth, kLeastHeight));
     return;
   }
   try {
     draw_parts(canvas, view, choice);
   } catch (const json::exception&) {
-    canvas.text(0, 2, canvas.width(), "a message of another form: is the daemon of this version?",
+    canvas.text(0, 2, canvas.width(),
+                "a message has an unknown format: does the daemon have another version?",
                 Style::alarm);
   }
   const int last = canvas.height() - 1;

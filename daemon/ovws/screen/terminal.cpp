@@ -92,7 +92,8 @@ Result<Terminal> Terminal::open() {
   auto impl = std::make_unique<Impl>();
   impl->screen = newterm(nullptr, stdout, stdin);
   if (impl->screen == nullptr) {
-    return fail(Errc::unavailable, "TERM", "no page can be drawn on this terminal");
+    return fail(Errc::unavailable, "TERM",
+                "this terminal does not support full-screen output: use --plain");
   }
   impl->unicode = std::strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
   impl->colours = begin_colours();

@@ -155,7 +155,7 @@ Result<void> write_numbers(const Figure& figure, const std::filesystem::path& fo
 
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder) {
   const std::string again =
-      fmt::format("the numbers are in {0}; the figures are drawn by: cd {0} && gnuplot *.gnuplot",
+      fmt::format("the numbers are in {0}; draw the figures with: cd {0} && gnuplot *.gnuplot",
                   folder.string());
   if (std::system("command -v gnuplot > /dev/null") != 0) {
     return fail(Errc::unavailable, "", "gnuplot is missing (package gnuplot-nox): " + again);
@@ -166,7 +166,7 @@ Result<void> draw(const Figure& figure, const std::filesystem::path& folder) {
       fmt::format("cd {}\nload {}\n", quoted(folder.string()), quoted(figure.name + ".gnuplot"));
   const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
   if (::pclose(gnuplot) != 0 || !sent) {
-    return fail(Errc::unavailable, "", "gnuplot failed at " + figure.name + ": " + again);
+    return fail(Errc::unavailable, "", "gnuplot failed to draw " + figure.name + ": " + again);
   }
   return {};
 }

@@ -123,7 +123,7 @@ std::string aberration_name(const json& aberration) {
 std::string sweep_table(const json& experiment) {
   const json& request = experiment["request"];
   std::string text =
-      "Mean residual variance, rad^2; * some frames saturated; - no frame told the modes\n";
+      "Mean residual variance, rad^2; * some frames saturated; - no frame with modes\n";
   for_places(request, [&](std::size_t a, std::size_t g, std::size_t k) {
     if (g == 0 && k == 0) {
       text += fmt::format("\n{}\n{:>8}", aberration_name(request["aberrations"][a]), "gain/dB");

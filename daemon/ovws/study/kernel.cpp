@@ -89,11 +89,11 @@ std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& level
 }
 
 Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
-  Figure figure{light == Light::equal_peak ? "kernel" : "kernel-photons",
-                fmt::format("lg at {}: error against the kernel's radius; dashed: bounds ({})",
-                            name_of(light),
-                            light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex"),
-                "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
+  Figure figure{
+      light == Light::equal_peak ? "kernel" : "kernel-photons",
+      fmt::format("lg at {}: error against kernel radius; dashed: bounds ({})", name_of(light),
+                  light == Light::equal_peak ? "peak SNR" : "peak SNR of the vortex"),
+      "kernel 1/e radius (lambda/d)", "position error (px RMS per axis)"};
   figure.log_y = true;
   std::vector<Series> bounds;
   for (const Curve& curve : curves) {

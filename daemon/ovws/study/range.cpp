@@ -96,8 +96,8 @@ Series geometric_series(const char* name, double GeometricLimit::*limit,
 
 Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
   Figure figure{light == Light::equal_peak ? "range" : "range-photons",
-                fmt::format("Largest mode with all spots found without history, peak SNR {}, {} "
-                            "({}: the most tried)",
+                fmt::format("Largest amplitude with all spots found without history, peak SNR {}, "
+                            "{} (tried up to {})",
                             steps.snr, name_of(light), steps.most_waves),
                 "OSA index j", "amplitude of either sign (waves RMS)"};
   figure.y_from = -steps.most_waves - 0.1;

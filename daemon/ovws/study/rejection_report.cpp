@@ -46,7 +46,7 @@ std::string recorded_text(const char* name, const json& recorded) {
 std::string crossing_text(const json& summary, const char* key, const char* level) {
   const json& hz = summary[key];
   if (hz.is_number()) return fmt::format("{} at {:.3g} Hz", level, hz.get<double>());
-  return fmt::format("{} is not crossed from {:.3g} to {:.3g} Hz", level,
+  return fmt::format("{} is not crossed between {:.3g} and {:.3g} Hz", level,
                      summary["from_hz"].get<double>(), summary["to_hz"].get<double>());
 }
 
@@ -64,11 +64,11 @@ RejectionFound find_rejection(const RejectionMeasured& measured) {
 }
 
 std::vector<Figure> rejection_figures(const RejectionFound& found) {
-  Figure spectra{"rejection-spectra", "what moves, and what is left of it", "frequency (Hz)",
-                 "power of all modes (wave^2/Hz)"};
+  Figure spectra{"rejection-spectra", "power spectra with the loop open and closed",
+                 "frequency (Hz)", "power of all modes (wave^2/Hz)"};
   spectra.log_x = spectra.log_y = true;
   spectra.series = {line_of("loop open", found.open), line_of("loop closed", found.closed)};
-  Figure rejected{"rejection", "what the closed loop leaves of what moves", "frequency (Hz)",
+  Figure rejected{"rejection", "disturbance rejection of the closed loop", "frequency (Hz)",
                   "closed over open (dB)"};
   rejected.log_x = true;
   Series measured{"measured, over a third of an octave", {}, {}, {}, Series::Style::solid};

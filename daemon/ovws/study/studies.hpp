@@ -37,14 +37,16 @@ struct Study {
   Findings (*run)(const Settings&);
 };
 constexpr std::array<Study, 8> kStudies{{
-    {"localisation", "one spot: error of its position against read noise", localisation},
-    {"wavefront", "residual phase variance against SNR, astigmatism and defocus", wavefront},
+    {"localisation", "position error of one spot against read noise", localisation},
+    {"wavefront", "residual phase variance against SNR for astigmatism and defocus", wavefront},
     {"trackers", "every tracker against the Cramer-Rao bound", trackers},
     {"kernel", "the LG kernel's best radius against SNR", kernel},
-    {"range", "largest aberration that is found without history, by mode", range},
-    {"acquisition", "spots found without history: refused and wrong ones against SNR", acquisition},
+    {"range", "largest amplitude of each mode with all spots found without history", range},
+    {"acquisition", "fractions of spots refused and wrong without history, against SNR",
+     acquisition},
     {"oracle", "lg against the paper's contour method, spot by spot", oracle},
-    {"operators", "from slopes to modes: every operator on the same images", operators},
+    {"operators", "errors of every operator from displacements to modes, on the same images",
+     operators},
 }};
 
 }  // namespace ovws::study

@@ -77,10 +77,10 @@ TEST(Page, SaysWhyThereAreNoNumbers) {
   EXPECT_TRUE(has(page(view), "NOT VALID: no reference"));
   EXPECT_FALSE(has(page(view), "RMS"));
   view.wavefront = json();
-  EXPECT_TRUE(has(page(view), "no frame comes"));
+  EXPECT_TRUE(has(page(view), "no frames arrive"));
   view.status = json();
   view.silent_s = 7.0;
-  EXPECT_TRUE(has(page(view), "no word for 7 s: waiting for the daemon"));
+  EXPECT_TRUE(has(page(view), "no message for 7 s: waiting for the daemon"));
 }
 
 TEST(Page, FitsEverySize) {
@@ -116,9 +116,9 @@ TEST(Page, SaysThatAMessageIsOfAnotherForm) {
   for (const char* key : {"j", "coefficients", "valid", "frame_id"}) {
     View view = bench();
     view.wavefront[key] = "x";
-    EXPECT_TRUE(has(page(view), "a message of another form")) << key;
+    EXPECT_TRUE(has(page(view), "a message has an unknown format")) << key;
     view.wavefront.erase(key);
-    EXPECT_TRUE(has(page(view), "a message of another form")) << key;
+    EXPECT_TRUE(has(page(view), "a message has an unknown format")) << key;
   }
   const json status = example("status");
   for (const auto& [key, value] : status.items()) {
