@@ -21,16 +21,16 @@ struct RefusalRow {
 };
 
 constexpr std::array<RefusalRow, kRefusals> kRows{{
-    {"malformed", "this is no HTTP request that this server understands", 400},
-    {"host", "this server is not known by that name: see ovws-web --allow-host", 421},
-    {"origin", "another site's page may not ask here", 403},
-    {"method", "this path takes another HTTP method", 405},
-    {"path", "there is nothing here", 404},
-    {"size", "a request has a stated length of at most 64 KiB", 413},
-    {"token", "the token is missing or wrong: open the link that ovws-web gave", 401},
-    {"right", "this link may only look: use the control link of ovws-web --control", 403},
-    {"command", "the page may not call this method: call it with ovws call", 403},
-    {"full", "as many browsers as this server takes are connected", 503},
+    {"malformed", "the HTTP request is malformed or not supported", 400},
+    {"host", "unknown host name: add it with ovws-web --allow-host", 421},
+    {"origin", "requests from other sites are not allowed", 403},
+    {"method", "this path requires another HTTP method", 405},
+    {"path", "this path does not exist", 404},
+    {"size", "requests need a Content-Length of at most 64 KiB", 413},
+    {"token", "the token is missing or wrong: open the link printed by ovws-web", 401},
+    {"right", "this link is for viewing only: use the control link of ovws-web --control", 403},
+    {"command", "the page may not call this method: use ovws call", 403},
+    {"full", "the maximum number of browsers is connected: close another page", 503},
 }};
 
 const RefusalRow& row_of(Refusal refusal) {
@@ -138,7 +138,7 @@ void RefusalLog::add(Refusal refusal, const RequestHead& head, const std::string
   spdlog::warn("refused ({}): {} {} from {}, host \"{}\", origin \"{}\"{}", refusal_name(refusal),
                loggable(head.method), loggable(head.target), peer, loggable(head.host),
                loggable(head.origin),
-               untold == 0 ? "" : fmt::format("; and {} more like it", untold));
+               untold == 0 ? "" : fmt::format("; {} similar refusals not logged", untold));
 }
 
 nlohmann::json RefusalLog::counts() const {

@@ -137,7 +137,7 @@ void Feeds::ask() {
     try {
       if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(view->dump()));
     } catch (const json::exception& error) {
-      spdlog::warn("an answer of the daemon is not understood: {}", error.what());
+      spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
       rest(kAskPeriod);
     }
     rest(kAskAtOnce);
@@ -153,7 +153,7 @@ void Feeds::take(const StreamMessage& message) {
     if (message.topic == "refined") board_.put(Slot::refined, framed(message.json));
     if (message.topic == "event") board_.append(Series::event, framed(message.json));
   } catch (const json::exception& error) {
-    spdlog::warn("a message \"{}\" is not understood: {}", message.topic, error.what());
+    spdlog::warn("a message \"{}\" has an unknown format: {}", message.topic, error.what());
   }
 }
 
@@ -222,7 +222,7 @@ void Feeds::tell_health() {
   try {
     health["findings"] = findings_json(examine_bench(facts_));
   } catch (const json::exception& error) {
-    spdlog::warn("a status of the daemon is not understood: {}", error.what());
+    spdlog::warn("a status of the daemon has an unknown format: {}", error.what());
   }
   board_.put(Slot::health, framed(health.dump()));
 }

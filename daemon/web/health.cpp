@@ -25,7 +25,7 @@ class Findings {
   void warning(std::string text) { add(Wellness::warning, std::move(text)); }
   void note(std::string text) { add(Wellness::note, std::move(text)); }
   std::vector<HealthFinding> sorted() {
-    if (found_.empty()) add(Wellness::good, "The bench is well");
+    if (found_.empty()) add(Wellness::good, "The bench is OK");
     std::stable_sort(found_.begin(), found_.end(),
                      [](const auto& a, const auto& b) { return a.wellness > b.wellness; });
     return std::move(found_);
@@ -43,7 +43,7 @@ bool check_device(const json& device, const char* title, Findings& findings) {
     return false;
   }
   if (device["connected"].get<bool>()) return true;
-  findings.bad(fmt::format("{}: not connected; the daemon is looking for it", title));
+  findings.bad(fmt::format("{}: not connected; the daemon is trying to connect", title));
   return false;
 }
 
@@ -68,14 +68,14 @@ std::string action_of(const json& status) {
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
   if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {
-    findings.bad("No frames come from the camera");
+    findings.bad("No frames arrive from the camera");
     return;
   }
   const json& status = facts.status;
   const auto pattern = status.at("slm").at("pattern").get<std::string>();
   const bool referenced = status.at("sensor").at("referenced").get<bool>();
   if (pattern == "sensor" && !referenced) {
-    findings.warning("No reference: take one, and coefficients are numbers");
+    findings.warning("No reference: take one to measure coefficients");
   } else if (!wavefront.at("valid").get<bool>()) {
     const std::string why = cli::why_not_valid(wavefront, status);
     const bool passing = !wavefront.at("settled").get<bool>();
@@ -85,8 +85,8 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const double saturated = wavefront.at("saturated").get<double>();
   if (saturated > 0.0) {
     const auto spots = std::lround(saturated * wavefront.at("subapertures").get<double>());
-    const std::string text = fmt::format("{} of {} spots saturated: lower exposure or gain", spots,
-                                         wavefront.at("subapertures").get<int>());
+    const std::string text = fmt::format("{} of {} spots saturated: lower the exposure or the gain",
+                                         spots, wavefront.at("subapertures").get<int>());
     saturated > kMuchSaturated ? findings.warning(text) : findings.note(text);
   }
   const int lost = wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>();
@@ -99,13 +99,14 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
 void check_counts(const BenchFacts& facts, Findings& findings) {
   const double introduced = facts.status.at("sensor").value("reference_introduced_rms_waves", 0.0);
   if (introduced > 0.0) {
-    findings.warning(
-        fmt::format("The reference holds an introduced aberration of {:.4f} wave RMS: coefficients "
-                    "count from it; clear the aberration and take a reference again",
-                    introduced));
+    findings.warning(fmt::format(
+        "The reference contains an introduced aberration of {:.4f} wave RMS, and "
+        "coefficients are relative to it: clear the aberration and take a new reference",
+        introduced));
   }
   if (facts.status.at("sensor").at("reference") == "stale") {
-    findings.note("The reference was taken with another gain, exposure or pixel format");
+    findings.note(
+        "The reference was taken with another gain, exposure or pixel format: take a new one");
   }
   if (facts.lost_lately > 0) {
     findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kLatelyS));
@@ -121,7 +122,7 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   Findings findings;
   if (facts.status.is_null() || facts.status_age_s > kSilentS) {
-    findings.bad("The daemon is silent: does ovwsd run?");
+    findings.bad("The daemon is silent: check that ovwsd is running");
     return findings.sorted();
   }
   check_state(facts.status, findings);

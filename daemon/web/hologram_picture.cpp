@@ -48,7 +48,7 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
     auto map = load_flatness(*config.slm.flatness, config.slm.geometry.width_px,
                              config.slm.geometry.height_px);
     if (!map) {
-      return fail(Errc::unavailable, "", "its flatness map is a file on the daemon's machine");
+      return fail(Errc::unavailable, "", "its flatness map is only on the daemon's machine");
     }
     configured.flatness_waves = std::move(*map);
   }
@@ -69,8 +69,8 @@ bool agree(const HologramSources& sources) {
 Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
   const auto& names = showable_pattern_names();
   const auto name = std::find(names.begin(), names.end(), sources.pattern);
-  if (name == names.end()) return fail(Errc::unavailable, "", "a job shows pictures of its own");
-  if (!agree(sources)) return fail(Errc::unavailable, "", "it is changing");
+  if (name == names.end()) return fail(Errc::unavailable, "", "a job shows its own patterns");
+  if (!agree(sources)) return fail(Errc::unavailable, "", "the hologram is changing");
   const auto config = parse_config(sources.config.dump());
   if (!config) return fail(config.error());
   const auto hologram = ingredients(sources, *config);

@@ -28,7 +28,7 @@ Result<Tokens> parse_links(const std::string& path, const std::string& text) {
     const std::string token = link.substr(std::min(link.size(), link.find('#') + 1));
     if (!is_token(token) || (name != "look" && name != "control")) {
       return fail(Errc::invalid, "--links",
-                  path + ": is not what ovws-web writes: remove it, and new links are made");
+                  path + ": is not a file of ovws-web: remove it to make new links");
     }
     (name == "look" ? tokens.look : tokens.control) = token;
   }
@@ -50,8 +50,8 @@ Result<Tokens> keep_links(const std::string& path, const std::string& host, bool
   if (std::filesystem::exists(path, ignored)) {
     const auto text =
         read_kept_file(path, S_IRWXG | S_IRWXO,
-                       "links that group or others can read are no secret: remove the "
-                       "file, and new ones are made");
+                       "group or others can read these links: remove the file to make new "
+                       "ones");
     if (!text) return fail(text.error());
     const auto kept = parse_links(path, *text);
     if (!kept) return fail(kept.error());

@@ -34,15 +34,17 @@ void add_options(CLI::App& app, Options& options) {
   cli::add_connection_options(app, options.common);
   app.add_option("--listen", options.listen, "address and port of the page")->capture_default_str();
   app.add_flag("--control", options.control,
-               "make a second link, whose page may change things; else pages only look");
-  app.add_option("--links", options.links_path,
-                 "file (mode 0600) that keeps the links over a restart; without it new ones are "
-                 "made and printed");
-  app.add_option("--allow-host", options.more_hosts,
-                 "HOST or HOST:PORT that browsers may reach this page by: a proxy's name");
+               "also make a link for control; without it pages are for viewing only");
+  app.add_option(
+      "--links", options.links_path,
+      "file (mode 0600) that keeps the links over a restart (default: make and print new "
+      "links at each start)");
+  app.add_option(
+      "--allow-host", options.more_hosts,
+      "further HOST or HOST:PORT by which browsers reach this page, e.g. a proxy's name");
   app.add_flag("--cleartext", options.cleartext,
-               "listen on an address that other machines reach, though whoever is on the way can "
-               "read the links' tokens");
+               "allow an address that other machines can reach, although the network can then read "
+               "the links' tokens");
 }
 
 Result<void> check_options(Options& options) {
@@ -52,15 +54,15 @@ Result<void> check_options(Options& options) {
       std::from_chars(number.data(), number.data() + number.size(), options.port);
   if (colon == std::string::npos || colon == 0 || error != std::errc{} ||
       end != number.data() + number.size() || options.port == 0) {
-    return fail(Errc::invalid, "--listen", "must be ADDRESS:PORT, as 127.0.0.1:7704");
+    return fail(Errc::invalid, "--listen", "must be ADDRESS:PORT, e.g. 127.0.0.1:7704");
   }
   const std::string address = options.listen.substr(0, colon);
   if (!is_loopback(address) && !options.cleartext) {
     return fail(Errc::invalid, "--listen",
                 address +
-                    " is reached by other machines, and whoever is on the way could read the "
-                    "page's token: listen on 127.0.0.1 and come through ssh -L or a proxy "
-                    "with TLS (--allow-host), or accept it with --cleartext");
+                    " is reachable from other machines, and the network could read the page's "
+                    "token: listen on 127.0.0.1 and use ssh -L or a TLS proxy (--allow-host), or "
+                    "accept it with --cleartext");
   }
   options.address = without_brackets(address);
   return {};

@@ -35,7 +35,7 @@ struct Server::Impl {
   /// without a token.
   bool make_room() {
     if (sessions.size() < kMostConnections) return true;
-    parts.refusals.add(Refusal::full, {}, "a connection too many");
+    parts.refusals.add(Refusal::full, {}, "all connection slots are in use");
     const auto stranger = std::ranges::find_if_not(sessions, &Session::trusted);
     if (stranger == sessions.end()) return false;
     (*stranger)->end();
@@ -65,7 +65,7 @@ Result<std::unique_ptr<Server>> Server::listen(const std::string& address, unsig
                                                ServerParts parts) {
   boost::system::error_code error;
   const auto host = net::ip::make_address(address, error);
-  if (error) return fail(Errc::invalid, "--listen", "the address must be in numbers: " + address);
+  if (error) return fail(Errc::invalid, "--listen", "the address must be numeric: " + address);
   auto impl = std::make_unique<Impl>(std::move(parts));
   const tcp::endpoint endpoint(host, port);
   impl->acceptor.open(endpoint.protocol(), error);

@@ -90,7 +90,7 @@ Task<void> Session::run() {
   } catch (const boost::system::system_error&) {
     connection_.close();
   } catch (const std::exception& error) {
-    spdlog::error("a request of {} ended with an error of this program: {}", peer_, error.what());
+    spdlog::error("internal error in a request from {}: {}", peer_, error.what());
     connection_.close();
   }
 }

@@ -56,7 +56,7 @@ class Page(WebCase):
 
     def open(self):
         self.browser = self.start_browser()
-        self.browser.wait_text("#verdict p", lambda text: text == "The bench is well")
+        self.browser.wait_text("#verdict p", lambda text: text == "The bench is OK")
         wait_for(lambda: self.colours("#camera-canvas") > 10, what="the first picture")
 
     def check_console(self):
@@ -134,11 +134,11 @@ class Page(WebCase):
         self.slide("Exposure", 3.3)  # the slider is logarithmic
         wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] == 1995.0, what="the slider's exposure")
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Compare with the output').click()")
-        self.browser.wait_text("#slm .controls", lambda text: "pixel for pixel" in text)
+        self.browser.wait_text("#slm .controls", lambda text: "identical" in text)
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take')).click()")
         self.browser.wait_text("#bench .controls", lambda text: "introduced aberration of 0.4000 wave RMS" in text)
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Clear aberration and take').click()")
-        self.browser.wait_text("#bench .controls", lambda text: "In force: 100 frames" in text)
+        self.browser.wait_text("#bench .controls", lambda text: "Active: 100 frames" in text)
         self.assertEqual(self.call("aberration.get")["modes"], [])
         wait_for(lambda: self.map_peak() < 0.1, what="the map against the new reference")
         self.check_console()
@@ -146,7 +146,7 @@ class Page(WebCase):
         self.browser.open(self.links["look"])
         self.browser.wait_text("#bench .controls", lambda text: "Exposure" in text)
         self.assertEqual(self.browser.run("return document.querySelectorAll('#bench input, #bench button, #aberration input, #slm button').length"), 0)
-        self.assertEqual(self.browser.text("#role"), "looking only")
+        self.assertEqual(self.browser.text("#role"), "view only")
 
     def error_of(self, name):
         """The error text of the control with this label."""
@@ -218,11 +218,11 @@ class Page(WebCase):
         self.open()
         with Client("tcp://127.0.0.1:7790") as twin:
             twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
-            self.browser.wait_text("#camera .veil", lambda text: text.startswith("Nothing new for"))
+            self.browser.wait_text("#camera .veil", lambda text: text.startswith("No new data for"))
             wait_for(lambda: self.browser.run("return document.querySelector('#figures').classList.contains('stale')"), what="the figures to look old")
             self.browser.wait_text("#verdict p", lambda text: "amera" in text)
             twin.call("twin.fault", {"kind": "none"})
-            self.browser.wait_text("#verdict p", lambda text: text == "The bench is well", 20.0)
+            self.browser.wait_text("#verdict p", lambda text: text == "The bench is OK", 20.0)
         self.bench.stop("ovws-web")
         self.browser.wait_text("#verdict p", lambda text: "No connection" in text)
 

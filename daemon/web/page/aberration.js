@@ -65,7 +65,7 @@ export function build(mayControl) {
     toolbar.append(Object.assign(element("dl", "facts"), { id: "aberration-facts" }));
     return;
   }
-  const label = element("label", "", "Sliders reach \u00b1 ");
+  const label = element("label", "", "Slider range \u00b1 ");
   const select = element("select");
   select.append(...RANGES.map((wide) => new Option(`${wide} wave`, String(wide), wide === range, wide === range)));
   select.id = "aberration-range";
@@ -97,7 +97,7 @@ export function takeBench({ aberration, sensor, limits: wire }) {
     shownModes = key;
     buildSliders(sensor.mode_names);
   }
-  const hint = `Numbers from ${limits.min} to ${limits.max} wave are taken as far as the SLM can show them.`;
+  const hint = `Accepts ${limits.min} to ${limits.max} wave, as far as the SLM can show them.`;
   document.querySelector("#aberration .toolbar").title = hint;
   const needed = neededRange();
   const inHand = [...sliders.values()].some((slider) => slider.inHand);

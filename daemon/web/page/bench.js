@@ -104,9 +104,9 @@ export function build(mayControl) {
 }
 
 function referenceText(reference) {
-  if (!reference.taken) return reference.source === "model" ? "of the model" : "none";
-  const stale = reference.stale?.length ? `; since then changed: ${reference.stale.map((s) => s.field).join(", ")}` : "";
-  const introduced = reference.introduced_rms_waves ? `, holds an introduced aberration of ${brief(reference.introduced_rms_waves)} wave RMS` : "";
+  if (!reference.taken) return reference.source === "model" ? "from the model" : "none";
+  const stale = reference.stale?.length ? `; changed since: ${reference.stale.map((s) => s.field).join(", ")}` : "";
+  const introduced = reference.introduced_rms_waves ? `, contains an introduced aberration of ${brief(reference.introduced_rms_waves)} wave RMS` : "";
   return `${reference.frames} frames, ${timeOfDay(reference.t_taken_ns)}${introduced}${stale}`;
 }
 
@@ -137,7 +137,7 @@ function showControls({ camera, sensor, limits, reference, aberration, loop }) {
   const { min, max } = limits.charge;
   controls.charge.show(sensor.charge, Array.from({ length: max - min + 1 }, (_, i) => min + i));
   controls.tracker.show(sensor.tracker, limits.trackers);
-  controls.reference.help(`In force: ${referenceText(reference)}`);
+  controls.reference.help(`Active: ${referenceText(reference)}`);
   controls.retake.hidden = !reference.introduced_rms_waves && !aberration.modes.some((mode) => mode.waves !== 0);
   controls.loop.help(`${loopText(loop)}; gain ${limits.loop_gain.min} to ${limits.loop_gain.max}`);
 }
@@ -163,10 +163,10 @@ export function takeBench(message) {
   return showFacts(byId("bench-facts"), [
     ["Exposure", `${grouped(settings.exposure_us)} \u00b5s`],
     ["Gain", `${brief(gainOf(settings).value)} ${gainOf(settings).unit}`],
-    ["Frame rate asked for", `${brief(settings.frame_rate_hz)} frames/s`],
+    ["Requested frame rate", `${brief(settings.frame_rate_hz)} frames/s`],
     ["Charge", String(sensor.charge)],
     ["Tracker", sensor.tracker],
-    ["Operator in force", sensor.operator_in_force ?? NONE],
+    ["Active operator", sensor.operator_in_force ?? NONE],
     ["Reference", referenceText(reference)],
     ["Loop", loopText(loop)],
   ]);

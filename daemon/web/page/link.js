@@ -105,7 +105,7 @@ export async function listen(onMessage, onState) {
     try {
       await readOnce(onMessage, onState);
     } catch {
-      onState("No connection to ovws-web: trying again");
+      onState("No connection to ovws-web: reconnecting");
     }
     await new Promise((done) => setTimeout(done, 1000));
   }

@@ -118,8 +118,8 @@ function veil(section, since, now) {
   const target = document.querySelector(`#${section} .veil`);
   const stale = since > 0 && age > STALE_MS;
   target.hidden = !stale && since > 0;
-  if (stale) say(target, `Nothing new for ${Math.round(age / 1000)} s`);
-  else if (since === 0) say(target, "Waiting for the first picture");
+  if (stale) say(target, `No new data for ${Math.round(age / 1000)} s`);
+  else if (since === 0) say(target, "Waiting for the first image");
   byId(section).classList.toggle("stale", stale);
 }
 
@@ -161,7 +161,7 @@ function takeHello({ right: given }) {
 }
 
 function build(mayControl) {
-  say(byId("role"), mayControl ? "may control" : "looking only");
+  say(byId("role"), mayControl ? "control enabled" : "view only");
   for (const view of [bench, aberration, slm, record]) view.build(mayControl);
 }
 

@@ -94,11 +94,11 @@ export function draw() {
 export function describe() {
   if (!map || !map.valid) {
     say(byId("map-sub"), "");
-    say(byId("map-caption"), "No wavefront is measured now.");
+    say(byId("map-caption"), "No wavefront is being measured.");
     return;
   }
   const peak = map.high - map.low;
   say(byId("map-sub"), `frame ${map.frameId}`);
-  say(byId("map-caption"), `Peak to valley ${brief(peak)} wave, RMS with tilts ${fixed(map.rms, 4)} wave, over the pupil, x right, y down.`);
+  say(byId("map-caption"), `Peak to valley ${brief(peak)} wave, RMS with tilts ${fixed(map.rms, 4)} wave. x points right, y down.`);
   byId("map-canvas").setAttribute("aria-label", `Wavefront over the pupil: peak to valley ${brief(peak)} wave`);
 }

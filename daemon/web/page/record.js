@@ -29,7 +29,7 @@ export function build(mayControl) {
   name.autocomplete = "off";
   name.setAttribute("aria-describedby", frame.describedBy);
   frame.body.append(name);
-  frame.help("Every frame with its picture, what was measured of it, and all that was in force.");
+  frame.help("Records every frame with its image, its measurement and the active settings.");
   const ask = async (method, params) => {
     const reply = await call(method, params);
     frame.error(reasonOf(reply));
@@ -45,12 +45,12 @@ export function takeStatus({ record }) {
   if (start) [start.disabled, stop.disabled] = [on, !on];
   byId("record").classList.toggle("recording", on);
   say(byId("record-sub"), on ? "recording" : record.state === "ended" ? `ended: ${record.reason}` : "");
-  const lacking = (dropped) => (dropped > 0 ? `, ${grouped(dropped)} lacking: the disk is too slow` : "");
+  const lacking = (dropped) => (dropped > 0 ? `, ${grouped(dropped)} dropped: the disk is too slow` : "");
   showFacts(byId("record-facts"), [
     ["File", record.file ?? NONE],
     ["Duration", `${grouped(record.duration_s)} s`],
     ["Frames", `${grouped(record.frames)}${lacking(record.frames_dropped)}`],
-    ["Pictures", `${grouped(record.pictures)}${lacking(record.pictures_dropped)}`],
+    ["Images", `${grouped(record.pictures)}${lacking(record.pictures_dropped)}`],
     ["Size", `${grouped(record.bytes / MIB)} MiB`],
   ]);
 }

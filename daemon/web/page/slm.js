@@ -15,7 +15,7 @@ const veil = () => document.querySelector("#slm .veil");
 function tell() {
   if (!compared) return;
   const { frame, result } = compared;
-  const same = result.crc32 === checksum ? ", pixel for pixel the picture above" : "";
+  const same = result.crc32 === checksum ? ", identical to the image above" : "";
   frame.help(`The output showed hologram ${result.hologram_id}${same} (CRC-32 ${result.crc32.toString(16)}).`);
 }
 
@@ -50,13 +50,13 @@ export function takeBench({ hologram, limits }, shownPattern) {
   const none = hologram.hologram_id === null;
   byId("hologram").hidden = none;
   veil().hidden = !none;
-  if (none) say(veil(), hologram.reason ? `No picture: ${hologram.reason}` : "No picture yet");
+  if (none) say(veil(), hologram.reason ? `No image: ${hologram.reason}` : "No image yet");
   const key = `${hologram.hologram_id} ${hologram.crc32}`;
   if (!none && key !== drawn) {
     drawn = key;
     checksum = hologram.crc32;
-    byId("hologram").alt = `Hologram ${hologram.hologram_id} as it is on the SLM`;
-    say(byId("slm-sub"), `picture of hologram ${hologram.hologram_id}`);
+    byId("hologram").alt = `Hologram ${hologram.hologram_id} on the SLM`;
+    say(byId("slm-sub"), `hologram ${hologram.hologram_id}`);
     load();
     tell();
   }

@@ -32,7 +32,7 @@ class HealthTest : public testing::Test {
 };
 
 TEST_F(HealthTest, IsWellWhenNothingIsWrong) {
-  expect_worst(Wellness::good, "well");
+  expect_worst(Wellness::good, "OK");
   EXPECT_EQ(examine_bench(facts).size(), 1U);
 }
 
@@ -82,7 +82,7 @@ TEST_F(HealthTest, SaysWhatToDoWithoutAReference) {
 
 TEST_F(HealthTest, AReferenceThatHoldsAnIntroducedAberrationIsNotWell) {
   facts.status["sensor"]["reference_introduced_rms_waves"] = 0.0;
-  expect_worst(Wellness::good, "well");
+  expect_worst(Wellness::good, "OK");
   facts.status["sensor"]["reference_introduced_rms_waves"] = 0.3;
   expect_worst(Wellness::warning, "introduced aberration of 0.3000 wave RMS");
 }
