@@ -43,8 +43,8 @@ void add_options(CLI::App& app, Options& options) {
       "--allow-host", options.more_hosts,
       "further HOST or HOST:PORT by which browsers reach this page, e.g. a proxy's name");
   app.add_flag("--cleartext", options.cleartext,
-               "allow an address that other machines can reach, although the network can then read "
-               "the links' tokens");
+               "allow an address that other machines can reach, although others on the network can "
+               "read the links' tokens");
 }
 
 Result<void> check_options(Options& options) {
@@ -60,9 +60,9 @@ Result<void> check_options(Options& options) {
   if (!is_loopback(address) && !options.cleartext) {
     return fail(Errc::invalid, "--listen",
                 address +
-                    " is reachable from other machines, and the network could read the page's "
-                    "token: listen on 127.0.0.1 and use ssh -L or a TLS proxy (--allow-host), or "
-                    "accept it with --cleartext");
+                    " is reachable from other machines, and others on the network could read the "
+                    "page's token: listen on 127.0.0.1 and use ssh -L or a TLS proxy "
+                    "(--allow-host), or accept it with --cleartext");
   }
   options.address = without_brackets(address);
   return {};

@@ -93,10 +93,10 @@ def check_include(name, included):
     if other in MAY_INCLUDE and not any(others.keys() & usable(target, {target}) for target in own):
         yield f"{included} belongs to a target that {' or '.join(own)} does not link"
     if room == "drivers" and other == "drivers" and included.split("/")[1] not in (name.split("/")[1], SHARED_BY_DRIVERS):
-        yield f"drivers never see each other: {included}"
+        yield f"a driver must not include another driver: {included}"
     for vendor, homes in VENDORS.items():
         if re.match(vendor, included) and not name.startswith(homes):
-            yield f"{included} belongs to {' and '.join(homes)}"
+            yield f"{included} may be included only in {' and '.join(homes)}"
 
 
 def check_code_line(name, line):
@@ -105,14 +105,14 @@ def check_code_line(name, line):
         yield from check_include(name, include[1])
     if re.search(r"\bstd::j?thread\b|pthread_create|std::async", line) and not name.startswith(THREAD_OWNERS):
         if "this_thread" not in line and "#include" not in line:
-            yield "threads are made only in " + " and ".join(THREAD_OWNERS)
+            yield "threads may be created only in " + " and ".join(THREAD_OWNERS)
     if re.search(r"\b(TODO|FIXME|XXX|HACK)\b", line):
-        yield "finish it, or file it"
+        yield "unfinished work: finish it, or file an issue"
 
 
 def check_text_line(line):
     if re.search(r"(^|[^A-Za-z0-9_.])/(home|work|root)/", line):
-        yield "a path of one machine"
+        yield "path of a specific machine"
 
 
 def blanked(text):
@@ -163,7 +163,7 @@ def main():
         text = (ROOT / name).read_text()
         for number, line in enumerate(text.splitlines(), 1):
             found += [f"{name}:{number}: {rule}" for rule in check_code_line(name, line)]
-        found += [f"{name}:{n}: a function of {length} lines" for n, length in functions_too_long(text)]
+        found += [f"{name}:{n}: function of {length} lines, at most {MOST_FUNCTION_LINES}" for n, length in functions_too_long(text)]
     for name in tracked():
         path = ROOT / name
         if path.suffix in {".png", ".tif", ".bin"} or path.is_symlink() or not path.is_file():
@@ -175,7 +175,7 @@ def main():
             continue
         for number, line in enumerate(lines, 1):
             found += [f"{name}:{number}: {rule}" for rule in check_text_line(line)]
-    print("\n".join(found) or f"{len(code)} source files keep the rules")
+    print("\n".join(found) or f"{len(code)} source files checked, no violations")
     return 1 if found else 0
 
 

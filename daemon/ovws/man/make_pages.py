@@ -13,7 +13,7 @@ from pathlib import Path
 from roff import Page, of_markdown
 
 ROOT = Path(__file__).resolve().parents[3]
-SEE = {"ovws": (1, "talk to the wavefront sensor's daemon, and work without it"),
+SEE = {"ovws": (1, "command line of the optical vortex wavefront sensor"),
        "ovws-twin": (1, "digital twin of the optical vortex wavefront sensor's bench"),
        "ovwsd": (8, "real-time daemon of the optical vortex wavefront sensor"),
        "ovwsd.json": (5, "configuration of the optical vortex wavefront sensor's daemon")}
@@ -113,7 +113,7 @@ def program_page(name, programs, version, describe, environment, files=()):
 
 def ovws_page(programs, version):
     def describe(page, help_):
-        page.text("The options below stand before or behind the command.")
+        page.text("The options below can precede or follow the command.")
         page.section("Commands")
         for command, _ in help_.sections["Subcommands"]:
             own = Help(programs / "ovws", command)
@@ -122,34 +122,34 @@ def ovws_page(programs, version):
             put_entries(page, own.sections.get("Positionals", []) + [e for e in own.sections["Options"] if "--help" not in e[0]])
 
     return program_page("ovws", programs, version, describe, [
-        ("OVWS_KEY", "as --key"), ("OVWS_SERVER_KEY", "as --server-key"), ("OVWS_METRICS_LISTEN", "as --listen of metrics"),
-        ("NO_COLOR", "if it is not empty, the screen of watch has no colours"),
-        ("TERM", "with \"dumb\", or without it, watch is a table")])
+        ("OVWS_KEY", "same as --key"), ("OVWS_SERVER_KEY", "same as --server-key"), ("OVWS_METRICS_LISTEN", "same as --listen of metrics"),
+        ("NO_COLOR", "if not empty, the screen of watch has no colours"),
+        ("TERM", "if \"dumb\" or unset, watch prints a table")])
 
 
 def ovwsd_page(programs, version):
     def describe(page, _):
-        page.text("It shows the sensor's hologram on the SLM, tracks one spot for each subaperture in every frame of the camera, reconstructs Zernike "
-                  "coefficients and publishes them over ZeroMQ; commands come as JSON-RPC. ovws(1) talks to it. SIGHUP reads the configuration again, "
-                  "SIGTERM and SIGINT end it.")
+        page.text("It shows the sensor's hologram on the SLM, tracks one spot per subaperture in every camera frame, reconstructs Zernike "
+                  "coefficients and publishes them over ZeroMQ. Commands are JSON-RPC; ovws(1) is a client. SIGHUP reloads the configuration; "
+                  "SIGTERM and SIGINT stop the daemon.")
 
     return program_page("ovwsd", programs, version, describe, [
-        ("STATE_DIRECTORY", "as systemd sets it: where is kept what survives a restart, unless the configuration names a folder"),
-        ("DISPLAY, XAUTHORITY", "the X server of the SLM"), ("NOTIFY_SOCKET, WATCHDOG_USEC", "as systemd sets them")], [
+        ("STATE_DIRECTORY", "set by systemd: the folder for state that survives a restart, unless the configuration names one"),
+        ("DISPLAY, XAUTHORITY", "the X server of the SLM"), ("NOTIFY_SOCKET, WATCHDOG_USEC", "set by systemd")], [
         ("/etc/ovws/ovwsd.json", "the service's configuration, ovwsd.json(5); ovwsd reads it only if --config names it, as the service's unit does"),
-        ("/var/lib/ovws", "the service's state directory: references, calibrations, the registration, what was measured of the SLM, gain sweeps"),
-        ("/var/lib/ovws/config.json", "the overlay: settings that config.save saved, laid over the configuration at the start and at every reload"),
-        ("/var/lib/ovws/config.json.rejected", "an overlay that could not be used"),
-        ("/var/lib/ovws/recordings", "recordings of record.start, for members of the group ovws-data to read"),
+        ("/var/lib/ovws", "the service's state directory: references, calibrations, the registration, measurements of the SLM, gain sweeps"),
+        ("/var/lib/ovws/config.json", "the overlay of settings saved by config.save, which take precedence over the configuration"),
+        ("/var/lib/ovws/config.json.rejected", "an unusable overlay that was set aside"),
+        ("/var/lib/ovws/recordings", "recordings of record.start, readable by members of the group ovws-data"),
         ("/var/lib/ovws/xauthority", "the cookie of the SLM's X server")])
 
 
 def twin_page(programs, version):
     def describe(page, _):
-        page.text("It looks at the SLM's output of an X server, computes what the camera would see, and answers as a GigE Vision camera. When it is ready "
-                  "it prints a line that begins with \"ready\"; SIGTERM and SIGINT end it. Its keys and faults are told in drivers/twin/README.md.")
+        page.text("It reads the SLM's output of an X server, computes the camera image, and acts as a GigE Vision camera. When it is ready, it "
+                  "prints a line that begins with \"ready\". SIGTERM and SIGINT stop it. drivers/twin/README.md describes its keys and faults.")
 
-    return program_page("ovws-twin", programs, version, describe, [("DISPLAY", "the X server, unless --display names it")])
+    return program_page("ovws-twin", programs, version, describe, [("DISPLAY", "the X server, unless --display is given")])
 
 
 def config_page(version):
