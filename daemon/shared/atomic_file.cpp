@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kUnique = ".XXXXXX";  // template of mkostemps
 constexpr std::string_view kTemporary = ".ovws-tmp";
 
-const char* way_out(int error) {
+const char* remedy(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
@@ -38,7 +38,7 @@ const char* way_out(int error) {
 tl::unexpected<Error> failure(const std::string& path, const char* what) {
   const int error = errno;
   return fail(Errc::unavailable, "path",
-              path + " cannot be " + what + ": " + std::strerror(error) + way_out(error));
+              path + " cannot be " + what + ": " + std::strerror(error) + remedy(error));
 }
 
 bool write_all(int fd, std::string_view content, const FileCalls& calls) {
@@ -63,7 +63,7 @@ Result<void> sync_folder_of(const std::string& path, const FileCalls& calls) {
 }
 
 /// Copies owner (if permitted) and permissions of the old file; a new file gets mode 0644.
-bool like_before(int fd, const std::string& path) {
+bool copy_permissions(int fd, const std::string& path) {
   struct stat before {};
   if (::stat(path.c_str(), &before) != 0) return ::fchmod(fd, 0644) == 0;
   if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
@@ -72,7 +72,7 @@ bool like_before(int fd, const std::string& path) {
 
 /// Copies the old file's owner, and its permissions unless group or others have any. Ignores a
 /// symbolic link: another user could have chosen its target.
-bool secret_like_before(int fd, const std::string& path) {
+bool copy_secret_permissions(int fd, const std::string& path) {
   struct stat before {};
   if (::lstat(path.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return true;
   if (::fchown(fd, before.st_uid, before.st_gid) != 0 && errno != EPERM) return false;
@@ -93,15 +93,16 @@ bool is_leftover(std::string_view file) {
   return file.size() > kUnique.size() && file[file.size() - kUnique.size()] == '.';
 }
 
-using Dress = bool (*)(int fd, const std::string& path);
+using PermissionPolicy = bool (*)(int fd, const std::string& path);
 
-/// Replaces the file atomically; `dress` sets owner and permissions of the new file.
-Result<void> replace(const std::string& path, std::string_view content, Dress dress,
-                     const FileCalls& calls) {
+/// Replaces the file atomically; `apply_permissions` sets owner and permissions of the new file.
+Result<void> replace(const std::string& path, std::string_view content,
+                     PermissionPolicy apply_permissions, const FileCalls& calls) {
   std::string temporary = path + std::string(kUnique) + std::string(kTemporary);
   const int fd = ::mkostemps(temporary.data(), int(kTemporary.size()), O_CLOEXEC);
   if (fd < 0) return failure(path, "written");
-  const bool written = write_all(fd, content, calls) && dress(fd, path) && calls.fsync(fd) == 0;
+  const bool written =
+      write_all(fd, content, calls) && apply_permissions(fd, path) && calls.fsync(fd) == 0;
   auto unwritten = failure(path, "written");
   if (::close(fd) != 0 || !written || calls.rename(temporary.c_str(), path.c_str()) != 0) {
     if (written) unwritten = failure(path, "written");
@@ -115,12 +116,12 @@ Result<void> replace(const std::string& path, std::string_view content, Dress dr
 
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls) {
-  return replace(target_of(path), content, like_before, calls);
+  return replace(target_of(path), content, copy_permissions, calls);
 }
 
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls) {
-  return replace(path, content, secret_like_before, calls);  // mkostemps makes it 0600
+  return replace(path, content, copy_secret_permissions, calls);  // mkostemps makes it 0600
 }
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {

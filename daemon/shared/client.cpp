@@ -61,7 +61,7 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
 
 /// Translates a stream's bind address for this client. For wildcard and loopback addresses it uses
 /// the host through which the control socket was reached.
-std::string as_seen_from_here(const std::string& stream, const std::string& control) {
+std::string reachable_endpoint(const std::string& stream, const std::string& control) {
   const std::string bound = host_of(stream);
   const std::string reached = host_of(control);
   const bool own_name = bound == "*" || bound == "0.0.0.0" || bound == "127.0.0.1" ||
@@ -154,7 +154,7 @@ int report_failure(const Common& common, const CallFailure& failure) {
 tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
-  return as_seen_from_here(config->at("stream").at(key).get<std::string>(), common.endpoint);
+  return reachable_endpoint(config->at("stream").at(key).get<std::string>(), common.endpoint);
 }
 
 Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
@@ -172,9 +172,11 @@ std::string why_not_valid(const json& message, const json& status) {
     return "the SLM shows " + what + ": no wavefront is measured";
   }
   if (!message.value("settled", false)) {
-    const bool stands = slm.value("settled", false) &&
-                        slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
-    return stands ? "the frame is late, or camera settings are changing" : "hologram changing";
+    const bool is_displayed =
+        slm.value("settled", false) &&
+        slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
+    return is_displayed ? "the frame is late, or camera settings are changing"
+                        : "hologram changing";
   }
   if (!status.at("sensor").at("referenced").get<bool>()) {
     return "no reference: ovws call reference.take";

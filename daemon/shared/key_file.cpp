@@ -35,7 +35,7 @@ class Descriptor {
   int fd_;
 };
 
-tl::unexpected<Error> trouble(Errc code, const std::string& path, const std::string& what) {
+tl::unexpected<Error> key_error(Errc code, const std::string& path, const std::string& what) {
   return fail(code, kField, path + ": " + what);
 }
 
@@ -46,11 +46,11 @@ std::string credentials_folder() {
 
 Result<void> check_pair(const std::string& path, const KeyFile& keys) {
   if (public_key_of(keys.pair.secret_key) != keys.pair.public_key) {
-    return trouble(Errc::invalid, path,
-                   "public_key does not belong to secret_key: make both with ovws keygen");
+    return key_error(Errc::invalid, path,
+                     "public_key does not belong to secret_key: make both with ovws keygen");
   }
   if (keys.server_key.empty() || is_curve_key(keys.server_key)) return {};
-  return trouble(Errc::invalid, path, "server_key is not a key of 40 characters");
+  return key_error(Errc::invalid, path, "server_key is not a key of 40 characters");
 }
 
 }  // namespace
@@ -61,14 +61,14 @@ Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat about {};
   if (file.get() < 0 || ::fstat(file.get(), &about) != 0) {
-    return trouble(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
+    return key_error(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
   }
-  if (!S_ISREG(about.st_mode)) return trouble(Errc::invalid, path, "is not a file");
-  if ((about.st_mode & forbidden) != 0) return trouble(Errc::invalid, path, secrecy);
+  if (!S_ISREG(about.st_mode)) return key_error(Errc::invalid, path, "is not a file");
+  if ((about.st_mode & forbidden) != 0) return key_error(Errc::invalid, path, secrecy);
   if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
-    return trouble(Errc::invalid, path,
-                   "belongs to another user, who could change it: chown it to the user of this "
-                   "program, or to root");
+    return key_error(Errc::invalid, path,
+                     "belongs to another user, who could change it: chown it to the user of this "
+                     "program, or to root");
   }
   std::string text(kMaxFileBytes + 1, '\0');
   std::size_t size = 0;
@@ -78,9 +78,9 @@ Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
     if (got > 0) size += std::size_t(got);
   }
   if (got < 0) {
-    return trouble(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
+    return key_error(Errc::invalid, path, std::string("cannot be read: ") + std::strerror(errno));
   }
-  if (size > kMaxFileBytes) return trouble(Errc::invalid, path, "is larger than 1 MiB");
+  if (size > kMaxFileBytes) return key_error(Errc::invalid, path, "is larger than 1 MiB");
   text.resize(size);
   return text;
 }
@@ -101,7 +101,7 @@ Result<KeyFile> load_key_file(const std::string& path) {
       "it, make a new one with ovws keygen");
   if (!text) return fail(text.error());
   const auto json = parse_strict_json(*text, kMaxDepth, JsonComments::refused);
-  if (!json) return trouble(Errc::invalid, path, "is not a key file made by ovws keygen");
+  if (!json) return key_error(Errc::invalid, path, "is not a key file made by ovws keygen");
   KeyFile keys;
   ObjectReader reader(*json, "");
   reader.require("public_key");
@@ -110,7 +110,7 @@ Result<KeyFile> load_key_file(const std::string& path) {
   reader.string("secret_key", keys.pair.secret_key);
   reader.string("server_key", keys.server_key);
   if (const auto done = reader.finish(); !done) {
-    return trouble(Errc::invalid, path, done.error().field + ": " + done.error().reason);
+    return key_error(Errc::invalid, path, done.error().field + ": " + done.error().reason);
   }
   if (auto right = check_pair(path, keys); !right) return fail(right.error());
   return keys;
@@ -125,7 +125,7 @@ Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool r
   const Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
   if (file.get() < 0 && errno == EEXIST) {
-    return trouble(
+    return key_error(
         Errc::refused, path,
         "exists already, and users of its key would lose access: choose another name, or "
         "use --replace");
@@ -136,7 +136,7 @@ Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool r
   if (written) return {};
   const std::string why = std::strerror(errno);
   if (file.get() >= 0) ::unlink(path.c_str());
-  return trouble(Errc::unavailable, path, "cannot be written: " + why);
+  return key_error(Errc::unavailable, path, "cannot be written: " + why);
 }
 
 }  // namespace ovws

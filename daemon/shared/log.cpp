@@ -63,12 +63,12 @@ class QuickSink : public spdlog::sinks::base_sink<std::mutex> {
     return ::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0;
   }
   static void write(const char* text, std::size_t size) {
-    constexpr std::size_t kMost = PIPE_BUF;
-    if (size <= kMost) {
+    constexpr std::size_t kMaxBytes = PIPE_BUF;
+    if (size <= kMaxBytes) {
       (void)!::write(STDERR_FILENO, text, size);
       return;
     }
-    std::string cut(text, kMost - 1);
+    std::string cut(text, kMaxBytes - 1);
     cut += '\n';
     (void)!::write(STDERR_FILENO, cut.data(), cut.size());
   }

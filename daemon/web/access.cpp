@@ -11,7 +11,7 @@ namespace ovws::web {
 namespace {
 
 constexpr std::size_t kTokenBytes = 16;
-constexpr std::size_t kMostLogged = 80;
+constexpr std::size_t kMaxLoggedBytes = 80;
 constexpr std::string_view kBearer = "Bearer ";
 
 struct RefusalRow {
@@ -54,10 +54,10 @@ bool is_secret(std::string_view given, const std::string& secret) {
 /// Truncated, with non-printable characters replaced, so that a request cannot forge log lines or
 /// send terminal escape sequences.
 std::string loggable(std::string_view text) {
-  std::string shown(text.substr(0, kMostLogged));
+  std::string shown(text.substr(0, kMaxLoggedBytes));
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.size() > kMostLogged ? shown + "..." : shown;
+  return text.size() > kMaxLoggedBytes ? shown + "..." : shown;
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ std::optional<Route> route_of(std::string_view path) {
 Access::Access(std::vector<std::string> hosts, Tokens tokens)
     : hosts_(std::move(hosts)), tokens_(std::move(tokens)) {}
 
-Right Access::proven(std::string_view authorization) const {
+Right Access::granted_right(std::string_view authorization) const {
   if (!authorization.starts_with(kBearer)) return Right::page;
   const std::string_view given = authorization.substr(kBearer.size());
   if (is_secret(given, tokens_.control)) return Right::control;
@@ -111,10 +111,10 @@ tl::expected<Right, Refusal> Access::judge(const RequestHead& head) const {
   if (foreign && !(route && route->right == Right::page)) return refuse(Refusal::origin);
   if (!route) return refuse(Refusal::path);
   if (head.method != route->method) return refuse(Refusal::method);
-  if (head.chunked || head.content_length.value_or(0) > kMostBodyBytes) {
+  if (head.chunked || head.content_length.value_or(0) > kMaxBodyBytes) {
     return refuse(Refusal::size);
   }
-  const Right right = proven(head.authorization);
+  const Right right = granted_right(head.authorization);
   if (right < route->right) {
     return refuse(right == Right::page ? Refusal::token : Refusal::right);
   }
@@ -123,22 +123,22 @@ tl::expected<Right, Refusal> Access::judge(const RequestHead& head) const {
 
 void RefusalLog::add(Refusal refusal, const RequestHead& head, const std::string& peer) {
   const auto now = std::chrono::steady_clock::now();
-  std::uint64_t untold = 0;
+  std::uint64_t unlogged = 0;
   {
     const std::scoped_lock lock(mutex_);
     Kind& kind = kinds_[std::size_t(refusal)];
     ++kind.count;
-    if (now - kind.told < std::chrono::seconds(1)) {
-      ++kind.untold;
+    if (now - kind.last_logged < std::chrono::seconds(1)) {
+      ++kind.unlogged;
       return;
     }
-    kind.told = now;
-    untold = std::exchange(kind.untold, 0);
+    kind.last_logged = now;
+    unlogged = std::exchange(kind.unlogged, 0);
   }
   spdlog::warn("refused ({}): {} {} from {}, host \"{}\", origin \"{}\"{}", refusal_name(refusal),
                loggable(head.method), loggable(head.target), peer, loggable(head.host),
                loggable(head.origin),
-               untold == 0 ? "" : fmt::format("; {} similar refusals not logged", untold));
+               unlogged == 0 ? "" : fmt::format("; {} similar refusals not logged", unlogged));
 }
 
 nlohmann::json RefusalLog::counts() const {

@@ -53,7 +53,7 @@ struct Route {
 };
 std::optional<Route> route_of(std::string_view path);
 
-constexpr std::uint64_t kMostBodyBytes = 64 * 1024;
+constexpr std::uint64_t kMaxBodyBytes = 64 * 1024;
 
 /// Immutable and thread-safe.
 class Access {
@@ -66,7 +66,7 @@ class Access {
   tl::expected<Right, Refusal> judge(const RequestHead& head) const;
 
  private:
-  Right proven(std::string_view authorization) const;
+  Right granted_right(std::string_view authorization) const;
 
   std::vector<std::string> hosts_;
   Tokens tokens_;
@@ -82,8 +82,8 @@ class RefusalLog {
  private:
   struct Kind {
     std::uint64_t count = 0;
-    std::uint64_t untold = 0;
-    std::chrono::steady_clock::time_point told{};
+    std::uint64_t unlogged = 0;
+    std::chrono::steady_clock::time_point last_logged{};
   };
   mutable std::mutex mutex_;
   std::array<Kind, kRefusals> kinds_;

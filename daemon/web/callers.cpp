@@ -7,7 +7,7 @@
 namespace ovws::web {
 namespace {
 
-constexpr std::chrono::milliseconds kLook{10};  ///< polling interval while waiting for a turn
+constexpr std::chrono::milliseconds kPollInterval{10};  ///< of a waiting call
 
 /// Scope guard that keeps a number in a set.
 class Entry {
@@ -26,7 +26,7 @@ class Entry {
 };
 
 /// Whether the browser closed its side of the connection (POLLRDHUP), even with data left unread.
-bool has_left(tcp::socket& browser) {
+bool has_disconnected(tcp::socket& browser) {
   pollfd look{browser.native_handle(), POLLRDHUP, 0};
   return ::poll(&look, 1, 0) != 0;
 }
@@ -36,9 +36,9 @@ bool has_left(tcp::socket& browser) {
 Task<bool> Callers::turn(tcp::socket& browser, std::uint64_t number) {
   const Entry waiting(waiting_, number);
   net::steady_timer timer(co_await net::this_coro::executor);
-  while (!has_left(browser)) {
+  while (!has_disconnected(browser)) {
     if (*waiting_.begin() == number && under_way_.size() < kCalls) co_return true;
-    timer.expires_after(kLook);
+    timer.expires_after(kPollInterval);
     co_await timer.async_wait(net::use_awaitable);
   }
   co_return false;

@@ -10,11 +10,11 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPoll{100};
+constexpr milliseconds kReceiveTimeout{100};
 constexpr milliseconds kSilence{3000};  ///< `status` comes once per second
 constexpr milliseconds kHealthPeriod{250};
-constexpr milliseconds kAskPeriod{2000};
-constexpr milliseconds kAskAtOnce{150};  ///< minimum interval of requests after changes
+constexpr milliseconds kPollPeriod{2000};
+constexpr milliseconds kMinPollInterval{150};  ///< minimum interval of requests after changes
 constexpr int kNumbersQueue = 1000;
 constexpr int kPicturesQueue = 4;
 
@@ -57,14 +57,14 @@ Feeds::Feeds(const cli::Common& common, Board& board, std::function<ServerFacts(
       view_(common),
       numbers_([this] { take_numbers(); }),
       pictures_([this] { take_pictures(); }),
-      questions_([this] { ask(); }) {}
+      polling_([this] { poll_bench(); }) {}
 
 Feeds::~Feeds() {
   stop_ = true;
-  for (std::thread* thread : {&numbers_, &pictures_, &questions_}) thread->join();
+  for (std::thread* thread : {&numbers_, &pictures_, &polling_}) thread->join();
 }
 
-void Feeds::rest(milliseconds time) const {
+void Feeds::sleep_unless_stopped(milliseconds time) const {
   const auto end = Clock::now() + time;
   while (!stop_ && Clock::now() < end) std::this_thread::sleep_for(milliseconds(20));
 }
@@ -72,22 +72,22 @@ void Feeds::rest(milliseconds time) const {
 /// Subscribes again when the daemon is silent: it may have restarted with other endpoints.
 void Feeds::take_numbers() {
   while (!stop_) {
-    tell_health();
+    publish_health();
     const auto endpoint = cli::stream_endpoint(common_, "endpoint");
     auto stream =
         cli::subscribe(common_, endpoint.value_or(std::string{}),
                        {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
     if (!endpoint || !stream) {
-      rest(kHealthPeriod);
+      sleep_unless_stopped(kHealthPeriod);
       continue;
     }
     auto heard = Clock::now();
     while (!stop_ && Clock::now() - heard < kSilence) {
-      if (const auto message = stream->receive(kPoll)) {
+      if (const auto message = stream->receive(kReceiveTimeout)) {
         heard = Clock::now();
         take(*message);
       }
-      tell_health();
+      publish_health();
     }
   }
 }
@@ -96,19 +96,19 @@ void Feeds::take_numbers() {
 void Feeds::take_pictures() {
   while (!stop_) {
     if (!watched()) {
-      rest(kPoll);
+      sleep_unless_stopped(kReceiveTimeout);
       continue;
     }
     const auto endpoint = cli::stream_endpoint(common_, "image_endpoint");
     auto stream = cli::subscribe(common_, endpoint.value_or(std::string{}), {"image", "phase"},
                                  kPicturesQueue);
     if (!endpoint || !stream) {
-      rest(kHealthPeriod);
+      sleep_unless_stopped(kHealthPeriod);
       continue;
     }
     auto heard = Clock::now();
     while (!stop_ && watched() && Clock::now() - heard < kSilence) {
-      if (const auto message = stream->receive(kPoll)) {
+      if (const auto message = stream->receive(kReceiveTimeout)) {
         heard = Clock::now();
         take(*message);
       }
@@ -116,19 +116,19 @@ void Feeds::take_pictures() {
   }
 }
 
-/// Queries the daemon soon after a change of hologram or settings, and every kAskPeriod.
-void Feeds::ask() {
-  std::int64_t known = -1;
-  auto asked = Clock::time_point{};
+/// Queries the daemon soon after a change of hologram or settings, and every kPollPeriod.
+void Feeds::poll_bench() {
+  std::int64_t polled_change = -1;
+  auto polled_at = Clock::time_point{};
   while (!stop_) {
     const std::int64_t change = hologram_change_;
-    const bool due = change != known || Clock::now() - asked > kAskPeriod;
+    const bool due = change != polled_change || Clock::now() - polled_at > kPollPeriod;
     if (!due || !watched()) {
-      rest(milliseconds(40));
+      sleep_unless_stopped(milliseconds(40));
       continue;
     }
-    known = change;
-    asked = Clock::now();
+    polled_change = change;
+    polled_at = Clock::now();
     std::string pattern;
     {
       const std::scoped_lock lock(pattern_mutex_);
@@ -138,9 +138,9 @@ void Feeds::ask() {
       if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(view->dump()));
     } catch (const json::exception& error) {
       spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
-      rest(kAskPeriod);
+      sleep_unless_stopped(kPollPeriod);
     }
-    rest(kAskAtOnce);
+    sleep_unless_stopped(kMinPollInterval);
   }
 }
 
@@ -205,7 +205,7 @@ void Feeds::take_picture(const StreamMessage& message) {
   last_picture_ = Clock::now().time_since_epoch().count();
 }
 
-void Feeds::tell_health() {
+void Feeds::publish_health() {
   const auto now = Clock::now();
   if (now - health_at_ < kHealthPeriod) return;
   health_at_ = now;

@@ -64,7 +64,7 @@ class Feeds {
   Feeds& operator=(const Feeds&) = delete;
 
   /// The newest hologram image. Thread-safe. Images and polled data are fetched only while a
-  /// browser is connected, because they load the daemon.
+  /// browser is connected, because they cost the daemon time.
   HologramPicturePtr hologram() const { return view_.hologram(); }
 
  private:
@@ -72,15 +72,15 @@ class Feeds {
 
   void take_numbers();
   void take_pictures();
-  void ask();
+  void poll_bench();
   void take(const StreamMessage& message);
   void take_wavefront(const StreamMessage& message);
   void take_status(const StreamMessage& message);
   void take_spots(const StreamMessage& message);
   void take_picture(const StreamMessage& message);
-  void tell_health();
+  void publish_health();
   bool watched() const { return server_facts_().browsers > 0; }
-  void rest(std::chrono::milliseconds time) const;
+  void sleep_unless_stopped(std::chrono::milliseconds time) const;
 
   const cli::Common& common_;
   Board& board_;
@@ -104,7 +104,7 @@ class Feeds {
   // Used only by the thread pictures_: at most ten per second, few of which may be valid.
   HeldValid valid_phase_{std::chrono::milliseconds(2000)};
 
-  std::thread numbers_, pictures_, questions_;
+  std::thread numbers_, pictures_, polling_;
 };
 
 }  // namespace ovws::web

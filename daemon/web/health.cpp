@@ -15,8 +15,8 @@ using nlohmann::json;
 
 constexpr double kSilentS = 3.0;  // status comes once per second
 constexpr double kNoFramesS = 1.5;
-constexpr double kLatelyS = 10.0;
-constexpr double kMuchSaturated = 0.1;  // reference.take refuses more
+constexpr double kRecentS = 10.0;
+constexpr double kMaxSaturated = 0.1;  // reference.take refuses more
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
 
 class Findings {
@@ -87,7 +87,7 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
     const auto spots = std::lround(saturated * wavefront.at("subapertures").get<double>());
     const std::string text = fmt::format("{} of {} spots saturated: lower the exposure or the gain",
                                          spots, wavefront.at("subapertures").get<int>());
-    saturated > kMuchSaturated ? findings.warning(text) : findings.note(text);
+    saturated > kMaxSaturated ? findings.warning(text) : findings.note(text);
   }
   const int lost = wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>();
   if (pattern == "sensor" && lost > 0 && wavefront.at("valid").get<bool>()) {
@@ -109,11 +109,11 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
         "The reference was taken with another gain, exposure or pixel format: take a new one");
   }
   if (facts.lost_lately > 0) {
-    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kLatelyS));
+    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kRecentS));
   }
   if (facts.missed_lately > 0) {
     findings.warning(fmt::format("{} frames took longer than a frame period in {} s",
-                                 facts.missed_lately, kLatelyS));
+                                 facts.missed_lately, kRecentS));
   }
 }
 
@@ -144,7 +144,7 @@ json findings_json(const std::vector<HealthFinding>& findings) {
 void RiseLately::add(double t_s, std::int64_t count) {
   if (!samples_.empty() && count < samples_.back().count) samples_.clear();
   samples_.push_back({t_s, count});
-  while (samples_.size() > 2 && t_s - samples_[1].t_s > kLatelyS) samples_.pop_front();
+  while (samples_.size() > 2 && t_s - samples_[1].t_s > kRecentS) samples_.pop_front();
 }
 
 std::int64_t RiseLately::rise() const {

@@ -18,10 +18,10 @@
 namespace ovws::web {
 namespace {
 
-constexpr double kQuestionTimeoutS = 2.0;
-constexpr unsigned kEndPatienceS = 1;
+constexpr double kPollTimeoutS = 2.0;
+constexpr unsigned kExitTimeoutS = 1;
 
-int complain(const Error& error) {
+int report_error(const Error& error) {
   spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
   return cli::kError;
 }
@@ -31,16 +31,16 @@ Result<Tokens> tokens_of(const Options& options) {
   return keep_links(options.links_path, options.host(), options.control);
 }
 
-/// Forces the exit after kEndPatienceS, so that pending calls to the daemon do not delay it.
-void end_soon() {
+/// Forces the exit after kExitTimeoutS, so that pending calls to the daemon do not delay it.
+void limit_exit_time() {
   std::signal(SIGALRM, [](int) { std::_Exit(cli::kOk); });
-  ::alarm(kEndPatienceS);
+  ::alarm(kExitTimeoutS);
 }
 
 int serve(Options options) {
-  if (auto usable = check_options(options); !usable) return complain(usable.error());
+  if (auto usable = check_options(options); !usable) return report_error(usable.error());
   const auto tokens = tokens_of(options);
-  if (!tokens) return complain(tokens.error());
+  if (!tokens) return report_error(tokens.error());
   const Access access(options.hosts(), *tokens);
   RefusalLog refusals;
   Board board;
@@ -49,10 +49,10 @@ int serve(Options options) {
   auto server = Server::listen(
       options.address, options.port,
       {options.common, access, refusals, board, [&feeds] { return feeds->hologram(); }, browsers});
-  if (!server) return complain(server.error());
-  cli::Common questions = options.common;
-  questions.timeout_s = kQuestionTimeoutS;
-  Feeds running(questions, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
+  if (!server) return report_error(server.error());
+  cli::Common polling = options.common;
+  polling.timeout_s = kPollTimeoutS;
+  Feeds running(polling, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
   feeds = &running;
   if (options.links_path.empty()) std::printf("%s", links_text(options.host(), *tokens).c_str());
   std::printf("ready http://%s/\n", options.host().c_str());
@@ -60,7 +60,7 @@ int serve(Options options) {
   service::notify_ready();
   (*server)->run();
   service::notify_stopping();
-  end_soon();
+  limit_exit_time();
   return cli::kOk;
 }
 

@@ -34,7 +34,7 @@ struct Server::Impl {
   /// Whether one more connection is allowed. If all slots are in use, closes the oldest connection
   /// without a token.
   bool make_room() {
-    if (sessions.size() < kMostConnections) return true;
+    if (sessions.size() < kMaxConnections) return true;
     parts.refusals.add(Refusal::full, {}, "all connection slots are in use");
     const auto stranger = std::ranges::find_if_not(sessions, &Session::trusted);
     if (stranger == sessions.end()) return false;

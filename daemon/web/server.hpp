@@ -17,8 +17,8 @@ namespace ovws::web {
 
 /// Concurrent connections. One more replaces the oldest connection without a token; if all have
 /// one, it is closed.
-constexpr std::size_t kMostConnections = 64;
-constexpr int kMostBrowsers = 16;  ///< concurrent streams
+constexpr std::size_t kMaxConnections = 64;
+constexpr int kMaxBrowsers = 16;  ///< concurrent streams
 
 /// What the server uses; all of it must outlive the server.
 struct ServerParts {

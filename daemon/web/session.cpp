@@ -13,11 +13,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kMostHeadBytes = 8 * 1024;
-constexpr milliseconds kRequestPatience{5000};
-constexpr milliseconds kWritePatience{10'000};
-constexpr milliseconds kLook{5};     ///< polling interval of the board
-constexpr milliseconds kRhythm{33};  ///< minimum interval of messages to a browser
+constexpr std::size_t kMaxHeadBytes = 8 * 1024;
+constexpr milliseconds kRequestTimeout{5000};
+constexpr milliseconds kWriteTimeout{10'000};
+constexpr milliseconds kPollInterval{5};   ///< polling interval of the board
+constexpr milliseconds kSendInterval{33};  ///< minimum interval of messages to a browser
 /// Small, because messages in the kernel's buffer for a slow browser are stale when it reads them.
 constexpr int kSendBufferBytes = 256 * 1024;
 
@@ -74,7 +74,7 @@ Session::Session(tcp::socket socket, const ServerParts& parts, Callers& callers)
     : parts_(parts),
       callers_(callers),
       connection_(std::move(socket)),
-      buffer_(kMostHeadBytes + kMostBodyBytes) {
+      buffer_(kMaxHeadBytes + kMaxBodyBytes) {
   boost::system::error_code ignored;
   const auto peer = connection_.socket().remote_endpoint(ignored);
   peer_ = peer.address().to_string();
@@ -96,11 +96,11 @@ Task<void> Session::run() {
 }
 
 Task<bool> Session::read_head(Request& parser) {
-  parser.header_limit(kMostHeadBytes);
+  parser.header_limit(kMaxHeadBytes);
   // No body limit here: Access::judge checks Content-Length before the body is read.
   parser.body_limit(std::numeric_limits<std::uint64_t>::max());
   boost::system::error_code error;
-  connection_.expires_after(kRequestPatience);
+  connection_.expires_after(kRequestTimeout);
   co_await http::async_read_header(connection_, buffer_, parser,
                                    net::redirect_error(net::use_awaitable, error));
   if (!error) co_return true;
@@ -119,7 +119,7 @@ Task<void> Session::serve() {
   const RequestHead head = head_of(parser);
   const auto right = parts_.access.judge(head);
   trusted_ = right && *right >= Right::look;
-  connection_.expires_after(kWritePatience);
+  connection_.expires_after(kWriteTimeout);
   if (!right) {
     co_await refuse(right.error(), head);
   } else if (head.target == "/stream") {
@@ -153,7 +153,7 @@ Task<void> Session::refuse(Refusal why, const RequestHead& head) {
 }
 
 Task<void> Session::stream(const RequestHead& head, Right right) {
-  if (parts_.browsers >= kMostBrowsers) co_return co_await refuse(Refusal::full, head);
+  if (parts_.browsers >= kMaxBrowsers) co_return co_await refuse(Refusal::full, head);
   const Counted counted(parts_.browsers);
   http::response<http::empty_body> response;
   prepare(response, "application/octet-stream");
@@ -174,11 +174,11 @@ Task<void> Session::pump(Right right) {
   std::uint64_t seen = 0;
   for (;;) {
     const auto packets = parts_.board.newer(seen);
-    timer.expires_after(packets.empty() ? kLook : kRhythm);
+    timer.expires_after(packets.empty() ? kPollInterval : kSendInterval);
     if (!packets.empty()) {
       std::vector<net::const_buffer> buffers;
       for (const PacketPtr& packet : packets) buffers.emplace_back(net::buffer(packet->bytes));
-      connection_.expires_after(kWritePatience);
+      connection_.expires_after(kWriteTimeout);
       co_await net::async_write(connection_, http::make_chunk(buffers), net::use_awaitable);
     }
     co_await timer.async_wait(net::use_awaitable);
@@ -186,7 +186,7 @@ Task<void> Session::pump(Right right) {
 }
 
 Task<void> Session::rpc(Request& parser, const RequestHead& head) {
-  connection_.expires_after(kRequestPatience);
+  connection_.expires_after(kRequestTimeout);
   co_await http::async_read(connection_, buffer_, parser, net::use_awaitable);
   const auto request = parse_command(parser.get().body());
   if (!request) co_return co_await refuse(request.error(), head);
@@ -194,7 +194,7 @@ Task<void> Session::rpc(Request& parser, const RequestHead& head) {
   const Callers::Call call = [&] { return carry_out(parts_.common, *request); };
   auto reply = co_await callers_.carry_out(connection_.socket(), call);
   if (!reply) co_return;
-  connection_.expires_after(kWritePatience);
+  connection_.expires_after(kWriteTimeout);
   co_await answer(http::status::ok, "application/json", std::move(*reply));
 }
 

@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-constexpr auto kLook = 300ms;
+constexpr auto kPollInterval = 300ms;
 constexpr int kStartTries = 10;  // a cancelled job may still be ending
 constexpr int kRefusedCode = -32000;
 
@@ -35,7 +35,7 @@ Answer start(const Common& common, const json& params) {
     const bool busy =
         !answer && answer.error().answered && answer.error().error.value("code", 0) == kRefusedCode;
     if (!busy || tries == kStartTries || interrupted != 0) return answer;
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -54,7 +54,7 @@ class Fetched {
     if (experiment.at("job") == job_) run_ = experiment.at("run");
     return !run_.is_null() && experiment.at("run") == run_;
   }
-  void know_run(const json& name) { run_ = name; }
+  void set_run(const json& name) { run_ = name; }
   /// Whether this measurement of the cell was fetched (same number and start time).
   bool has(const json& summary) const {
     const auto found = cells_.find(summary.at("cell").get<int>());
@@ -106,7 +106,7 @@ class Fetched {
   SweepCells cells_;
 };
 
-void tell_progress(const Common& common, const json& experiment) {
+void print_progress(const Common& common, const json& experiment) {
   if (common.json) return;
   std::string left = "";
   if (experiment.at("time_left_s").is_number()) {
@@ -133,7 +133,7 @@ Answer fetch(const Common& common, Fetched& fetched) {
           true, {{"message", why.field + ": " + why.reason}, {"data", {{"field", why.field}}}}});
     }
   }
-  tell_progress(common, *experiment);
+  print_progress(common, *experiment);
   return experiment;
 }
 
@@ -150,12 +150,12 @@ Answer follow(const Common& common, Fetched& fetched) {
     } else if (!report) {
       return report;
     }
-    if (report->at("result").is_object()) fetched.know_run(report->at("result").at("run"));
+    if (report->at("result").is_object()) fetched.set_run(report->at("result").at("run"));
     if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
       return experiment;
     }
     if (report->at("state") != "running") return report;
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -189,7 +189,7 @@ Result<void> write_findings(const json& experiment, const SweepCells& cells,
   return {};
 }
 
-void tell_bench(const json& experiment) {
+void print_bench(const json& experiment) {
   const json& bench = experiment.at("bench");
   print("run {} of {}: {} us at every gain, {}, {} x {} px\n",
         experiment.at("run").get<std::string>(), experiment.at("t_begun").get<std::string>(),
@@ -201,7 +201,8 @@ void tell_bench(const json& experiment) {
   }
 }
 
-int tell_findings(const Common& common, Fetched& fetched, const std::filesystem::path& folder) {
+int write_and_print_findings(const Common& common, Fetched& fetched,
+                             const std::filesystem::path& folder) {
   const Answer experiment = fetch(common, fetched);
   if (!experiment) return report_failure(common, experiment.error());
   if (!fetched.is_own(*experiment) || experiment->at("complete") != true) {
@@ -217,7 +218,7 @@ int tell_findings(const Common& common, Fetched& fetched, const std::filesystem:
   if (common.json) {
     print("{}\n", summary.dump());
   } else {
-    tell_bench(*experiment);
+    print_bench(*experiment);
     print("{}\n", study::sweep_table(*experiment));
     for (const json& one : summary.at("comparisons")) {
       print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
@@ -252,7 +253,7 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   if (!common.json) fmt::print(stderr, "\n");
   if (!ended) return report_failure(common, ended.error());
   const std::string state = ended->at("state").get<std::string>();
-  if (state == "done") return tell_findings(common, fetched, folder);
+  if (state == "done") return write_and_print_findings(common, fetched, folder);
   return report(common, {Errc::refused, "", why_it_ended(*ended, fetched.cells().size())});
 }
 

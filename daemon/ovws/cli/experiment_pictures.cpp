@@ -65,14 +65,14 @@ double largest(const Image<float>& waves) {
 
 /// Index of the frame with the median variance; none if no frame has coefficients.
 std::optional<std::size_t> median_frame(const json& cell) {
-  std::vector<std::pair<double, std::size_t>> known;
+  std::vector<std::pair<double, std::size_t>> valid_frames;
   const json& variances = cell.at("variances_rad2");
   for (std::size_t k = 0; k < variances.size(); ++k) {
-    if (variances[k].is_number()) known.emplace_back(variances[k].get<double>(), k);
+    if (variances[k].is_number()) valid_frames.emplace_back(variances[k].get<double>(), k);
   }
-  if (known.empty()) return std::nullopt;
-  std::sort(known.begin(), known.end());
-  return known[known.size() / 2].second;
+  if (valid_frames.empty()) return std::nullopt;
+  std::sort(valid_frames.begin(), valid_frames.end());
+  return valid_frames[valid_frames.size() / 2].second;
 }
 
 std::size_t next_gain(const json& request) {

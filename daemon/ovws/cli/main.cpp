@@ -53,11 +53,11 @@ int report_parse(const CLI::App& app, const CLI::ParseError& error) {
       rest.front().starts_with('-')) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
-  std::vector<std::string> known;
+  std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    known.push_back(command->get_name());
+    names.push_back(command->get_name());
   }
-  const auto near = nearest_name(rest.front(), known);
+  const auto near = nearest_name(rest.front(), names);
   fmt::print(stderr, "ovws: unknown command {}{}\n", rest.front(),
              near ? "; did you mean " + *near + "?" : ": see ovws --help");
   return kUsage;

@@ -34,7 +34,7 @@ struct Measured {
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
   Reconstruction reconstruction;
-  bool explained = true;  ///< false: no wavefront explains the spots; alone makes it invalid
+  bool explained = true;  ///< false: determined, but no wavefront explains the spots
   bool valid = false;
   OperatorReport mode_operator;  ///< the operator that gave the coefficients
 };

@@ -10,8 +10,8 @@
 namespace ovws::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn{200};
-constexpr std::chrono::milliseconds kPatience{1000};
+constexpr std::chrono::milliseconds kReceiveTimeout{200};
+constexpr std::chrono::milliseconds kCallTimeout{1000};
 
 std::atomic<bool> stop_requested{false};
 
@@ -22,9 +22,9 @@ int serve_metrics(const Common& common, const std::string& address) {
   std::signal(SIGTERM, [](int) { stop_requested.store(true); });
   print("metrics at http://{}/metrics\n", address);
   std::fflush(stdout);
-  StreamFollower stream(common, {"status", "wavefront"}, kPatience);
+  StreamFollower stream(common, {"status", "wavefront"}, kCallTimeout);
   while (!stop_requested) {
-    auto message = stream.receive(kTurn);
+    auto message = stream.receive(kReceiveTimeout);
     if (message) exporter->take(message->topic, std::move(message->json));
   }
   return kOk;

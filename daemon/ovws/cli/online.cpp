@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::chrono::milliseconds kLook{200};
+constexpr std::chrono::milliseconds kPollInterval{200};
 
 std::string text_or(const json& object, const char* key, const std::string& otherwise) {
   return object.contains(key) && object[key].is_string() ? object[key].get<std::string>()
@@ -198,7 +198,7 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& sta
       if (!error.is_object()) error = {{"message", "the job was " + state}};
       return tl::make_unexpected(CallFailure{true, std::move(error)});
     }
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 

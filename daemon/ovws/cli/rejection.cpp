@@ -19,9 +19,9 @@ using Clock = std::chrono::steady_clock;
 using Answer = tl::expected<json, CallFailure>;
 using Measured = tl::expected<study::RejectionMeasured, CallFailure>;
 
-constexpr auto kLook = 200ms;
-constexpr auto kPatienceForSteps = 60s;
-constexpr int kPutBackTries = 3;  // a signal may interrupt a call
+constexpr auto kPollInterval = 200ms;
+constexpr auto kStepsTimeout = 60s;
+constexpr int kRestoreTries = 3;  // a signal may interrupt a call
 constexpr int kFirstMode = 3;     // the study ignores piston and tilts
 
 std::atomic<bool> interrupted{false};
@@ -44,9 +44,9 @@ class BorrowedLoop {
   }
 
   /// Opens the loop and restores the correction; does nothing if the loop was never closed.
-  Answer put_back() {
+  Answer restore() {
     Answer done = json();
-    for (int tries = 0; taken_ && tries < kPutBackTries; ++tries) {
+    for (int tries = 0; taken_ && tries < kRestoreTries; ++tries) {
       done = call(common_, "loop.open", {{"keep", true}});
       if (done) done = call(common_, "correction.set", {{"modes", modes_}});
       if (done) taken_ = false;
@@ -118,7 +118,7 @@ Answer closed_loop(const Common& common) {
 /// Waits until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
 Answer wait_for_steps(const Common& common, double gain) {
   const int needed = int(std::clamp(std::ceil(3.0 / gain), 5.0, 200.0));
-  const auto end = Clock::now() + kPatienceForSteps;
+  const auto end = Clock::now() + kStepsTimeout;
   while (true) {
     Answer loop = closed_loop(common);
     if (!loop || loop->at("steps").get<int>() >= needed) return loop;
@@ -127,9 +127,9 @@ Answer wait_for_steps(const Common& common, double gain) {
       return tl::make_unexpected(failure(
           fmt::format("the loop made only {} of its first {} steps in {} s: settled and valid "
                       "frames are rare, see ovws watch",
-                      loop->at("steps").get<int>(), needed, kPatienceForSteps.count())));
+                      loop->at("steps").get<int>(), needed, kStepsTimeout.count())));
     }
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -173,7 +173,7 @@ Measured measure(const Common& common, const json& params, double seconds) {
   } else {
     done = record_closed(common, {true, seconds, 0.0, measured.modes_j}, settings->gain, measured);
   }
-  if (const Answer back = loop.put_back(); !back) return tl::make_unexpected(back.error());
+  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
   if (!done) return tl::make_unexpected(done.error());
   return measured;
 }

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kLeastFrames = 16;
+constexpr int kMinFrames = 16;
 constexpr int kReceiveQueue = 10000;
 
 struct Stamps {
@@ -41,14 +41,14 @@ class Recorder {
       return {};
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();
-    if (modes_j != known_modes_j_ && !find_places(modes_j)) {
+    if (modes_j != stream_modes_j_ && !find_indices(modes_j)) {
       return tl::make_unexpected(failure("the sensor's modes changed during the recording"));
     }
     stamps_.push_back({message.at("t_device_ns").get<std::int64_t>(),
                        message.at("t_arrival_ns").get<std::int64_t>()});
-    for (std::size_t k = 0; k < places_.size(); ++k) {
+    for (std::size_t k = 0; k < indices_.size(); ++k) {
       recorded_.recording.modes_waves[k].push_back(
-          message.at("coefficients").at(places_[k]).get<double>());
+          message.at("coefficients").at(indices_[k]).get<double>());
     }
     return {};
   }
@@ -94,13 +94,13 @@ class Recorder {
     ++recorded_.received;
   }
 
-  bool find_places(const std::vector<int>& modes_j) {
-    if (!known_modes_j_.empty()) return false;
-    known_modes_j_ = modes_j;
+  bool find_indices(const std::vector<int>& modes_j) {
+    if (!stream_modes_j_.empty()) return false;
+    stream_modes_j_ = modes_j;
     for (const int j : task_.modes_j) {
       const auto at = std::find(modes_j.begin(), modes_j.end(), j);
       if (at == modes_j.end()) return false;
-      places_.push_back(std::size_t(at - modes_j.begin()));
+      indices_.push_back(std::size_t(at - modes_j.begin()));
     }
     return true;
   }
@@ -108,12 +108,12 @@ class Recorder {
   const RecordTask& task_;
   study::RecordedLoop recorded_;
   std::vector<Stamps> stamps_;
-  std::vector<int> known_modes_j_;
-  std::vector<std::size_t> places_;  ///< index of each task mode in the message
+  std::vector<int> stream_modes_j_;
+  std::vector<std::size_t> indices_;  ///< index of each task mode in the message
   std::optional<std::int64_t> last_seq_;
 };
 
-void tell_progress(const RecordTask& task, int frames, double seconds_left) {
+void print_progress(const RecordTask& task, int frames, double seconds_left) {
   const int left = int(std::lround(std::fmax(0.0, seconds_left) + task.seconds_after));
   fmt::print(stderr, "\rloop {}: {} frames, {}:{:02} min left      ",
              task.loop_closed ? "closed" : "open", frames, left / 60, left % 60);
@@ -140,12 +140,12 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, cons
   const auto seconds_left = [end = Clock::now() + std::chrono::duration<double>(task.seconds)] {
     return std::chrono::duration<double>(end - Clock::now()).count();
   };
-  auto told = Clock::now() - 1h;
+  auto last_print = Clock::now() - 1h;
   while (seconds_left() > 0.0) {
     if (interrupted) return tl::make_unexpected(interrupted_failure());
-    if (!common.json && Clock::now() - told > 500ms) {
-      tell_progress(task, recorder.frames(), seconds_left());
-      told = Clock::now();
+    if (!common.json && Clock::now() - last_print > 500ms) {
+      print_progress(task, recorder.frames(), seconds_left());
+      last_print = Clock::now();
     }
     const auto message = stream->receive(100ms);
     if (!message) continue;
@@ -153,10 +153,10 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, cons
       return tl::make_unexpected(taken.error());
     }
   }
-  if (recorder.frames() >= kLeastFrames) return recorder.end();
+  if (recorder.frames() >= kMinFrames) return recorder.end();
   return tl::make_unexpected(
       failure(fmt::format("only {} usable frames in {:g} s, {} are needed; {}", recorder.frames(),
-                          task.seconds, kLeastFrames, recorder.why_none())));
+                          task.seconds, kMinFrames, recorder.why_none())));
 }
 
 }  // namespace ovws::cli

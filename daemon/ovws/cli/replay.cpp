@@ -57,9 +57,9 @@ void count(const PlayedFrame& frame, Tally& tally) {
 void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begun_ns,
               double speed) {
   if (speed <= 0.0) return;
-  constexpr double kLongestNs = 1e18;  // limit of the clock's range
+  constexpr double kMaxWaitNs = 1e18;  // limit of the clock's range
   const double after_ns =
-      std::min(double(frame.recorded.t_arrival_mono_ns - first_ns) / speed, kLongestNs);
+      std::min(double(frame.recorded.t_arrival_mono_ns - first_ns) / speed, kMaxWaitNs);
   const double now_ns = double(monotonic_ns() - begun_ns);
   if (after_ns > now_ns)
     std::this_thread::sleep_for(std::chrono::duration<double, std::nano>(after_ns - now_ns));
@@ -75,7 +75,7 @@ json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
 }
 
-int tell(const Common& common, const Options& options, const Tally& tally) {
+int print_summary(const Common& common, const Options& options, const Tally& tally) {
   const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
   if (common.json) {
     print("{}\n", json{{"frames", tally.frames},
@@ -112,7 +112,7 @@ int replay(const Common& common, const Options& options) {
     std::fflush(stdout);
     if (!wait_for_enter()) break;
   }
-  return tell(common, options, tally);
+  return print_summary(common, options, tally);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
 }
 
 /// Prints the current step on standard error, like study::Progress only on a terminal.
-void tell_step(const std::string& what) {
+void print_step(const std::string& what) {
   if (::isatty(STDERR_FILENO) == 0) return;
   fmt::print(stderr, "\r\033[K{}", what);
   std::fflush(stderr);
@@ -59,7 +59,7 @@ study::Findings run_study(const StudyOptions& options) {
       std::find_if(study::kStudies.begin(), study::kStudies.end(),
                    [&](const study::Study& one) { return one.name == options.name; });
   const auto started = std::chrono::steady_clock::now();
-  tell_step(options.name + ": preparing");
+  print_step(options.name + ": preparing");
   study::Findings found = chosen->run(settings);
   found.summary["quick"] = options.quick;
   found.summary["seed"] = options.seed;
@@ -93,9 +93,9 @@ int study_command(const Common& common, const StudyOptions& options) {
     return bench_command(common, options);
   }
   const study::Findings found = run_study(options);
-  tell_step(options.name + ": drawing the figures");
+  print_step(options.name + ": drawing the figures");
   const auto written = write_findings(options.name, found.summary, found.figures, options.folder);
-  tell_step("");
+  print_step("");
   if (common.json) {
     print("{}\n", found.summary.dump());
   } else {

@@ -18,8 +18,8 @@ namespace {
 using screen::Clock;
 using screen::Key;
 
-constexpr std::chrono::milliseconds kPeriod{50};     ///< from one drawing to the next
-constexpr std::chrono::milliseconds kPatience{300};  ///< longest wait for a missing daemon
+constexpr std::chrono::milliseconds kPeriod{50};        ///< from one drawing to the next
+constexpr std::chrono::milliseconds kCallTimeout{300};  ///< longest wait for a missing daemon
 constexpr int kPage = 10;
 
 std::atomic<bool> stop_requested{false};
@@ -37,14 +37,15 @@ class WatchScreen {
  public:
   WatchScreen(const Common& common, screen::Terminal terminal)
       : terminal_(std::move(terminal)),
-        stream_(common, {"wavefront", "spots", "status", "event"}, kPatience),
+        stream_(common, {"wavefront", "spots", "status", "event"}, kCallTimeout),
         gatherer_(Clock::now()) {}
 
   int run() {
     while (!stop_requested && !quit_) {
       if (output_has_no_reader()) return kError;
       gather(Clock::now() + kPeriod);
-      for (Key key = terminal_.key(); key != Key::none && !quit_; key = terminal_.key()) obey(key);
+      for (Key key = terminal_.key(); key != Key::none && !quit_; key = terminal_.key())
+        handle_key(key);
       draw();
     }
     return kOk;
@@ -61,7 +62,7 @@ class WatchScreen {
     }
   }
 
-  void obey(Key key) {
+  void handle_key(Key key) {
     if (key == Key::quit) quit_ = true;
     if (key == Key::pause) choice_.paused = !choice_.paused;
     choice_.help = key == Key::help && !choice_.help;

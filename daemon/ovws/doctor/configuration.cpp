@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kName = "configuration";
 constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
 
-std::string told(const Error& error) {
+std::string error_text(const Error& error) {
   return error.field.empty() ? error.reason : error.field + ": " + error.reason;
 }
 
@@ -49,17 +49,20 @@ ConfigurationFacts read_configuration(const std::string& path) {
 
 Findings judge(const ConfigurationFacts& facts) {
   if (facts.error) {
-    return {fault(kName, "a daemon does not start with this configuration: " + told(*facts.error),
+    return {fault(kName,
+                  "a daemon does not start with this configuration: " + error_text(*facts.error),
                   fix_of(facts, *facts.error))};
   }
   if (const auto& keys = facts.keys; keys.error) {
-    return {fault(kName, "a daemon does not start with this configuration: " + told(*keys.error),
+    return {fault(kName,
+                  "a daemon does not start with this configuration: " + error_text(*keys.error),
                   keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
   }
   if (facts.unseen) {
-    return {fault(kName,
-                  "the sensor would find no spots with this configuration: " + told(*facts.unseen),
-                  fix_of(facts, *facts.unseen))};
+    return {fault(
+        kName,
+        "the sensor would find no spots with this configuration: " + error_text(*facts.unseen),
+        fix_of(facts, *facts.unseen))};
   }
   if (facts.path.empty()) {
     return {warning(kName,

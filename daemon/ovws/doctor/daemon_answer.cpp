@@ -44,11 +44,12 @@ Finding judge_state(const DaemonFacts& facts) {
   constexpr const char* kName = "daemon.state";
   const std::string state = text_at(*facts.status, "/state");
   for (const char* part : {"camera", "slm"}) {
-    const std::string told = text_at(*facts.status, fmt::format("/{}/fault", part).c_str());
-    if (!told.empty()) {
-      return fault(kName,
-                   fmt::format("the daemon is in state {}; its {} reports: {}", state, part, told),
-                   kLog);
+    const std::string fault_text = text_at(*facts.status, fmt::format("/{}/fault", part).c_str());
+    if (!fault_text.empty()) {
+      return fault(
+          kName,
+          fmt::format("the daemon is in state {}; its {} reports: {}", state, part, fault_text),
+          kLog);
     }
   }
   if (state == "fault" || state.starts_with("waiting")) {

@@ -151,15 +151,15 @@ Finding judge_compositor(const DisplayProbe& probe) {
 /// Probes the display with a timeout. Xlib blocks forever on a server that hangs, so the probe runs
 /// in a detached thread that ends with the process.
 Result<DisplayProbe> probe_in_time() {
-  constexpr std::chrono::seconds kPatience{3};
+  constexpr std::chrono::seconds kProbeTimeout{3};
   std::packaged_task<Result<DisplayProbe>()> probe(sdl::probe_display);
   auto found = probe.get_future();
   std::thread(std::move(probe)).detach();
-  if (found.wait_for(kPatience) == std::future_status::ready) return found.get();
+  if (found.wait_for(kProbeTimeout) == std::future_status::ready) return found.get();
   return fail(Errc::unavailable, "slm.display",
               fmt::format("the X server DISPLAY={} does not answer within {} s: it hangs, restart "
                           "it",
-                          sdl::environment("DISPLAY"), kPatience.count()));
+                          sdl::environment("DISPLAY"), kProbeTimeout.count()));
 }
 
 }  // namespace

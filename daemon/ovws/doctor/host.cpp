@@ -22,7 +22,7 @@ Finding missing(const HostFacts& facts, std::string name, std::string meaning, s
   return warning(std::move(name), std::move(meaning), std::move(fix));
 }
 
-std::string whose(const HostFacts& facts) {
+std::string daemon_name(const HostFacts& facts) {
   return facts.of_service ? "the service" : "a daemon that this user starts";
 }
 
@@ -40,12 +40,12 @@ Finding judge_priority(const HostFacts& facts) {
   const int needed = std::ranges::max(kThreadTable, {}, &ThreadRow::fifo_priority).fifo_priority;
   const Limits& limits = *facts.limits;
   if (limits.may_any_priority || limits.realtime_priority >= std::uint64_t(needed)) {
-    return ok(kName, whose(facts) + " may use the real-time priorities of the frame path");
+    return ok(kName, daemon_name(facts) + " may use the real-time priorities of the frame path");
   }
   return missing(facts, kName,
                  fmt::format("{} may use real-time priorities up to {}, the frame path needs {}: "
                              "other programs delay frames",
-                             whose(facts), limits.realtime_priority, needed),
+                             daemon_name(facts), limits.realtime_priority, needed),
                  limits_fix(facts, "rtprio", "90"));
 }
 
@@ -53,17 +53,17 @@ Finding judge_memory(const HostFacts& facts) {
   constexpr const char* kName = "realtime.memory";
   if (!facts.limits) return not_here(kName, "the system does not report a process's limits");
   if (facts.limits->may_lock_all || !facts.limits->locked_bytes) {
-    return ok(kName, whose(facts) + " may lock all its memory");
+    return ok(kName, daemon_name(facts) + " may lock all its memory");
   }
   return missing(facts, kName,
                  fmt::format("{} may lock only {} MiB of memory: page faults delay frames",
-                             whose(facts), *facts.limits->locked_bytes >> 20),
+                             daemon_name(facts), *facts.limits->locked_bytes >> 20),
                  limits_fix(facts, "memlock", "unlimited"));
 }
 
 Finding judge_throttling(const HostFacts& facts) {
   constexpr const char* kName = "realtime.throttling";
-  constexpr double kEnough = 0.9;  // the kernel's own default is 0.95
+  constexpr double kMinShare = 0.9;  // the kernel's own default is 0.95
   constexpr const char* kFix = "sudo sysctl -w kernel.sched_rt_runtime_us=950000";
   if (!facts.rt_runtime_us || !facts.rt_period_us || *facts.rt_period_us <= 0) {
     return not_here(kName, "kernel.sched_rt_runtime_us cannot be read here");
@@ -72,7 +72,7 @@ Finding judge_throttling(const HostFacts& facts) {
   const double share = double(*facts.rt_runtime_us) / double(*facts.rt_period_us);
   const std::string says =
       fmt::format("real-time threads may use {:.0f} % of a CPU", 100.0 * share);
-  if (share >= kEnough) return ok(kName, says);
+  if (share >= kMinShare) return ok(kName, says);
   return missing(facts, kName, says + ": above that the kernel throttles them and frames are late",
                  kFix);
 }
@@ -114,10 +114,10 @@ Finding judge_sleep(const HostFacts& facts) {
 Finding judge_clock_source(const HostFacts& facts) {
   constexpr const char* kName = "clock.source";
   // Clock sources that the vDSO reads without a system call.
-  constexpr std::array<std::string_view, 4> kQuick{"tsc", "kvm-clock", "arch_sys_counter",
-                                                   "hyperv_clocksource_tsc_page"};
+  constexpr std::array<std::string_view, 4> kVdsoSources{"tsc", "kvm-clock", "arch_sys_counter",
+                                                         "hyperv_clocksource_tsc_page"};
   if (!facts.clock_source) return not_here(kName, "the kernel does not report its clock source");
-  if (std::ranges::find(kQuick, *facts.clock_source) != kQuick.end()) {
+  if (std::ranges::find(kVdsoSources, *facts.clock_source) != kVdsoSources.end()) {
     return ok(kName, "the clock source is " + *facts.clock_source);
   }
   return warning(

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kServiceFolder = "/var/lib/ovws";
 constexpr const char* kName = "state.directory";
-constexpr const char* kRoom = "state.room";
+constexpr const char* kSpaceName = "state.room";
 
 std::optional<std::string> folder_of(const StateConfig& config) {
   if (auto named = state_directory_of(config)) return named;
@@ -68,18 +68,18 @@ Finding judge_folder(const StateFacts& facts) {
                "chmod u+rwx " + folder);
 }
 
-Finding judge_room(const StateFacts& facts) {
+Finding judge_space(const StateFacts& facts) {
   constexpr std::uint64_t kMiB = 1 << 20;
-  constexpr std::uint64_t kLeast = 16 * kMiB;    // several references with their images
-  constexpr std::uint64_t kEnough = 256 * kMiB;  // gain sweeps
+  constexpr std::uint64_t kMinBytes = 16 * kMiB;           // several references with their images
+  constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // gain sweeps
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
   const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);
-  if (facts.free_bytes < kLeast)
-    return fault(kRoom, says + ": too little to store references", fix);
-  if (facts.free_bytes < kEnough)
-    return warning(kRoom, says + ": too little to store gain sweeps", fix);
-  return ok(kRoom, says);
+  if (facts.free_bytes < kMinBytes)
+    return fault(kSpaceName, says + ": too little to store references", fix);
+  if (facts.free_bytes < kRecommendedBytes)
+    return warning(kSpaceName, says + ": too little to store gain sweeps", fix);
+  return ok(kSpaceName, says);
 }
 
 }  // namespace
@@ -112,9 +112,9 @@ Findings judge(const StateFacts& facts) {
                     "no state folder is configured: references and calibrations are lost at a "
                     "restart",
                     "\"state\": {\"directory\": \"/var/lib/ovws\"}"),
-            not_here(kRoom, "no state folder is configured")};
+            not_here(kSpaceName, "no state folder is configured")};
   }
-  return {judge_folder(facts), judge_room(facts)};
+  return {judge_folder(facts), judge_space(facts)};
 }
 
 }  // namespace ovws::doctor

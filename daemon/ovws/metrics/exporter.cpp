@@ -18,8 +18,8 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kField = "--listen";
-constexpr double kStatusCountsS = 3.5;  ///< older: stale; one is sent per second
-constexpr double kFramesCount = 3.0;
+constexpr double kStatusMaxAgeS = 3.5;  ///< older: stale; one is sent per second
+constexpr double kMaxAgeFrames = 3.0;
 
 /// A message as received; parsed only when metrics are requested.
 struct Received {
@@ -33,20 +33,20 @@ struct Received {
   }
 };
 
-double wavefront_counts_s(const json& status) {
+double wavefront_max_age_s(const json& status) {
   const json::json_pointer path("/camera/settings/frame_rate_hz");
-  const bool told = status.contains(path) && status.at(path).is_number();
-  const double rate_hz = told ? status.at(path).get<double>() : 1.0;
-  return std::max(kStatusCountsS, kFramesCount / std::max(rate_hz, 1e-6));
+  const bool has_rate = status.contains(path) && status.at(path).is_number();
+  const double rate_hz = has_rate ? status.at(path).get<double>() : 1.0;
+  return std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
 }
 
 class Newest : public prometheus::Collectable {
  public:
   std::vector<prometheus::MetricFamily> Collect() const override {
     const auto [status, wavefront] = newest();
-    const auto told = status.age_s() < kStatusCountsS ? status.read() : std::nullopt;
-    const bool current = told && wavefront.age_s() < wavefront_counts_s(*told);
-    return families(told, current ? wavefront.read() : std::nullopt);
+    const auto recent_status = status.age_s() < kStatusMaxAgeS ? status.read() : std::nullopt;
+    const bool current = recent_status && wavefront.age_s() < wavefront_max_age_s(*recent_status);
+    return families(recent_status, current ? wavefront.read() : std::nullopt);
   }
 
   void take(const std::string& topic, Received message) {

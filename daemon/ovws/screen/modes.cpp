@@ -12,8 +12,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLeastScaleWaves = 0.1;
-constexpr int kNumberWidth = 9, kIndexWidth = 4, kLeastBar = 11;
+constexpr double kMinScaleWaves = 0.1;
+constexpr int kNumberWidth = 9, kIndexWidth = 4, kMinBarWidth = 11;
 
 /// Draws a bar from the middle to the right (positive) or left, in steps of half a character.
 void draw_bar(Canvas& canvas, int x, int y, int width, double waves, double scale_waves) {
@@ -46,7 +46,7 @@ int longest_name(const json& modes) {
 }  // namespace
 
 double bar_scale_waves(double largest_waves) {
-  double scale = kLeastScaleWaves;
+  double scale = kMinScaleWaves;
   for (const double step : {2.0, 2.5, 2.0}) {
     if (scale >= largest_waves) return scale;
     scale *= step;
@@ -70,7 +70,7 @@ void draw_modes(Canvas& canvas, Rect rect, const View& view, int& first_mode) {
                           std::min(first_mode + rows, count), count, scale_waves),
               Style::title);
   const int name_width =
-      std::min(longest_name(modes), rect.width - kIndexWidth - kNumberWidth - kLeastBar);
+      std::min(longest_name(modes), rect.width - kIndexWidth - kNumberWidth - kMinBarWidth);
   for (int row = 0; row < rows && first_mode + row < count; ++row) {
     const auto k = std::size_t(first_mode + row);
     const int y = rect.y + 1 + row;
@@ -78,11 +78,11 @@ void draw_modes(Canvas& canvas, Rect rect, const View& view, int& first_mode) {
     canvas.text(rect.x, y, kIndexWidth, fmt::format("{:>3}", j), Style::dim);
     canvas.text(rect.x + kIndexWidth, y, name_width, zernike_name(j));
     const int x = rect.x + kIndexWidth + name_width;
-    const bool known = values.at(k).is_number();
+    const bool has_value = values.at(k).is_number();
     const std::string number =
-        known ? fmt::format("{:+9.4f}", values.at(k).get<double>()) : fmt::format("{:>9}", "-");
+        has_value ? fmt::format("{:+9.4f}", values.at(k).get<double>()) : fmt::format("{:>9}", "-");
     canvas.text(x, y, kNumberWidth, number);
-    if (known) {
+    if (has_value) {
       draw_bar(canvas, x + kNumberWidth + 1, y, rect.x + rect.width - x - kNumberWidth - 1,
                values.at(k).get<double>(), scale_waves);
     }

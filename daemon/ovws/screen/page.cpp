@@ -11,8 +11,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kTopRows = 3, kLeastRight = 34, kMostRight = 70;
-constexpr int kLatencyRows = 5, kLeastMapRows = 7;
+constexpr int kTopRows = 3, kMinRight = 34, kMaxRight = 70;
+constexpr int kLatencyRows = 5, kMinMapRows = 7;
 constexpr const char* kKeys = " q quit   p pause   up/down modes   ? help";
 constexpr const char* kPausedKeys = " PAUSED   p resume   q quit   up/down modes   ? help";
 
@@ -40,10 +40,10 @@ Layout layout(const Canvas& canvas, const View& view) {
   const int event_rows = std::clamp(canvas.height() / 6, 3, 12);
   const int events_y = canvas.height() - 1 - event_rows;
   const int body = events_y - kTopRows;
-  const int right = std::clamp(canvas.width() * 2 / 5, kLeastRight, kMostRight);
+  const int right = std::clamp(canvas.width() * 2 / 5, kMinRight, kMaxRight);
   const int x = canvas.width() - right;
   const int wanted = 1 + std::max(1, int(view.losses.size()));
-  const int losses = std::clamp(body - kLatencyRows - kLeastMapRows, 2, wanted);
+  const int losses = std::clamp(body - kLatencyRows - kMinMapRows, 2, wanted);
   const int spots = std::max(body - kLatencyRows - losses, 0);
   return {{0, kTopRows, x - 1, body},
           {x, kTopRows, right, spots},
@@ -154,10 +154,10 @@ void draw_parts(Canvas& canvas, const View& view, Choice& choice) {
 
 void draw(Canvas& canvas, const View& view, Choice& choice) {
   canvas.fill(canvas.all(), Cell{});
-  if (canvas.width() < kLeastWidth || canvas.height() < kLeastHeight) {
+  if (canvas.width() < kMinWidth || canvas.height() < kMinHeight) {
     canvas.text(0, 0, canvas.width(),
                 fmt::format("{} x {} is too small: enlarge the terminal to {} x {}", canvas.width(),
-                            canvas.height(), kLeastWidth, kLeastHeight));
+                            canvas.height(), kMinWidth, kMinHeight));
     return;
   }
   try {

@@ -6,7 +6,7 @@
 
 namespace ovws::screen {
 
-constexpr int kLeastWidth = 64, kLeastHeight = 18;
+constexpr int kMinWidth = 64, kMinHeight = 18;
 
 /// The user's choices on the screen.
 struct Choice {
@@ -15,7 +15,7 @@ struct Choice {
   int first_mode = 0;  ///< index of the first mode shown; draw keeps it in range
 };
 
-/// Draws the whole screen. If the canvas is smaller than kLeastWidth x kLeastHeight, it draws only
+/// Draws the whole screen. If the canvas is smaller than kMinWidth x kMinHeight, it draws only
 /// a note about that. A message with an unknown format is reported on the screen.
 void draw(Canvas& canvas, const View& view, Choice& choice);
 

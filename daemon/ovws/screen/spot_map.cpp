@@ -16,22 +16,22 @@ struct Point {
   float x = 0, y = 0;
 };
 
-bool is_known(float x, float y) {
+bool is_finite(float x, float y) {
   return std::isfinite(x) && std::isfinite(y);
 }
 
 /// Where to draw the spot: its reference position, else its own; none: lost and without reference.
-std::optional<Point> place_of(const SpotRow& spot) {
-  if (is_known(spot.ref_x, spot.ref_y)) return Point{spot.ref_x, spot.ref_y};
-  if (is_known(spot.x, spot.y)) return Point{spot.x, spot.y};
+std::optional<Point> position_of(const SpotRow& spot) {
+  if (is_finite(spot.ref_x, spot.ref_y)) return Point{spot.ref_x, spot.ref_y};
+  if (is_finite(spot.x, spot.y)) return Point{spot.x, spot.y};
   return std::nullopt;
 }
 
 Cell sign_of(const SpotRow& spot) {
-  if (!is_known(spot.x, spot.y)) return {U'✕', Style::alarm};
+  if (!is_finite(spot.x, spot.y)) return {U'✕', Style::alarm};
   const float dx = spot.x - spot.ref_x;
   const float dy = spot.y - spot.ref_y;
-  if (!is_known(dx, dy) || std::hypot(dx, dy) <= kMovedPx) return {U'●', Style::positive};
+  if (!is_finite(dx, dy) || std::hypot(dx, dy) <= kMovedPx) return {U'●', Style::positive};
   // y points down, as on the screen.
   constexpr std::array<char32_t, 8> kArrows{U'→', U'↘', U'↓', U'↙', U'←', U'↖', U'↑', U'↗'};
   const int eighth = int(std::lround(std::atan2(dy, dx) / 0.78539816F));
@@ -44,7 +44,7 @@ class Scale {
   Scale(const std::vector<SpotRow>& spots, Rect rect) : rect_(rect) {
     float min_x = INFINITY, max_x = -INFINITY, min_y = INFINITY, max_y = -INFINITY;
     for (const SpotRow& spot : spots) {
-      const auto place = place_of(spot);
+      const auto place = position_of(spot);
       if (!place) continue;
       min_x = std::min(min_x, place->x);
       max_x = std::max(max_x, place->x);
@@ -90,8 +90,8 @@ void draw_spots(Canvas& canvas, Rect rect, const View& view) {
   // Draw lost spots last, so that they stay visible where two spots share a character.
   for (const bool lost : {false, true}) {
     for (const SpotRow& spot : view.spots) {
-      const auto place = place_of(spot);
-      if (!place || lost == is_known(spot.x, spot.y)) continue;
+      const auto place = position_of(spot);
+      if (!place || lost == is_finite(spot.x, spot.y)) continue;
       const Cell sign = sign_of(spot);
       canvas.put(scale.column(place->x), scale.row(place->y), sign.glyph, sign.style);
     }

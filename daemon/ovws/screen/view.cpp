@@ -11,8 +11,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kStatusCountsS = 3.0;  ///< older: stale; one is sent per second
-constexpr double kFramesCount = 3.0;
+constexpr double kStatusMaxAgeS = 3.0;  ///< older: stale; one is sent per second
+constexpr double kMaxAgeFrames = 3.0;
 constexpr std::size_t kEventsKept = 50;
 constexpr std::size_t kSpotColumns = 6;
 constexpr std::array<std::string_view, 14> kLosses{
@@ -86,25 +86,25 @@ void Gatherer::read_spots() {
   }
 }
 
-bool Gatherer::frames_come(Clock::time_point now) const {
+bool Gatherer::frames_are_current(Clock::time_point now) const {
   if (!last_frame_) return false;
   const json::json_pointer path("/camera/settings/frame_rate_hz");
-  const bool told = view_.status.contains(path) && view_.status.at(path).is_number();
-  const double rate_hz = told ? view_.status.at(path).get<double>() : 1.0;
+  const bool has_rate = view_.status.contains(path) && view_.status.at(path).is_number();
+  const double rate_hz = has_rate ? view_.status.at(path).get<double>() : 1.0;
   return seconds(now - *last_frame_) <
-         std::max(kStatusCountsS, kFramesCount / std::max(rate_hz, 1e-6));
+         std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
 }
 
 const View& Gatherer::view(Clock::time_point now) {
-  view_.daemon_tells = last_status_ && seconds(now - *last_status_) < kStatusCountsS;
+  view_.status_is_current = last_status_ && seconds(now - *last_status_) < kStatusMaxAgeS;
   view_.silent_s = seconds(now - last_);
-  if (!view_.daemon_tells) {
+  if (!view_.status_is_current) {
     view_.status = json();
     view_.losses.clear();
   }
   read_wavefront();
   read_spots();
-  if (!view_.daemon_tells || !frames_come(now)) {
+  if (!view_.status_is_current || !frames_are_current(now)) {
     view_.wavefront = json();
     view_.spots.clear();
   }

@@ -27,7 +27,7 @@ struct Loss {
 };
 
 struct View {
-  bool daemon_tells = false;
+  bool status_is_current = false;
   double silent_s = 0.0;     ///< time since the last message
   nlohmann::json status;     ///< null: none, or too old
   nlohmann::json wavefront;  ///< likewise
@@ -52,7 +52,7 @@ class Gatherer {
   void read_wavefront();
   void read_spots();
   void read_status(nlohmann::json status);
-  bool frames_come(Clock::time_point now) const;
+  bool frames_are_current(Clock::time_point now) const;
 
   View view_;
   std::string wavefront_, spots_;  ///< as received; empty: already parsed

@@ -82,7 +82,7 @@ class Judge {
 };
 
 /// The state of one climber: which realisations have ended.
-struct Rope {
+struct ClimbState {
   Climber* climber;
   Judge judge;
   std::vector<bool> ended;
@@ -156,30 +156,30 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
                            const ClimbSteps& steps, std::uint64_t seed) {
   const Geometry geometry = default_bench();
   const auto vortex = model_of(geometry, 1), bright = model_of(geometry, 0);
-  std::vector<Rope> ropes;
+  std::vector<ClimbState> states;
   for (Climber& climber : climbers) {
     climber.climbs.assign(std::size_t(steps.realisations), {});
-    ropes.push_back({&climber,
-                     Judge(geometry, climber.method, climber.method.charge == 0 ? bright : vortex),
-                     std::vector<bool>(climber.climbs.size(), false)});
+    states.push_back({&climber,
+                      Judge(geometry, climber.method, climber.method.charge == 0 ? bright : vortex),
+                      std::vector<bool>(climber.climbs.size(), false)});
   }
-  const int last = int(std::lround(steps.most_waves / steps.step_waves));
+  const int last = int(std::lround(steps.max_waves / steps.step_waves));
   for (int k = 1; k <= last; ++k, ++seed) {
     const double waves = k * steps.step_waves;
     const std::vector<Mode> modes{{j, sign * waves}};
     const auto ring = vortex->light(modes), spot = bright->light(modes);
     if (!ring || !spot) {
-      for (Rope& rope : ropes) rope.end(Limit::sampling);
+      for (ClimbState& state : states) state.end(Limit::sampling);
       break;
     }
     const double to_photons = kPeakE / vortex->peak_of_spots(*ring, modes);
     const Step ring_step = step_of(*vortex, *ring, modes, to_photons);
     const Step spot_step = step_of(*bright, *spot, modes, to_photons);
     bool all_ended = true;
-    for (Rope& rope : ropes) {
-      if (rope.all_ended()) continue;
-      rope.take(rope.climber->method.charge == 0 ? spot_step : ring_step, modes, steps, seed);
-      all_ended = all_ended && rope.all_ended();
+    for (ClimbState& state : states) {
+      if (state.all_ended()) continue;
+      state.take(state.climber->method.charge == 0 ? spot_step : ring_step, modes, steps, seed);
+      all_ended = all_ended && state.all_ended();
     }
     if (all_ended) break;
   }
@@ -192,7 +192,7 @@ GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
   constexpr double kPerWave = 100.0;
   const double margin_px = kMargin * measurer.lambda_d_px();
   GeometricLimit limit{kUnknown, kUnknown};
-  for (int k = 0; k <= int(kPerWave * steps.most_waves); ++k) {
+  for (int k = 0; k <= int(kPerWave * steps.max_waves); ++k) {
     const double waves = k / kPerWave;
     const std::vector<Mode> modes{{j, sign * waves}};
     const std::vector<Vec2> spots_px = measurer.predicted_px(modes);

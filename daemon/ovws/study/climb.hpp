@@ -27,8 +27,8 @@ struct Climb {
 
 struct ClimbSteps {
   double step_waves = 0.05;
-  double most_waves = 2.0;  ///< RMS
-  double snr = 10.0;        ///< peak SNR; sets the read noise by read_noise_of_snr
+  double max_waves = 2.0;  ///< RMS
+  double snr = 10.0;       ///< peak SNR; sets the read noise by read_noise_of_snr
   int realisations = 1;
 };
 
@@ -48,7 +48,7 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
                            const ClimbSteps& steps, std::uint64_t seed);
 
 /// The amplitudes at which geometry alone ends the ramp, at any light level: RMS waves, unsigned;
-/// NaN if it is above most_waves.
+/// NaN if it is above max_waves.
 struct GeometricLimit {
   double leaving_waves, crossing_waves;
 };

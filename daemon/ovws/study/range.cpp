@@ -98,10 +98,10 @@ Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& st
   Figure figure{light == Light::equal_peak ? "range" : "range-photons",
                 fmt::format("Largest amplitude with all spots found without history, peak SNR {}, "
                             "{} (tried up to {})",
-                            steps.snr, name_of(light), steps.most_waves),
+                            steps.snr, name_of(light), steps.max_waves),
                 "OSA index j", "amplitude of either sign (waves RMS)"};
-  figure.y_from = -steps.most_waves - 0.1;
-  figure.y_to = steps.most_waves + 0.1;
+  figure.y_from = -steps.max_waves - 0.1;
+  figure.y_to = steps.max_waves + 0.1;
   figure.x_step = 1.0;
   for (std::size_t c = 0; c < ways.front().climbers.size(); ++c) {
     if (!counts_at(ways.front().climbers[c], light)) continue;
@@ -138,7 +138,7 @@ Findings range(const Settings& settings) {
                          {"unit", "waves, RMS-normalised"},
                          {"snr", steps.snr},
                          {"step_waves", steps.step_waves},
-                         {"most_waves", steps.most_waves},
+                         {"most_waves", steps.max_waves},
                          {"realisations", steps.realisations},
                          {"rows", rows_of(ways)}};
   return {

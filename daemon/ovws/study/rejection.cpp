@@ -10,8 +10,8 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kMostSegment_s = 60.0;
-constexpr int kLeastCount = 8;  // intervals per segment
+constexpr double kMaxSegment_s = 60.0;
+constexpr int kMinCount = 8;  // intervals per segment
 /// First usable bin: under a Hann window, removing the mean also affects the bin before it.
 constexpr std::size_t kFirstBin = 1;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -47,8 +47,8 @@ int add_segments(const std::vector<double>& series, const std::vector<double>& w
 
 /// Whether from_hz <= hz < to_hz, with a tolerance for rounding of the edges.
 bool is_between(double hz, double from_hz, double to_hz) {
-  constexpr double kAlmost = 1.0 - 1e-9;
-  return hz >= from_hz * kAlmost && hz < to_hz * kAlmost;
+  constexpr double kTolerance = 1.0 - 1e-9;
+  return hz >= from_hz * kTolerance && hz < to_hz * kTolerance;
 }
 
 double sum_between(const Spectrum& spectrum, double from_hz, double to_hz) {
@@ -106,14 +106,14 @@ std::vector<double> resample(const std::vector<double>& times_s, const std::vect
 }
 
 double segment_s(double seconds) {
-  return std::min(seconds / 2.1, kMostSegment_s);
+  return std::min(seconds / 2.1, kMaxSegment_s);
 }
 
 Spectrum spectrum(const Recording& recording, double segment_s) {
   const auto& times = recording.times_s;
   if (times.size() < 2) return {};
   const int count = int(std::lround(segment_s / median_interval_s(times)));
-  if (count < kLeastCount) return {};
+  if (count < kMinCount) return {};
   const double step_s = segment_s / count;
   const int samples = int((times.back() - times.front()) / step_s + 1e-6) + 1;
   const std::vector<double> window = hann(count);

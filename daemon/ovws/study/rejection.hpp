@@ -61,7 +61,7 @@ struct LoopLaw {
   double steps_hz = 0.0;
 };
 
-/// Error transfer function of a leaky integrator with one step of delay:
+/// Error transfer function of a leaky-integrator loop without delay beyond its own step:
 /// |1 - (1 - leak) z^-1| / |1 - (1 - leak - gain) z^-1| with z = exp(2 pi i f / steps_hz), in dB.
 /// NaN above half of steps_hz.
 double integrator_db(double hz, const LoopLaw& law);
@@ -69,9 +69,8 @@ double integrator_db(double hz, const LoopLaw& law);
 /// Rejection in a band from `from_hz` (included) to `to_hz` (excluded).
 struct RejectionBand {
   double from_hz = 0.0, to_hz = 0.0;
-  double db = 0.0;  ///< closed over open
-  double integrator_db =
-      0.0;  ///< predicted by LoopLaw, weighted with the open loop's power; may be NaN
+  double db = 0.0;             ///< closed over open
+  double integrator_db = 0.0;  ///< by LoopLaw, weighted with the open loop's power; may be NaN
 };
 
 /// Octave bands with edges at 0.1 Hz times powers of two that lie completely within `rejection`.

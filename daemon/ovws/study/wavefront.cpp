@@ -135,8 +135,8 @@ bool bounded(const Bench& bench) {
   return bench.method.tracking.tracker == TrackerKind::matched && !bench.refined;
 }
 
-nlohmann::json if_told(bool told, double value) {
-  return told ? nlohmann::json(value) : nlohmann::json();
+nlohmann::json value_if(bool present, double value) {
+  return present ? nlohmann::json(value) : nlohmann::json();
 }
 
 nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
@@ -148,8 +148,8 @@ nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
           {"variance_rad2", variance.value},
           {"standard_error_rad2", variance.standard_error},
           {"instances", variance.count},
-          {"noise_free_rad2", if_told(!bench.refined, bench.noise_free_rad2)},
-          {"bound_rad2", if_told(bounded(bench), outcome.bound_rad2)},
+          {"noise_free_rad2", value_if(!bench.refined, bench.noise_free_rad2)},
+          {"bound_rad2", value_if(bounded(bench), outcome.bound_rad2)},
           {"undetermined", outcome.undetermined},
           {"lost_spots", outcome.lost}};
 }

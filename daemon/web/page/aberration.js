@@ -1,5 +1,5 @@
 // Introduced aberration: one slider per mode. Modes that the sensor does not reconstruct keep their values.
-import { brief, byId, element, say, signed } from "./format.js";
+import { brief, byId, element, setText, signed } from "./format.js";
 import { button, NumberControl, reasonOf, Sender, showError } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
@@ -21,7 +21,7 @@ const sender = new Sender("aberration.set", (reply) => {
 });
 let inForce = [];
 
-function wish(j, value) {
+function request(j, value) {
   if (value === 0) waves.delete(j);
   else waves.set(j, value);
   sender.send({ modes: [...waves].map(([index, amount]) => ({ j: index, waves: amount })) });
@@ -32,7 +32,7 @@ function buildSliders(names) {
   parent.replaceChildren();
   sliders = new Map(
     names.map(({ j, name }) => {
-      const slider = new NumberControl(parent, `Z${j} ${name}`, "wave", { onChange: (value) => wish(j, value), help: false });
+      const slider = new NumberControl(parent, `Z${j} ${name}`, "wave", { onChange: (value) => request(j, value), help: false });
       slider.limits(limits.min, limits.max);
       slider.reach(-range, range, range / 100);
       return [j, slider];
@@ -87,7 +87,7 @@ export function takeBench({ aberration, sensor, limits: wire }) {
   limits = wire.mode_waves;
   if (!sender.busy) waves = new Map(inForce.map((mode) => [mode.j, mode.waves]));
   const rms = Math.hypot(...inForce.filter((mode) => mode.j > 2).map((mode) => mode.waves));
-  say(byId("aberration-sub"), inForce.length ? `${brief(rms)} wave RMS without tilts` : "none");
+  setText(byId("aberration-sub"), inForce.length ? `${brief(rms)} wave RMS without tilts` : "none");
   if (shownModes === null) {
     const facts = inForce.map((mode) => [`Z${mode.j} ${mode.name}`, `${signed(mode.waves, 4)} wave`]);
     return showFacts(byId("aberration-facts"), facts.length ? facts : [["Modes", "none"]]);
@@ -100,7 +100,7 @@ export function takeBench({ aberration, sensor, limits: wire }) {
   const hint = `Accepts ${limits.min} to ${limits.max} wave, as far as the SLM can show them.`;
   document.querySelector("#aberration .toolbar").title = hint;
   const needed = neededRange();
-  const inHand = [...sliders.values()].some((slider) => slider.inHand);
-  if (needed > range || (needed < range && !inHand)) setRange(needed);
+  const isEditing = [...sliders.values()].some((slider) => slider.isEditing);
+  if (needed > range || (needed < range && !isEditing)) setRange(needed);
   return show(false);
 }

@@ -1,5 +1,5 @@
 // Exposure, gain, charge, tracker, reference and loop: current values, and controls for users with control rights.
-import { brief, byId, element, grouped, NONE, say, timeOfDay } from "./format.js";
+import { brief, byId, element, grouped, NONE, setText, timeOfDay } from "./format.js";
 import { call } from "./link.js";
 import { button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
 
@@ -148,8 +148,8 @@ export function showFacts(list, facts) {
     list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));
   }
   facts.forEach(([title, text], i) => {
-    say(list.children[2 * i], title);
-    say(list.children[2 * i + 1], text);
+    setText(list.children[2 * i], title);
+    setText(list.children[2 * i + 1], text);
   });
 }
 
@@ -157,7 +157,7 @@ export function takeBench(message) {
   view = message;
   const { camera, sensor, reference, loop } = message;
   const info = camera.info ? `${camera.info.vendor} ${camera.info.model}` : "no camera";
-  say(byId("bench-sub"), `${info}, ${sensor.subapertures} subapertures`);
+  setText(byId("bench-sub"), `${info}, ${sensor.subapertures} subapertures`);
   if (controls) return showControls(message);
   const { settings } = camera;
   return showFacts(byId("bench-facts"), [

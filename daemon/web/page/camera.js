@@ -1,7 +1,7 @@
 // The camera image with the spots.
 import { begin, font, paint } from "./canvas.js";
 import { MARKS } from "./colour.js";
-import { brief, byId, fixed, say, element, NONE, roundUp } from "./format.js";
+import { brief, byId, fixed, setText, element, NONE, roundUp } from "./format.js";
 
 const COLUMNS = 6;
 const store = {};
@@ -156,14 +156,14 @@ export function draw(now) {
   context.drawImage(image.canvas, 0, 0, width, image.height * zoom);
   if (!spots) return;
   const scale = arrowMagnification(now);
-  say(byId("arrow-scale"), scale === 1 ? "displacement" : `displacement \u00d7 ${scale}`);
+  setText(byId("arrow-scale"), scale === 1 ? "displacement" : `displacement \u00d7 ${scale}`);
   const place = (x, y) => ({ x: (x + 0.5) * zoom, y: (y + 0.5) * zoom });
   spots.rows.forEach((row, i) => drawSpot(context, row, i, place, zoom));
 }
 
 /** Updates texts, table and the label for screen readers; called twice per second. */
 export function describe() {
-  if (pixels) say(byId("camera-sub"), `${pixels.format}, frame ${pixels.frameId}`);
+  if (pixels) setText(byId("camera-sub"), `${pixels.format}, frame ${pixels.frameId}`);
   if (!spots) return;
   const lost = spots.rows.filter((row) => row.x === null).length;
   const moved = spots.rows.map((row) => row.moved).filter((px) => px !== null);
@@ -178,6 +178,6 @@ export function describe() {
   }
   spots.rows.forEach((row, i) => {
     const texts = [String(i), fixed(row.x, 2), fixed(row.y, 2), fixed(row.moved, 2), fixed(row.peak, 0), row.x === null ? NONE : fixed(row.quality, 2)];
-    texts.forEach((text, k) => say(body.rows[i].cells[k], text));
+    texts.forEach((text, k) => setText(body.rows[i].cells[k], text));
   });
 }

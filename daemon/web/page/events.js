@@ -1,7 +1,7 @@
 // The list of events, newest first.
 import { element, timeOfDay } from "./format.js";
 
-const MOST = 100;
+const MAX_EVENTS = 100;
 const seen = new Set();
 
 export function takeEvent(event) {
@@ -23,5 +23,5 @@ export function takeEvent(event) {
   if (before?.dataset.state === "running") before.remove();
   if (job) Object.assign(line.dataset, { job, state: event.data.state });
   list.prepend(line);
-  while (list.children.length > MOST) list.lastChild.remove();
+  while (list.children.length > MAX_EVENTS) list.lastChild.remove();
 }

@@ -1,5 +1,5 @@
 // The key figures at the top of the page.
-import { brief, byId, element, fixed, NONE, say, strehl } from "./format.js";
+import { brief, byId, element, fixed, NONE, setText, strehl } from "./format.js";
 
 const FIGURES = [
   ["rms", "RMS without tilts", "wave"],
@@ -25,7 +25,7 @@ export function build() {
   values.get("strehl").parentElement.title = "Mar\u00e9chal: exp(\u2212(2\u03c0 RMS)\u00b2), good for small aberrations";
 }
 
-const put = (key, text) => say(values.get(key), text);
+const put = (key, text) => setText(values.get(key), text);
 
 export function takeWavefront(message) {
   put("rms", fixed(message.rms_waves, 4));

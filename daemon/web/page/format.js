@@ -61,6 +61,6 @@ export function element(name, className = "", text = "") {
 export const byId = (id) => document.getElementById(id);
 
 /** Sets a text only if it changes, to avoid needless layout. */
-export function say(target, text) {
+export function setText(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }

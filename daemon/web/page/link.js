@@ -3,7 +3,7 @@
 const token = () => location.hash.slice(1);
 const headers = () => ({ Authorization: `Bearer ${token()}` });
 const HEAD_BYTES = 8;
-const MOST_LAG_MS = 2000;
+const MAX_LAG_MS = 2000;
 
 /** Calls a method of the daemon. Resolves to {result} or {error: {message, data: {field, reason}}}; never rejects. */
 export async function call(method, params = {}) {
@@ -69,14 +69,14 @@ class Inbox {
   }
 }
 
-let leastLag = Infinity; // ms: clock difference plus transfer time
+let minLag = Infinity; // ms: clock difference plus transfer time
 
 /** Whether this browser has fallen behind. It then reconnects, to skip stale messages that are still in transit. */
 function isBehind(json) {
   if (json.schema !== "ovws.web.health/1") return false;
   const lag = Date.now() - json.t_ns / 1e6;
-  leastLag = Math.min(leastLag, lag);
-  return lag - leastLag > MOST_LAG_MS;
+  minLag = Math.min(minLag, lag);
+  return lag - minLag > MAX_LAG_MS;
 }
 
 async function readOnce(onMessage, onState) {

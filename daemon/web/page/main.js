@@ -4,7 +4,7 @@ import * as bench from "./bench.js";
 import * as camera from "./camera.js";
 import * as events from "./events.js";
 import * as figures from "./figures.js";
-import { byId, element, say } from "./format.js";
+import { byId, element, setText } from "./format.js";
 import * as history from "./history.js";
 import { listen } from "./link.js";
 import * as map from "./map.js";
@@ -87,13 +87,13 @@ function takeBench(message) {
 function showVerdict(wellness, text, others = []) {
   const verdict = byId("verdict");
   verdict.dataset.wellness = wellness;
-  say(verdict.querySelector("p"), text);
+  setText(verdict.querySelector("p"), text);
   document.title = wellness === "good" ? "ovws" : `ovws: ${text}`;
   const list = byId("findings");
   if (list.children.length !== others.length) list.replaceChildren(...others.map(() => element("li")));
   others.forEach((finding, i) => {
     list.children[i].dataset.wellness = finding.wellness;
-    say(list.children[i], finding.text);
+    setText(list.children[i], finding.text);
   });
 }
 
@@ -104,7 +104,7 @@ function takeHealth({ findings, t_ns: sent, browsers, refused }) {
   if (worst) showVerdict(worst.wellness, worst.text, others);
   dirty.add("trends"); // the time axis moves, with frames or without
   const count = Object.values(refused).reduce((sum, n) => sum + n, 0);
-  say(byId("foot"), `${browsers} ${browsers === 1 ? "browser" : "browsers"} connected, ${count} ${count === 1 ? "request" : "requests"} refused`);
+  setText(byId("foot"), `${browsers} ${browsers === 1 ? "browser" : "browsers"} connected, ${count} ${count === 1 ? "request" : "requests"} refused`);
 }
 
 function takeState(reason) {
@@ -118,8 +118,8 @@ function veil(section, since, now) {
   const target = document.querySelector(`#${section} .veil`);
   const stale = since > 0 && age > STALE_MS;
   target.hidden = !stale && since > 0;
-  if (stale) say(target, `No new data for ${Math.round(age / 1000)} s`);
-  else if (since === 0) say(target, "Waiting for the first image");
+  if (stale) setText(target, `No new data for ${Math.round(age / 1000)} s`);
+  else if (since === 0) setText(target, "Waiting for the first image");
   byId(section).classList.toggle("stale", stale);
 }
 
@@ -161,7 +161,7 @@ function takeHello({ right: given }) {
 }
 
 function build(mayControl) {
-  say(byId("role"), mayControl ? "control enabled" : "view only");
+  setText(byId("role"), mayControl ? "control enabled" : "view only");
   for (const view of [bench, aberration, slm, record]) view.build(mayControl);
 }
 

@@ -1,7 +1,7 @@
 // The wavefront map over the pupil, with its colour scale.
 import { begin, font, paint } from "./canvas.js";
 import { colourOf, themed } from "./colour.js";
-import { brief, byId, fixed, roundUp, say, tick } from "./format.js";
+import { brief, byId, fixed, roundUp, setText, tick } from "./format.js";
 
 const store = {};
 let map = null; // {canvas, low, high, valid}
@@ -93,12 +93,12 @@ export function draw() {
 /** Updates texts and the label for screen readers; called twice per second. */
 export function describe() {
   if (!map || !map.valid) {
-    say(byId("map-sub"), "");
-    say(byId("map-caption"), "No wavefront is being measured.");
+    setText(byId("map-sub"), "");
+    setText(byId("map-caption"), "No wavefront is being measured.");
     return;
   }
   const peak = map.high - map.low;
-  say(byId("map-sub"), `frame ${map.frameId}`);
-  say(byId("map-caption"), `Peak to valley ${brief(peak)} wave, RMS with tilts ${fixed(map.rms, 4)} wave. x points right, y down.`);
+  setText(byId("map-sub"), `frame ${map.frameId}`);
+  setText(byId("map-caption"), `Peak to valley ${brief(peak)} wave, RMS with tilts ${fixed(map.rms, 4)} wave. x points right, y down.`);
   byId("map-canvas").setAttribute("aria-label", `Wavefront over the pupil: peak to valley ${brief(peak)} wave`);
 }

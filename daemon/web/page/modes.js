@@ -1,7 +1,7 @@
 // The coefficients: one signed bar per mode, and their history over the last minutes.
 import { begin, font } from "./canvas.js";
 import { colourOf, themed } from "./colour.js";
-import { byId, element, roundUp, say, signed, tick } from "./format.js";
+import { byId, element, roundUp, setText, signed, tick } from "./format.js";
 import { bins, now, SPAN_S } from "./history.js";
 
 let names = new Map(); // j -> name
@@ -44,12 +44,12 @@ export function takeWavefront(message) {
   const limit = message.valid ? scaleFor(most, performance.now()) : scale.value;
   rows.forEach((row, i) => {
     const waves = message.coefficients[i];
-    say(row.value, signed(waves, 4));
+    setText(row.value, signed(waves, 4));
     row.bar.style.transform = `scaleX(${(waves ?? 0) / limit})`;
     row.bar.dataset.sign = (waves ?? 0) < 0 ? "minus" : "plus";
   });
-  say(byId("axis-low"), tick(-limit));
-  say(byId("axis-high"), `+${tick(limit)}`);
+  setText(byId("axis-low"), tick(-limit));
+  setText(byId("axis-high"), `+${tick(limit)}`);
 }
 
 /** Draws the history: one row per mode, aligned with the bars; time runs to the right, now is at the edge. */

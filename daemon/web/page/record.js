@@ -1,5 +1,5 @@
 // The running or last recording, with start and stop buttons for users with control rights.
-import { byId, element, grouped, NONE, say } from "./format.js";
+import { byId, element, grouped, NONE, setText } from "./format.js";
 import { call } from "./link.js";
 import { button, field, reasonOf } from "./widgets.js";
 import { showFacts } from "./bench.js";
@@ -44,7 +44,7 @@ export function takeStatus({ record }) {
   const on = record.state === "recording";
   if (start) [start.disabled, stop.disabled] = [on, !on];
   byId("record").classList.toggle("recording", on);
-  say(byId("record-sub"), on ? "recording" : record.state === "ended" ? `ended: ${record.reason}` : "");
+  setText(byId("record-sub"), on ? "recording" : record.state === "ended" ? `ended: ${record.reason}` : "");
   const lacking = (dropped) => (dropped > 0 ? `, ${grouped(dropped)} dropped: the disk is too slow` : "");
   showFacts(byId("record-facts"), [
     ["File", record.file ?? NONE],

@@ -1,5 +1,5 @@
 // The SLM: the hologram on it, and a comparison of its output with that hologram.
-import { byId, element, NONE, say } from "./format.js";
+import { byId, element, NONE, setText } from "./format.js";
 import { call, picture } from "./link.js";
 import { button, ChoiceControl, field, reasonOf } from "./widgets.js";
 import { showFacts } from "./bench.js";
@@ -12,7 +12,7 @@ let compared = null; // the last comparison: its field and result
 const veil = () => document.querySelector("#slm .veil");
 
 /** Shows the result of the comparison. Called again when the image changes, which may be later. */
-function tell() {
+function showComparison() {
   if (!compared) return;
   const { frame, result } = compared;
   const same = result.crc32 === checksum ? ", identical to the image above" : "";
@@ -24,7 +24,7 @@ async function compare(frame) {
   frame.error(error ? reasonOf({ error }) : result.equal ? "" : `${result.differing_pixels} pixels of the output differ from hologram ${result.hologram_id}`);
   frame.help("");
   compared = error || !result.equal ? null : { frame, result };
-  tell();
+  showComparison();
 }
 
 export function build(mayControl) {
@@ -50,15 +50,15 @@ export function takeBench({ hologram, limits }, shownPattern) {
   const none = hologram.hologram_id === null;
   byId("hologram").hidden = none;
   veil().hidden = !none;
-  if (none) say(veil(), hologram.reason ? `No image: ${hologram.reason}` : "No image yet");
+  if (none) setText(veil(), hologram.reason ? `No image: ${hologram.reason}` : "No image yet");
   const key = `${hologram.hologram_id} ${hologram.crc32}`;
   if (!none && key !== drawn) {
     drawn = key;
     checksum = hologram.crc32;
     byId("hologram").alt = `Hologram ${hologram.hologram_id} on the SLM`;
-    say(byId("slm-sub"), `hologram ${hologram.hologram_id}`);
+    setText(byId("slm-sub"), `hologram ${hologram.hologram_id}`);
     load();
-    tell();
+    showComparison();
   }
   pattern?.show(shownPattern, limits.patterns);
 }

@@ -1,5 +1,5 @@
 // Colour theme: light, dark or the system's.
-import { byId, say } from "./format.js";
+import { byId, setText } from "./format.js";
 
 const NAMES = { auto: ["Auto", "system setting"], light: ["Light", "light"], dark: ["Dark", "dark"] };
 const ORDER = Object.keys(NAMES);
@@ -10,7 +10,7 @@ export function chooseTheme(onChange) {
   const set = (theme) => {
     document.documentElement.dataset.theme = theme;
     localStorage.setItem("theme", theme);
-    say(button, NAMES[theme][0]);
+    setText(button, NAMES[theme][0]);
     button.setAttribute("aria-label", `Colours: ${NAMES[theme][1]}`);
     onChange();
   };

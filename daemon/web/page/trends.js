@@ -2,7 +2,7 @@
 import { begin, font } from "./canvas.js";
 import { themed } from "./colour.js";
 import { bins, isGap, now, SPAN_S } from "./history.js";
-import { brief, element, NONE, roundUp, say, strehl, tick } from "./format.js";
+import { brief, element, NONE, roundUp, setText, strehl, tick } from "./format.js";
 
 const rate = (bin) => (bin.span_s > 0.2 ? bin.frames / bin.span_s : null);
 
@@ -118,7 +118,7 @@ export function describe() {
     const peak = last && view.peak ? view.peak(last) : null;
     const unit = view.unit ? ` ${view.unit}` : "";
     const text = value === null ? NONE : `${brief(value)}${unit}`;
-    say(view.value, peak === null ? text : `${text}, peak ${brief(peak)}${unit}`);
+    setText(view.value, peak === null ? text : `${text}, peak ${brief(peak)}${unit}`);
     view.canvas.setAttribute("aria-label", `${view.title} over the last three minutes, now ${text}`);
   }
 }

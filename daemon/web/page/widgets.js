@@ -1,22 +1,22 @@
 // Form controls that show the active value and the daemon's error.
 import { call } from "./link.js";
-import { brief, element, say } from "./format.js";
+import { brief, element, setText } from "./format.js";
 
 const SETTLE_MS = 1500; // grace time for changes that the refused command itself causes, e.g. the end of a job
-const standing = new Map(); // element with an error -> {bench, since}
+const shownErrors = new Map(); // element with an error -> {bench, since}
 let count = 0;
 
 /** Shows an error beside a control until the next attempt or until the bench changes. */
 export function showError(target, text) {
-  say(target, text);
+  setText(target, text);
   target.closest(".field")?.querySelector("input:not([type=range])")?.setAttribute("aria-invalid", String(text !== ""));
-  if (text) standing.set(target, { bench: null, since: performance.now() });
-  else standing.delete(target);
+  if (text) shownErrors.set(target, { bench: null, since: performance.now() });
+  else shownErrors.delete(target);
 }
 
 /** Removes errors when the bench has changed. `bench`: the state that refusals may depend on, as text. */
 export function forgetErrors(bench) {
-  for (const [target, error] of standing) {
+  for (const [target, error] of shownErrors) {
     if (error.bench === null || performance.now() - error.since < SETTLE_MS) error.bench = bench;
     else if (error.bench !== bench) showError(target, "");
   }
@@ -36,7 +36,7 @@ export function field(parent, title, unit = "") {
   error.setAttribute("role", "alert");
   box.append(label, body, help, error);
   parent.append(box);
-  return { id, box, body, unit, help: (text) => say(help, text), error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
+  return { id, box, body, unit, help: (text) => setText(help, text), error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
 }
 
 /** The daemon's reason for an error; empty on success. */
@@ -63,9 +63,9 @@ export class Sender {
     if (this.#busy) return;
     this.#busy = true;
     while (this.#next) {
-      const wish = this.#next;
+      const request = this.#next;
       this.#next = null;
-      const reply = await call(this.#method, wish);
+      const reply = await call(this.#method, request);
       if (!this.#next) this.#onReply(reply);
     }
     this.#busy = false;
@@ -129,14 +129,14 @@ export class NumberControl {
   }
 
   /** Whether the user is changing the value. */
-  get inHand() {
+  get isEditing() {
     return document.activeElement === this.#number || performance.now() - this.#touched < 1000;
   }
 
   /** Shows the active value, unless the user is changing it. */
   show(value, force = false) {
     this.#shown = value;
-    if (value === null || (this.inHand && !force)) return;
+    if (value === null || (this.isEditing && !force)) return;
     this.#slider.value = String(this.#map.toSlider(value));
     this.#number.value = String(Number(value.toPrecision(5)));
   }

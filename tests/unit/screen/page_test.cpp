@@ -18,7 +18,7 @@ json example(const std::string& topic) {
 
 View bench() {
   View view;
-  view.daemon_tells = true;
+  view.status_is_current = true;
   view.status = example("status");
   view.wavefront = example("wavefront");
   view.events.push_back(example("event"));

@@ -35,7 +35,7 @@ class GathererTest : public testing::Test {
 };
 
 TEST_F(GathererTest, KnowsNothingAtFirst) {
-  EXPECT_FALSE(view().daemon_tells);
+  EXPECT_FALSE(view().status_is_current);
   EXPECT_TRUE(view().status.is_null());
   EXPECT_TRUE(view().wavefront.is_null());
 }
@@ -55,14 +55,14 @@ TEST_F(GathererTest, WhatIsOldIsNotShown) {
   take("status", example("status"));
   take("wavefront", example("wavefront"));
   now_ += 2900ms;
-  EXPECT_TRUE(view().daemon_tells);
+  EXPECT_TRUE(view().status_is_current);
   EXPECT_FALSE(view().wavefront.is_null());
   take("status", example("status"));
   now_ += 200ms;
   EXPECT_FALSE(view().status.is_null());
   EXPECT_TRUE(view().wavefront.is_null()) << "the daemon goes on, frames do not";
   now_ += 3s;
-  EXPECT_FALSE(view().daemon_tells);
+  EXPECT_FALSE(view().status_is_current);
   EXPECT_TRUE(view().status.is_null());
   EXPECT_NEAR(view().silent_s, 3.2, 1e-6);
 }

@@ -91,9 +91,9 @@ TEST_F(AccessTest, KnowsItsPathsAndNothingElse) {
 
 TEST_F(AccessTest, RefusesABodyOfUnknownOrGreatLength) {
   RequestHead large = head("POST", "/rpc", kTokens.control);
-  large.content_length = kMostBodyBytes + 1;
+  large.content_length = kMaxBodyBytes + 1;
   expect_refused(large, Refusal::size);
-  large.content_length = kMostBodyBytes;
+  large.content_length = kMaxBodyBytes;
   EXPECT_EQ(access.judge(large), Right::control);
   large.chunked = true;
   expect_refused(large, Refusal::size);
