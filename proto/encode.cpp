@@ -13,8 +13,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary parts are little-endian");
 
-/// Writes one flat JSON object, the fields of a table, into a string that the caller reuses. Texts
-/// are our own names, which need no escapes.
+/// Writes the fields of a table as one flat JSON object into a string that the caller reuses, so
+/// that nothing is allocated once it has grown. Texts are our own names and need no escaping.
 class ObjectWriter {
  public:
   explicit ObjectWriter(std::string& out) : out_(out) { out_.clear(); }
@@ -62,7 +62,7 @@ class ObjectWriter {
     }
     out_.push_back(']');
   }
-  /// The shortest text that reads back as the same value.
+  /// Writes the shortest decimal text that reads back as the same value.
   template <class T>
   void put_number(T value) {
     if constexpr (std::is_floating_point_v<T>) {

@@ -1,4 +1,4 @@
-/// The rare messages: refined, status and event.
+/// Encoding of the rare messages: refined, status and event.
 #include <cmath>
 
 #include "proto/encode.hpp"
@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-/// What a device or a client said need not be UTF-8.
+/// JSON text with invalid UTF-8 replaced, which texts of a device or client may contain.
 std::string text_of(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

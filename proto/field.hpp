@@ -1,7 +1,6 @@
-/// The vocabulary of field tables. A struct that goes over the wire, or stands in the configuration
-/// file, has one table: the key, member, range and meaning of each field. Encoding
-/// (field_json.hpp), strict decoding (field_json.hpp) and JSON Schemas (field_schema.hpp) follow
-/// from it.
+/// Field tables: compile-time descriptions of the structs on the wire and in the configuration
+/// file. A table lists key, member, range and meaning of each field. JSON encoding and strict
+/// decoding (field_json.hpp) and JSON Schemas (field_schema.hpp) are generated from it.
 ///
 ///     template <>
 ///     struct Table<Roi> {
@@ -25,7 +24,7 @@
 
 namespace ovws {
 
-/// Of a number, or of each number of an array.
+/// Inclusive range of a number, or of each number of an array.
 struct Bounds {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -41,22 +40,22 @@ struct Bounds {
 
 using NamesOf = std::vector<std::string> (*)();
 
-/// What is known of a field besides its type.
+/// Properties of a field besides its type.
 struct FieldInfo {
   const char* key = "";
-  const char* meaning = "";  ///< for a person, with the unit
+  const char* meaning = "";  ///< description with the unit, for documentation and schemas
   Bounds bounds{};
-  std::size_t min_size = 0, max_size = std::numeric_limits<std::size_t>::max();  ///< of an array
-  bool nullable = false;        ///< null stands for NaN, an empty text, an empty array
-  bool left_out = false;        ///< it is left out where nullable would be null
-  bool required = false;        ///< of params: there is no default
-  bool distinct = false;        ///< of an array: no value is given twice
-  bool nulls = false;           ///< of an array: numbers in it may be NaN, which is null
-  NamesOf names = nullptr;      ///< of a text, or of an object's keys: all that it may be
-  const char* absent = "null";  ///< JSON text; see Inlined
+  std::size_t min_size = 0, max_size = std::numeric_limits<std::size_t>::max();  ///< array length
+  bool nullable = false;        ///< NaN, empty texts and empty arrays are encoded as null
+  bool left_out = false;        ///< the key is omitted where nullable would give null
+  bool required = false;        ///< params: must be given, there is no default
+  bool distinct = false;        ///< array: values must be unique
+  bool nulls = false;           ///< array: numbers may be NaN, encoded as null
+  NamesOf names = nullptr;      ///< allowed values of a text, or allowed keys of an object
+  const char* absent = "null";  ///< JSON text of the value in an empty optional; see Inlined
 };
 
-/// What can be said of a field when it is declared: each returns a changed copy.
+/// Modifiers of a field declaration; each returns a changed copy.
 template <class Self>
 struct Described : FieldInfo {
   constexpr Self or_null() const {
@@ -87,7 +86,7 @@ struct Described : FieldInfo {
   }
 };
 
-/// Why a value that has the right type and range is wrong all the same; none: it is not.
+/// Additional check of a value that has the right type and range: why it is wrong, or none.
 template <class T>
 using FieldCheck = std::optional<std::string> (*)(const T&);
 
@@ -120,7 +119,7 @@ constexpr auto field(const char* key, T S::*member, const char* meaning, Bounds 
   return out;
 }
 
-/// A field that is only encoded: what `get` makes of the struct.
+/// An encode-only field: its value is get(struct).
 template <class S, class Get>
 struct Computed : Described<Computed<S, Get>> {
   using Value = std::remove_cvref_t<std::invoke_result_t<Get, const S&>>;
@@ -139,7 +138,7 @@ constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bo
   return out;
 }
 
-/// A text that is always the same.
+/// An encode-only field with a constant text.
 struct Constant : FieldInfo {
   using Value = std::string_view;
   const char* text = "";
@@ -153,8 +152,8 @@ constexpr Constant constant(const char* key, const char* text, const char* meani
   return out;
 }
 
-/// The fields of a member among the struct's own. Those of an empty optional are null, or as their
-/// `if_absent` says.
+/// Flattens a member: its fields appear among the struct's own. Fields of an empty optional are
+/// encoded as null, or as their `if_absent` states.
 template <class S, class T>
 struct Inlined {
   T S::*member;
@@ -164,7 +163,7 @@ constexpr Inlined<S, T> inlined(T S::*member) {
   return {member};
 }
 
-/// The fields of a base among the struct's own.
+/// Flattens a base class: its fields appear among the struct's own.
 template <class T>
 struct Based {};
 template <class T>
@@ -172,7 +171,7 @@ constexpr Based<T> based() {
   return {};
 }
 
-/// What a field of an empty optional has for a value: JSON text.
+/// Value of a field in an empty optional, as JSON text.
 struct Absent {
   const char* json;
 };
@@ -204,8 +203,8 @@ struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
       : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...) {}
 };
 
-/// Specialised for each struct with a table: kName, kFields, and where several fields depend on
-/// each other `static void check(const S&, ObjectReader&)`.
+/// Specialised for each struct with a table: kName, kFields, and `static void check(const S&,
+/// ObjectReader&)` if fields depend on each other.
 template <class S>
 struct Table;
 template <class S>

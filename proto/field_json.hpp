@@ -1,7 +1,7 @@
-/// Values with field tables to JSON, and back.
+/// JSON encoding and decoding of structs with field tables.
 ///
-/// Encoding: NaN, infinities and empty optionals become null; an enumeration its name; Vec2 [x, y].
-/// Decoding is strict, see ObjectReader: every fault names the dotted path of its key.
+/// Encoding: NaN, infinities and empty optionals become null, an enumeration its name, Vec2 [x, y].
+/// Decoding is strict (see ObjectReader): every fault names the dotted path of its key.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace ovws {
 
 using Json = nlohmann::json;
 
-/// Specialised for a type whose form on the wire follows from no table: encode, decode, schema.
+/// Specialised for a type whose wire format does not follow from a table: to_json, decode, schema.
 template <class T>
 struct Wire;
 struct SchemaParts;  // field_schema.hpp
@@ -34,7 +34,7 @@ concept HasWire = requires {
 namespace detail {
 
 template <class T>
-inline constexpr bool is_named_list = false;  ///< an object of keys that are data
+inline constexpr bool is_named_list = false;  ///< a map: an object whose keys are data
 template <class T>
 inline constexpr bool is_named_list<std::vector<std::pair<std::string, T>>> = true;
 template <class T>
@@ -47,7 +47,8 @@ concept ListLike = requires(const T& list) {
 }
 &&!TextLike<T>;
 
-/// What a nullable field encodes as null; NaN and empty optionals are null in any field.
+/// Whether a nullable field encodes this value as null: empty texts and arrays. NaN and empty
+/// optionals become null in any field.
 template <class T>
 bool is_nothing(const T& value) {
   if constexpr (TextLike<T>) {
@@ -64,7 +65,7 @@ bool is_nothing(const T& value) {
 template <class J = Json, class T>
 J to_json(const T& value);
 
-/// JSON that has the fields of S, and was read or kept as such.
+/// Ready JSON with the fields of S, for example read from a file.
 template <class S>
 struct JsonOf {
   Json json;
@@ -75,7 +76,7 @@ struct Wire<JsonOf<S>> {
   static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
-/// An object with fields that are known elsewhere.
+/// A JSON object whose fields are defined elsewhere.
 struct JsonObject {
   Json json = Json::object();
 };
@@ -85,7 +86,7 @@ struct Wire<JsonObject> {
   static Json schema(SchemaParts&, const FieldInfo&) { return {{"type", "object"}}; }
 };
 
-/// The fields of `from` into the object `out`.
+/// Encodes the fields of `from` into the object `out`.
 template <class J, HasTable S>
 void put_fields(J& out, const S& from) {
   visit_fields(from, [&out](const FieldInfo& field, const auto& value) {
@@ -95,7 +96,7 @@ void put_fields(J& out, const S& from) {
   });
 }
 
-/// J: Json, or nlohmann::ordered_json for keys in the table's order.
+/// Encodes a value. J: Json, or nlohmann::ordered_json for keys in the table's order.
 template <class J, class T>
 J to_json(const T& value) {
   using namespace detail;
@@ -131,7 +132,7 @@ J to_json(const T& value) {
   }
 }
 
-/// The fields of S that the object has.
+/// Copy of `object` with only those keys that are fields of S.
 template <HasTable S>
 Json only_fields(const Json& object) {
   Json out = Json::object();
@@ -148,7 +149,7 @@ inline constexpr std::size_t kMostElements = 10000;
 template <class T>
 void decode_value(ObjectReader& reader, const FieldInfo& field, T& out);
 
-/// An array of numbers, whole ones if T is an integer.
+/// Decodes an array of numbers, which must be whole if T is an integer.
 template <class T>
 void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   std::vector<double> given;
@@ -168,7 +169,7 @@ void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>
   out = std::move(read);
 }
 
-/// A fixed number of numbers.
+/// Decodes an array of exactly `size` numbers and hands it to `put`.
 template <class Put>
 void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size, Put put) {
   std::vector<double> given;
@@ -179,7 +180,7 @@ void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out);
 
-/// Elements with a decode of their own.
+/// Decodes an array whose elements have their own T::decode.
 template <class T>
 void decode_each(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   const Json* const given = reader.raw(field.key);
@@ -235,7 +236,7 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   } else if constexpr (std::is_integral_v<T>) {
     reader.integer(key, out, int(bounds.min), int(bounds.max));
   } else if constexpr (std::is_floating_point_v<T>) {
-    // Null, as the value is reported where there is none, leaves it.
+    // Null leaves the value unchanged: a missing value is reported as null.
     std::optional<double> given;
     if (field.nullable) {
       reader.optional_number(key, given, bounds.min, bounds.max);
@@ -303,7 +304,8 @@ void decode_fields(ObjectReader& reader, S& out) {
 
 }  // namespace detail
 
-/// What the object says, laid over `base`; nothing on any fault (Errc::invalid).
+/// Strict decoding of an object over the values of `base`. All or nothing: any fault is
+/// Errc::invalid.
 template <HasTable S>
 Result<S> decode(const Json& object, S base = {}) {
   ObjectReader reader(object, "");
@@ -317,8 +319,7 @@ namespace detail {
 template <class S, class T>
 T value_of(T S::*member);
 
-/// The key of a member in a table, or in those of its inlined members; null: there is no such
-/// field.
+/// The key of a member in a table or in the tables of its inlined members; null if there is none.
 template <class S, class T, class Member>
 const char* key_of_entry(const Field<S, T>& entry, Member member) {
   if constexpr (std::is_same_v<decltype(entry.member), Member>) {
@@ -345,13 +346,13 @@ const char* key_in_table(Member member) {
 
 }  // namespace detail
 
-/// A change of some of a struct's fields: what is absent stays as it is.
+/// A partial update of a struct: fields that are not given stay unchanged.
 template <HasTable S>
 class Partial {
  public:
   Partial() = default;
-  /// With `"clamp": true` a number out of range becomes the nearest limit. Errors as of decode, for
-  /// everything that does not depend on the other fields' values.
+  /// Strict decoding of a change. With `"clamp": true` a number out of range becomes the nearest
+  /// limit. Errors as in `decode`, as far as they do not depend on the values of other fields.
   static Result<Partial> decode(Json object) {
     Partial partial;
     ObjectReader reader(object, "");
@@ -366,7 +367,7 @@ class Partial {
     return partial;
   }
 
-  /// What makes `after` of `before`.
+  /// The change that turns `before` into `after`.
   static Partial difference(const S& before, const S& after) {
     const Json then = to_json(before), now = to_json(after);
     Partial partial;
@@ -375,7 +376,7 @@ class Partial {
     }
     return partial;
   }
-  /// What makes `all` of anything.
+  /// The change that sets every field as in `all`.
   static Partial whole(const S& all) {
     Partial partial;
     partial.given_ = to_json(all);
@@ -390,7 +391,7 @@ class Partial {
   void forget(Member member) {
     given_.erase(detail::key_in_table<Table<S>>(member));
   }
-  /// Null gives nothing, but to an optional.
+  /// Whether the change sets this member. Null counts only for an optional.
   template <class Member>
   bool gives(Member member) const {
     const auto found = given_.find(detail::key_in_table<Table<S>>(member));
@@ -416,14 +417,14 @@ class Partial {
   bool clamp_ = false;
 };
 
-/// A change on the wire: what is given, without `clamp`.
+/// A change is encoded as the keys that it gives, without `clamp`.
 template <class S>
 struct Wire<Partial<S>> {
   static Json to_json(const Partial<S>& change) { return change.given(); }
   static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
-/// Params that have a table, or a decode of their own.
+/// Decodes params by their own P::decode if they have one, else by their table.
 template <class P>
 Result<P> decode_params(const Json& params) {
   if constexpr (requires { P::decode(params); }) {

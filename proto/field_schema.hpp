@@ -1,4 +1,4 @@
-/// JSON Schemas (draft 2020-12) from field tables.
+/// JSON Schemas (draft 2020-12) generated from field tables.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace ovws {
 
-/// What a schema is for: params may leave out all that is not required, which is then its default,
-/// or in a change stays as it is; results hold every field.
+/// What a schema describes. Fields of params that are not required may be omitted: they take their
+/// default, or in a change stay unchanged. Results hold every field.
 enum class SchemaOf { params, change, result };
 
 /// Collects the schemas of structs, each once, for references by "#/$defs/NAME".
 struct SchemaParts {
   SchemaOf of = SchemaOf::result;
-  bool may_be_absent = false;  ///< the fields of an inlined optional are being put
+  bool may_be_absent = false;  ///< true within the fields of an inlined optional
   Json parts = Json::object();
 };
 
@@ -92,7 +92,7 @@ inline Json schema_of_tuple(std::size_t size, Json items) {
   return schema_of_array(std::move(items), sized);
 }
 
-/// Without what is of single values.
+/// Schema of a value's type, without the field's description, default and nullability.
 template <class T>
 Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
   if constexpr (HasWire<T>) {
@@ -190,7 +190,7 @@ void put_schema(SchemaParts& parts, Json& properties, Json& required) {
 
 template <class S>
 Json object_schema(SchemaParts& parts) {
-  // A part is not absent because what holds it may be.
+  // A nested struct holds all its fields, even if the struct itself may be absent.
   const bool before = std::exchange(parts.may_be_absent, false);
   Json properties = Json::object(), required = Json::array();
   put_schema<S>(parts, properties, required);
@@ -203,11 +203,11 @@ Json object_schema(SchemaParts& parts) {
 
 template <class S>
 Json schema_reference(SchemaParts& parts) {
-  // In a change no field is required.
+  // A change needs a definition of its own, because none of its fields is required.
   const std::string name =
       std::string(Table<S>::kName) + (parts.of == SchemaOf::change ? "Change" : "");
   if (!parts.parts.contains(name)) {
-    parts.parts[name] = nullptr;  // it is being made
+    parts.parts[name] = nullptr;  // marks it as in progress
     parts.parts[name] = object_schema<S>(parts);
   }
   return reference_to(name);
@@ -224,12 +224,12 @@ template <class S>
 Json Wire<Partial<S>>::schema(SchemaParts& parts, const FieldInfo&) {
   SchemaParts asked{SchemaOf::change};
   Json reference = detail::schema_reference<S>(asked);
-  detail::erase_bounds(asked.parts);  // what was asked for may have been clamped
+  detail::erase_bounds(asked.parts);  // a requested number may be out of range and clamped
   parts.parts.update(asked.parts);
   return reference;
 }
 
-/// A whole schema: of params, of a result, of a message.
+/// The complete schema of params, a result or a message.
 template <class S>
 struct WholeSchema {
   static Json of(SchemaOf of) {

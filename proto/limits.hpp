@@ -1,5 +1,5 @@
-/// The ranges of every number that a person can set: the wire, the configuration and the JSON
-/// Schemas state the same ones. A device may allow less.
+/// Ranges of all numbers that a user can set, shared by the wire, the configuration and the JSON
+/// Schemas. A device may allow less.
 #pragma once
 
 #include <cstddef>
@@ -51,12 +51,12 @@ constexpr Integers kPictureFrames{1, 100};
 constexpr Integers kGreyLevels{9, 256};  ///< measured by lut.run
 constexpr Integers kSettleRepetitions{3, 200};
 constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< after each change, by slm.settle
-constexpr Numbers kPushWaves{0.005, 0.2};    ///< amplitude of a calibration
-constexpr Integers kPushFrames{2, 10000};    ///< of each of its pictures
+constexpr Numbers kPushWaves{0.005, 0.2};    ///< poke amplitude of a calibration
+constexpr Integers kPushFrames{2, 10000};    ///< averaged for each poke
 constexpr Integers kJob{1, 2147483647};
-constexpr Integers kSweepFrames{2, 1000};  ///< of a cell, and of a reference
-constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< the most
-constexpr std::size_t kSweepPictures = 8;  ///< gains with pictures, of 12 MB each
+constexpr Integers kSweepFrames{2, 1000};  ///< of a cell and of a reference
+constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
+constexpr std::size_t kSweepPictures = 8;  ///< gains with stored images of 12 MB each
 constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};
@@ -68,12 +68,12 @@ constexpr Numbers kSaturationDn{1.0, 65535.0};
 constexpr Integers kPicturesEvery{0, 1'000'000};  ///< of a recording; 0: none
 constexpr Numbers kRecordS{0.1, 1e7};
 constexpr Numbers kRecordMib{1.0, 1e9};
-constexpr std::size_t kRecordName = 100;  ///< characters, the most
+constexpr std::size_t kRecordName = 100;  ///< characters, at most
 constexpr Integers kRecordBufferMib{8, 4096};
 
 constexpr Numbers kImageRateHz{0.0, 1000.0};
 constexpr Integers kWorkers{0, 16};
-constexpr Integers kRecords{8, 4096};  ///< and a power of two
+constexpr Integers kRecords{8, 4096};  ///< must be a power of two
 constexpr Integers kCpu{0, 1023};
 constexpr std::size_t kMostCpus = 64;
 

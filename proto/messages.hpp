@@ -1,4 +1,4 @@
-/// What clients see on the streams, as plain structs; encode.hpp turns them into bytes.
+/// Stream messages as plain structs; encode.hpp turns them into bytes.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-/// What `wavefront` and `spots` both say of the frame that they were measured in. Strings and spans
+/// Fields common to `wavefront` and `spots`: the frame and how it was measured. Strings and spans
 /// in messages are borrowed until the message is encoded.
 struct FrameMessage {
   std::uint64_t seq = 0, frame_id = 0, gap = 0;
@@ -32,17 +32,17 @@ struct FrameMessage {
   bool valid = false;
   double wavelength_nm = 632.0;
   std::optional<double> rms_waves,
-      fit_residual_px;  ///< rms_waves is null in the message if not valid
-  std::optional<double> gain_db, gain_raw, exposure_us;  ///< none: not known for this very frame
+      fit_residual_px;  ///< rms_waves is encoded as null if not valid
+  std::optional<double> gain_db, gain_raw, exposure_us;  ///< none: unknown for this frame
   double saturated = 0.0;
   bool loop_closed = false;
-  double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
+  double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
 };
 
 /// `ovws.wavefront/1`.
 struct WavefrontMessage : FrameMessage {
   std::span<const int> j;
-  /// waves, RMS-normalised, as many as `j`; each null in the message if not valid
+  /// Waves, RMS-normalised, as many as `j`; all encoded as null if not valid.
   std::span<const float> coefficients;
 };
 
@@ -52,29 +52,29 @@ struct SpotsMessage : FrameMessage {
   std::span<const Vec2> reference_px;  ///< as many as `spots`; empty: NaN in the binary part
 };
 
-/// `ovws.refined/1`: owns what it holds, for it waits in a queue.
+/// `ovws.refined/1`. Owns its data, because it waits in a queue.
 struct RefinedMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0, t_publish_ns = 0;
   int charge = 1;
   bool valid = false;
-  std::string reason;              ///< why not valid; empty if it is
-  bool against_reference = false;  ///< else against the model
+  std::string reason;              ///< why it is not valid; empty if it is
+  bool against_reference = false;  ///< false: coefficients count from the model
   double wavelength_nm = 632.0;
   double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
   double exposure_us = 0.0;
   std::vector<int> j;
-  /// waves, as many as `j`; every one null in the message if not valid
+  /// Waves, as many as `j`; all encoded as null if not valid.
   std::vector<double> coefficients, sigma;
   struct Fit {
     double chi2_per_pixel = 0.0, peak_e = 0.0, background_e = 0.0;
     int iterations = 0;
   };
-  std::optional<Fit> fit;  ///< none: no minimum was found
+  std::optional<Fit> fit;  ///< none: the fit found no minimum
   double duration_ms = 0.0;
 };
 
-/// `ovws.image/1` and `ovws.phase/1`: the binary part is the rows of the picture.
+/// `ovws.image/1` and `ovws.phase/1`: the binary part holds the rows of the image.
 struct ImageMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0;

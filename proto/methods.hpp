@@ -1,6 +1,6 @@
-/// Every method of the control socket and every stream: name, types, words. What answers a method
-/// is in daemon/ovwsd/control; JSON Schemas (daemon/shared/schemas) and the Python client's methods
-/// follow from this list.
+/// The list of all control methods and streams: name, types and description. JSON Schemas
+/// (daemon/shared/schemas) and the Python client's methods are generated from it; the handlers are
+/// in daemon/ovwsd/control.
 #pragma once
 
 #include <tuple>
@@ -18,7 +18,7 @@ namespace ovws {
 
 struct Config;  // config/config.hpp
 
-/// A method that takes a P and is answered with an R.
+/// A control method with params P and result R.
 template <class P, class R>
 struct Method {
   using Params = P;
@@ -31,7 +31,7 @@ constexpr Method<P, R> method(const char* name, const char* description) {
   return {name, description};
 }
 
-/// A topic whose messages' JSON part is an M.
+/// A stream topic; M is the JSON part of its messages.
 template <class M>
 struct Stream {
   using Message = M;

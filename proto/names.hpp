@@ -14,7 +14,7 @@ namespace ovws {
 
 const std::vector<std::string>& grid_names();
 const std::vector<std::string>& pattern_names();
-const std::vector<std::string>& showable_pattern_names();  ///< all but `test`, which is for jobs
+const std::vector<std::string>& showable_pattern_names();  ///< all but `test`, reserved for jobs
 const std::vector<std::string>& norm_names();
 const std::vector<std::string>& pixel_format_names();
 const std::vector<std::string>& tracker_names();

@@ -1,4 +1,4 @@
-/// What a wrong name may have meant.
+/// Suggests a known name for a misspelt one.
 #include <algorithm>
 #include <cctype>
 
@@ -7,13 +7,13 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kLongestName = 64;  // what is longer is not a slip of the pen
+constexpr std::size_t kLongestName = 64;  // longer names are not typing errors
 
 char lower(char c) {
   return char(std::tolower(static_cast<unsigned char>(c)));
 }
 
-/// Damerau-Levenshtein distance (optimal string alignment), letters' case ignored.
+/// Damerau-Levenshtein distance (optimal string alignment), ignoring case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t k = 0; k <= b.size(); ++k) last[k] = k;
@@ -32,7 +32,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// "gain" for "gain_db": the unit or the end was left out.
+/// Whether `name` is a prefix of `known`, ignoring case: "gain" instead of "gain_db".
 bool is_beginning_of(std::string_view name, std::string_view known) {
   return name.size() >= 3 && known.size() > name.size() &&
          edit_distance(name, known.substr(0, name.size())) == 0;
@@ -49,7 +49,7 @@ std::optional<std::string> nearest_name(std::string_view name,
     const std::size_t slips = edit_distance(name, candidate);
     const bool beginning = is_beginning_of(name, candidate);
     const std::size_t distance = beginning ? 1 : slips;
-    // About one slip in three letters: "id" may be "di", but "x" is never "y".
+    // About one edit in three letters: "di" suggests "id", but "x" never suggests "y".
     const std::size_t allowed = (std::max(name.size(), candidate.size()) + 1) / 3;
     if (distance <= allowed && distance < best) {
       best = distance;

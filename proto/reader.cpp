@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// As a person writes it: 100000, not 1e+05.
+/// Number text for messages: 100000 instead of 1e+05.
 std::string text_of(double value) {
   constexpr double kMostDigits = 1e15;
   if (value == std::floor(value) && std::abs(value) < kMostDigits) {
@@ -22,7 +22,7 @@ std::string text_of(double value) {
   return {buffer, end};
 }
 
-/// What a value is, for an error: its kind, and the value itself if it is short.
+/// A value in an error message: the value itself if it is short, else its type.
 std::string seen(const json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array";

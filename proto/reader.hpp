@@ -1,4 +1,5 @@
-/// Strict reading of JSON objects into structs: each fault is an Error that names the dotted path.
+/// Strict decoding of JSON objects into structs. Each fault is an Error with the dotted path of its
+/// key.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,29 +12,28 @@
 
 namespace ovws {
 
-/// The name among `known` nearest to `name` by edit distance, if near enough to be a slip of the
-/// pen.
+/// The name in `known` nearest to `name` by edit distance, if it is near enough for a typing error.
 std::optional<std::string> nearest_name(std::string_view name,
                                         const std::vector<std::string>& known);
 
-/// Reads one JSON object key by key. Keys that are absent leave the target as it is. The first
-/// fault is kept, all later reads do nothing; `finish` returns it, or the first key that nobody
-/// asked for, with its nearest known name.
+/// Reads one JSON object key by key. Absent keys leave the target unchanged. The first fault is
+/// kept and all later reads do nothing. `finish` returns it, else the first unknown key with the
+/// nearest known name, else the first missing key.
 ///
 ///     ObjectReader r(json, "camera");
 ///     r.number("gain_db", c.gain_db, -100, 100);
 ///     if (auto e = r.finish(); !e) return fail(e.error());
 class ObjectReader {
  public:
-  /// `json` is borrowed. An empty path means that fields have no prefix.
+  /// `json` is borrowed. With an empty path field names have no prefix.
   ObjectReader(const nlohmann::json& json, std::string path);
 
-  /// From now on a number out of range becomes the nearest limit instead of a fault.
+  /// If on, a number out of range becomes the nearest limit instead of a fault.
   void clamp(bool on) { clamp_ = on; }
 
   bool has(const char* key) const;  ///< present (null counts as present)
   bool is_null(const char* key) const;
-  void require(const char* key);  ///< a fault if absent, told by `finish` after all others
+  void require(const char* key);  ///< a fault if absent, reported by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
@@ -43,7 +43,7 @@ class ObjectReader {
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);
   void optional_string(const char* key, std::optional<std::string>& out);  ///< null or string
-  /// One of `names`; `out` is its position. The error names the nearest.
+  /// One of `names`; `out` becomes its index. The error names the nearest.
   void choice(const char* key, int& out, const std::vector<std::string>& names);
   void numbers(const char* key, std::vector<double>& out, std::size_t min_size,
                std::size_t max_size, double min, double max);
@@ -54,7 +54,7 @@ class ObjectReader {
   /// An array of objects: calls read(ObjectReader&, index) for each.
   template <class Read>
   void objects(const char* key, std::size_t max_size, Read read);
-  /// Marks a key as known without reading it; for values with a shape of their own.
+  /// Marks a key as known and returns its value for the caller to decode; null if absent.
   const nlohmann::json* raw(const char* key);
 
   void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller
@@ -72,7 +72,7 @@ class ObjectReader {
   std::vector<std::string> known_;
   std::optional<Error> error_;
   std::optional<Error>
-      missing_;  ///< told only if nothing else is wrong: a key that is misspelt is missing, too
+      missing_;  ///< reported only if nothing else is wrong: a misspelt key is missing, too
   bool clamp_ = false;
 };
 

@@ -1,4 +1,4 @@
-/// What a recording holds, whatever file it is in: RECORDING.md says the same to people.
+/// Layout of a recording, independent of the file format. RECORDING.md documents it for users.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 namespace ovws {
 
 constexpr const char* kRecordingSchema = "ovws.recording/1";
-/// A reader takes memory for pictures by what the file says of their size.
+/// Limit of one image: a reader allocates memory by the size stated in the file.
 constexpr std::size_t kMostRecordedPictureBytes = 128 << 20;
-/// More than these a recording does not take, and a reader not read.
+/// Limits that both the recorder and the reader enforce.
 constexpr std::uint64_t kMostRecordedFrames = 1 << 24;  // nine hours at 500 a second
 constexpr std::uint64_t kMostRecordedDocuments = 1 << 20;
 constexpr std::uint64_t kMostRecordedTextBytes = 1 << 30;  // of all documents
@@ -26,30 +26,30 @@ struct RecordedFrame {
   std::int64_t t_device_ns = 0, t_arrival_ns = 0, t_arrival_mono_ns = 0;
   std::int64_t t_tracked_mono_ns = 0, t_reconstructed_mono_ns = 0;
   double gain_db = 0.0, exposure_us = 0.0;  ///< 0 unless settings_known
-  /// NaN unless settings_known, or if the camera has its gain in dB; of such without, gain_db is
-  /// NaN
+  /// NaN unless settings_known, and if the camera has its gain in dB. Without gain in dB, gain_db
+  /// is NaN.
   double gain_raw = std::numeric_limits<double>::quiet_NaN();
   double fit_residual_px = 0.0, rms_waves = 0.0;
   float saturated = 0.0F;
   std::uint32_t tracked = 0;
   std::uint64_t first_spot = 0, first_coefficient = 0;
   std::uint32_t spots = 0, coefficients = 0;
-  std::int64_t picture = -1;         ///< its number in `pictures`; -1: it has none
-  std::uint64_t dropped_before = 0;  ///< published since the row before, and not in this file
-  std::uint8_t picture_dropped = 0;  ///< it was to have one, and the disk could not follow
+  std::int64_t picture = -1;         ///< its row in `pictures`; -1: no image
+  std::uint64_t dropped_before = 0;  ///< frames since the previous row that are not in this file
+  std::uint8_t picture_dropped = 0;  ///< 1: its image was dropped because the disk was too slow
   std::uint8_t still = 0, settled = 0, settings_known = 0, determined = 0, explained = 0, valid = 0;
-  std::uint8_t searched = 0;  ///< its spots were looked for in the whole image, too
+  std::uint8_t searched = 0;  ///< 1: the whole image was searched for its spots, too
   std::uint8_t left_justified_bits = 0;
 };
 
-/// One row of `spots`: SpotFix, and where it was looked for at first (SpotStart).
+/// One row of `spots`: SpotFix, and the position where its search began (SpotStart).
 struct RecordedSpot {
   float x = 0.0F, y = 0.0F, peak = 0.0F, quality = 0.0F, level = 0.0F, noise = 0.0F;
   double start_x = 0.0, start_y = 0.0;
   std::uint8_t fresh = 0;
 };
 
-/// One row of `documents`: a part of `text`, JSON, in force from a frame on.
+/// One row of `documents`: a JSON text within `text` that applies from a frame on.
 struct RecordedDocument {
   std::array<char, 16> kind{};    ///< "plan", "reference", …
   std::array<char, 64> sha256{};  ///< of the text, hexadecimal
@@ -62,30 +62,30 @@ struct RecordedSummary {
   std::uint64_t frames = 0, frames_dropped = 0;
   std::uint64_t pictures = 0, pictures_dropped = 0;
   std::int64_t t_written_ns = 0;  ///< UTC
-  std::uint8_t ended = 0;         ///< 0: it goes on, or was cut off
+  std::uint8_t ended = 0;         ///< 0: still being written, or cut off
 };
 
 /// Attributes of the file.
 struct RecordingHeader {
   std::int64_t t_begin_ns = 0;  ///< UTC
-  std::string program;          ///< that wrote it
+  std::string program;          ///< program that wrote the file
   PixelFormat format = PixelFormat::mono8;
-  std::string vendor, model, serial;  ///< of the camera; empty: not known
-  double frame_rate_hz = 100.0;       ///< as set at the begin
-  int x = 0, y = 0;                   ///< of the region on the camera's sensor
-  int width = 0, height = 0;          ///< of a picture, pixels
-  int pictures_every = 1;             ///< 0: there are none
+  std::string vendor, model, serial;  ///< of the camera; empty: unknown
+  double frame_rate_hz = 100.0;       ///< as set at the start
+  int x = 0, y = 0;                   ///< corner of the region on the camera's sensor
+  int width = 0, height = 0;          ///< of an image, pixels
+  int pictures_every = 1;             ///< 0: no images
   double wavelength_nm = 632.0;
 };
 
-/// How a row's number is kept; text is of fixed length, NUL-padded.
+/// Storage type of a field. Text has a fixed length and is NUL-padded.
 enum class FieldType : std::uint8_t { u8, u32, u64, i64, f32, f64, text16, text64 };
 
 struct RecordedField {
   const char* name;
   FieldType type;
   std::size_t offset;
-  const char* unit;  ///< "": a number or a truth
+  const char* unit;  ///< "": a count, an id or a flag
 };
 
 #define OVWS_FIELD(row, name, type, unit)             \
@@ -154,9 +154,9 @@ inline constexpr std::array kSummaryFields{
 
 #undef OVWS_FIELD
 
-/// How many numbers a row of `pictures`' rows has: pixels, or bytes where several share one.
+/// Elements in one line of an image in `pictures`: pixels, or bytes for packed formats.
 int picture_columns(PixelFormat format, int width);
-/// Bytes of one of these numbers: 1 or 2.
+/// Bytes of one such element: 1 or 2.
 int picture_word_bytes(PixelFormat format);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// Decoding of params: strict, and all or nothing.
+/// Decoding of params: strict, all or nothing.
 ///
 /// Every error is Errc::invalid with the dotted path of the key at fault; see field_json.hpp.
 #pragma once

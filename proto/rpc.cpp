@@ -11,13 +11,14 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kMaxIdBytes = 256;  // it comes back with every reply, and those may queue
+constexpr std::size_t kMaxIdBytes = 256;  // echoed in every reply, and replies may queue
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Joined as text: a copy of a large result takes as long as its text.
+/// Builds the response as text, because a copy of a large result takes as long as its
+/// serialisation.
 std::string response(const Json& id, const RpcAnswer& answer) {
   std::string text = R"({"jsonrpc":"2.0","id":)" + text_of(id);
   if (answer) return text + R"(,"result":)" + text_of(*answer) + "}";
@@ -33,19 +34,19 @@ RpcFailure failure(RpcCode code, std::string field, std::string reason) {
   return out;
 }
 
-/// The responses of one frame, gathered from any thread and sent once, when the last is there.
+/// Collects the responses to one request frame from any thread and sends them after the last one.
 class Gathering {
  public:
   Gathering(std::size_t members, bool batch, RpcSend send)
       : responses_(members), missing_(members), batch_(batch), send_(std::move(send)) {}
 
-  /// Whether a batch's responses so far are as large as its reply may be.
+  /// Whether the responses of a batch have reached kMaxBatchReplyBytes.
   bool is_full() const {
     const std::lock_guard lock(mutex_);
     return batch_ && bytes_ >= kMaxBatchReplyBytes;
   }
 
-  /// Member `k` is answered; an empty text for a notification.
+  /// Stores the response to member `k`; an empty text for a notification.
   void put(std::size_t k, std::string text) {
     {
       const std::lock_guard lock(mutex_);
@@ -76,7 +77,8 @@ class Gathering {
   RpcSend send_;
 };
 
-/// One member of a frame until it is answered. Destroyed unanswered, it answers with an error.
+/// A pending call: one member of a frame until it is answered. Destroyed unanswered, it answers
+/// with an error.
 class PendingCall {
  public:
   PendingCall(std::shared_ptr<Gathering> gathering, std::size_t k)
@@ -88,7 +90,7 @@ class PendingCall {
       answer(tl::make_unexpected(failure(RpcCode::internal, "",
                                          "no answer came, perhaps because the daemon is stopping; "
                                          "ask for its state before repeating this")));
-    } catch (...) {  // out of memory: there is nobody left to tell
+    } catch (...) {  // out of memory: the error cannot be reported
     }
   }
 
@@ -100,7 +102,7 @@ class PendingCall {
     gathering_->put(k_, silent_ ? std::string() : response(id_, answer));
   }
 
-  /// Whether its response would find no place in the batch's reply. A notification has none.
+  /// Whether the batch's reply has no room for its response. A notification needs none.
   bool has_no_place() const { return !silent_ && gathering_->is_full(); }
 
  private:
@@ -111,7 +113,8 @@ class PendingCall {
   std::atomic<bool> answered_{false};
 };
 
-/// What comes back as it came: of a larger integer the parser makes a double, another number.
+/// Whether an id can be echoed unchanged. The parser turns larger integers into doubles, which
+/// changes them.
 bool is_id(const Json& id) {
   constexpr double kPastInt64 = 0x1p63;
   if (id.is_number_float()) return std::abs(id.get<double>()) < kPastInt64;
@@ -119,7 +122,7 @@ bool is_id(const Json& id) {
   return id.is_number() || id.is_null();
 }
 
-/// The envelope of one call. An id that is there and right is echoed even if the rest is wrong.
+/// Reads the JSON-RPC envelope of one call. A valid id is echoed even if the rest is invalid.
 Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   ObjectReader reader(member, "");
   const Json* id = reader.raw("id");

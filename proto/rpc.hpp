@@ -1,4 +1,5 @@
-/// JSON-RPC 2.0 over one frame: from bytes to calls, from results to bytes. No sockets here.
+/// JSON-RPC 2.0 codec: one request frame to calls, their results to one reply frame. No sockets
+/// here.
 #pragma once
 
 #include <functional>
@@ -26,12 +27,12 @@ enum class RpcCode : int {
   refused = -32000,
   unavailable = -32001,
   device = -32002,
-  forbidden = -32003,  ///< this client may not
+  forbidden = -32003,  ///< the client is not permitted to call the method
 };
 RpcCode rpc_code(Errc code);
 
-/// An answer to a method: its result, or an Error. `data` of the error reply is {field, reason,
-/// …extra}.
+/// Error of a reply. `data` holds `field` and `reason`, and where they apply `min`, `max` and
+/// `nearest`.
 struct RpcFailure {
   RpcCode code = RpcCode::internal;
   std::string message;
@@ -40,10 +41,9 @@ struct RpcFailure {
 RpcFailure rpc_failure(const Error& error);
 using RpcAnswer = tl::expected<Json, RpcFailure>;
 
-/// Called exactly once, from any thread.
+/// Takes the answer to one call; to be called exactly once, from any thread.
 using RpcReply = std::function<void(RpcAnswer)>;
-/// What the daemon does with one call. The call is well-formed; `params` is an object (empty if
-/// none was sent).
+/// Handles one well-formed call. `params` is an object (empty if none was sent).
 using RpcDispatch =
     std::function<void(const std::string& method, const Json& params, RpcReply reply)>;
 /// Receives the one reply frame of a request frame, from any thread; empty if the frame held
@@ -52,19 +52,19 @@ using RpcSend = std::function<void(std::string)>;
 
 constexpr int kMaxRequestDepth = 32;   ///< of nested objects and arrays
 constexpr int kMaxBatchMembers = 100;  ///< more are refused with one error
-/// A batch's member that comes when its reply is this large is refused, and not carried out.
+/// Once a batch's reply has this size, further members are refused and not carried out.
 constexpr std::size_t kMaxBatchReplyBytes = 1 << 20;
 
-/// The reply to a request that is larger than kMaxRequestBytes or came in several frames; nobody
-/// has to read it for that.
+/// Reply to a request that is larger than kMaxRequestBytes or came in several frames; needs no look
+/// at the request.
 std::string oversize_reply();
-/// The reply to a request that is refused unread, because too many of its client's requests wait.
+/// Reply to a request that is refused unread because too many requests of its client are waiting.
 std::string overload_reply();
 
-/// Handles one request frame, single or batch: strict UTF-8 and JSON, size cap, JSON-RPC shape;
-/// every member with an id gets exactly one response. Never throws, whatever the bytes are. A
-/// dispatcher that throws, or that lets go of its reply without calling it, becomes an internal
-/// error; a second call of a reply does nothing. `params` and `method` are borrowed for the call.
+/// Handles one request frame, single or batch: checks size, strict UTF-8 and JSON, and the JSON-RPC
+/// envelope. Every member with an id gets exactly one response. Never throws, whatever the bytes
+/// are. A dispatcher that throws, or drops its reply without calling it, causes an internal error;
+/// a second call of a reply does nothing. `params` and `method` are borrowed for the call.
 void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send);
 
 }  // namespace ovws

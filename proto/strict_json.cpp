@@ -24,8 +24,8 @@ std::string place_of(std::string_view text, std::size_t offset) {
   return line_of(text, offset) + ", column " + std::to_string(column + 1);
 }
 
-/// Reads the text for the parser and notes how far it has read: the library names no place to what
-/// listens to it.
+/// Iterator over the text that records how far the parser has read, because the SAX interface of
+/// the library reports no position.
 class TrackedText {
  public:
   using iterator_category = std::forward_iterator_tag;
@@ -52,7 +52,7 @@ class TrackedText {
   const char** furthest_;
 };
 
-/// Looks through the text without building anything; stops at the first fault.
+/// SAX handler that checks the text without building a value and stops at the first fault.
 class Inspector : public nlohmann::json_sax<json> {
  public:
   Inspector(std::string_view text, const char* const& read, int max_depth)
@@ -100,8 +100,8 @@ class Inspector : public nlohmann::json_sax<json> {
     return true;
   }
 
-  /// The library's words between its own prefix and the text last read, which may be long or not
-  /// even UTF-8.
+  /// The library's error text without its prefix and the text last read, which may be long or not
+  /// UTF-8.
   static std::string cause(std::string text) {
     if (const auto end = text.find("; last read"); end != std::string::npos) text.resize(end);
     if (const auto begin = text.find(" - "); begin != std::string::npos)
@@ -122,7 +122,7 @@ tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_d
                                                 JsonComments comments) {
   const bool ignore_comments = comments == JsonComments::allowed;
   if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: there is nothing to read"});
-  if (const auto nul = text.find('\0'); nul != text.npos) {  // the library takes it for the end
+  if (const auto nul = text.find('\0'); nul != text.npos) {  // the library would end there
     return tl::make_unexpected(
         JsonFault{true, "not JSON at " + place_of(text, nul) + ": a NUL byte"});
   }

@@ -1,4 +1,4 @@
-/// Strict parsing of JSON text from outside: never throws, and says where and what was wrong.
+/// Strict parser for untrusted JSON text: never throws, and reports what is wrong and where.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,15 +9,15 @@
 namespace ovws {
 
 struct JsonFault {
-  bool malformed = true;  ///< false: it is JSON, but one that is not accepted
+  bool malformed = true;  ///< false: valid JSON that is not accepted
   std::string reason;
 };
 
 enum class JsonComments { refused, allowed };
 
-/// RFC 8259 with strict UTF-8. Refuses, besides what is not JSON, a key given twice in one object
-/// and nesting deeper than `max_depth`, so that what is returned can be copied, written and
-/// destroyed by recursion. Reentrant.
+/// Parses RFC 8259 JSON in strict UTF-8. Also refuses duplicate keys in one object, and nesting
+/// deeper than `max_depth`, so that the result can be copied, written and destroyed recursively.
+/// Reentrant.
 tl::expected<nlohmann::json, JsonFault> parse_strict_json(std::string_view text, int max_depth,
                                                           JsonComments comments);
 

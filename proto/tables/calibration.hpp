@@ -26,7 +26,8 @@ struct CalibratedMode {
   int j = 0;
   double amplitude_waves = 0.0;
   double signal_px_per_wave = 0.0, standard_error_px_per_wave = 0.0;
-  std::optional<double> factor, factor_standard_error, correlation;  ///< none: not the model's
+  std::optional<double> factor, factor_standard_error,
+      correlation;  ///< none: the model has no such mode
 };
 template <>
 struct Table<CalibratedMode> {
@@ -59,12 +60,12 @@ struct Table<DroppedMode> {
 };
 
 struct CalibrationReport {
-  double amplitude_waves = 0.0;  ///< asked for
+  double amplitude_waves = 0.0;  ///< requested poke amplitude
   int frames = 0;
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
-  std::string sha256;  ///< empty: it is not kept
+  std::string sha256;  ///< empty: not stored on disk
   JsonOf<Origin> origin;
 };
 std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report);
@@ -125,7 +126,7 @@ struct Table<CalibrationReport> {
             "what it was measured with; aberration: shown below the pokes, less the correction")};
 };
 
-/// `calibration.get` and `.clear`, and the result of the job of `calibration.run`.
+/// Result of `calibration.get`, `calibration.clear` and the `calibration.run` job.
 struct KnownCalibration {
   bool in_force = false;
   std::optional<CalibrationReport> calibration;

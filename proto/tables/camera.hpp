@@ -36,7 +36,8 @@ struct Table<CameraSettings> {
                    limits::kFrameRateHz),
              field("roi", &CameraSettings::roi, "region of interest of the sensor")};
 
-  /// A camera has one of the two gains; null, as the other one is reported, leaves it.
+  /// Refuses a change of both gains, because a camera has only one of them. Null leaves a gain
+  /// unchanged: the missing one is reported as null.
   static void check_change(ObjectReader& reader) {
     const auto gives = [&reader](const char* key) {
       return reader.has(key) && !reader.is_null(key);
@@ -46,7 +47,7 @@ struct Table<CameraSettings> {
                    "cannot be set together with gain_db: set the one that camera.get has");
     }
   }
-  /// One gain, in the unit that it is asked for in.
+  /// Clears the other gain, because a camera has its gain in one unit only.
   static void begin_change(CameraSettings& settings, const Json& given) {
     if (!given.value("gain_db", Json()).is_null()) settings.gain_raw = kNotKnown;
     if (!given.value("gain_raw", Json()).is_null()) settings.gain_db = kNotKnown;
@@ -92,7 +93,7 @@ struct Table<CameraInfo> {
       field("address", &CameraInfo::address, "network address or bus, empty if unknown")};
 };
 
-/// `camera.get`; `info` and `limits` are none while no camera is connected.
+/// Result of `camera.get`. `info` and `limits` are empty while no camera is connected.
 struct CameraReport {
   std::optional<CameraInfo> info;
   CameraSettings settings;

@@ -1,4 +1,4 @@
-/// Field tables of what the daemon says of itself and of its configuration.
+/// Field tables of `system.describe` and `config.save`.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace ovws {
 
-/// `config.save`.
+/// Result of `config.save`.
 struct SavedReport {
   std::string path;
   std::vector<std::string> saved;
@@ -25,10 +25,10 @@ struct Table<SavedReport> {
                    "dotted keys of the values that differ from the configuration file, sorted")};
 };
 
-/// What a client may ask for; every client may subscribe to the streams.
+/// Role of a client: the methods that it may call. Every client may subscribe to the streams.
 enum class Role {
-  read,     ///< methods that change nothing
-  control,  ///< all
+  read,     ///< read-only methods
+  control,  ///< all methods
 };
 template <>
 struct Names<Role> {
@@ -51,7 +51,7 @@ struct Table<MethodDescription> {
       field("params", &M::params, "JSON Schema"), field("result", &M::result, "JSON Schema")};
 };
 
-/// `system.describe`.
+/// Result of `system.describe`.
 struct Description {
   std::vector<std::pair<std::string, std::string>> versions;
   std::vector<std::pair<std::string, MethodDescription>> methods;

@@ -59,7 +59,7 @@ std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm
 
 namespace {
 
-/// NaN of none.
+/// Arithmetic mean; NaN of an empty list.
 double mean_of(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;

@@ -1,4 +1,5 @@
-/// Field tables of `experiment.*`: the paper's comparison of sensors against the camera's gain.
+/// Field tables of `experiment.*`: the paper's gain sweep, which compares sensors by their residual
+/// phase variance over the camera's gain.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +16,15 @@
 
 namespace ovws {
 
-/// How an arm finds its spots: a tracker, or the paper's Shack-Hartmann sensor, "cell_centroid":
-/// the centroid of a fixed window around the reference, which `centroid` has found.
+/// Tracker of one arm. With `fixed_cell` ("cell_centroid" on the wire) it is the paper's
+/// Shack-Hartmann sensor: the centroid of a fixed window around the reference position, which
+/// `centroid` measured.
 struct SweepTracker {
   TrackerKind kind = TrackerKind::lg;
   bool fixed_cell = false;
   friend bool operator==(const SweepTracker&, const SweepTracker&) = default;
 };
-const std::vector<std::string>& sweep_tracker_names();  ///< tracker_names, and cell_centroid
+const std::vector<std::string>& sweep_tracker_names();  ///< tracker_names() and "cell_centroid"
 template <>
 struct Wire<SweepTracker> {
   static Json to_json(const SweepTracker& tracker);
@@ -32,7 +34,7 @@ struct Wire<SweepTracker> {
   }
 };
 
-/// One way to measure.
+/// One sensor of the comparison: a topological charge and a tracker.
 struct SweepArm {
   int charge = 1;
   SweepTracker tracker;
@@ -52,14 +54,16 @@ struct Table<SweepArm> {
                  .must()};
 };
 
-/// The paper's oblique astigmatism of 0.5, 1.5 and 2 waves, unit amplitude.
+/// Oblique astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper; returned
+/// RMS-normalised.
 std::vector<ModesSet> paper_aberrations();
 
-/// `experiment.gain_sweep`; the defaults are the paper's experiment. A cell is one arm with one
-/// aberration at one gain; cells are numbered from 0, arms change fastest, aberrations slowest.
+/// Params of `experiment.gain_sweep`; the defaults are the paper's experiment. A cell is one arm
+/// with one aberration at one gain. Cells are numbered from 0: arms change fastest, then gains,
+/// aberrations slowest.
 struct GainSweep {
   std::vector<double> gains_db{10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, 40};
-  int frames = 100;  ///< of each cell
+  int frames = 100;  ///< settled frames of each cell
   double reference_gain_db = 16.0;
   int reference_frames = 100;
   std::vector<ModesSet> aberrations = paper_aberrations();
@@ -67,7 +71,8 @@ struct GainSweep {
                              {1, {TrackerKind::matched}},
                              {0, {TrackerKind::centroid, true}},
                              {0, {TrackerKind::matched}}};
-  std::vector<double> picture_gains_db{10, 20, 30};  ///< where a frame of each charge is kept
+  std::vector<double> picture_gains_db{10, 20,
+                                       30};  ///< gains at which one image per charge is stored
 
   struct Cell {
     std::size_t arm, aberration, gain;
@@ -106,8 +111,8 @@ struct Table<GainSweep> {
 
 struct GainSweepRun {
   GainSweep sweep;
-  bool clamp = false;  ///< gains that the camera does not have are left out
-  bool anew = false;   ///< cells that are known already are measured again
+  bool clamp = false;  ///< skip gains that the camera does not support
+  bool anew = false;   ///< discard stored cells and measure them again
 };
 template <>
 struct Table<GainSweepRun> {
@@ -120,14 +125,15 @@ struct Table<GainSweepRun> {
                    "what was measured of this run before is discarded, and measured again")};
 };
 
-/// To a millionth: what a file holds is then short, and far below any noise.
+/// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
 double to_millionth(double value);
 
-/// Medians over all spots found in all frames, camera units; NaN: none was found.
+/// Median levels over all spots found in all frames, in camera grey levels (DN); NaN: no spot was
+/// found.
 struct SpotLevels {
-  double level_dn = 0.0;  ///< see SpotFix
+  double level_dn = 0.0;  ///< see SpotFix::level
   double noise_dn = 0.0;
-  double peak_dn = 0.0;  ///< the brightest pixel of all, no median
+  double peak_dn = 0.0;  ///< maximum: the brightest pixel of all spots
 };
 template <>
 struct Table<SpotLevels> {
@@ -151,12 +157,12 @@ struct Table<SpotLevels> {
 struct ReferenceMeasured {
   int arm = 0;
   SweepArm with;
-  double gain_db = 0.0;  ///< as read back
+  double gain_db = 0.0;  ///< as read back from the camera
   std::int64_t t_begun_ns = 0;
   int frames = 0, saturated_frames = 0;
   SpotLevels levels;
-  std::vector<Vec2> positions_px;  ///< NaN: not used
-  std::vector<Vec2> cells_px;      ///< centres; empty: no fixed windows
+  std::vector<Vec2> positions_px;  ///< NaN: spot not used
+  std::vector<Vec2> cells_px;      ///< centres of the fixed windows; empty: none
 };
 template <>
 struct Table<ReferenceMeasured> {
@@ -178,7 +184,8 @@ struct Table<ReferenceMeasured> {
                    "[x, y] of each fixed window's centre; empty: not of cell_centroid")
                  .with_nulls()};
 };
-/// Places of such an object, "positions_px" or "cells_px"; none if it is not one of `arm`.
+/// Reads "positions_px" or "cells_px" from the JSON of a ReferenceMeasured; none if it is malformed
+/// or belongs to another arm.
 std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
                                                   const char* key = "positions_px");
 
@@ -186,22 +193,22 @@ struct CellMeasured {
   int cell = 0;
   GainSweep::Cell at{};
   SweepArm with;
-  double gain_db = 0.0;  ///< as read back
+  double gain_db = 0.0;  ///< as read back from the camera
   double exposure_us = 0.0, frame_rate_hz = 0.0;
   std::int64_t t_begun_ns = 0;
   int subapertures = 0;
   std::vector<int> modes_j;
   struct Frame {
     std::vector<double> coefficients;  ///< RMS-normalised waves; empty: too few spots
-    double variance_rad2 = 0.0;        ///< NaN then
-    double saturated_fraction = 0.0;   ///< of the spots
+    double variance_rad2 = 0.0;        ///< NaN: too few spots
+    double saturated_fraction = 0.0;   ///< fraction of spots with a saturated pixel
     int tracked = 0;
   };
   std::vector<Frame> frames;
   SpotLevels levels;
-  struct Picture {  ///< a frame
+  struct Picture {  ///< one camera image
     int width = 0, height = 0;
-    std::string base64;  ///< of its 8 bit pixels, row by row; 255: the format's full scale
+    std::string base64;  ///< 8-bit pixels, row by row; 255: the format's full scale
   };
   std::optional<Picture> picture;
 };
@@ -215,10 +222,11 @@ struct Table<CellMeasured::Picture> {
              field("base64", &P::base64, "8 bit grey, row by row; 255: the format's full scale")};
 };
 
-/// The residual variance of a cell's frames, rad^2; NaN: no frame told its modes.
+/// Residual phase variance of a cell's frames, rad^2; NaN: no frame had enough spots to determine
+/// its modes.
 struct CellVariance {
   double mean = 0.0, standard_deviation = 0.0, standard_error = 0.0;
-  double unsaturated = 0.0;  ///< the mean over frames without a saturated spot
+  double unsaturated = 0.0;  ///< mean over frames without a saturated spot
   int undetermined_frames = 0;
   int saturated_frames = 0, lost_spots = 0;
 };
@@ -245,7 +253,7 @@ struct Table<CellVariance> {
       field("lost_spots", &V::lost_spots, "of all frames together", Bounds::at_least(0))};
 };
 
-/// A cell without what is of single frames.
+/// Results of a cell without the values of single frames.
 struct CellSummary {
   CellMeasured cell;
   CellVariance variance;
@@ -289,11 +297,11 @@ struct Table<CellSummary> {
       inlined(&S::levels)};
 };
 
-/// `experiment.cell`.
+/// Result of `experiment.cell`.
 struct CellReport {
   CellSummary summary;
 
-  /// One number or list a frame.
+  /// get(frame) of all frames, in order.
   template <class Get>
   auto of_frames(Get get) const {
     std::vector<decltype(get(CellMeasured::Frame()))> all;
@@ -343,12 +351,12 @@ struct Table<CellReport> {
 };
 
 struct ExperimentReport {
-  std::string run;  ///< its name, 16 hexadecimal digits
+  std::string run;  ///< name of the run, 16 hexadecimal digits
   GainSweep request;
   JsonOf<SweepBench> bench;
   std::int64_t t_begun_ns = 0;
-  std::optional<int> job;             ///< that measures it now
-  std::optional<double> time_left_s;  ///< not known before a cell was measured
+  std::optional<int> job;             ///< job that measures it now
+  std::optional<double> time_left_s;  ///< empty until a cell has been measured
   std::optional<std::string> not_kept_reason;
   std::vector<JsonOf<ReferenceMeasured>> references;
   std::vector<JsonOf<CellSummary>> cells;
@@ -377,7 +385,7 @@ struct Table<ExperimentReport> {
       field("cells", &R::cells, "those measured so far, by their numbers")};
 };
 
-/// `experiment.get`.
+/// Result of `experiment.get`.
 struct KnownExperiment {
   std::optional<ExperimentReport> experiment;
   std::size_t cells_total = 0;

@@ -18,7 +18,7 @@ struct Names<JobState> {
   }
 };
 
-/// As the error of a reply.
+/// Error of a failed job, in the form of a JSON-RPC error.
 struct ErrorReport {
   int code = 0;
   std::string message;
@@ -54,7 +54,7 @@ struct Table<JobReport> {
              computed<JobReport>("error", job_error, "why it failed; null unless failed")};
 };
 
-/// A method that starts a job, and the params of those that ask for one.
+/// Number of a job: result of the methods that start one, params of `job.get` and `job.cancel`.
 struct JobNumber {
   int job = 0;
 };

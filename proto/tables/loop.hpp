@@ -46,15 +46,15 @@ struct Table<LoopSettings> {
             limits::kLoopPatienceS)};
 };
 
-/// `loop.close`, `.open` and `.get`.
+/// Result of `loop.close`, `loop.open` and `loop.get`.
 struct LoopReport {
   bool closed = false;
-  LoopSettings settings;  ///< of the present or the last time
+  LoopSettings settings;  ///< of the closed loop, or of the last time it was closed
   std::int64_t steps = 0;
   std::optional<double> residual_rms_waves;
   double correction_rms_waves = 0.0;
-  std::string opened_because;    ///< empty: it is closed, or never was
-  std::int64_t t_opened_ns = 0;  ///< of no meaning if that is empty
+  std::string opened_because;    ///< empty: it is closed, or was never closed
+  std::int64_t t_opened_ns = 0;  ///< valid only if opened_because is not empty
 
   std::optional<std::int64_t> opened_ns() const {
     return opened_because.empty() ? std::nullopt : std::optional(t_opened_ns);

@@ -21,7 +21,7 @@ struct Table<Mode> {
                                          field("waves", &Mode::waves, "RMS-normalised waves")};
 };
 
-/// A mode as a person reads it.
+/// A Zernike mode with its orders n and m and its common name.
 struct NamedMode {
   Mode mode;
 };
@@ -45,7 +45,7 @@ struct Table<NamedMode> {
                  "coefficient, waves RMS at the laser's wavelength")};
 };
 
-/// `aberration.*` and `correction.*`.
+/// Result of `aberration.*` and `correction.*`.
 struct ModesReport {
   std::vector<NamedMode> modes;
   std::uint64_t hologram_id = 0;

@@ -1,4 +1,4 @@
-/// Field tables of what something was measured with.
+/// Field tables of a measurement's origin: the bench and settings that it was made with.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace ovws {
 
-/// One camera, wherever it is plugged in.
+/// Identity of a camera, independent of its address.
 struct CameraName {
   std::string vendor, model, serial;
 };
@@ -27,7 +27,8 @@ struct Table<CameraName> {
                                          field("serial", &CameraName::serial, "serial number")};
 };
 
-/// The SLM and what its hologram is made with: pictures of another one are other pictures.
+/// SLM geometry and checksums of the look-up table and the flatness map: all that the grey levels
+/// of a hologram depend on besides sensor and modes.
 struct SlmIdentity {
   SlmGeometry geometry;
   std::optional<std::string> lut_sha256, flatness_sha256;
@@ -41,7 +42,8 @@ struct Table<SlmIdentity> {
       field("flatness_sha256", &SlmIdentity::flatness_sha256, "of its float32 waves; null: none")};
 };
 
-/// Settings of the camera that positions depend on at most a little.
+/// Camera settings that hardly affect spot positions: when they change, a reference is stale but
+/// stays active.
 struct OriginSettings {
   CameraSettings camera;
 };
@@ -82,7 +84,7 @@ struct Table<OriginRegistration> {
                    "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
 };
 
-/// What a reference or a calibration was taken with. Its file has it, too.
+/// Bench and settings that a reference or calibration was taken with; also stored in its file.
 struct Origin {
   std::string program;
   std::optional<CameraName> camera;
@@ -118,7 +120,7 @@ struct Table<Origin> {
             "of the grey picture shown, row by row; null: of the model")};
 };
 
-/// All that a gain sweep does not change itself.
+/// Bench and settings that stay constant during a gain sweep.
 struct SweepBench {
   std::string program;
   std::optional<CameraName> camera;

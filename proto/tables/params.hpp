@@ -16,7 +16,7 @@ using CameraSet = Partial<CameraSettings>;
 using SensorSet = Partial<SensorSettings>;
 using RefineSet = Partial<RefineSetup>;
 
-/// Of a method that takes no params.
+/// Params of a method that takes none.
 struct Nothing {};
 template <>
 struct Table<Nothing> {
@@ -24,8 +24,8 @@ struct Table<Nothing> {
   static constexpr auto kFields = Fields{};
 };
 
-/// `aberration.set` and `correction.set`: in RMS normalisation whatever `norm` was, in the order
-/// given; no mode twice.
+/// Params of `aberration.set` and `correction.set`. Decoding converts to RMS normalisation, keeps
+/// the order and refuses duplicate modes.
 struct ModesSet {
   std::vector<Mode> modes;
   static Result<ModesSet> decode(const Json& params);
@@ -50,7 +50,7 @@ struct Table<ReferenceTake> {
             "take it under an introduced aberration, too, which coefficients then do not hold")};
 };
 
-/// What positions count from, of those that can be set.
+/// Sources of a reference that `reference.set` accepts.
 enum class ReferenceOrigin { model };
 template <>
 struct Names<ReferenceOrigin> {
@@ -125,7 +125,7 @@ struct Table<SettleRun> {
 struct CalibrationRun {
   double amplitude_waves = 0.15;
   int frames = 20;
-  std::vector<int> modes_j;  ///< empty: all
+  std::vector<int> modes_j;  ///< empty: all that the lattice determines
 };
 template <>
 struct Table<CalibrationRun> {
@@ -143,7 +143,7 @@ struct Table<CalibrationRun> {
           .unlike()};
 };
 
-/// Patterns that a client can have shown: all but `test`, which is for jobs.
+/// Patterns that `slm.show` accepts: all but `test`, which is reserved for jobs.
 struct ShowablePattern {
   HologramKind kind = HologramKind::sensor;
 };

@@ -9,15 +9,15 @@
 
 namespace ovws {
 
-/// `record.start`, `.stop` and `.get`, and the `record` part of `status`: of the recording that is
-/// on, or of the last one.
+/// State of the current or the last recording: result of `record.start`, `record.stop` and
+/// `record.get`, and the `record` part of `status`.
 struct RecordReport {
   std::string state = "off";        ///< "off", "recording", "ended"
   std::optional<std::string> file;  ///< its path
   double duration_s = 0.0;
   std::uint64_t frames = 0, frames_dropped = 0;
   std::uint64_t pictures = 0, pictures_dropped = 0;
-  std::uint64_t bytes = 0;            ///< of the file
+  std::uint64_t bytes = 0;            ///< size of the file
   std::optional<std::string> reason;  ///< why it ended
 };
 template <>
@@ -44,13 +44,13 @@ struct Table<RecordReport> {
       field("reason", &RecordReport::reason, "why it ended; null: it has not")};
 };
 
-/// `record.start`.
+/// Params of `record.start`.
 struct RecordStart {
-  std::string name;        ///< of the file, without folder and ending
-  int pictures_every = 1;  ///< the image of every n-th frame; 0: of none
+  std::string name;        ///< file name without folder and extension
+  int pictures_every = 1;  ///< record the image of every n-th frame; 0: no images
   std::optional<double> limit_s, limit_mib;
 };
-/// Why a text is no plain file name; none: it is one.
+/// Why `name` is not a plain file name; none if it is one.
 std::optional<std::string> not_plain(const std::string& name);
 template <>
 struct Table<RecordStart> {

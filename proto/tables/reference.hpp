@@ -19,7 +19,7 @@ inline constexpr const char* kSha256Meaning =
     "checksum of the file that keeps it over a restart; null: it is not kept, and status (store) "
     "says why";
 
-/// A camera setting that is not what it was when the reference was taken.
+/// A camera setting that has changed since the reference was taken.
 struct StaleField {
   std::string field;
   Json then, now;
@@ -40,7 +40,7 @@ struct ReferenceReport {
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
   std::string source = "measured";  ///< or "model"
-  std::string sha256;               ///< empty: it is not kept
+  std::string sha256;               ///< empty: not stored on disk
   std::vector<StaleField> stale;
   JsonOf<Origin> origin;
   double introduced_rms_waves = 0.0;
@@ -80,7 +80,7 @@ struct Table<ReferenceReport> {
       field("origin", &ReferenceReport::origin, "what it was taken with")};
 };
 
-/// `reference.get`, `.set` and `.clear`.
+/// Result of `reference.get`, `reference.set` and `reference.clear`.
 struct KnownReference {
   std::optional<ReferenceReport> reference;
 };
@@ -124,7 +124,7 @@ struct Table<Registration> {
             Bounds::at_least(0))};
 };
 
-/// `registration.get` and `.clear`, and the result of the job of `registration.run`.
+/// Result of `registration.get`, `registration.clear` and the `registration.run` job.
 struct KnownRegistration {
   std::optional<Registration> registration;
 };

@@ -29,7 +29,7 @@ struct Table<RefineSetup> {
             "whether each subaperture's amplitude is fitted, too: uneven light")};
 };
 
-/// `refine.get`: the numbers are in DN of the format that is stated with them.
+/// Result of `refine.get`. Numbers in DN are those of the pixel format stated with them.
 struct RefineReport {
   RefineSetup settings;
 };

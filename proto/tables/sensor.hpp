@@ -31,7 +31,7 @@ struct Table<SensorConfig> {
             limits::kSpacing)};
 };
 
-/// The sensor and how its spots are found: what sensor.set changes.
+/// Sensor and tracking settings: what `sensor.set` changes.
 struct SensorSettings {
   SensorConfig sensor;
   TrackingSettings tracking;
@@ -59,10 +59,10 @@ struct Table<SensorSettings> {
       Fields{inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
 };
 
-/// What of `template` is in use: a reference may hold less than was asked for.
+/// Templates in use: a reference may not provide a template for every spot.
 struct TemplateReport {
-  int own = 0;         ///< spots whose template is their own of the reference, not the model's
-  std::string reason;  ///< why not all though that was asked for; empty: no such case
+  int own = 0;         ///< spots with a template from the reference instead of the model
+  std::string reason;  ///< why not all of them if requested; empty: nothing is missing
 };
 template <>
 struct Table<TemplateReport> {
@@ -78,10 +78,10 @@ struct Table<TemplateReport> {
           .or_null()};
 };
 
-/// What turns displacements into modes now: the operator asked for may not be there yet.
+/// The active operator from displacements to modes. The requested one may not be available yet.
 struct OperatorReport {
   OperatorKind in_force = OperatorKind::slopes;
-  std::string reason;  ///< why it is not the one asked for; empty: it is
+  std::string reason;  ///< why it is not the requested one; empty: it is
 };
 template <>
 struct Table<OperatorReport> {
@@ -95,7 +95,7 @@ struct Table<OperatorReport> {
           .or_null()};
 };
 
-/// `sensor.get`.
+/// Result of `sensor.get`.
 struct SensorReport {
   SensorSettings settings;
   TemplateReport templates;

@@ -1,4 +1,4 @@
-/// Results of the `….set` methods: what was asked for, and what it became.
+/// Results of the `….set` methods: the requested and the applied values.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ inline constexpr const char* kAppliedMeaning = "as it is now";
 struct CameraSetReport {
   CameraSet requested;
   CameraSettings applied;              ///< every setting as read back
-  std::optional<CameraLimits> limits;  ///< none: no camera is connected, it is set when one is
+  std::optional<CameraLimits> limits;  ///< none: no camera is connected; applied when one connects
 };
 template <>
 struct Table<CameraSetReport> {

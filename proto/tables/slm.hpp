@@ -26,13 +26,13 @@ struct Table<DisplayInfo> {
       field("refresh_hz", &DisplayInfo::refresh_hz, "images per second", Bounds::at_least(0))};
 };
 
-/// A look-up table that was measured.
+/// A measured look-up table and the phase response that it was made from.
 struct LutMeasured {
   std::int64_t t_taken_ns = 0;
   int frames = 0;
   PhaseResponse response;
   PhaseTable table;
-  std::string sha256;  ///< empty: it is not kept
+  std::string sha256;  ///< empty: not stored on disk
   JsonOf<Origin> origin;
 };
 template <>
@@ -80,10 +80,10 @@ struct Table<LutMeasured> {
       field("origin", &M::origin, "what it was measured with")};
 };
 
-/// `lut.get` and `.clear`, and the result of the job of `lut.run`.
+/// Result of `lut.get`, `lut.clear` and the `lut.run` job.
 struct LutReport {
   PhaseLut in_use = linear_lut();
-  std::optional<std::string> path;  ///< of the configuration's file
+  std::optional<std::string> path;  ///< file named in the configuration
   std::optional<LutMeasured> measured;
 };
 template <>
@@ -130,7 +130,7 @@ struct FlatnessMeasured {
   double pupil_diameter_px = 0.0;
   std::vector<FlatnessMode> modes;
   double residual_rms_waves = 0.0;
-  std::string sha256;  ///< empty: it is not kept
+  std::string sha256;  ///< empty: not stored on disk
   JsonOf<Origin> origin;
 };
 template <>
@@ -162,9 +162,9 @@ struct Table<FlatnessMeasured> {
              field("origin", &M::origin, "what it was measured with")};
 };
 
-/// `flatness.get` and `.clear`, and the result of the job of `flatness.run`.
+/// Result of `flatness.get`, `flatness.clear` and the `flatness.run` job.
 struct FlatnessReport {
-  std::optional<std::string> path;  ///< of the configuration's file
+  std::optional<std::string> path;  ///< file named in the configuration
   std::optional<FlatnessMeasured> measured;
 };
 template <>
@@ -179,13 +179,13 @@ struct Table<FlatnessReport> {
       inlined(&FlatnessReport::measured)};
 };
 
-/// The result of the job of `slm.settle`.
+/// Result of the `slm.settle` job.
 struct SettleReport {
   SettleTime time;
   int repetitions = 0;
   double configured_ms = 0.0;
 };
-/// What is wrong with slm.settle_ms; empty: nothing.
+/// Why slm.settle_ms may be too short; empty: it is long enough.
 std::string settle_reason(const SettleReport& report);
 
 template <>
@@ -217,7 +217,7 @@ struct Table<SettleReport> {
           .or_null()};
 };
 
-/// `slm.verify`.
+/// Result of `slm.verify`.
 struct VerifyReport {
   std::uint64_t hologram_id = 0;
   std::uint32_t crc32 = 0, crc32_shown = 0;
@@ -237,7 +237,7 @@ struct Table<VerifyReport> {
             Bounds::at_least(0))};
 };
 
-/// `slm.show`.
+/// Result of `slm.show`.
 struct ShowReport {
   HologramKind pattern = HologramKind::sensor;
   std::uint64_t hologram_id = 0;

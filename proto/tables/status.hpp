@@ -29,17 +29,17 @@ inline std::vector<std::string> counter_names() {
 inline constexpr const char* kFaultMeaning = "what is wrong and the way out; null: nothing";
 
 struct StatusMessage {
-  std::uint64_t seq = 0;  ///< of the stream's message
+  std::uint64_t seq = 0;  ///< message number of the stream
   std::int64_t t_ns = 0;
   double uptime_s = 0.0;
-  std::string state;                 ///< the state machine's name of it
-  std::optional<std::string> fault;  ///< why the state is a fault, and the way out
+  std::string state;                 ///< name of the state machine's state
+  std::optional<std::string> fault;  ///< cause of the state `fault`, and the remedy
 
   struct CameraPart {
     bool connected = false, streaming = false;
     std::optional<CameraInfo> info;
     CameraSettings settings;           ///< in use; if not connected, those that will be applied
-    std::optional<std::string> fault;  ///< why it is not there
+    std::optional<std::string> fault;  ///< what is wrong, and the remedy
   } camera;
   struct SlmPart {
     bool connected = false;
@@ -56,17 +56,17 @@ struct StatusMessage {
     int subapertures = 0, modes = 0;
     bool referenced = false;
     std::string reference = "none";               ///< "none", "in_force", "stale"
-    double reference_introduced_rms_waves = 0.0;  ///< aberration that the reference holds
-    /// why the camera cannot see the spots, or the tracker tell them apart; empty: null
+    double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
+    /// Why spots lie outside the camera's region or too close for the tracker; empty: null.
     std::string layout_fault;
     std::vector<int> torn;  ///< split spots
-    /// Why no frame is valid although settled frames come and there is a reference.
+    /// Why no frame is valid although frames are settled and a reference is active.
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC
       std::string reason;
       std::string action;                            ///< what is done about it, and when
-      int searches = 0;                              ///< of the whole image, since then
-      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: one is running
+      int searches = 0;                              ///< whole-image searches since then
+      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
     };
     std::optional<Invalid> invalid;
   } sensor;
@@ -81,8 +81,8 @@ struct StatusMessage {
   RecordReport record;
 
   struct StorePart {
-    std::optional<std::string> directory;  ///< what is kept over a restart is there
-    std::optional<std::string> reason;     ///< why something is not kept
+    std::optional<std::string> directory;  ///< of the items that survive a restart
+    std::optional<std::string> reason;     ///< why an item is not stored
   } store;
 
   struct FailedJob {
@@ -90,13 +90,13 @@ struct StatusMessage {
     std::string kind, field, reason;
     std::int64_t t_failed_ns = 0;
   };
-  /// The one that failed last, of those after which none of the same kind was done.
+  /// The last failed job whose kind has not succeeded since.
   std::optional<FailedJob> failed_job;
 
   struct Rates {
     double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
   } rates;
-  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< since start, every one
+  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< all, since the start
   std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage
   std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
 };

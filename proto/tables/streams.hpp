@@ -25,7 +25,7 @@ inline constexpr auto kOrientation =
     constant("orientation", "x-right-y-down",
              "x along columns, y down along rows; theta from +x towards +y");
 
-/// Numbers that are all null unless they are known.
+/// An array of numbers that are all encoded as null unless `known`.
 template <class T>
 struct IfKnown {
   std::span<const T> values;
@@ -121,7 +121,7 @@ struct Table<WavefrontMessage> {
           "valid")};
 };
 
-/// Rows and columns of a binary part.
+/// Shape of a binary part: rows, columns.
 using Shape = std::array<int, 2>;
 inline constexpr const char* kDtypeMeaning = "of the binary part, little-endian, as numpy names it";
 inline constexpr auto kFloats = constant("dtype", "<f4", kDtypeMeaning);

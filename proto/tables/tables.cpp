@@ -1,4 +1,4 @@
-/// What computed fields say that is more than a line.
+/// Values of computed fields that take more than one line.
 #include <array>
 #include <cmath>
 #include <ctime>
@@ -69,7 +69,8 @@ std::optional<std::string> not_plain(const std::string& name) {
 
 namespace {
 
-/// "type" of each property, or of its elements.
+/// Schema fragment: "type" of the properties `values`, and of the elements of the arrays
+/// `elements`.
 Json types(std::initializer_list<std::pair<const char*, const char*>> values,
            std::initializer_list<std::pair<const char*, const char*>> elements) {
   Json properties = Json::object();

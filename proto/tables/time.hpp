@@ -1,4 +1,4 @@
-/// Times as fields: nanoseconds, and the same as text.
+/// Time fields: nanoseconds since the UNIX epoch, and the same as ISO 8601 text.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ std::string utc_text(std::int64_t t_ns);
 inline constexpr const char* kTimeMeaning = "UNIX epoch UTC, nanoseconds";
 inline constexpr const char* kTimeTextMeaning = "the same as text, ISO 8601";
 
-/// The field `key` that says the time of `member` as text.
+/// A computed field `key` with the time of `member` as text.
 template <class S>
 constexpr auto time_text(const char* key, std::int64_t S::*member) {
   return computed<S>(
