@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Makes ovws_client/methods.py from the JSON Schemas: every method of the daemon with its types and its words.
+"""Generates ovws_client/methods.py from the JSON Schemas: every method of the daemon with its types and documentation.
 
-    make_methods.py SCHEMAS METHODS_PY      SCHEMAS: the folder that write_schemas has made
+    make_methods.py SCHEMAS METHODS_PY      SCHEMAS: the folder written by write_schemas
 """
 import json
 import re
@@ -40,7 +40,7 @@ def _given(**params: object) -> dict[str, object]:
 
 
 def wrapped(text, first, later=None):
-    """Lines that begin with `first`, and with `later` from the second on (as far in, if nothing is said)."""
+    """Wraps text into lines. The first begins with `first`, further ones with `later` (default: spaces of the same width)."""
     return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=" " * len(first) if later is None else later,
                          break_long_words=False, break_on_hyphens=False)
 
@@ -52,13 +52,13 @@ def without_bounds(schema):
 
 
 class Structures:
-    """The objects with named keys in all schemas, each told once: one TypedDict for each table of the daemon's."""
+    """The objects with named keys in all schemas, each once: one TypedDict for each field table of the daemon."""
 
     def __init__(self):
         self._schemas = {}  # by name
 
     def collect(self, whole):
-        """The objects of one whole schema: itself, if it has a title, and its definitions."""
+        """Adds the objects of one complete schema: itself, if it has a title, and its definitions."""
         roots = {whole["title"]: whole} if "title" in whole else {}
         for name, schema in (roots | whole.get("$defs", {})).items():
             self._add(name, schema)
@@ -70,7 +70,7 @@ class Structures:
             raise ValueError(f"two structures are called {name}")
 
     def _collect_unnamed(self, schema):
-        """Those within, which have a title, too."""
+        """Adds nested objects that have a title."""
         for value in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
             if isinstance(value, dict) and "title" in value and "properties" in value:
                 self._add(value["title"], value)
@@ -112,7 +112,7 @@ def sentence(text):
 
 
 def described(schema):
-    """The description with its limits and default."""
+    """The description with limits and default."""
     parts = [schema.get("description", "")]
     low, high = schema.get("minimum"), schema.get("maximum")
     if low is not None and high is not None:
@@ -123,7 +123,7 @@ def described(schema):
 
 
 def given_keys(schema):
-    """The params, those that must be given first."""
+    """The keys of the params, required ones first."""
     return sorted(schema["params"]["properties"], key=lambda key: key not in schema["params"].get("required", []))
 
 

@@ -1,4 +1,4 @@
-"""How much the modes scatter at more gain and less light: the exposure goes down as the gain goes up, so that the spots stay as bright."""
+"""Noise of the modes over camera gain: the exposure is lowered as the gain rises, so that the spots keep their brightness."""
 from itertools import islice
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The wavefront's modes, live, as many frames as asked for (live_plot.py 500): in a window if there is matplotlib, else as bars of text."""
+"""Live plot of the wavefront's modes for a number of frames (live_plot.py 500): a matplotlib window, or text bars without matplotlib."""
 import sys
 
 from ovws_client import Subscription, Wavefront

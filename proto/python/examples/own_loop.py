@@ -1,4 +1,4 @@
-"""A closed loop of one's own: an integrator that leads the wavefront to that of the reference, one step a hologram."""
+"""A custom closed loop: an integrator that drives the wavefront to that of the reference, one step per hologram."""
 import numpy as np
 
 from ovws_client import Client, Subscription, Wavefront

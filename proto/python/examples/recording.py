@@ -1,4 +1,4 @@
-"""Records two seconds and says what is in the file. Needs h5py (python3-h5py), and the daemon on this machine."""
+"""Records two seconds and prints statistics of the file. Needs h5py (python3-h5py), and the daemon on this machine."""
 import time
 
 from ovws_client import Client

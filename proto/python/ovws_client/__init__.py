@@ -1,4 +1,4 @@
-"""A client of ovwsd: every method, every stream, for scripts that block and for asyncio. README.md beside this package begins it."""
+"""Client library of ovwsd: all methods and all streams, blocking and for asyncio. See the README.md beside this package."""
 from .async_client import AsyncClient
 from .async_subscription import AsyncSubscription
 from .client import Client

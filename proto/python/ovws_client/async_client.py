@@ -1,4 +1,4 @@
-"""Calls of the daemon's methods for asyncio: any number may wait at once."""
+"""Client of the control socket for asyncio; any number of calls may be pending at once."""
 from __future__ import annotations
 
 import asyncio
@@ -16,7 +16,7 @@ from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
 class AsyncClient(AsyncMethods):
-    """As Client, for asyncio. Any number of tasks of one event loop may call at once. `async with`, or `close`, ends it."""
+    """Client for asyncio, otherwise as Client. Any number of tasks of one event loop may call concurrently. Close it with `async with` or `close`."""
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = timeout_s
@@ -29,7 +29,7 @@ class AsyncClient(AsyncMethods):
         self._socket.connect(endpoint)
 
     async def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
-        """The method's result; raises Refused with the daemon's own words."""
+        """Calls a method and returns its result; raises Refused with the daemon's message."""
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
         if self._reader is None:
@@ -53,7 +53,7 @@ class AsyncClient(AsyncMethods):
                 waiting.set_result(reply)
 
     async def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
-        """As Client.wait_for_job."""
+        """Waits for the end of a job, as Client.wait_for_job."""
         number = job if isinstance(job, int) else job["job"]
         try:
             async with asyncio.timeout(timeout_s):
@@ -66,7 +66,7 @@ class AsyncClient(AsyncMethods):
         return report["result"]
 
     def close(self) -> None:
-        """Ends the connection; who still waits for an answer gets NoAnswer."""
+        """Closes the connection; pending calls raise NoAnswer."""
         if self._reader is not None:
             self._reader.cancel()
         for waiting in self._waiting.values():

@@ -1,4 +1,4 @@
-"""The streams as iterators of typed messages, for asyncio."""
+"""Stream subscriptions for asyncio: iterators of typed messages."""
 from __future__ import annotations
 
 from typing import Generic
@@ -12,7 +12,7 @@ from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 
 class AsyncSubscription(Generic[M]):
-    """As Subscription, for asyncio: `async for frame in AsyncSubscription(Wavefront): …`. For one task at a time."""
+    """Subscription for asyncio: `async for frame in AsyncSubscription(Wavefront): …`. Parameters as in Subscription. For one task at a time."""
 
     def __init__(self, *kinds: type[M], endpoint: str = NUMBERS, image_endpoint: str = IMAGES, timeout_s: float | None = None,
                  on_loss: OnLoss = "report", queue_messages: int = 1000, key: KeyFile | None = None, server_key: str | None = None) -> None:
@@ -24,11 +24,11 @@ class AsyncSubscription(Generic[M]):
 
     @property
     def lost_messages(self) -> int:
-        """How many were lost so far on the way here."""
+        """Number of messages lost so far on the way to this program."""
         return self._decoder.losses.messages
 
     async def next(self, timeout_s: float | None = None) -> M | None:
-        """The next message, or None if none came within `timeout_s` seconds (None: waits for ever)."""
+        """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
         while await self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
             message = self._decoder.decode(await self._socket.recv_multipart(copy=False))
             if message is not None:
@@ -36,7 +36,7 @@ class AsyncSubscription(Generic[M]):
         return None
 
     async def newest(self, timeout_s: float | None = None) -> M | None:
-        """As `next`, but the last of those that have come: for programs slower than the stream. Those passed over do not count as lost."""
+        """The newest message received, for programs slower than the stream. Skipped messages do not count as lost. Waits as `next`."""
         message = await self.next(timeout_s)
         while message is not None and (later := await self.next(0.0)) is not None:
             message = later
@@ -52,7 +52,7 @@ class AsyncSubscription(Generic[M]):
         return message
 
     def close(self) -> None:
-        """Ends the connection."""
+        """Closes the connection."""
         self._socket.close()
 
     async def __aenter__(self) -> AsyncSubscription[M]:

@@ -1,4 +1,4 @@
-"""Calls of the daemon's methods, one after the other."""
+"""Blocking client of the control socket."""
 from __future__ import annotations
 
 import itertools
@@ -15,9 +15,9 @@ from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
 class Client(Methods):
-    """Calls methods of one daemon; keys as of use_keys. Not for several threads at once.
+    """Blocking client of one daemon; keys as in use_keys. Not thread-safe.
 
-    `timeout_s` is how long an answer may take. Errors are ClientError: NoAnswer, or Refused with the daemon's own words.
+    `timeout_s`: maximum time to wait for an answer. Errors are ClientError: NoAnswer, or Refused with the daemon's message.
     """
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
@@ -30,18 +30,18 @@ class Client(Methods):
         self._socket.connect(endpoint)
 
     def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
-        """The method's result; raises Refused with the daemon's own words."""
+        """Calls a method and returns its result; raises Refused with the daemon's message."""
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
         return result_of(method, self.exchange(request, lambda r: isinstance(r, dict) and r.get("id") == request_id))
 
     def exchange(self, request: bytes, is_reply: Callable[[Any], bool] = lambda reply: True) -> Any:
-        """Sends bytes as they are and returns the first reply that `is_reply` accepts."""
+        """Sends raw bytes and returns the first reply that `is_reply` accepts."""
         end = time.monotonic() + self.timeout_s
         try:
             self._socket.send(request)
         except zmq.Again:
-            end = 0.0  # nobody has taken the requests before, either
+            end = 0.0  # the queue is full: earlier requests were not taken, either
         while self._socket.poll(max(0, int(1e3 * (end - time.monotonic())))):
             reply = json.loads(self._socket.recv_multipart()[-1])
             if is_reply(reply):
@@ -49,8 +49,8 @@ class Client(Methods):
         raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
 
     def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
-        """Waits for the end of a job, given by its number or by what started it; returns its result. Raises JobFailed if it failed or was
-        cancelled, NoAnswer if it has not ended within `timeout_s` seconds (it goes on; `job_cancel` ends it)."""
+        """Waits for the end of a job and returns its result. `job`: its number, or the result of the method that started it. Raises JobFailed
+        if it failed or was cancelled, NoAnswer if it has not ended within `timeout_s` seconds (the job continues; `job_cancel` ends it)."""
         number = job if isinstance(job, int) else job["job"]
         end = time.monotonic() + timeout_s
         while (report := self.job_get(number))["state"] == "running":
@@ -62,7 +62,7 @@ class Client(Methods):
         return report["result"]
 
     def close(self) -> None:
-        """Ends the connection."""
+        """Closes the connection."""
         self._socket.close()
 
     def __enter__(self) -> Client:

@@ -1,10 +1,10 @@
-"""What can go wrong, as exceptions: every one is a ClientError."""
+"""Exceptions of the client; all are derived from ClientError."""
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-# As in WIRE.md: code -> (what it means, what to do).
+# Error codes as in WIRE.md: code -> (meaning, what to do).
 CODES = {
     -32700: ("not JSON, or not UTF-8", "mend the text"),
     -32600: ("not a JSON-RPC request; too large, too deep, a key given twice, an empty or too large batch", "mend the request"),
@@ -20,7 +20,7 @@ CODES = {
 
 
 class ClientError(Exception):
-    """Anything that this package raises. `code` and `data` are those of the daemon's error, None and {} if there was none."""
+    """Base of all exceptions of this package. `code` and `data` are those of the daemon's error, or None and {} without one."""
 
     def __init__(self, text: str, code: int | None = None, data: Mapping[str, Any] | None = None) -> None:
         super().__init__(text)
@@ -29,52 +29,52 @@ class ClientError(Exception):
 
 
 class NoAnswer(ClientError):
-    """Nothing came in time: no reply, or no message of a stream."""
+    """Time-out: no reply, or no message of a stream."""
 
 
 class NotUnderstood(ClientError):
-    """A message of a form that this client does not know."""
+    """A message with a schema that this client does not know."""
 
 
 class Refused(ClientError):
-    """The daemon answered with an error; the text is its own."""
+    """The daemon answered with an error; the text is the daemon's."""
 
     def __init__(self, what: str, error: Mapping[str, Any]) -> None:
         super().__init__(f"{what}: {error['message']}", int(error["code"]), error.get("data"))
 
     @property
     def field(self) -> str:
-        """Dotted path of the key at fault; may be empty."""
+        """Dotted path of the invalid key; may be empty."""
         return str(self.data.get("field", ""))
 
     @property
     def reason(self) -> str:
-        """What is wrong, and what to do about this very case."""
+        """What is wrong in this case, and what to do."""
         return str(self.data.get("reason", ""))
 
     @property
     def meaning(self) -> str:
-        """What the code means."""
+        """Meaning of the error code."""
         return CODES[self.code][0] if self.code in CODES else f"error {self.code}"
 
     @property
     def what_to_do(self) -> str:
-        """What to do about errors of this code."""
+        """General remedy for errors of this code."""
         return CODES[self.code][1] if self.code in CODES else "report it"
 
     @property
     def limits(self) -> tuple[float, float] | None:
-        """(smallest, largest) that is allowed, in the unit of `field`, if a value was out of range."""
+        """Allowed (minimum, maximum) in the unit of `field`, if a value was out of range."""
         return (self.data["min"], self.data["max"]) if "min" in self.data and "max" in self.data else None
 
     @property
     def nearest(self) -> str | None:
-        """The known name nearest to an unknown one, if one is near."""
+        """Suggestion for an unknown name: the nearest known one, if there is one."""
         return self.data.get("nearest")
 
 
 class JobFailed(Refused):
-    """A job ended otherwise than `done`: the error is its own; `state` is `failed` or `cancelled`."""
+    """A job failed or was cancelled: `state` is `failed` or `cancelled`, and the error is the job's."""
 
     def __init__(self, report: Mapping[str, Any]) -> None:
         reason = f"it was {report['state']}"
@@ -84,7 +84,7 @@ class JobFailed(Refused):
 
 
 class Lost(ClientError):
-    """Before `message` something was lost, and the subscriber asked to be told by an exception. The next message can be taken as usual."""
+    """Messages or frames were lost before `message`, in a subscription with on_loss="raise". Iterating may continue."""
 
     def __init__(self, message: Any, frames: int) -> None:
         super().__init__(f"before {message.topic} {message.seq} {message.lost_messages} messages were lost on the way here, "

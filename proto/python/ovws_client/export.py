@@ -1,10 +1,10 @@
-"""Recordings for other programs: FITS, CSV and NumPy.
+"""Export of recordings to FITS, CSV and NumPy files.
 
     python3 -m ovws_client.export run-1.h5 --csv run-1.csv --npz run-1.npz --fits run-1.fits [--pictures]
 
-FITS (needs astropy; Debian: python3-astropy) follows the layout of the Adaptive Optics Telemetry standard (AOT 1.0) as far as it
-applies: AOT_TIME, AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to; the other mandatory tables are there
-and have no rows, for a bench has no telescope, sky or stars. What AOT has no place for is in images of their own: COEFFICIENTS.
+FITS (needs astropy; Debian: python3-astropy) follows the Adaptive Optics Telemetry standard (AOT 1.0) as far as it applies: AOT_TIME,
+AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to. The other mandatory tables exist without rows, because a
+bench has no telescope, sky or stars. The modal coefficients, for which AOT has no place, are in an extra image, COEFFICIENTS.
 """
 import argparse
 import datetime
@@ -19,15 +19,15 @@ EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES
 
 
 def good_coefficients(run):
-    """frames x modes, waves; NaN in frames that are not valid."""
+    """Coefficients of all frames, frames x modes, waves; NaN in frames that are not valid."""
     coefficients = run.coefficients().copy()
     coefficients[run.frames["valid"] == 0] = numpy.nan
     return coefficients
 
 
 def to_csv(run, path):
-    """One line a frame: its stamps and settings (gain_raw only of a camera without gain in dB), then j1, j2, … in waves; empty what is not known or not valid. A ValueError if the
-    number of modes changed meanwhile; then there is no file."""
+    """Writes one line per frame: times and settings (gain_raw only for a camera without gain in dB), then j1, j2, … in waves. Unknown and
+    invalid values are empty. Raises ValueError, and writes no file, if the number of modes changed during the recording."""
     names = [f"j{j}" for j in run.modes(0)] if len(run.frames) else []
     all_coefficients = good_coefficients(run)
     raw = "gain_raw" in run.frames.dtype.names and not numpy.isnan(run.frames["gain_raw"]).all()
@@ -40,7 +40,7 @@ def to_csv(run, path):
 
 
 def to_npz(run, path):
-    """Arrays `frames`, `spots`, `coefficients`, `j`."""
+    """Writes the arrays `frames`, `spots`, `coefficients` and `j`."""
     arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good_coefficients(run), "j": numpy.array(run.modes(0))}
     numpy.savez_compressed(path, **arrays)
 
@@ -50,7 +50,7 @@ def _table(fits, name, columns):
 
 
 def _rows(values):
-    """Arrays of different lengths, one a row."""
+    """Packs arrays of different lengths, one per row."""
     values = list(values)
     rows = numpy.empty(len(values), dtype=object)
     rows[:] = values
@@ -62,7 +62,7 @@ def _time(ns):
 
 
 def _exposure_s(frames):
-    """NaN if it is not known, or not the same in all."""
+    """Exposure time in seconds; NaN if it is unknown or not the same in all frames."""
     known = numpy.unique(frames["exposure_us"][frames["settings_known"] != 0])
     return known[0] * 1e-6 if len(known) == 1 else numpy.nan
 
@@ -141,8 +141,8 @@ def _check(run, pictures):
 
 
 def to_fits(run, path, pictures=False):
-    """A ValueError if the sensor or its reference changed during the recording, which AOT has no place for, or if there are no
-    pictures to give, or packed ones."""
+    """Writes a FITS file. Raises ValueError if the sensor or its reference changed during the recording, which AOT cannot represent, or if
+    images are requested and there are none, or only packed ones."""
     from astropy.io import fits
     _check(run, pictures)
     header = fits.Header()

@@ -1,4 +1,4 @@
-"""Where the subapertures lie, and how far a slope moves their spots: what a fit of one's own basis to the spots needs."""
+"""Geometry of the lattice: subaperture centres, and spot displacement per wavefront slope, for fits of a custom basis to the spots."""
 from __future__ import annotations
 
 from math import sqrt
@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 def subaperture_centres(config: Config) -> Floats:
-    """Centres in units of the pupil's radius, x right and y down, (subapertures, 2), in the order of `Spots`."""
+    """Subaperture centres in units of the pupil's radius, x right, y down, shape (subapertures, 2), in the order of `Spots`."""
     sensor = config["sensor"]
     pitch = 2.0 / sensor["subapertures_across"]
     hexagonal = sensor["grid"] == "hexagonal"
@@ -25,8 +25,8 @@ def subaperture_centres(config: Config) -> Floats:
 
 
 def px_per_slope(config: Config, registration: KnownRegistration) -> Floats:
-    """The matrix S, camera pixels: a slope g of the wavefront, waves per pupil radius, moves a spot by S @ g pixels. By the registration in
-    force, or else by the configuration."""
+    """The 2 x 2 matrix S: a wavefront slope g in waves per pupil radius moves a spot by S @ g camera pixels. From the active registration,
+    else from the configuration."""
     optics, slm = config["optics"], config["slm"]
     matrix = registration["px_per_cycle"] or optics["px_per_cycle"]
     scale = optics["wavelength_nm"] * optics["focal_length_mm"] * optics["magnification"] / (slm["pitch_um"] * optics["camera_pitch_um"])

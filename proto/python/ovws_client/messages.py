@@ -1,4 +1,4 @@
-"""The messages of the streams as objects. What is not known is None, or NaN in an array; a wave is one `wavelength_nm`."""
+"""Stream messages as dataclasses. Unknown values are None, or NaN in an array. One wave is one `wavelength_nm`."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 def _array(body: Mapping[str, Any], binary: Binary) -> NDArray[Any]:
-    """The binary part where it lies: nothing is copied."""
+    """The binary part as an array, without a copy."""
     if binary is None or body["dtype"] not in ("<u1", "<u2", "<f4"):
         raise ValueError(f"a binary part of {body['dtype']}")
     return np.frombuffer(binary, body["dtype"]).reshape(body["shape"])
@@ -31,7 +31,7 @@ def _floats(values: list[float | None]) -> Floats:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Message:
-    """What all have. `lost_messages` of its topic were lost on the way to this subscriber, just before this one."""
+    """Base of all messages. `lost_messages`: messages of its topic lost on the way to this subscriber just before this one."""
 
     topic: ClassVar[str]
     endpoint: ClassVar[str] = NUMBERS
@@ -40,7 +40,7 @@ class Message:
 
     @classmethod
     def of(cls: type[Self], body: Mapping[str, Any], binary: Binary = None, lost_messages: int = 0) -> Self:
-        """From the JSON and binary parts. Raises NotUnderstood if they are of another form; keys that are not known are ignored."""
+        """Decodes the JSON and binary parts. Raises NotUnderstood if they do not match the schema; unknown keys are ignored."""
         form = f"ovws.{cls.topic}/1"
         if body.get("schema") != form:
             raise NotUnderstood(f"a message {body.get('schema')} where {form} is known: take the client that came with the daemon")
@@ -56,11 +56,11 @@ class Message:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameMessage(Message):
-    """What is said of each processed frame; WIRE.md tells every field."""
+    """Fields common to the messages of each processed frame; WIRE.md documents every field."""
 
     frame_id: int
     gap: int
-    """frames lost between the camera and the daemon since the message before"""
+    """frames lost between the camera and the daemon since the previous message"""
     t_device_ns: int
     t_arrival_ns: int
     t_publish_ns: int
@@ -74,32 +74,32 @@ class FrameMessage(Message):
     valid: bool
     wavelength_nm: float
     rms_waves: float | None
-    """root sum square of the coefficients without tilts; None if not valid"""
+    """root sum square of the coefficients without tilts, waves; None if not valid"""
     fit_residual_px: float | None
-    """camera pixels"""
+    """RMS residual of the fit of the modes, camera pixels"""
     gain_db: float | None
     gain_raw: float | None = None
-    """in steps of the camera's own, if it has no gain in dB"""
+    """gain in device-specific steps, if the camera has no gain in dB"""
     exposure_us: float | None
     saturated: float
-    """fraction of spots holding a saturated pixel, 0 to 1"""
+    """fraction of spots with a saturated pixel, 0 to 1"""
     loop: Literal["open", "closed"]
     reference_introduced_rms_waves: float
-    """RMS of the introduced aberration that the reference holds, and the coefficients therefore do not; 0: none"""
+    """RMS of the introduced aberration that the reference contains and the coefficients therefore exclude; 0: none"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Wavefront(FrameMessage):
-    """The modes of one frame."""
+    """Zernike coefficients of one frame."""
 
     topic = "wavefront"
     j: NDArray[np.int64]
     """OSA/ANSI indices, without piston"""
     coefficients_waves: Floats
-    """the aberration present minus the reference, waves, RMS-normalised, as many as `j`; all NaN if not valid"""
+    """present aberration minus the reference, RMS-normalised waves, as many as `j`; all NaN if not valid"""
 
     def phase_waves(self, size_px: int = 128) -> Floats:
-        """The wavefront over the pupil as an array of (size_px, size_px), waves; NaN outside the pupil, and everywhere if not valid."""
+        """Wavefront over the pupil, waves, shape (size_px, size_px); NaN outside the pupil, and everywhere if not valid."""
         return phase_map_waves(self.j, self.coefficients_waves, size_px)
 
     @classmethod
@@ -109,15 +109,15 @@ class Wavefront(FrameMessage):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spots(FrameMessage):
-    """The spots of one frame, one row a subaperture, by rows of increasing V_y, then V_x; NaN: lost, or no reference."""
+    """Spots of one frame, one row per subaperture, by rows of increasing V_y, then V_x; NaN: lost spot, or no reference."""
 
     topic = "spots"
     x_y_px: NDArray[np.float32]
-    """camera pixels, (subapertures, 2)"""
+    """spot positions, camera pixels, (subapertures, 2)"""
     ref_x_y_px: NDArray[np.float32]
-    """camera pixels, (subapertures, 2)"""
+    """reference positions, camera pixels, (subapertures, 2)"""
     peak_dn: NDArray[np.float32]
-    """grey level of each spot's brightest pixel, DN"""
+    """brightest pixel of each spot, DN"""
     quality: NDArray[np.float32]
     """contrast, 0 to 1"""
 
@@ -139,7 +139,7 @@ class Spots(FrameMessage):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refined(Message):
-    """A frame fitted to all its pixels, seconds after it came."""
+    """Maximum-likelihood fit of the diffraction model to all pixels of a frame, published seconds after it."""
 
     topic = "refined"
     frame_id: int
@@ -154,20 +154,20 @@ class Refined(Message):
     rms_waves: float | None
     gain_db: float | None
     gain_raw: float | None = None
-    """in steps of the camera's own, if it has no gain in dB"""
+    """gain in device-specific steps, if the camera has no gain in dB"""
     exposure_us: float | None
     chi2_per_pixel: float | None
     peak_e: float | None
-    """electrons"""
+    """brightest pixel of the model above the background, electrons"""
     background_e: float | None
-    """electrons"""
+    """background above the black level, electrons"""
     iterations: int | None
     duration_ms: float
     j: NDArray[np.int64]
     coefficients_waves: Floats
-    """waves, RMS-normalised, as many as `j`; all NaN if not valid"""
+    """RMS-normalised waves, as many as `j`; all NaN if not valid"""
     sigma_waves: Floats
-    """their standard errors, waves; all NaN if not valid"""
+    """standard errors of the coefficients, waves; all NaN if not valid"""
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
@@ -187,7 +187,7 @@ class Image(Message):
     pixel_format: str
     significant_bits: int
     pixels: NDArray[np.uint8] | NDArray[np.uint16]
-    """grey levels, DN, (rows, columns), in the memory in which they came"""
+    """grey levels, DN, (rows, columns), in the received memory (no copy)"""
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
@@ -196,7 +196,7 @@ class Image(Message):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Phase(Message):
-    """The wavefront over the pupil, as the daemon draws it."""
+    """Wavefront map over the pupil, computed by the daemon."""
 
     topic = "phase"
     endpoint = IMAGES
@@ -206,7 +206,7 @@ class Phase(Message):
     valid: bool
     wavelength_nm: float
     waves: NDArray[np.float32]
-    """(rows, columns) of pupil_grid; NaN outside the pupil"""
+    """waves, (rows, columns) of pupil_grid; NaN outside the pupil"""
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
@@ -215,7 +215,7 @@ class Phase(Message):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Status(Message):
-    """How the daemon is, once a second and at once on change; the parts are dicts as of `system.status`."""
+    """Status of the daemon, once a second and immediately on change; the parts are dicts as in `system.status`."""
 
     topic = "status"
     t_ns: int
@@ -238,7 +238,7 @@ class Status(Message):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Event(Message):
-    """Something happened."""
+    """An event: state change, fault, or progress of a job."""
 
     topic = "event"
     t_ns: int

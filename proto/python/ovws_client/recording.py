@@ -1,4 +1,4 @@
-"""A recording of the daemon, as numpy arrays. Needs h5py (Debian: python3-h5py)."""
+"""Reader of the daemon's recordings as numpy arrays. Needs h5py (Debian: python3-h5py)."""
 import contextlib
 import hashlib
 import json
@@ -14,12 +14,12 @@ FRAME_FIELDS = ("frame_id", "t_arrival_ns", "plan_id", "first_spot", "spots", "f
 
 
 class RecordingError(ValueError):
-    """The file is damaged: the text says where."""
+    """The file is damaged; the text names the part."""
 
 
 @contextlib.contextmanager
 def reading(what):
-    """Whatever a damaged file makes HDF5, numpy or a missing name raise becomes a RecordingError."""
+    """Context manager: exceptions of HDF5 and numpy caused by a damaged file become RecordingError."""
     try:
         yield
     except ValueError:
@@ -29,8 +29,8 @@ def reading(what):
 
 
 class Recording:
-    """A file of `record.start`: while it is written, after its end, and after a kill of the daemon; to see what was added
-    meanwhile, open another Recording. What is damaged is a RecordingError, here or where it is read.
+    """A recording made by `record.start`; it may still be in progress, or cut off by a kill of the daemon. The view is that of the time of
+    opening: to see newer data, open another Recording. Damaged parts raise RecordingError when they are opened or read.
 
         with Recording("run-1.h5") as run:
             good = run.frames["valid"] == 1
@@ -38,15 +38,15 @@ class Recording:
     """
 
     def __init__(self, path):
-        # The way of SWMR, or HDF5 refuses a file whose writer was killed.
+        # SWMR mode, because otherwise HDF5 refuses a file that is being written or whose writer was killed.
         self.file = h5py.File(path, "r", libver="latest", swmr=True)
         try:
             with reading("attributes"):
                 if self.attributes.get("schema") != SCHEMA:
                     raise ValueError(f"{path}: not a recording of schema {SCHEMA}")
-            #: One row a frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; fields and units are in RECORDING.md.
+            #: One row per frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; RECORDING.md lists fields and units.
             self.frames = self._rows("frames")
-            with reading("frames"):  # where the stream has null, the file has 0
+            with reading("frames"):  # the file has 0 where the stream has null
                 valid, explained = self.frames["valid"] != 0, self.frames["explained"] != 0
                 self.frames["rms_waves"][~valid] = numpy.nan
                 self.frames["fit_residual_px"][~valid & explained] = numpy.nan
@@ -65,38 +65,38 @@ class Recording:
 
     @property
     def attributes(self):
-        """Of the file: `pixel_format`, `wavelength_nm`, `t_begin_ns`, …"""
+        """Attributes of the file: `pixel_format`, `wavelength_nm`, `t_begin_ns`, …"""
         return {key: value.decode(errors="replace") if isinstance(value, bytes) else value for key, value in self.file.attrs.items()}
 
     @property
     def summary(self):
-        """{"frames", "frames_dropped", "pictures", "pictures_dropped", "t_written_ns", "ended"}"""
+        """Totals of the recording: {"frames", "frames_dropped", "pictures", "pictures_dropped", "t_written_ns", "ended"}."""
         with reading("summary"):
             row = self.file["summary"][0]
             return {name: int(row[name]) for name in row.dtype.names}
 
     def picture(self, frame):
-        """The camera's picture of that row of `frames`, or None. Packed pixels come as their bytes, row by row."""
+        """Camera image of a row of `frames`, or None if it has none. Packed formats are returned as bytes, row by row."""
         with reading(f"picture of frame {frame}"):
             number = int(self.frames["picture"][frame])
             return None if number < 0 else self.file["pictures"][number] >> int(self.frames["left_justified_bits"][frame])
 
     def spots(self, frame=None):
-        """Of that frame, one row a subaperture: `x`, `y`, `peak`, `quality`, `level`, `noise`, `start_x`, `start_y`, `fresh`.
-        Of all, frames x subapertures; a ValueError if their number changed meanwhile."""
+        """Spots of a frame, one row per subaperture: `x`, `y`, `peak`, `quality`, `level`, `noise`, `start_x`, `start_y`, `fresh`.
+        Without `frame`: of all, frames x subapertures; ValueError if their number changed during the recording."""
         return self._parts("spots", "first_spot", "spots", frame)
 
     def coefficients(self, frame=None):
-        """Waves, in the order of `modes`: of that frame, or of all, frames x modes. NaN where they are not determined;
-        good are those of frames that are `valid`."""
+        """Coefficients in waves, in the order of `modes`: of a frame, or of all, frames x modes. NaN where they are not determined.
+        Only those of frames with `valid` set can be trusted."""
         return self._parts("coefficients", "first_coefficient", "coefficients", frame)
 
     def modes(self, frame):
-        """OSA/ANSI indices of that frame's coefficients."""
+        """OSA/ANSI indices of a frame's coefficients."""
         return self.document("operator", self.plan(frame)["operator"])["j"]
 
     def plan(self, frame):
-        """What that frame was measured with."""
+        """Measurement plan of a frame: the settings that it was measured with."""
         with reading(f"plan of frame {frame}"):
             wanted = int(self.frames["plan_id"][frame])
             found = [plan for plan in self.documents("plan") if plan["plan_id"] == wanted]
@@ -105,13 +105,13 @@ class Recording:
         return found[-1]
 
     def documents(self, kind):
-        """All of a kind, in their order: "configuration", "camera", "plan", "operator", "reference", "calibration", "slm"."""
+        """All documents of a kind, in order. Kinds: "configuration", "camera", "plan", "operator", "reference", "calibration", "slm"."""
         for row in self._rows("documents", "kind", "sha256", "first_byte", "bytes"):
             if row["kind"] == kind.encode():
                 yield json.loads(self._text(row))
 
     def document(self, kind, sha256):
-        """The one that a plan names."""
+        """The document of a kind with this checksum, as plans refer to it."""
         for row in self._rows("documents", "kind", "sha256", "first_byte", "bytes"):
             if row["kind"] == kind.encode() and row["sha256"] == sha256.encode():
                 return json.loads(self._text(row))

@@ -1,4 +1,4 @@
-"""The streams as they are on the wire: dicts."""
+"""Raw streams: messages as dicts."""
 from __future__ import annotations
 
 import json
@@ -11,7 +11,7 @@ from .wire import NUMBERS, KeyFile, use_keys
 
 
 class Stream:
-    """Messages of some topics, as dicts; a binary part is under the key "binary". Keys as of use_keys."""
+    """Subscription to topics, with messages as dicts; a binary part is under the key "binary". Keys as in use_keys."""
 
     def __init__(self, topics: Iterable[str], endpoint: str = NUMBERS, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.SUB)
@@ -23,7 +23,7 @@ class Stream:
         self._socket.connect(endpoint)
 
     def next(self, timeout_s: float = 1.0) -> dict[str, Any] | None:
-        """The next message with its "topic", or None."""
+        """The next message with its "topic", or None if none came within `timeout_s` seconds."""
         if not self._socket.poll(int(1e3 * timeout_s)):
             return None
         topic, text, *binary = self._socket.recv_multipart()
@@ -34,10 +34,10 @@ class Stream:
         return message
 
     def drain(self) -> None:
-        """Throws away what has already arrived."""
+        """Discards all messages that have already arrived."""
         while self.next(0.0) is not None:
             pass
 
     def close(self) -> None:
-        """Ends the connection."""
+        """Closes the connection."""
         self._socket.close()

@@ -1,4 +1,4 @@
-"""The streams as iterators of typed messages, and what was lost of them."""
+"""Blocking stream subscriptions: iterators of typed messages, with detection of lost messages."""
 from __future__ import annotations
 
 import json
@@ -13,19 +13,19 @@ from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 M = TypeVar("M", bound=Message)
 OnLoss = Literal["report", "raise"]
-MOST_PICTURES = 10  # that wait: each is as large as a frame
+MOST_PICTURES = 10  # queued at most: each is as large as a frame
 
 
 class Losses:
-    """Counts what a subscriber lost, by the numbers of a topic's messages."""
+    """Counts lost messages by gaps in the sequence numbers of each topic."""
 
     def __init__(self) -> None:
         self._expected: dict[str, int] = {}
         self.messages = 0
 
     def before(self, topic: str, seq: int) -> int:
-        """How many messages of this topic were lost just before this one; none before the first. A daemon that was started anew counts
-        from 0 again: then those since its start."""
+        """Number of messages of this topic lost just before this one; 0 before the first. A restarted daemon counts from 0 again: then the
+        number lost since its start."""
         expected = self._expected.get(topic, seq)
         lost = seq - expected if seq >= expected else seq
         self._expected[topic] = seq + 1
@@ -34,7 +34,7 @@ class Losses:
 
 
 class Decoder(Generic[M]):
-    """Turns the frames of some kinds of messages into objects."""
+    """Decodes multipart messages of the subscribed kinds into objects."""
 
     def __init__(self, kinds: Sequence[type[M]], on_loss: OnLoss) -> None:
         if not kinds:
@@ -44,17 +44,17 @@ class Decoder(Generic[M]):
         self.losses = Losses()
 
     def configure(self, socket: zmq.Socket[Any], endpoint: str, image_endpoint: str, queue_messages: int) -> None:
-        """Subscribes and connects to where these kinds are published."""
+        """Subscribes and connects to the endpoints that publish these kinds."""
         socket.linger = 0
         for topic in self._kinds:
             socket.subscribe(topic)
         homes = {NUMBERS: endpoint, IMAGES: image_endpoint}
         for home in sorted({kind.endpoint for kind in self._kinds.values()}):
-            socket.rcvhwm = min(queue_messages, MOST_PICTURES) if home == IMAGES else queue_messages  # of the connections from here on
+            socket.rcvhwm = min(queue_messages, MOST_PICTURES) if home == IMAGES else queue_messages  # applies to later connections
             socket.connect(homes[home])
 
     def decode(self, frames: Sequence[zmq.Frame]) -> M | None:
-        """The message; None if it is of a topic whose name only begins like one that was asked for. May raise Lost."""
+        """The message; None if its topic merely begins with the name of a subscribed one. May raise Lost."""
         kind = self._kinds.get(frames[0].bytes)
         if kind is None:
             return None
@@ -68,13 +68,13 @@ class Decoder(Generic[M]):
 
 
 class Subscription(Generic[M]):
-    """Messages of some kinds, as they come: `for frame in Subscription(Wavefront): …`. Not for several threads at once.
+    """Subscription to some kinds of messages: `for frame in Subscription(Wavefront): …`. Not thread-safe.
 
-    timeout_s: how long iterating waits for a message before it raises NoAnswer; None: for ever
-    on_loss: "report": `lost_messages` of each message, and `lost_messages` here of all; "raise": also the exception Lost, which holds the
-             message, and for frames that the daemon did not get (`gap`), too; iterating may go on
-    queue_messages: so many wait here for a slow program, of images and phase maps at most ten; then the next ones are lost
-    key, server_key: as of use_keys
+    timeout_s: how long iterating waits for a message before it raises NoAnswer; None: forever
+    on_loss: "report": losses are counted in `lost_messages` of each message and of the subscription; "raise": additionally raises Lost,
+             which holds the message, also for frames that the daemon did not receive (`gap`); iterating may continue
+    queue_messages: messages queued for a slow program, at most ten of images and phase maps; further ones are lost
+    key, server_key: as in use_keys
     """
 
     def __init__(self, *kinds: type[M], endpoint: str = NUMBERS, image_endpoint: str = IMAGES, timeout_s: float | None = None,
@@ -87,11 +87,11 @@ class Subscription(Generic[M]):
 
     @property
     def lost_messages(self) -> int:
-        """How many were lost so far on the way here."""
+        """Number of messages lost so far on the way to this program."""
         return self._decoder.losses.messages
 
     def next(self, timeout_s: float | None = None) -> M | None:
-        """The next message, or None if none came within `timeout_s` seconds (None: waits for ever)."""
+        """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
         while self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
             message = self._decoder.decode(self._socket.recv_multipart(copy=False))
             if message is not None:
@@ -99,7 +99,7 @@ class Subscription(Generic[M]):
         return None
 
     def newest(self, timeout_s: float | None = None) -> M | None:
-        """As `next`, but the last of those that have come: for programs slower than the stream. Those passed over do not count as lost."""
+        """The newest message received, for programs slower than the stream. Skipped messages do not count as lost. Waits as `next`."""
         message = self.next(timeout_s)
         while message is not None and (later := self.next(0.0)) is not None:
             message = later
@@ -115,7 +115,7 @@ class Subscription(Generic[M]):
         return message
 
     def close(self) -> None:
-        """Ends the connection."""
+        """Closes the connection."""
         self._socket.close()
 
     def __enter__(self) -> Subscription[M]:

@@ -1,4 +1,4 @@
-"""What both clients, the blocking one and that of asyncio, know of the wire."""
+"""Wire format and keys, shared by the blocking and the asyncio client."""
 from __future__ import annotations
 
 import json
@@ -19,8 +19,8 @@ KeyFile = str | os.PathLike[str]
 
 
 def use_keys(socket: zmq.Socket[Any], key: KeyFile | None = None, server_key: str | None = None) -> bool:
-    """Keys of a client for a daemon that asks for them: `key` is a file of `ovws keygen`, `server_key` the daemon's public key
-    (default: "server_key" in that file). Without both: $OVWS_KEY and $OVWS_SERVER_KEY. Returns whether there are any."""
+    """Sets CURVE keys for a daemon that requires them. `key`: a file written by `ovws keygen` (default: $OVWS_KEY). `server_key`: the
+    daemon's public key (default: $OVWS_SERVER_KEY, then "server_key" in that file). Returns whether keys were set."""
     key = key or os.environ.get("OVWS_KEY")
     if not key:
         return False
@@ -35,7 +35,7 @@ def use_keys(socket: zmq.Socket[Any], key: KeyFile | None = None, server_key: st
 
 
 def key_hint(with_keys: bool) -> str:
-    """What to ask when nobody answers."""
+    """Hint for the message of a time-out."""
     return "is its key known there, and the server key its own?" if with_keys else "does it ask for a key?"
 
 
@@ -46,13 +46,13 @@ def _plain(value: object) -> object:
 
 
 def request_text(request_id: int, method: str, params: Mapping[str, object] | None) -> bytes:
-    """A request; numpy's numbers and arrays may be in it. Raises ValueError for NaN and infinity, which JSON does not know."""
+    """Encodes a request, which may contain numpy numbers and arrays. Raises ValueError for NaN and infinity, which JSON cannot represent."""
     request = {"jsonrpc": "2.0", "id": request_id, "method": method, "params": params or {}}
     return json.dumps(request, default=_plain, allow_nan=False).encode()
 
 
 def result_of(method: str, reply: Mapping[str, Any]) -> Any:
-    """The reply's result; raises Refused if it is an error."""
+    """Result of a reply; raises Refused if the reply is an error."""
     if "error" in reply:
         raise Refused(method, reply["error"])
     return reply["result"]

@@ -1,4 +1,4 @@
-"""Zernike modes as the daemon has them: OSA/ANSI index j, RMS 1 over the pupil, x right, y down, in units of the pupil's radius."""
+"""Zernike modes in the daemon's convention: OSA/ANSI index j, RMS 1 over the pupil, x right, y down, in units of the pupil's radius."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
-MAX_J = 230  # n = 20: beyond it the radial sums lose their digits
+MAX_J = 230  # n = 20: beyond it the radial sums lose precision
 
 
 def osa_index(n: int, m: int) -> int:
-    """j of radial order n and azimuthal frequency m (negative: sine)."""
+    """OSA/ANSI index j of radial order n and azimuthal frequency m (negative: sine)."""
     if n < 0 or abs(m) > n or (n - m) % 2:
         raise ValueError(f"(n, m) = ({n}, {m}) is no mode: |m| <= n, and n - m even")
     return (n * (n + 2) + m) // 2
 
 
 def orders(j: int) -> tuple[int, int]:
-    """(n, m) of j."""
+    """Radial order n and azimuthal frequency m of the OSA/ANSI index j."""
     if not 0 <= j <= MAX_J:
         raise ValueError(f"j must be from 0 to {MAX_J}, not {j}")
     n = next(n for n in range(j + 1) if (n + 1) * (n + 2) // 2 > j)
@@ -28,12 +28,12 @@ def orders(j: int) -> tuple[int, int]:
 
 
 def zernike(j: int, x: ArrayLike, y: ArrayLike) -> Floats:
-    """Z_j at the points (x, y), in units of the pupil's radius: waves for each wave RMS of the mode."""
+    """Value of the RMS-normalised mode Z_j at the points (x, y), in units of the pupil's radius."""
     n, m = orders(j)
     z = np.asarray(x, float) + 1j * np.asarray(y, float)
     square, radial = np.abs(z) ** 2, np.zeros(z.shape)
     half = (n - abs(m)) // 2
-    for k in range(half + 1):  # by Horner, from the highest power on
+    for k in range(half + 1):  # Horner's scheme, from the highest power
         radial = radial * square + (-1) ** k * comb(n - k, k) * comb(n - 2 * k, half - k)
     turned = z ** abs(m)
     value: Floats = np.sqrt((1 if m == 0 else 2) * (n + 1)) * radial * (turned.imag if m < 0 else turned.real)
@@ -41,8 +41,8 @@ def zernike(j: int, x: ArrayLike, y: ArrayLike) -> Floats:
 
 
 def pupil_grid(size_px: int) -> tuple[Floats, Floats]:
-    """x and y of the pixels of a square picture whose edges the pupil's circle touches, in units of the pupil's radius, each of shape
-    (size_px, size_px): row r is y, column c is x."""
+    """Pixel coordinates x and y of a square image whose edges touch the pupil's circle, in units of the pupil's radius, each of shape
+    (size_px, size_px): y by rows, x by columns."""
     line = (2.0 * np.arange(size_px) + 1.0) / size_px - 1.0
     x, y = np.meshgrid(line, line)
     return x, y
@@ -56,8 +56,8 @@ def _basis(j: tuple[int, ...], size_px: int) -> tuple[NDArray[np.bool_], Floats]
 
 
 def phase_map_waves(j: Sequence[int] | NDArray[np.int64], coefficients_waves: ArrayLike, size_px: int = 128) -> Floats:
-    """The wavefront over the pupil, waves, on pupil_grid(size_px); NaN outside the pupil. `coefficients_waves` are RMS-normalised, as many
-    as `j`."""
+    """Wavefront over the pupil in waves on pupil_grid(size_px); NaN outside the pupil. `coefficients_waves`: RMS-normalised, as many as
+    `j`."""
     coefficients = np.asarray(coefficients_waves, float)
     modes = tuple(int(mode) for mode in j)
     if coefficients.shape != (len(modes),):
