@@ -1,4 +1,4 @@
-/// The camera port on top of device, features and stream.
+/// Camera port on Aravis: combines GenicamDevice, CameraFeatures and AravisStream.
 #include "drivers/aravis/aravis_camera.hpp"
 
 #include <optional>
@@ -24,9 +24,9 @@ class AravisCamera final : public Camera {
   AravisCamera& operator=(const AravisCamera&) = delete;
   ~AravisCamera() override { AravisCamera::stop(); }
 
-  /// Everything between the opened device and a camera ready to start.
+  /// Prepares the opened device until it is ready to start.
   Result<void> set_up() {
-    // A client that crashed may have left it running: then a new start would give no frames.
+    // A crashed client may have left the acquisition running; then a new start gives no frames.
     if (auto stopped = device_.execute("AcquisitionStop"); !stopped) return stopped;
     auto features = CameraFeatures::find(device_);
     if (!features) return fail(features.error());
@@ -62,7 +62,7 @@ class AravisCamera final : public Camera {
 
   void stop() override {
     if (!stream_) return;
-    // Nothing can be done about a camera that refuses; start and apply will say so.
+    // A camera that refuses cannot be helped here; start and apply will report it.
     (void)device_.execute("AcquisitionStop");
     stream_.reset();
   }

@@ -1,4 +1,4 @@
-/// What lies between this machine and a camera: the network interface, or the USB port.
+/// The link between this machine and a camera: network interface or USB port.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@ namespace ovws {
 
 struct NetworkPath {
   std::string interface;         ///< "eth1"
-  std::string own_address;       ///< of this machine, on that interface
-  int mtu_bytes = 0;             ///< longest IP packet that the interface takes
-  std::optional<int> link_mbps;  ///< unknown of virtual interfaces
-  bool same_network = false;     ///< the interface is in the camera's network, without a router
+  std::string own_address;       ///< this machine's address on the interface
+  int mtu_bytes = 0;             ///< largest IP packet of the interface
+  std::optional<int> link_mbps;  ///< none for virtual interfaces
+  bool same_network = false;     ///< interface and camera are in one subnet, without a router
 };
 
-/// The interface that packets to this IPv4 address leave by. Sends nothing. Errors, field
-/// "camera.id": Errc::invalid, it is no IPv4 address; Errc::unavailable, no interface leads there.
+/// The interface on the route to this IPv4 address. Sends nothing. Errors, field "camera.id":
+/// Errc::invalid (not an IPv4 address), Errc::unavailable (no interface leads there).
 Result<NetworkPath> path_to(const std::string& address);
 
-/// What the USB port of the device with this serial number negotiated, Mbit/s; none: it is not
-/// among the system's devices.
+/// Negotiated USB speed of the device with this serial number, Mbit/s; none if sysfs lists no such
+/// device.
 std::optional<int> usb_link_mbps(const std::string& serial);
 
 }  // namespace ovws

@@ -42,7 +42,8 @@ Result<FoundDevice> find_device(const std::string& id) {
     listing = *listed;
   }
   GErrorSlot error;
-  // Only GigE is asked for an IP address: Aravis would otherwise go through all USB devices first.
+  // For an IP address open through the GigE interface only: otherwise Aravis searches all USB
+  // devices first.
   GRef<ArvDevice> device(listing.gige
                              ? arv_interface_open_device(arv_gv_interface_get_instance(),
                                                          listing.address.c_str(), error.out())

@@ -1,4 +1,4 @@
-/// From what a person writes into the configuration to an opened Aravis device.
+/// Resolves the configured `camera.id` to an opened Aravis device.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@ namespace ovws {
 
 struct FoundDevice {
   GRef<ArvDevice> device;
-  std::string address;  ///< IP address, or USB's own name of the device
+  std::string address;  ///< IP address, or name of the USB device
 };
 
-/// Opens by address, always: an IP address is asked directly; an Aravis device id or a serial
-/// number is looked up first, which takes about 1 s. Errc::unavailable, field "camera.id", if
-/// nothing answers there (with a list of what was found) or another program controls it; at most
-/// about 6 s, both for an address that is silent and for a camera in other hands.
+/// Always opens by address. An IP address is used directly; an Aravis device id or serial number is
+/// looked up first, which takes about 1 s. Errc::unavailable, field "camera.id", if nothing answers
+/// (with a list of the cameras found) or another program controls the camera; both take at most
+/// about 6 s. Errc::invalid if `id` is empty.
 Result<FoundDevice> find_device(const std::string& id);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// How the port's settings are found, and read.
+/// Finds and reads the GenICam features behind the camera port's settings.
 #include "drivers/aravis/features.hpp"
 
 #include <algorithm>
@@ -106,8 +106,8 @@ CameraInfo CameraFeatures::info(const std::string& address) {
   return info;
 }
 
-/// What a region must fit into. With binning that is less than the sensor has; and a region's own
-/// maximum shrinks, on most cameras, by the offset in use.
+/// Extent that a region must fit into. With binning it is smaller than the sensor, and on most
+/// cameras the reported maximum shrinks by the current offset.
 Result<int> CameraFeatures::sensor_extent(const char* sensor, const char* extent,
                                           const char* offset) {
   auto pixels = device_->number(sensor);

@@ -1,4 +1,4 @@
-/// The settings and limits of the camera port as GenICam features, old and new names alike.
+/// Settings and limits of the camera port mapped to GenICam features, by SFNC and older names.
 #pragma once
 
 #include <functional>
@@ -11,30 +11,31 @@
 
 namespace ovws {
 
-/// Names the setting at fault, where the device only knows the feature.
+/// Sets the error's field to the setting at fault; the device knows only the feature.
 template <class T>
 Result<T> at_field(const char* field, Result<T> result) {
   if (!result) result.error().field = field;
   return result;
 }
 
-/// Camera thread only. The device must outlive it. A camera that has its gain only as GainRaw has
-/// it in steps of its own, gain_raw: what these are in dB is not known.
+/// Camera thread only. The device must outlive it. A camera that offers only GainRaw has gain_raw
+/// in device-specific steps, whose value in dB is unknown.
 class CameraFeatures {
  public:
-  /// Finds the names that this camera uses. Errc::device, naming the feature, if it has none of
-  /// them.
+  /// Finds the feature names that this camera uses. Errc::device, with the feature, if one is
+  /// missing.
   static Result<CameraFeatures> find(GenicamDevice& device);
 
-  /// Free running, all automatic functions off, pixel format one of ours.
+  /// Sets continuous acquisition without triggers, all automatic functions off, and a supported
+  /// pixel format.
   Result<void> prepare();
   CameraInfo info(const std::string& address);
   Result<CameraLimits> limits();
   Result<CameraSettings> read();
 
-  /// Brings the camera from `current` to `wanted`, and reads back. All or nothing: after an error
-  /// the camera has `current` again, unless it does not answer any more or was reset meanwhile:
-  /// then the device is not `alive` any more.
+  /// Changes the camera from `current` to `wanted` and reads back. All or nothing: after an error
+  /// the camera has `current` again. If it stopped answering or was reset, the device is no longer
+  /// `alive`.
   Result<CameraSettings> apply(const CameraSettings& wanted, const CameraSettings& current,
                                bool streaming);
 
@@ -58,7 +59,7 @@ class CameraFeatures {
   Result<void> write_rate(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
 
   GenicamDevice* device_;
-  /// The gain of such settings in the camera's own unit.
+  /// Gain in the unit of this camera.
   double& gain_of(CameraSettings& settings) const {
     return gain_is_raw_ ? settings.gain_raw : settings.gain_db;
   }

@@ -1,4 +1,5 @@
-/// How the port's settings are checked, written in an order that cameras accept, and undone.
+/// Checks the port's settings, writes them in an order that cameras accept, and rolls back on
+/// error.
 #include <cmath>
 #include <string>
 #include <utility>
@@ -36,8 +37,8 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   if (auto whole = check_region_suits_format(fitted.pixel_format, fitted.roi); !whole)
     return fail(whole.error());
   if (auto done = fit_gain(current, *now, fitted); !done) return fail(done.error());
-  // The ranges of exposure and rate are checked when they are set, because they may depend on each
-  // other. Only if the two exclude each other is the better reason looked for here.
+  // The ranges of exposure and rate may depend on each other, so they are checked when written.
+  // They are checked here only if the two exclude each other, to report the better reason.
   if (auto both = check_exposure_fits_rate(wanted, current); !both) {
     auto exposure =
         fit_value("camera.exposure_us", "an exposure", wanted.exposure_us, now->exposure_us);
@@ -49,7 +50,7 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   return fitted;
 }
 
-/// `settings`, as wanted, get the gain that is written: in the camera's unit, and in no other.
+/// Replaces the requested gain in `settings` by the one to write, in the camera's unit only.
 Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const CameraLimits& limits,
                                       CameraSettings& settings) const {
   const bool asked_in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
@@ -91,7 +92,7 @@ Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
   return applied;
 }
 
-/// A camera that was reset meanwhile answers with its power-up settings, which nobody asked for.
+/// Also checks control: a camera that was reset meanwhile answers with its power-up settings.
 Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& wanted,
                                                       const CameraSettings& current, Undo& undo) {
   if (auto done = write(wanted, current, undo); !done) return fail(done.error());
@@ -103,8 +104,8 @@ Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& want
 
 Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSettings& current,
                                    Undo& undo) {
-  // The size of a frame first, because the fastest rate depends on it. Of the rate and the
-  // exposure, which on many cameras limit each other, the one that makes room for the other.
+  // Frame size first, because the maximum rate depends on it. Exposure and rate limit each other on
+  // many cameras: write first the one that makes room for the other.
   if (wanted.pixel_format != current.pixel_format) {
     const auto set = [this](PixelFormat format) {
       return at_field(
@@ -135,7 +136,7 @@ Result<void> CameraFeatures::write_roi(const Roi& roi) {
   const auto axis = [&](const char* offset, const char* extent, int begin,
                         int length) -> Result<void> {
     const bool movable = device_->has_number(offset);
-    // At offset 0 every extent is allowed; where it was, perhaps not.
+    // At offset 0 every extent is allowed; at the current offset it may not be.
     if (movable)
       if (auto done = device_->set_number(offset, 0); !done) return done;
     if (auto done = device_->set_number(extent, length); !done) return done;

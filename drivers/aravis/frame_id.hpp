@@ -1,4 +1,4 @@
-/// Camera frame numbers, made endless: GigE Vision counts 1 … 65535 and begins again at 1.
+/// Unwrapping of camera frame numbers to 64 bits: GigE Vision counts 1 … 65535 and restarts at 1.
 #pragma once
 
 #include <algorithm>
@@ -6,17 +6,18 @@
 
 namespace ovws {
 
-/// Turns the camera's numbers into 64-bit ones: those of consecutive frames differ by exactly 1,
-/// those across k lost frames by k + 1. The first number is the camera's own. A frame that comes
-/// again, or less than 100 frames too late, has the number that is its own.
+/// Unwraps the camera's numbers: consecutive frames differ by exactly 1, frames around k lost ones
+/// by k + 1. The first number is the camera's own. A duplicate frame, or one less than 100 frames
+/// late, keeps its own number.
 class FrameIdUnwrapper {
  public:
   enum class Width { bits16, bits64 };  ///< bits16: GigE Vision, where 0 is never sent
 
   explicit FrameIdUnwrapper(Width width) : width_(width) {}
 
-  /// A number further behind the last one, or for 16 bits half a turn ahead, is a counter that was
-  /// set back; what was lost then is unknown and counted as nothing. RT-safe.
+  /// Unwraps the number of the next frame. A number further behind, or for 16 bits more than half
+  /// the range ahead, means that the counter was reset; the unknown loss then counts as none.
+  /// RT-safe.
   std::uint64_t next(std::uint64_t raw) {
     if (any_ && same_stream_)
       if (const std::uint64_t behind = steps_behind(raw); behind < kLatest && behind <= unwrapped_)
@@ -30,20 +31,20 @@ class FrameIdUnwrapper {
     return unwrapped_;
   }
 
-  /// The camera begins a new stream, and may number as it likes: the next frame follows the last.
+  /// A new stream begins with arbitrary numbers: the next frame gets the number after the last.
   void restart() { same_stream_ = false; }
 
  private:
   static constexpr std::uint64_t kTurn = 65535;
   static constexpr std::uint64_t kLatest = 100;
 
-  /// How far behind the last number, which is 0 behind itself; kLatest or more: not behind it.
+  /// Distance behind the last number (0: the same number); kLatest or more: not behind it.
   std::uint64_t steps_behind(std::uint64_t raw) const {
     if (width_ == Width::bits64) return raw <= last_ ? last_ - raw : kLatest;
     return (last_ + kTurn - raw % kTurn) % kTurn;
   }
 
-  /// How far ahead of the last number; 0: not ahead of it.
+  /// Distance ahead of the last number; 0: not ahead of it.
   std::uint64_t steps_from_last(std::uint64_t raw) const {
     if (width_ == Width::bits64) return raw > last_ ? raw - last_ : 0;
     const std::uint64_t step = (raw + kTurn - last_ % kTurn) % kTurn;

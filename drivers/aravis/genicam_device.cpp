@@ -1,4 +1,4 @@
-/// Feature access through Aravis, with every answer checked.
+/// GenICam feature access through Aravis; every answer is checked.
 #include "drivers/aravis/genicam_device.hpp"
 
 #include <cmath>
@@ -8,8 +8,8 @@ namespace ovws {
 
 namespace {
 
-// Bootstrap register "Control Channel Privilege" of GigE Vision, and its bits for exclusive and for
-// shared control.
+// GigE Vision bootstrap register "Control Channel Privilege", and its bits for exclusive access and
+// control access.
 constexpr guint64 kControlRegister = 0x0a00;
 constexpr guint32 kControlBits = 0x3;
 
@@ -88,7 +88,7 @@ Result<Range<double>> GenicamDevice::range(const char* feature) {
     return true;
   });
   if (!bounds) return fail(bounds.error());
-  // A missing increment is not an error here: floats mostly have none.
+  // A missing increment is no error: most float features have none.
   if (real) {
     const double step = arv_device_get_float_feature_increment(device_.get(), feature, nullptr);
     range.increment = step > G_MINDOUBLE ? step : 0.0;

@@ -1,4 +1,4 @@
-/// GLib's reference counts and errors, as this code base keeps them: unique_ptr and Result.
+/// RAII for GLib: references as unique_ptr, GError to Error.
 #pragma once
 
 #include <arv.h>
@@ -21,7 +21,7 @@ struct GFree {
 template <class T>
 using GRef = std::unique_ptr<T, GObjectUnref>;
 
-/// The place where one call leaves its GError.
+/// Owner of the GError that one call may set.
 class GErrorSlot {
  public:
   GErrorSlot() = default;
@@ -32,7 +32,7 @@ class GErrorSlot {
   GError** out() { return &error_; }
   explicit operator bool() const { return error_ != nullptr; }
 
-  /// The camera did not answer within Aravis's retries (2.5 s), or its cable is gone.
+  /// Whether the camera did not answer within Aravis's retries (2.5 s) or is disconnected.
   bool is_silence() const {
     return error_ && error_->domain == ARV_DEVICE_ERROR &&
            (error_->code == ARV_DEVICE_ERROR_TIMEOUT ||
@@ -40,7 +40,7 @@ class GErrorSlot {
             error_->code == ARV_DEVICE_ERROR_TRANSFER_ERROR);
   }
 
-  /// `doing` says what was tried, e.g. "reading Gain". The field is left to the caller.
+  /// `doing`: the action that failed, e.g. "reading Gain". The caller sets the field.
   Error to_error(Errc code, std::string_view doing) const {
     return {code, "",
             std::string(doing) + " failed: " +

@@ -1,4 +1,4 @@
-/// GigE Vision's control protocol (GVCP), as far as it only reads: discovery and registers.
+/// GigE Vision control protocol (GVCP), read-only part: discovery and register reads.
 #include "drivers/aravis/gige_probe.hpp"
 
 #include <arpa/inet.h>
@@ -21,14 +21,14 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint16_t kPort = 3956;
-constexpr std::uint16_t kDiscovery = 0x0002, kReadRegister = 0x0080;  // an answer is one more
+constexpr std::uint16_t kDiscovery = 0x0002, kReadRegister = 0x0080;  // the acknowledge is this + 1
 constexpr std::uint16_t kAccessDenied = 0x8006;
 constexpr std::size_t kHeaderBytes = 8;
 
 // Bootstrap registers.
 constexpr std::uint32_t kLinkSpeed = 0x0670, kControl = 0x0a00, kPacketSize = 0x0d04;
 constexpr std::uint32_t kControlBits = 0x3, kPacketSizeBits = 0xffff;
-// Texts in the answer to a discovery.
+// Offsets of the texts in a discovery acknowledge.
 constexpr std::size_t kVendor = 0x48, kModel = 0x68, kSerial = 0xd8, kDiscoveryBytes = 0xf8;
 
 struct Answer {
@@ -51,7 +51,7 @@ std::string text_at(Bytes bytes, std::size_t at, std::size_t longest) {
   return printable(std::string(text.begin(), std::ranges::find(text, 0)), kMaxNameBytes);
 }
 
-/// One conversation with one camera.
+/// GVCP client for one camera.
 class Gvcp {
  public:
   bool connect(const in_addr& address) {
@@ -62,7 +62,7 @@ class Gvcp {
     return ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
   }
 
-  /// Asked again when nothing comes. None: silence.
+  /// Sends a command, up to three times until it is acknowledged. None: no answer.
   std::optional<Answer> ask(std::uint16_t command, Bytes payload) {
     constexpr int kTries = 3;
     for (int i = 0; i < kTries; ++i) {
@@ -72,7 +72,7 @@ class Gvcp {
     return std::nullopt;
   }
 
-  /// None: silence, or the camera has no such register.
+  /// Reads a register. None: no answer, or the camera refused with `status`.
   std::optional<std::uint32_t> read(std::uint32_t address, std::uint16_t& status) {
     const std::array<std::uint8_t, 4> payload{std::uint8_t(address >> 24),
                                               std::uint8_t(address >> 16),
@@ -86,7 +86,7 @@ class Gvcp {
  private:
   bool send(std::uint16_t command, Bytes payload) {
     constexpr std::uint8_t kKey = 0x42, kAnswerWanted = 0x01;
-    if (++id_ == 0) ++id_;  // GigE Vision has no request 0
+    if (++id_ == 0) ++id_;  // request id 0 is invalid in GVCP
     std::array<std::uint8_t, kHeaderBytes + 4> packet{kKey,
                                                       kAnswerWanted,
                                                       std::uint8_t(command >> 8),
@@ -111,7 +111,7 @@ class Gvcp {
       Answer answer;
       const ssize_t count = ::recv(socket_.get(), answer.bytes.data(), answer.bytes.size(), 0);
       if (count < ssize_t(kHeaderBytes)) {
-        if (count < 0) return std::nullopt;  // nobody has that port
+        if (count < 0) return std::nullopt;  // port unreachable
         continue;
       }
       answer.count = std::size_t(count);
@@ -143,12 +143,12 @@ Result<GigeAnswer> ask_gige_camera(const std::string& address) {
   answer.serial = text_at(found->payload(), kSerial, 16);
   std::uint16_t status = 0;
   const auto control = gvcp.read(kControl, status);
-  // Who has a camera for itself alone has it answer nobody else.
+  // Under exclusive access the camera denies reads to all other programs.
   answer.controlled = control ? (*control & kControlBits) != 0 : status == kAccessDenied;
   const auto size = gvcp.read(kPacketSize, status);
   if (size && (*size & kPacketSizeBits) != 0) answer.packet_size_bytes = *size & kPacketSizeBits;
   const auto speed = gvcp.read(kLinkSpeed, status);
-  constexpr std::uint32_t kMostMbps = 1'000'000;  // beyond it the register is something else
+  constexpr std::uint32_t kMostMbps = 1'000'000;  // larger values are no link speed
   if (speed && *speed > 0 && *speed <= kMostMbps) answer.link_mbps = int(*speed);
   return answer;
 }

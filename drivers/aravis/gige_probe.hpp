@@ -1,5 +1,5 @@
-/// Asks a GigE Vision camera what anybody may ask, whoever controls it. Aravis takes the control of
-/// every device that it opens, so this speaks the protocol itself.
+/// Probe of a GigE Vision camera that needs no control and works while another program controls it.
+/// Speaks GVCP itself, because Aravis takes control of every device that it opens.
 #pragma once
 
 #include <optional>
@@ -11,13 +11,14 @@ namespace ovws {
 
 struct GigeAnswer {
   std::string vendor, model, serial;
-  bool controlled = false;               ///< some program has its control now
-  std::optional<int> link_mbps;          ///< of the camera's own port, if it tells
-  std::optional<int> packet_size_bytes;  ///< that it sends now, if it tells
+  bool controlled = false;               ///< a program controls the camera now
+  std::optional<int> link_mbps;          ///< of the camera's port, if it reports one
+  std::optional<int> packet_size_bytes;  ///< current one, if the camera reports it
 };
 
-/// Errc::unavailable, field "camera.id", after about 1 s if nothing answers at this IPv4 address;
-/// Errc::invalid if it is none. Changes nothing in the camera.
+/// Discovers the camera and reads its bootstrap registers; changes nothing. Errors, field
+/// "camera.id": Errc::unavailable after about 1 s if nothing answers at this IPv4 address,
+/// Errc::invalid if it is not one.
 Result<GigeAnswer> ask_gige_camera(const std::string& address);
 
 }  // namespace ovws

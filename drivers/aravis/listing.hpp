@@ -1,4 +1,4 @@
-/// The cameras that Aravis sees from here, as data. Nobody's control of one is touched.
+/// Enumeration of the cameras that Aravis finds. Does not take control of any camera.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 namespace ovws {
 
 struct ListedCamera {
-  std::string id;       ///< Aravis's own: vendor, model and serial number in one
+  std::string id;       ///< Aravis's device id: vendor, model and serial number
   std::string serial;   ///< empty if it has none
-  std::string address;  ///< IP address, or USB's own name of the device; empty if it has none
+  std::string address;  ///< IP address, or name of the USB device; empty if it has none
   bool gige = false;
 };
 
-/// Asks all networks and USB buses; takes about 1 s.
+/// Discovers cameras on all networks and USB buses; takes about 1 s.
 std::vector<ListedCamera> list_cameras();
 
-/// The one whose id or serial number this is; null: none.
+/// The camera with this id or serial number; null: none.
 const ListedCamera* find_listed(const std::vector<ListedCamera>& cameras, const std::string& id);
 
 /// "ID at ADDRESS, …"; empty if there are none.

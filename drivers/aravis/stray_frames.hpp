@@ -1,4 +1,5 @@
-/// Frames that Aravis throws away unseen, because it has delivered their number or a later one.
+/// Detection of duplicate and late frames, which Aravis discards because it has already delivered
+/// their number or a later one.
 #pragma once
 
 #include <algorithm>
@@ -6,10 +7,10 @@
 
 namespace ovws {
 
-/// Aravis delivers no GigE frame that comes again or after a later one; it only counts the packets.
-/// As many as a frame has are such a frame: one that was missing, if the stream has just left
-/// numbers out (with Aravis's own bound, less than 100 ago), and one delivered before otherwise. So
-/// a frame that comes again shortly after another was lost is taken for that. RT-safe.
+/// Aravis delivers no duplicate or late GigE frame; it only counts the ignored packets. A frame's
+/// worth of them is one such frame: a late one if the stream has skipped numbers within the last
+/// 100 frames (Aravis's own bound), else a duplicate. So a duplicate soon after a lost frame counts
+/// as late. RT-safe.
 class StrayFrames {
  public:
   struct Counts {
@@ -19,7 +20,7 @@ class StrayFrames {
 
   explicit StrayFrames(std::uint64_t packets_per_frame) : packets_per_frame_(packets_per_frame) {}
 
-  /// A frame was delivered; an incomplete one has no number.
+  /// Notes a delivered frame. An incomplete one has no number; see delivered_incomplete.
   void delivered(std::uint64_t frame_id) {
     const std::uint64_t left_out = any_ && frame_id > last_ ? frame_id - last_ - 1 : 0;
     if (left_out > incomplete_) {
@@ -33,11 +34,13 @@ class StrayFrames {
   }
   void delivered_incomplete() { ++incomplete_; }
 
-  /// With all packets thrown away since the stream began: what is new since the last call.
+  /// The frames discarded since the last call. `packets`: all packets ignored since the stream
+  /// began.
   Counts thrown_away(std::uint64_t packets) {
     const std::uint64_t fresh = packets > packets_ ? packets - packets_ : 0;
     packets_ = std::max(packets_, packets);
-    // Single packets, of resent parts for example, never add up to a frame.
+    // Reset when no packets are added, so that single ones (such as resent parts) never add up to a
+    // frame.
     rest_ = fresh > 0 ? rest_ + fresh : 0;
     Counts counts;
     for (; rest_ >= packets_per_frame_; rest_ -= packets_per_frame_) {

@@ -1,4 +1,4 @@
-/// Buffers, their way round, and the transport's settings.
+/// Acquisition buffers, their circulation, and the transport settings.
 #include "drivers/aravis/stream.hpp"
 
 #include <unistd.h>
@@ -20,7 +20,8 @@ std::size_t round_up(std::size_t size, std::size_t unit) {
   return (size + unit - 1) / unit * unit;
 }
 
-/// With leader and trailer; the headers of IP, UDP and GVSP take 36 bytes of each.
+/// GVSP packets per frame, with leader and trailer. The headers of IP, UDP and GVSP take 36 bytes
+/// of each.
 std::uint64_t packets_per_frame(GenicamDevice& device, std::size_t payload_bytes) {
   constexpr std::size_t kHeaders = 36;
   if (!device.is_gige()) return 1;
@@ -35,8 +36,8 @@ Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config
   if (ARV_IS_UV_DEVICE(device.raw()))
     arv_uv_device_set_usb_mode(ARV_UV_DEVICE(device.raw()), ARV_UV_USB_MODE_ASYNC);
   if (!device.is_gige() || config.packet_size_bytes == 0) return {};
-  // Aravis itself tries a test packet of this size when the first stream is made, and takes a
-  // smaller size if it does not come through, on cameras that can send one.
+  // When the first stream is created, Aravis requests a test packet of this size (if the camera can
+  // send one) and falls back to a smaller size if it does not arrive.
   auto sizes = device.range("GevSCPSPacketSize");
   if (!sizes) return fail(sizes.error());
   if (config.packet_size_bytes < sizes->min)
@@ -57,8 +58,8 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   GErrorSlot error;
   GRef<ArvStream> stream(arv_device_create_stream(device.raw(), nullptr, nullptr, error.out()));
   if (!stream) return fail(error.to_error(Errc::device, "opening the stream"));
-  // Without CAP_NET_RAW frames come through this socket, and its default size loses all of them.
-  // Lost packets are asked for again wherever the camera can send them again: Aravis's default.
+  // Without CAP_NET_RAW frames come through this socket, whose default buffer would lose all of
+  // them. Packet resend stays on, Aravis's default.
   if (ARV_IS_GV_STREAM(stream.get()))
     g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", config.socket_buffer_bytes, nullptr);
@@ -91,7 +92,7 @@ bool AravisStream::allocate(std::size_t payload_bytes, int count) {
   const std::size_t total = pitch * std::size_t(count);
   memory_.reset(static_cast<std::byte*>(std::aligned_alloc(page, total)));
   if (!memory_) return false;
-  // Touched now, so that no page fault waits in the receive path.
+  // Pre-faulted, so that the receive path has no page faults.
   std::memset(memory_.get(), 0, total);
   lent_.assign(std::size_t(count), nullptr);
   released_.reserve(std::size_t(count));
@@ -139,7 +140,7 @@ std::optional<AravisStream::PacketCounts> AravisStream::packet_counts(ArvStream*
 
 void AravisStream::count_strays() {
   if (!packets_) return;
-  // Those for which there was no buffer are among them, and are frames that will be missing.
+  // Ignored packets include those without a free buffer, whose frames are simply missing.
   const std::uint64_t ignored = arv_stream_get_info_uint64(stream_.get(), packets_->ignored);
   const std::uint64_t starved = arv_stream_get_info_uint64(stream_.get(), packets_->starved);
   const auto fresh = strays_.thrown_away(ignored - std::min(ignored, starved));
@@ -147,7 +148,7 @@ void AravisStream::count_strays() {
   untold_.out_of_order += fresh.out_of_order;
 }
 
-/// The next of them that was not told yet; timeout: there is none.
+/// The next discarded frame that was not reported yet; timeout: none.
 GrabStatus AravisStream::stray() {
   if (untold_.out_of_order > 0) {
     --untold_.out_of_order;

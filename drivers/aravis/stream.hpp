@@ -1,5 +1,5 @@
-/// One running acquisition: page-aligned buffers of our own that Aravis receives into, lent out
-/// frame by frame.
+/// One running acquisition: Aravis receives into page-aligned buffers owned here, which are lent
+/// out frame by frame.
 #pragma once
 
 #include <chrono>
@@ -16,18 +16,19 @@
 
 namespace ovws {
 
-/// What every frame of this acquisition must be.
+/// Expected size and format of every frame of an acquisition.
 struct FrameShape {
   int width = 0;
   int height = 0;
   PixelFormat format = PixelFormat::mono8;
 };
 
-/// Before a stream is made: packet size (GigE) and transfer mode (USB3).
+/// Sets packet size (GigE) and transfer mode (USB3). Call it before a stream is created.
 Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config);
 
-/// Made and destroyed by the camera thread; `grab` and `release` belong to the acquisition thread.
-/// Making it does not start the camera. Its end takes up to 5 s if the camera does not answer.
+/// Created and destroyed in the camera thread; `grab` and `release` belong to the acquisition
+/// thread. Creation does not start the camera. Destruction takes up to 5 s if the camera does not
+/// answer.
 class AravisStream {
  public:
   /// `ids` must outlive the stream; only grab uses it.
@@ -38,10 +39,10 @@ class AravisStream {
   AravisStream(const AravisStream&) = delete;
   AravisStream& operator=(const AravisStream&) = delete;
 
-  /// Arrival stamps are taken right after the frame was popped, so they hold the thread's own
-  /// wake-up time. A frame that is damaged or not of the expected shape is `incomplete`.
+  /// Arrival times are taken right after the frame was popped, so they include the thread's wake-up
+  /// latency. A damaged frame, or one of another shape, is `incomplete`.
   GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout);
-  /// Takes effect at the next grab, because Aravis's queue locks and allocates.
+  /// The buffer is requeued at the next grab, because Aravis's queue locks and allocates.
   void release(int slot) OVWS_NONBLOCKING;
 
  private:
@@ -53,7 +54,7 @@ class AravisStream {
   void count_strays();
   bool view_image(ArvBuffer* buffer, ImageView& image) const;
 
-  /// Aravis's numbers of what it counts; by name it would search for them at each grab.
+  /// Indices of Aravis's stream statistics, looked up once: a lookup by name is a search.
   struct PacketCounts {
     guint ignored = 0, starved = 0;
   };
@@ -67,10 +68,10 @@ class AravisStream {
   FrameIdUnwrapper* ids_;
   StrayFrames strays_;
   StrayFrames::Counts untold_;
-  std::optional<PacketCounts> packets_;  ///< none with a USB camera, whose frames are not packets
-  std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, whose thread writes into it
+  std::optional<PacketCounts> packets_;      ///< none for USB cameras, which have no packets
+  std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, which writes into it
   GRef<ArvStream> stream_;
-  std::vector<ArvBuffer*> lent_;      // by slot; null while Aravis has it
+  std::vector<ArvBuffer*> lent_;      // by slot; null unless lent out
   std::vector<ArvBuffer*> released_;  // never grows beyond its first reservation
 };
 

@@ -1,4 +1,4 @@
-/// A UDP socket that closes itself.
+/// RAII owner of a UDP socket.
 #pragma once
 
 #include <sys/socket.h>
@@ -14,7 +14,7 @@ class UdpSocket {
   }
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
-  int get() const { return fd_; }  ///< negative: there is none
+  int get() const { return fd_; }  ///< negative: it could not be opened
 
  private:
   int fd_;

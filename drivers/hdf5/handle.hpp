@@ -1,4 +1,4 @@
-/// An HDF5 object that is closed when the scope ends.
+/// RAII handle of an HDF5 object.
 #pragma once
 
 #include <hdf5.h>
@@ -12,7 +12,7 @@ class Handle {
   using Close = herr_t (*)(hid_t);
 
   Handle() = default;
-  /// A negative id, as of a call that failed, is no object.
+  /// A negative id, as a failed call returns it, is an empty handle.
   Handle(hid_t id, Close how) : id_(id), close_(how) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
@@ -25,7 +25,7 @@ class Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() { (void)close(); }
 
-  /// False: the library could not close it.
+  /// False if the library could not close the object.
   bool close() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || close_(id) >= 0;
@@ -38,8 +38,8 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// Before anything else of the library. It prints its errors unless it is told not to, each thread
-/// anew; and at the program's end it would crash on a file that it could not close.
+/// Silences HDF5; call it before any other call of the library, in each thread. Otherwise the
+/// library prints its errors, and its atexit handler crashes on a file that could not be closed.
 inline void be_quiet() {
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -1,4 +1,4 @@
-/// The rows of a recording as HDF5 types.
+/// HDF5 compound types of a recording's rows.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace ovws::hdf5 {
 
-/// Compound of `size` bytes in this machine's order, which is that of the file, too: little-endian.
+/// Compound type of `size` bytes. Memory and file have the same byte order: little-endian.
 Handle row_type(std::span<const RecordedField> fields, std::size_t size);
 
 }  // namespace ovws::hdf5

@@ -43,7 +43,7 @@ struct Writer {
 }
 void on_warning(png_structp, png_const_charp) {}
 
-// libpng reports errors by longjmp: the functions that call setjmp hold nothing with a destructor.
+// libpng reports errors by longjmp, so functions that call setjmp hold no objects with destructors.
 
 bool read_header(png_structp png, png_infop info, std::FILE* file) {
   if (setjmp(png_jmpbuf(png))) return false;

@@ -1,4 +1,4 @@
-/// Reads and writes grey PNG files, pixel for pixel: no gamma correction, no scaling.
+/// Greyscale PNG files, read and written pixel for pixel: no gamma correction, no scaling.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,12 @@
 
 namespace ovws {
 
-/// A grey PNG file of 16 bits a pixel and exactly width x height pixels. The size is checked before
-/// memory is allocated. Errors: Errc::invalid, without a field: the file cannot be read, is damaged
-/// or truncated, or has another format or size.
+/// Reads a 16-bit greyscale PNG file of exactly width x height pixels. The size is checked before
+/// memory is allocated. Errors: Errc::invalid without a field if the file cannot be read, is
+/// damaged or truncated, or has another format or size; Errc::internal if libpng fails.
 Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width, int height);
 
-/// The bytes of a PNG file that holds this 8-bit grey image. Errors: Errc::internal, without a
-/// field: libpng refused.
+/// Encodes an 8-bit greyscale image as PNG. Errors: Errc::internal without a field if libpng fails.
 Result<std::string> encode_grey8_png(const Image<std::uint8_t>& image);
 
 }  // namespace ovws

@@ -5,7 +5,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kLevel = 1;  // two to four times as fast as the next ones, which gain a few percent
+constexpr int kLevel =
+    1;  // two to four times as fast as higher levels, which save only a few percent
 
 }  // namespace
 

@@ -1,5 +1,4 @@
-/// Pictures as the bytes that stand in the file: deflated, as every reader of HDF5 can inflate
-/// them.
+/// Deflate compression of recorded images, compatible with HDF5's built-in filter.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +14,7 @@ class PicturePacker {
  public:
   explicit PicturePacker(std::size_t picture_bytes);
 
-  /// Lossless. Empty if the picture would not become smaller. Valid until the next call.
+  /// Compresses losslessly. Empty if the image would not become smaller. Valid until the next call.
   std::span<const std::byte> pack(std::span<const std::byte> picture);
 
  private:

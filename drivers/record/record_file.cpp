@@ -1,4 +1,5 @@
-/// HDF5 in its SWMR way: no number in the file refers to what is not written yet.
+/// Recording in HDF5 SWMR mode (single writer, multiple readers): nothing in the file refers to
+/// data that is not yet written.
 #include "drivers/record/record_file.hpp"
 
 #include <sys/stat.h>
@@ -25,8 +26,8 @@ using hdf5::Table;
 constexpr hsize_t kTableChunk = 1024;   // rows
 constexpr hsize_t kNumberChunk = 8192;  // rows of spots, and of coefficients
 constexpr hsize_t kTextChunk = 1 << 16;
-constexpr unsigned kDeflated = 0;  // of H5Dwrite_chunk: no filter is left out
-constexpr unsigned kAsItIs = 1;    // the first one is
+constexpr unsigned kDeflated = 0;  // filter mask of H5Dwrite_chunk: all filters applied
+constexpr unsigned kAsItIs = 1;    // filter mask: the first filter (deflate) is skipped
 
 tl::unexpected<Error> failed(const std::string& path, const std::string& what) {
   const std::string why = errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
@@ -41,7 +42,8 @@ bool write_attribute(hid_t on, const std::string& name, hid_t type, const void* 
   return attribute && H5Awrite(attribute, type, value) >= 0;
 }
 
-/// Of variable length, in UTF-8: h5py reads such an attribute as str, one of fixed length as bytes.
+/// Writes a UTF-8 attribute of variable length, which h5py reads as str; fixed length would be read
+/// as bytes.
 bool write_attribute(hid_t on, const std::string& name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, H5T_VARIABLE);
@@ -102,12 +104,12 @@ Handle row_of_one() {
 
 struct RecordFile::Impl {
   std::string path;
-  bool broken = false;  ///< a write failed: what came after would not fit what is in the file
+  bool broken = false;  ///< a write failed: later data would not match the file's contents
   Handle frame_type = hdf5::row_type(kFrameFields, sizeof(RecordedFrame));
   Handle spot_type = hdf5::row_type(kSpotFields, sizeof(RecordedSpot));
   Handle document_type = hdf5::row_type(kDocumentFields, sizeof(RecordedDocument));
   Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
-  Handle file;  // after the types, before the datasets: closed in this order, reversed
+  Handle file;  // order matters: datasets are closed first, then the file, then the types
   Handle pictures, summary;
   Table frames, spots, coefficients, documents, text;
   PicturePacker packer;
@@ -154,7 +156,7 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
          write_units(file, "summary", kSummaryFields);
 }
 
-/// From here on the library writes what is referred to before what refers to it.
+/// Switches to SWMR writing: from here on the library writes data before references to it.
 bool RecordFile::Impl::begin_swmr() {
   if (H5Fstart_swmr_write(file) < 0) return false;
   pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
@@ -256,7 +258,7 @@ std::uint64_t RecordFile::pictures() const {
   return impl_->broken ? impl_->flushed_pictures : impl_->picture_count;
 }
 std::uint64_t RecordFile::bytes() const {
-  std::error_code failed;  // also of the file that was closed
+  std::error_code failed;  // works for a closed file, too
   const std::uintmax_t size = std::filesystem::file_size(impl_->path, failed);
   return failed ? 0 : size;
 }
@@ -267,7 +269,7 @@ bool RecordFile::in_place() const {
          now.st_dev == impl_->created.st_dev;
 }
 
-/// The rows of frames come last: what they name is there by then.
+/// Appends rows of `frames` last, so that everything they refer to is already written.
 bool RecordFile::Impl::append_all() {
   return text.flush() &&
          documents.append(std::span<const RecordedDocument>(new_documents), document_type) &&

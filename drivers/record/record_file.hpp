@@ -1,5 +1,5 @@
-/// A recording while it is written. A kill at any moment leaves a file that holds all up to the
-/// last flush.
+/// Writer of a recording. If the process is killed at any moment, the file holds everything up to
+/// the last flush.
 #pragma once
 
 #include <cstdint>
@@ -13,36 +13,38 @@
 
 namespace ovws {
 
-/// One thread at a time. Every error is Errc::unavailable, field "path", and says what to do: the
-/// file then holds all up to the last flush, nothing more can be added, and each later call fails.
+/// One thread at a time. Unless stated otherwise errors are Errc::unavailable, field "path", with
+/// the remedy. The file then holds everything up to the last flush, nothing more can be added, and
+/// each later call fails.
 class RecordFile {
  public:
-  /// Errors: the file is there already, or cannot be made; then there is none.
+  /// Errors: the file exists already, or cannot be created; no new file is left behind.
   static Result<std::unique_ptr<RecordFile>> create(const std::string& path,
                                                     const RecordingHeader& header);
   ~RecordFile();
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
-  /// A picture without padding: its number. `compress` false: as it is, which takes no time.
+  /// Writes an image without padding and returns its row in `pictures`. `compress` false: stored
+  /// uncompressed, which takes no CPU time.
   Result<std::int64_t> add_picture(std::span<const std::byte> pixels, bool compress);
-  /// Kept until the flush; first_spot and first_coefficient are filled in here.
+  /// Buffered until the next flush. Fills in first_spot, spots, first_coefficient and coefficients.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
                  std::span<const float> coefficients);
-  /// In force from the frame that is added next. At most 15 bytes of `kind`. Errc::refused: the
-  /// file holds as many as a reader takes.
+  /// Adds a document that applies from the next added frame on. `kind` has at most 15 bytes.
+  /// Errc::refused if the file has reached a reader's limit of documents.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);
 
-  // What was added; after a write that failed, what is sure to be in the file.
+  // Rows added so far; after a failed write, those that are certainly in the file.
   std::uint64_t frames() const;
   std::uint64_t pictures() const;
-  std::uint64_t bytes() const;  ///< of the file now
-  /// False: another file has its name, or none.
+  std::uint64_t bytes() const;  ///< current size of the file
+  /// False if the file was removed, or replaced by another one of its name.
   bool in_place() const;
 
-  /// Everything added so far is the kernel's from now on.
+  /// Hands everything added so far to the kernel, where it survives a kill of this process.
   Result<void> flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped);
-  /// Flushes and says that the recording has ended. Nothing may be added after.
+  /// Flushes, marks the recording as ended and closes the file. Nothing may be added afterwards.
   Result<void> close(std::uint64_t frames_dropped, std::uint64_t pictures_dropped);
 
  private:

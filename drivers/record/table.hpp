@@ -1,4 +1,4 @@
-/// A dataset that grows by rows.
+/// An HDF5 dataset that grows by rows.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace ovws::hdf5 {
 
-/// Of one dimension. Functions return false if the library could not.
+/// One-dimensional chunked dataset. Functions return false if the library fails.
 class Table {
  public:
   static bool create(hid_t file, const char* name, hid_t type, hsize_t chunk_rows) {

@@ -1,4 +1,4 @@
-/// The other way of PicturePacker.
+/// Inflates images that PicturePacker has compressed.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ class PictureUnpacker {
  public:
   PictureUnpacker();
 
-  /// False unless `packed` holds exactly `picture.size()` bytes.
+  /// False unless `packed` inflates to exactly `picture.size()` bytes.
   bool unpack(std::span<const std::byte> packed, std::span<std::byte> picture);
 
  private:

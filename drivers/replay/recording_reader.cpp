@@ -1,4 +1,4 @@
-/// Types, shapes and sizes first: HDF5 is asked for nothing that would not fit.
+/// Checks types, shapes and sizes before reading, so that HDF5 never reads beyond a buffer.
 #include "drivers/replay/recording_reader.hpp"
 
 #include <fcntl.h>
@@ -19,9 +19,10 @@ using hdf5::Handle;
 
 constexpr hsize_t kMostRows = hsize_t(1) << 34;
 constexpr hsize_t kMostChunkBytes = 64 << 20;
-constexpr std::uint32_t kMostParts = 4096;  // of a frame: spots, coefficients
-// A part that a living writer is just replacing is whole in microseconds; HDF5 waits twice as long
-// before each attempt, and by itself makes a hundred: on a damaged file, for ever.
+constexpr std::uint32_t kMostParts = 4096;  // spots or coefficients of one frame
+// Metadata that an active writer is replacing is complete within microseconds. HDF5 doubles its
+// wait before each retry and by default makes a hundred attempts, which never ends on a damaged
+// file.
 constexpr unsigned kReadAttempts = 20;
 constexpr int kMostSide = 1 << 16;
 constexpr std::size_t kMostAttribute = 256;  // bytes
@@ -50,7 +51,8 @@ bool read_variable_text(hid_t attribute, hid_t type, std::string& text) {
   return size <= kMostAttribute;
 }
 
-/// Of variable length, or of a fixed one, as recordings of older versions have them.
+/// Reads a text attribute of variable length, or of fixed length as in recordings of older
+/// versions.
 bool read_attribute(hid_t file, const char* name, std::string& text) {
   const Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
   if (!attribute) return false;
@@ -69,13 +71,14 @@ bool read_attribute(hid_t file, const char* name, std::string& text) {
   return true;
 }
 
-/// Rows are stored as they are: there are no more than the file has bytes for.
+/// Whether the file is large enough for so many rows, which are stored uncompressed. Protects from
+/// huge allocations.
 bool fits_the_file(hid_t file, hsize_t rows, std::size_t row_bytes) {
   hsize_t bytes = 0;
   return H5Fget_filesize(file, &bytes) >= 0 && rows <= bytes / row_bytes;
 }
 
-/// False unless it is there, of this very type, and of chunks that fit into memory.
+/// Opens a dataset. False unless it exists, has exactly this type, and its chunks fit into memory.
 bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t most,
                Rows& out) {
   out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
@@ -112,7 +115,7 @@ std::string text_of(const std::array<char, N>& text) {
   return {text.begin(), std::find(text.begin(), text.end(), '\0')};
 }
 
-/// HDF5 gives no reason.
+/// Why a file cannot be opened, found without HDF5, which gives no reason.
 std::string why_not_opened(const std::string& path) {
   if (::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0) {
     return "cannot be opened as HDF5: it is damaged, or no recording";
@@ -154,7 +157,7 @@ struct RecordingReader::Impl {
   bool is_whole(const RecordedFrame& frame) const;
 };
 
-/// The way of SWMR: the flags that a writer which was killed has left in the file are no obstacle.
+/// Opens for SWMR reading, which ignores the flags that a killed writer has left in the file.
 bool RecordingReader::Impl::open_file() {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -250,7 +253,7 @@ RecordingReader::~RecordingReader() = default;
 
 Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
   hdf5::be_quiet();
-  H5PLset_loading_state(0);  // no filter of a file's choice
+  H5PLset_loading_state(0);  // no filter plug-ins requested by the file
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   if (!impl->open_file()) {
@@ -259,7 +262,8 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   if (!impl->read_header()) {
     return impl->unfit(std::string("is no recording of schema ") + kRecordingSchema);
   }
-  // Frames first: of a recording that goes on, all that these name is there by now.
+  // Frames first: in a recording that is still being written, all that they refer to exists by
+  // then.
   if (!impl->read_frames()) return impl->unfit("its frames are not as they should be");
   if (!impl->open_pictures()) return impl->unfit("its pictures are not as they should be");
   if (!impl->open_tables()) return impl->unfit("its tables are not as they should be");

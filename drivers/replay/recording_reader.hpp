@@ -1,4 +1,4 @@
-/// A recording, read: every part is checked before it is used.
+/// Reader of recordings; every part is validated before it is used.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,27 @@ struct RecordedText {
   std::string text;
 };
 
-/// One thread at a time. Also of a recording that goes on or was cut off: then what stood in it
-/// when it was opened.
+/// One thread at a time. Also reads a recording that is still being written or was cut off: as it
+/// was when opened.
 class RecordingReader {
  public:
-  /// Errors: Errc::unavailable (it cannot be opened), Errc::invalid (it is no recording, or not
-  /// whole), field "path"; the reason names the part.
+  /// Errors, field "path": Errc::unavailable (cannot be opened), Errc::invalid (not a recording, or
+  /// damaged); the reason names the part.
   static Result<std::unique_ptr<RecordingReader>> open(const std::string& path);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
   const RecordingHeader& header() const;
-  /// What they refer to is there.
+  /// All frames. The rows that they refer to exist.
   const std::vector<RecordedFrame>& frames() const;
   std::size_t picture_bytes() const;
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
-  /// Of a frame that has one: picture_bytes() into `out`.
+  /// Reads the image of a frame that has one: picture_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
-  /// In their order. Their checksums are the reader's to check.
+  /// All documents in file order. The caller must verify their checksums.
   Result<std::vector<RecordedText>> documents();
 
  private:

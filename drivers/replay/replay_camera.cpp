@@ -16,7 +16,8 @@ namespace {
 constexpr int kBuffers = 16;
 constexpr Range<double> kPaceHz{0.01, 10'000.0, 0.0};
 
-/// A camera that was opened anew counts anew: what was recorded then follows what was before.
+/// Frame numbers made monotonic: where the recorded camera was reopened and restarted its count,
+/// the numbers continue after the previous ones.
 std::vector<std::uint64_t> rising_ids(const std::vector<RecordedFrame>& frames) {
   std::vector<std::uint64_t> ids;
   std::uint64_t moved = 0;
@@ -63,23 +64,24 @@ class ReplayCamera final : public Camera {
 
  private:
   bool prepare();
-  /// By the pace of now, which may have changed since the frame before.
+  /// Due time of the next frame by the current rate, which may have changed since the previous
+  /// frame.
   std::int64_t due_mono_ns() const { return last_due_mono_ns_ + period_ns_.load(); }
 
   std::unique_ptr<RecordingReader> reader_;
   CameraInfo info_;
   CameraSettings settings_;
   std::vector<RecordedFrame> frames_;  ///< those with pictures; never empty
-  std::vector<std::uint64_t> ids_;     ///< of these
+  std::vector<std::uint64_t> ids_;     ///< frame numbers of frames_
   std::array<std::vector<std::byte>, kBuffers> buffers_;
   std::array<std::atomic<bool>, kBuffers> lent_{};
   std::atomic<bool> alive_{true};
   std::atomic<std::int64_t> period_ns_{10'000'000};
-  // Acquisition thread, or whoever starts.
+  // Acquisition thread, and `start`.
   bool streaming_ = false;
   std::size_t next_ = 0;
-  std::uint64_t round_ids_ = 0;  ///< what the numbers of this round lie above those of the first
-  int prepared_ = -1;            ///< buffer that holds the next picture; -1: none
+  std::uint64_t round_ids_ = 0;  ///< offset of this round's frame numbers to the first round's
+  int prepared_ = -1;            ///< buffer that holds the next image; -1: none
   std::int64_t last_due_mono_ns_ = 0;
 };
 
@@ -127,7 +129,7 @@ Result<void> ReplayCamera::start() {
   return {};
 }
 
-/// Read ahead, while there is time: a picture takes a millisecond.
+/// Reads the next image ahead of its due time, because reading takes about a millisecond.
 bool ReplayCamera::prepare() {
   if (prepared_ >= 0) return true;
   const auto free = std::find_if(lent_.begin(), lent_.end(), [](const auto& one) { return !one; });
@@ -172,7 +174,7 @@ GrabStatus ReplayCamera::grab(GrabbedFrame& out, std::chrono::microseconds timeo
     round_ids_ += ids_.back() - ids_.front() + 1;
     next_ = 0;
   }
-  // A replay that cannot keep the pace goes on as fast as it can.
+  // If the replay cannot keep the rate, it continues as fast as it can and does not catch up.
   last_due_mono_ns_ = std::max(due_ns, out.t_arrival_mono_ns - period_ns_.load());
   return GrabStatus::frame;
 }

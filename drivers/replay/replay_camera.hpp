@@ -1,4 +1,4 @@
-/// A recording as a camera: its pictures come as they came, at any pace.
+/// Camera driver that replays the images of a recording, at any frame rate.
 #pragma once
 
 #include <memory>
@@ -8,15 +8,15 @@
 
 namespace ovws {
 
-/// Errors as of RecordingReader::open, and Errc::invalid of a recording without pictures, field
-/// "camera.id".
+/// Opens a recording. Errors, field "camera.id": those of RecordingReader::open, and Errc::invalid
+/// for a recording without images.
 ///
-/// What this driver adds to the port's promises:
-/// - Region and format are the recording's, others are refused. Gain and exposure become those of
-///   the recording's first frame: it has no others. `frame_rate_hz` is the pace: that of the
-///   recording is its original speed.
-/// - After the last picture the first one comes again, with numbers that go on rising.
-/// - Stamps are those of the replay. Frames that the recording lacks are lacking here, too.
+/// In addition to the port's guarantees:
+/// - Region and format are the recording's; others are refused. Gain and exposure are always those
+///   of its first frame with known settings. `frame_rate_hz` is the replay rate; the recording's
+///   own rate gives the original speed.
+/// - After the last image the first one follows, with frame numbers that continue to rise.
+/// - Times are those of the replay. Frames missing in the recording are missing here, too.
 Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
 }  // namespace ovws

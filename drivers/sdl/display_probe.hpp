@@ -1,4 +1,4 @@
-/// A look at the X server that opens no window and changes nothing.
+/// Read-only probe of the X server: opens no window and changes nothing.
 #pragma once
 
 #include <optional>
@@ -12,15 +12,15 @@ namespace ovws::sdl {
 struct DisplayProbe {
   std::vector<Output> outputs;
   int colour_depth_bits = 0;
-  bool power_saving = false;  ///< the server switches its screens off when nobody touches it (DPMS)
-  bool asleep = false;        ///< it has done so
-  int screen_saver_s = 0;     ///< after so long without a touch; 0: never
-  bool composited = false;    ///< a program draws the desktop together from its windows' pictures
+  bool power_saving = false;  ///< DPMS is on: the server powers its screens down when idle
+  bool asleep = false;        ///< the screens are powered down now
+  int screen_saver_s = 0;     ///< idle time before blanking; 0: never
+  bool composited = false;    ///< a compositing manager is running
 };
 
-/// One thread at a time, and no display may be open; waits as long as the X server. Errors, field
-/// "slm.display": Errc::unavailable, there is no display system or it does not answer;
-/// Errc::refused, it is none of X's, which tells nothing to who shows nothing.
+/// One thread at a time, and no display may be open; blocks as long as the X server does. Errors,
+/// field "slm.display": Errc::unavailable (no display system, or it does not answer), Errc::refused
+/// (not an X server: other display systems report nothing to a program without a window).
 Result<DisplayProbe> probe_display();
 
 }  // namespace ovws::sdl

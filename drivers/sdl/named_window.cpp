@@ -1,5 +1,5 @@
-/// The window on Wayland and KMSDRM, where there is no RandR: full screen on SDL's display of that
-/// name.
+/// SLM window on Wayland and KMSDRM, which have no RandR: full screen on the SDL display of the
+/// configured name.
 #include <SDL.h>
 
 #include "drivers/sdl/output.hpp"
@@ -15,7 +15,7 @@ struct DestroyWindow {
 };
 using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
 
-// SDL says here no more of an output than this: none is "primary".
+// Outputs as far as SDL describes them here; none is marked primary.
 std::vector<Output> read_displays() {
   std::vector<Output> outputs;
   for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {
@@ -60,7 +60,7 @@ class NamedWindow final : public OutputWindow {
 
   Result<void> open() {
     const int place = SDL_WINDOWPOS_UNDEFINED_DISPLAY(index_of(info_.output));
-    // "High DPI" makes SDL tell the size in real pixels, so that a scaled output is seen.
+    // ALLOW_HIGHDPI makes SDL report the size in physical pixels, so that scaling is detected.
     canvas_.reset(SDL_CreateWindow(
         "ovws SLM", place, place, info_.width, info_.height,
         SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS | SDL_WINDOW_ALLOW_HIGHDPI));
@@ -77,7 +77,7 @@ class NamedWindow final : public OutputWindow {
     Events seen;
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
-      lost_ |= event.type == SDL_QUIT;  // how SDL tells that the compositor is gone
+      lost_ |= event.type == SDL_QUIT;  // SDL's sign that the compositor is gone
       seen.redraw |= event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED;
       seen.look |= event.type == SDL_WINDOWEVENT || event.type == SDL_DISPLAYEVENT;
     }

@@ -19,7 +19,7 @@ bool overlap(const Output& a, const Output& b) {
 constexpr std::string_view kOtherOutput =
     "; extend the desktop to another output, or set slm.allow_primary";
 
-// The SLM must not take the place where somebody works.
+// The SLM must not cover the user's desktop.
 Result<void> check_not_primary(const Output& output, const std::vector<Output>& outputs) {
   if (!output.primary) return {};
   return fail(Errc::refused, "slm.display",
@@ -63,7 +63,8 @@ Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig
   const auto found = find_output(outputs, config.output);
   if (!found) return fail(found.error());
   const Output& output = **found;
-  // Before the mode: who named the wrong output is not to change that one's mode.
+  // Checked before the mode, so that a wrongly named output is not reported as one whose mode must
+  // change.
   if (!config.allow_primary) {
     if (const auto other = check_not_primary(output, outputs); !other) return fail(other.error());
   }

@@ -1,4 +1,4 @@
-/// A window that covers one whole output, pixel for pixel, and knows whether it still does.
+/// Window that covers one whole output pixel for pixel, and can verify that it still does.
 #pragma once
 
 #include <memory>
@@ -20,24 +20,24 @@ class OutputWindow {
   virtual SDL_Window* window() const = 0;
 
   struct Events {
-    bool redraw = false;  ///< the display system forgot the picture
+    bool redraw = false;  ///< the window's contents were lost: draw again
     bool look = false;    ///< something changed: verify now
   };
-  /// Takes all waiting events, so that none pile up.
+  /// Drains the event queue, so that events do not pile up.
   virtual Events take_events() = 0;
-  /// Whether the display system still answers, and refused nothing that was drawn since the last
-  /// call.
+  /// Error if the connection to the display system broke, or a drawing request failed since the
+  /// last call.
   virtual Result<void> connection() = 0;
   /// As Display::read_back.
   virtual Result<Image<std::uint32_t>> read_back() = 0;
-  /// Whether output, mode and window are as they were when it was opened.
+  /// Error if output, mode or window have changed since opening.
   virtual Result<void> verify() = 0;
 };
 
-/// On an X server: the output is found by RandR, the window is our own and SDL draws into it.
+/// On an X server: finds the output by RandR, creates the window by Xlib, and draws by SDL.
 Result<std::unique_ptr<OutputWindow>> open_x_window(const SdlConfig& config);
 
-/// On Wayland and KMSDRM: the output is found by the name that SDL gives it.
+/// On Wayland and KMSDRM: finds the output by SDL's display name.
 Result<std::unique_ptr<OutputWindow>> open_named_window(const std::string& driver,
                                                         const SdlConfig& config);
 

@@ -1,4 +1,4 @@
-/// The SLM as a second display, through SDL: pixel-exact, on a named output, or not at all.
+/// Display driver on SDL: shows the SLM's image pixel-exact on a named output, or fails.
 #pragma once
 
 #include <memory>
@@ -9,20 +9,20 @@
 namespace ovws {
 
 struct SdlConfig {
-  std::string output;  ///< X output name ("HDMI-1") or the monitor's EDID name; never an index
+  std::string output;  ///< X output name ("HDMI-1") or EDID monitor name; never an index
   int width = 1280;
   int height = 768;
-  bool allow_primary = false;  ///< else refused if the output is the primary or the only one
+  bool allow_primary = false;  ///< allow the primary or only output
 };
 
-/// Main thread only. Errors (field "slm.display", "slm.width", …): Errc::unavailable if there is no
-/// display system or no such output (the reason lists those there are), Errc::refused if its mode
-/// differs or it is the primary one, or if a display is open already. After the X server died,
-/// destroy the display and call again: it opens anew.
+/// Opens the output. Main thread only. Errors (field "slm.display", "slm.width", …):
+/// Errc::unavailable if there is no display system or no such output (the reason lists the
+/// outputs), Errc::refused if its mode differs, it is the primary output, or a display is open
+/// already. After the X server died, destroy the display and open it again.
 ///
-/// On X, `present` returns when the server has copied the picture; the output sends it within its
-/// next refresh. Opening makes the output's gamma ramp linear and wakes the screens. `check` looks
-/// at events each time, at output, mode, gamma and window once a second.
+/// On X, `present` returns when the server has copied the image; the output sends it with its next
+/// refresh. Opening sets a linear gamma ramp and wakes the screens. `check` handles events on each
+/// call, and verifies output, mode, gamma and window once a second.
 Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config);
 
 }  // namespace ovws

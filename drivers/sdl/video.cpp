@@ -34,16 +34,16 @@ Result<std::unique_ptr<Video>> Video::open(const std::string& driver) {
   const char* on_gpu = driver == "x11" ? "0" : "1";
   SDL_SetHintWithPriority(SDL_HINT_VIDEODRIVER, driver.c_str(), SDL_HINT_OVERRIDE);
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // SIGTERM is the daemon's
-  // On X the server copies from shared memory: exact, done when the call returns, and without a GPU
-  // driver that queues pictures, starts threads and hangs when the server dies. Elsewhere SDL has
-  // only the GPU's way, which waits for the vertical blank.
+  // On X use shared memory without the GPU: exact, and complete when the call returns. A GPU driver
+  // would queue frames, start threads, and hang when the server dies. Elsewhere SDL only has the
+  // GPU path, which waits for the vertical blank.
   SDL_SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, on_gpu, SDL_HINT_OVERRIDE);
   SDL_SetHintWithPriority(SDL_HINT_RENDER_VSYNC, on_gpu, SDL_HINT_OVERRIDE);
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
     return fail(Errc::unavailable, "slm.display",
                 "SDL cannot use its driver " + driver + ": " + SDL_GetError());
   }
-  SDL_DisableScreenSaver();  // holds off DPMS too
+  SDL_DisableScreenSaver();  // also inhibits DPMS
   return std::unique_ptr<Video>(new Video);
 }
 

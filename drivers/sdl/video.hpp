@@ -1,4 +1,4 @@
-/// SDL's video subsystem, and which of its drivers may show the SLM.
+/// SDL's video subsystem and the choice of its driver.
 #pragma once
 
 #include <memory>
@@ -8,16 +8,17 @@
 
 namespace ovws::sdl {
 
-/// The driver for this environment: SDL_VIDEODRIVER if it names one that shows something, else
-/// "x11" or "wayland" by DISPLAY and WAYLAND_DISPLAY. SDL is never left to search: with the X
-/// server down it would go on to KMSDRM and keep the screens from the server that comes back, or to
-/// "offscreen", which shows nothing and reports success.
+/// SDL's video driver for this environment: SDL_VIDEODRIVER if it is x11, wayland or KMSDRM, else
+/// "x11" or "wayland" by DISPLAY and WAYLAND_DISPLAY. SDL's own search is not used: without an X
+/// server it would pick KMSDRM, which blocks the screens for a returning server, or "offscreen",
+/// which shows nothing and reports success. Errc::unavailable, field "slm.display", if no driver
+/// fits.
 Result<std::string> choose_driver();
 
 /// The value of an environment variable, empty if it is not set.
 std::string environment(const char* name);
 
-/// Initialised while it lives. One in a process, as SDL has it.
+/// RAII owner of SDL's video subsystem; at most one in a process.
 class Video {
  public:
   static Result<std::unique_ptr<Video>> open(const std::string& driver);

@@ -1,4 +1,4 @@
-/// A connection to the X server that closes itself, and what any holder of one may ask.
+/// RAII connection to the X server, and its power state.
 #pragma once
 
 #include <X11/Xlib.h>
@@ -15,13 +15,13 @@ struct CloseDisplay {
 };
 using Connection = std::unique_ptr<XDisplay, CloseDisplay>;
 
-/// To the server that DISPLAY names, guarded (x_guard.hpp). Errc::unavailable, field "slm.display",
-/// if it does not answer.
+/// Connects to the server named by DISPLAY, with the error handlers of x_guard.hpp.
+/// Errc::unavailable, field "slm.display", if it does not answer.
 Result<Connection> connect_to_x();
 
 struct Power {
-  bool saving = false;  ///< DPMS is switched on
-  bool asleep = false;  ///< and has switched the screens off
+  bool saving = false;  ///< DPMS is enabled
+  bool asleep = false;  ///< DPMS has powered the screens down
 };
 Power power_of(XDisplay* display);
 

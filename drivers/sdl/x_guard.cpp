@@ -7,7 +7,7 @@
 
 namespace {
 
-// Xlib's handlers are of the process and take no state of ours, hence these two.
+// Global, because Xlib's handlers are per process and take no user data.
 bool lost = false;
 std::array<char, 128> refusal{};
 
@@ -27,8 +27,8 @@ int on_refusal(Display* display, XErrorEvent* event) {
 
 }  // namespace
 
-// The dynamic linker finds these before those of libX11 and libXi, for SDL as well.
-// NOLINTBEGIN(readability-identifier-naming): Xlib's names
+// Symbol interposition: the dynamic linker finds these before those of libX11 and libXi, for SDL
+// too. NOLINTBEGIN(readability-identifier-naming): Xlib's names
 
 extern "C" Display* XOpenDisplay(const char* name) {
   using Open = Display* (*)(const char*);
@@ -38,7 +38,7 @@ extern "C" Display* XOpenDisplay(const char* name) {
   return display;
 }
 
-// SDL frees the list of input devices even if the server died before giving one.
+// SDL frees the list of input devices even if it is null because the server died.
 extern "C" void XIFreeDeviceInfo(void* list) {
   using Free = void (*)(void*);
   static const auto free_list = reinterpret_cast<Free>(dlsym(RTLD_NEXT, "XIFreeDeviceInfo"));

@@ -29,7 +29,7 @@ int ramp_value(int i, int size) {
 
 bool is_linear(XDisplay* display, RRCrtc crtc) {
   const Gamma gamma(XRRGetCrtcGamma(display, crtc));
-  if (gamma == nullptr || gamma->size < 2) return true;  // the driver has no ramp to bend
+  if (gamma == nullptr || gamma->size < 2) return true;  // the driver has no gamma ramp
   constexpr int kOneGreyLevel = 256;
   for (int i = 0; i < gamma->size; ++i) {
     const int expected = ramp_value(i, gamma->size);

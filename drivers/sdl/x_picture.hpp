@@ -1,4 +1,4 @@
-/// What the X server gives of its screen, as colours.
+/// Conversion of X server images to colours.
 #pragma once
 
 #include <X11/Xlib.h>
@@ -10,9 +10,8 @@
 
 namespace ovws::sdl {
 
-/// 0xRRGGBB of each pixel, whatever the order of the bytes. Errors (Errc::unavailable, field
-/// "slm.display"): its colours have not 8 bits each, or lie in another order (a screen of 30 or 16
-/// bits).
+/// 0xRRGGBB of each pixel, for any byte order. Errc::unavailable, field "slm.display", if the image
+/// does not have 8 bits each of red, green and blue in this order (a screen of 16 or 30 bits).
 Result<Image<std::uint32_t>> colours_of(XImage& image);
 
 }  // namespace ovws::sdl

@@ -1,4 +1,4 @@
-/// The window on an X server: placed by us, out of the window manager's reach, drawn by SDL.
+/// SLM window on an X server: an override-redirect window placed by us and drawn by SDL.
 #include <SDL.h>
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
@@ -49,8 +49,8 @@ Cursor make_blank_cursor(XDisplay* display, Window window) {
   return cursor;
 }
 
-// Override-redirect: no window manager moves it, decorates it, iconifies it or gives it the focus.
-// Black from the server's own hand until the first picture, so nothing flashes.
+// Override-redirect: no window manager moves, decorates or iconifies it, or gives it the focus. The
+// server paints it black until the first image, so nothing flashes.
 Window create_window(XDisplay* display, const Output& output) {
   const int screen = DefaultScreen(display);
   constexpr long kPointerAndKeys =
@@ -58,7 +58,7 @@ Window create_window(XDisplay* display, const Output& output) {
   XSetWindowAttributes wanted{};
   wanted.override_redirect = True;
   wanted.background_pixel = BlackPixel(display, screen);
-  wanted.do_not_propagate_mask = kPointerAndKeys;  // a click here opens no menu of the desktop
+  wanted.do_not_propagate_mask = kPointerAndKeys;  // a click here opens no desktop menu
   wanted.event_mask = ExposureMask | StructureNotifyMask | VisibilityChangeMask;
   const Window window =
       XCreateWindow(display, DefaultRootWindow(display), output.x, output.y, unsigned(output.width),
@@ -125,7 +125,7 @@ class XWindow final : public OutputWindow {
       seen.redraw |= event.type == Expose;
       seen.look |= event.type != Expose;
     }
-    take_x_error();  // SDL asks after outputs that may be gone by then; only drawing must not fail
+    take_x_error();  // SDL queries outputs that may be gone; only drawing errors count
     return seen;
   }
 
@@ -200,7 +200,7 @@ class XWindow final : public OutputWindow {
     unsigned count = 0;
     if (!XQueryTree(display_.get(), DefaultRootWindow(display_.get()), &root, &parent, &list,
                     &count)) {
-      return {};  // only a broken connection does that, and it is seen by the caller
+      return {};  // only a broken connection causes this; the caller checks for it
     }
     const std::span all(list, count);  // from the bottom to the top
     Window above = None;
@@ -210,7 +210,7 @@ class XWindow final : public OutputWindow {
       if (covers(other, output_)) above = *it;
     }
     if (list != nullptr) XFree(list);
-    take_x_error();  // a window that went away meanwhile is no fault
+    take_x_error();  // a window closed meanwhile is no fault
     if (above == None) return {};
     return fail(changed("a window " + title_of(display_.get(), above) + " lies over output " +
                         output_.name + "; close it or move it"));
@@ -220,7 +220,7 @@ class XWindow final : public OutputWindow {
   Output output_;
   SdlConfig config_;
   DisplayInfo info_;
-  Window window_ = None;  // goes with its connection
+  Window window_ = None;  // destroyed with its connection
   std::unique_ptr<Video> video_;
   Canvas canvas_;
 };

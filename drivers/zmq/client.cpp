@@ -46,7 +46,7 @@ constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
 
-/// Of a handshake that failed, as far as a client is told.
+/// Why a CURVE handshake failed, as far as the client can tell.
 std::string why_not_let_in(int event, bool has_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     return "the daemon does not know this client's key: its public key must stand in the file of "
@@ -63,7 +63,7 @@ std::string why_not_let_in(int event, bool has_keys) {
   return "the connection ended in the handshake: is the server key that of this daemon?";
 }
 
-/// Of a monitor's message; 0 if it is none.
+/// Event number of a socket monitor's message; 0 if it is not one.
 int event_of(const std::vector<zmq::message_t>& parts) {
   std::uint16_t event = 0;
   if (!parts.empty() && parts[0].size() >= sizeof event) {
@@ -82,7 +82,7 @@ struct ControlClient::Impl {
   zmq::socket_t monitor;
   int opened = 0;
 
-  /// A new socket has a new routing id, so that replies to older requests never reach it.
+  /// Opens a new socket. It has a new routing id, so replies to older requests never reach it.
   Result<void> open() {
     socket = zmq::socket_t(context, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
@@ -95,8 +95,8 @@ struct ControlClient::Impl {
     return connect_endpoint(socket.handle(), endpoint);
   }
 
-  /// Until a reply is there, or the daemon does not let us in, or time is over. What failed last in
-  /// the handshakes; 0: nothing. A connection that merely ended is tried again.
+  /// Waits for a reply, a rejected handshake or the time-out. Returns the event of the last failed
+  /// handshake; 0: none. libzmq retries a connection that merely ended, so waiting continues.
   int wait(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + timeout;
@@ -172,7 +172,7 @@ Result<Subscriber> Subscriber::connect(const std::string& endpoint,
 std::optional<StreamMessage> Subscriber::receive(std::chrono::milliseconds timeout) {
   if (!readable(impl_->socket, timeout)) return std::nullopt;
   const auto parts = receive_parts(impl_->socket);
-  if (parts.size() < 2) return std::nullopt;  // not from one of our daemons
+  if (parts.size() < 2) return std::nullopt;  // not a message of ovwsd
   StreamMessage message{parts[0].to_string(), parts[1].to_string(), {}};
   if (parts.size() > 2) {
     message.binary.resize(parts[2].size());

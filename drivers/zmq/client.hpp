@@ -1,4 +1,4 @@
-/// The other side of the daemon's sockets: requests with a time-out, and received streams.
+/// Client of the daemon's sockets: requests with a time-out, and stream subscriptions.
 #pragma once
 
 #include <chrono>
@@ -14,11 +14,11 @@
 
 namespace ovws {
 
-/// One thread at a time.
+/// Client of the control socket. One thread at a time.
 class ControlClient {
  public:
-  /// Without keys: to a daemon that asks for none. Errors: Errc::invalid (endpoint or keys not
-  /// understood). That nobody is there, or that the keys are wrong, shows with the first request.
+  /// Connects, without keys to a daemon that requires none. Errors: Errc::invalid (malformed
+  /// endpoint or keys). A missing daemon or rejected keys are reported by the first request.
   static Result<ControlClient> connect(const std::string& endpoint,
                                        const std::optional<ClientKeys>& keys = std::nullopt);
   ControlClient(const ControlClient&) = delete;
@@ -27,9 +27,9 @@ class ControlClient {
   ControlClient& operator=(ControlClient&&) noexcept;
   ~ControlClient();
 
-  /// Sends one request and waits for its reply. Errors: Errc::unavailable if none came in time, or
-  /// Errc::refused at once if the daemon does not let this client in, and why; a reply that comes
-  /// later is never taken for that of another request.
+  /// Sends one request and waits for its reply. Errors: Errc::unavailable if none came in time;
+  /// Errc::refused at once, with the reason, if the daemon rejects this client. A late reply is
+  /// never taken for that of another request.
   Result<std::string> request(std::string_view bytes, std::chrono::milliseconds timeout);
 
  private:
@@ -44,11 +44,11 @@ struct StreamMessage {
   std::vector<std::byte> binary;  ///< empty if the topic has none
 };
 
-/// One thread at a time.
+/// Subscriber of the daemon's streams. One thread at a time.
 class Subscriber {
  public:
-  /// `topics`: empty means all. `receive_queue` messages are kept for a slow reader, then the
-  /// newest are lost.
+  /// Connects and subscribes. `topics`: empty means all. Up to `receive_queue` messages are queued
+  /// for a slow reader; further ones are lost. Errors as in ControlClient::connect.
   static Result<Subscriber> connect(const std::string& endpoint,
                                     const std::vector<std::string>& topics, int receive_queue,
                                     const std::optional<ClientKeys>& keys = std::nullopt);
@@ -58,7 +58,7 @@ class Subscriber {
   Subscriber& operator=(Subscriber&&) noexcept;
   ~Subscriber();
 
-  /// None if nothing came in time, or a signal came first.
+  /// The next message. None on time-out, or if a signal interrupted the wait.
   std::optional<StreamMessage> receive(std::chrono::milliseconds timeout);
 
  private:

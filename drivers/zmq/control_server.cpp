@@ -14,25 +14,25 @@ namespace ovws {
 namespace {
 
 constexpr long kWaitMs = 50;
-constexpr int kLingerMs = 100;  // what was answered last may leave before the socket closes
+constexpr int kLingerMs = 100;  // time for the last replies to be sent before the socket closes
 constexpr int kTurn = 64;       // requests received before any is served
 constexpr auto kServeFor = std::chrono::milliseconds(10);  // before replies are sent
-// ROUTER drops what one client's queue does not hold, and counts what was written long ago until
-// the next exchange with its thread. What is outstanding is bounded in the ReplyBox instead.
-constexpr int kReplyQueue = 0;                    // without limit
+// Unlimited, because ROUTER drops replies beyond a client's high-water mark, and its count lags
+// behind what was already written. ReplyBox bounds the outstanding replies instead.
+constexpr int kReplyQueue = 0;                    // unlimited
 constexpr int kReceiveQueue = 32;                 // requests held for one client
-constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // beyond, libzmq ends the connection
+constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
 constexpr std::size_t kMaxParts = 16;             // of one request, its envelope included
-constexpr std::size_t kMaxRoutingId = 255;        // bytes, by ZeroMQ's own rule
+constexpr std::size_t kMaxRoutingId = 255;        // bytes, defined by ZeroMQ
 
-/// One multipart request. Parts beyond kMaxParts are counted and not kept.
+/// One multipart request. Parts beyond kMaxParts are counted but not kept.
 struct Incoming {
   std::vector<zmq::message_t> parts;
   std::size_t count = 0;
 };
 
-/// The envelope is routing ids, and ends with the first empty frame before the last; a DEALER may
-/// leave that out, and then it is the first routing id alone.
+/// Number of envelope frames: routing ids up to and including the first empty delimiter before the
+/// last frame. A DEALER may omit the delimiter; then the envelope is the first routing id alone.
 std::size_t envelope_size(const Incoming& in) {
   for (std::size_t k = 1; k + 1 < in.parts.size(); ++k) {
     if (in.parts[k].size() == 0) return k + 1;
@@ -41,7 +41,7 @@ std::size_t envelope_size(const Incoming& in) {
   return 1;
 }
 
-/// The key that the gate let in.
+/// The client's public key as authenticated by the gate.
 std::string asker_of(const zmq::message_t& part) {
   const char* key = zmq_msg_gets(part.handle(), "User-Id");
   return key == nullptr ? "" : key;
@@ -62,7 +62,7 @@ struct ControlServer::Impl {
   RequestTurns turns{box};
   ControlLimits limits;
   ControlHandler handler;
-  bool more_to_serve = false;  ///< the last turn ended by its time
+  bool more_to_serve = false;  ///< the last `serve` ended by its time limit
   std::vector<zmq_pollitem_t> items;
 
   bool wait();
@@ -73,7 +73,7 @@ struct ControlServer::Impl {
   bool serve();
 };
 
-/// Until something is to be done, at most kWaitMs.
+/// Waits for work, at most kWaitMs.
 bool ControlServer::Impl::wait() {
   items.assign(1, {nullptr, box->wake_fd(), ZMQ_POLLIN, 0});
   if (gate != nullptr) gate->parts().add_to(items);
@@ -88,14 +88,14 @@ bool ControlServer::Impl::send_replies() {
   return !replies.empty();
 }
 
-/// The reply's bytes belong to libzmq until they are written to the connection: by then they count
-/// as outstanding.
+/// Sends a reply without copying it. libzmq holds the bytes until they are written to the
+/// connection; until then they count as outstanding.
 void ControlServer::Impl::send(ReplyBox::Reply reply) {
   struct Sent {
     std::shared_ptr<ReplyBox> box;
     ReplyBox::Reply reply;
   };
-  // ROUTER drops what is for a client that is gone.
+  // ROUTER drops messages for a client that is gone.
   for (const auto& frame : reply.envelope) {
     (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
   }
@@ -126,10 +126,10 @@ bool ControlServer::Impl::receive() {
   return true;
 }
 
-/// Puts a request with those of its client. What waits is copied: a received message may hold a
-/// larger buffer of libzmq's.
+/// Queues a request for its client. The bytes are copied, because a received message may hold a
+/// larger buffer of libzmq.
 void ControlServer::Impl::take(const Incoming& in) {
-  if (in.count == 1) return;  // a routing id alone asks for nothing and has nowhere to go
+  if (in.count == 1) return;  // a routing id without a request
   const std::size_t size = envelope_size(in);
   Request request;
   for (std::size_t k = 0; k < size; ++k) request.envelope.push_back(in.parts[k].to_string());
@@ -140,11 +140,11 @@ void ControlServer::Impl::take(const Incoming& in) {
   Envelope envelope = request.envelope;
   if (turns.push(std::move(request))) return;
   auto client = turns.load_of(envelope.front());
-  if (!box->can_refuse(*client)) return;  // it does not read: its own loss
+  if (!box->can_refuse(*client)) return;  // the client reads no replies: dropped
   box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply);
 }
 
-/// One request of each client in turn, until none can be served or the time is over.
+/// Serves one request of each client in turn, until none can be served or kServeFor is over.
 bool ControlServer::Impl::serve() {
   const auto until = std::chrono::steady_clock::now() + kServeFor;
   bool served = false;

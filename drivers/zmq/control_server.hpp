@@ -1,4 +1,5 @@
-/// A ROUTER socket for requests: any REQ or DEALER, exactly one reply a request, from any thread.
+/// Control server: a ROUTER socket for any REQ or DEALER client; exactly one reply per request,
+/// from any thread.
 #pragma once
 
 #include <functional>
@@ -12,29 +13,29 @@
 
 namespace ovws {
 
-/// Takes the request's bytes, the public key of who asks (empty without a gate) and a function to
-/// call once with the reply's bytes, from any thread, at any time (also after the server is gone:
-/// then it does nothing). An empty reply sends nothing.
+/// Handles one request: its bytes, the client's public key (empty without a gate), and a function
+/// to call once with the reply's bytes. The function may be called from any thread at any time;
+/// after the server is gone it does nothing. An empty reply sends nothing.
 using ControlHandler = std::function<void(std::string_view request, const std::string& asker,
                                           std::function<void(std::string)> reply)>;
 
 struct ControlLimits {
   std::size_t max_request_bytes = 0;
-  std::string oversize_reply;  ///< to larger requests, and to those of several frames
-  std::string overload_reply;  ///< to a request that comes while too many of its client wait
+  std::string oversize_reply;  ///< for larger requests, and those of several frames
+  std::string overload_reply;  ///< for a request while too many of its client wait
 };
 
-/// `do_work` runs in the control thread: it waits for requests and for replies to send, at most 50
-/// ms.
+/// `do_work` runs in the control thread: it waits at most 50 ms for requests and for replies to
+/// send.
 class ControlServer : public Agent {
  public:
-  /// Requests that `limits` refuse are answered and not handed on (above 2 MiB libzmq ends the
-  /// connection). Clients are served in turn, one request each; those of one client in their
-  /// order. A client's next request waits while 64 of its requests or 8 KiB of them are being
-  /// carried out, or 128 of its replies or 4 MiB of them are unread. Up to 8 MiB of requests wait
-  /// for each client, 32 MiB for all. A client that leaves the replies beyond that unread loses
-  /// some. With a gate this server turns it, for all sockets behind it; bind it last. Errors as of
-  /// Publisher::bind.
+  /// Binds the server. Requests beyond `limits` are answered without calling the handler; above 2
+  /// MiB libzmq closes the connection. Clients are served round-robin, one request each, those of
+  /// one client in order. A client's next request waits while 64 of its requests or 8 KiB of them
+  /// are being carried out, or 128 of its replies or 4 MiB of them are unread. Up to 8 MiB of
+  /// requests are queued for each client, 32 MiB for all; further ones get `overload_reply`, and a
+  /// client that leaves those unread, too, loses some. With a gate, this server runs the gate for
+  /// all sockets behind it; bind it last. Errors as in Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      ControlLimits limits, ControlHandler handler,
                                                      Gate* gate = nullptr);
@@ -42,7 +43,7 @@ class ControlServer : public Agent {
   ControlServer& operator=(const ControlServer&) = delete;
   ~ControlServer() override;
   bool do_work() override;
-  /// Sends the replies that are there.
+  /// Sends the pending replies.
   void on_close() override;
 
  private:

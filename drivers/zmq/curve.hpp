@@ -1,4 +1,4 @@
-/// Keys of CURVE, ZeroMQ's encryption, as texts of 40 characters (Z85).
+/// CURVE keys (ZeroMQ's encryption and authentication) as Z85 texts of 40 characters.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct KeyPair {
   std::string secret_key;
 };
 
-/// What a client needs: its own pair, and the public key of the daemon that it means.
+/// Keys of a client: its own pair, and the public key of the daemon.
 struct ClientKeys {
   KeyPair own;
   std::string server_key;
@@ -22,7 +22,7 @@ struct ClientKeys {
 bool is_curve_key(const std::string& text);
 /// Errors: Errc::unavailable, if this libzmq has no CURVE.
 Result<KeyPair> make_key_pair();
-/// None if `secret_key` is no key.
+/// The public key that belongs to a secret key. None if `secret_key` is malformed.
 std::optional<std::string> public_key_of(const std::string& secret_key);
 
 }  // namespace ovws

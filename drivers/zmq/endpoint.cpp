@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kIpc = "ipc://";
 constexpr mode_t kSocketMode = 0660;
 
-/// Of an ipc endpoint; empty for others, and for a name that is no file ("@name").
+/// Socket file of an ipc endpoint; empty for other endpoints and for abstract names ("@name").
 std::string file_of(const std::string& endpoint) {
   if (!endpoint.starts_with(kIpc) || endpoint.substr(kIpc.size()).starts_with('@')) return {};
   return endpoint.substr(kIpc.size());
@@ -45,8 +45,8 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
   }
 }
 
-/// libzmq removes the file of an ipc endpoint before it binds, and so would take it from a program
-/// that is alive.
+/// Whether another process listens at the socket file. libzmq removes the file before it binds,
+/// which would take the endpoint from a running program.
 bool somebody_listens(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -1,5 +1,5 @@
-/// Binding and connecting ZeroMQ sockets with errors that a person understands. Private to this
-/// driver; `socket` is a libzmq socket handle.
+/// Binds and connects ZeroMQ sockets with user-friendly errors. Private to this driver; `socket` is
+/// a libzmq socket handle.
 #pragma once
 
 #include <string>
@@ -8,11 +8,10 @@
 
 namespace ovws {
 
-/// The file of an ipc endpoint is for the process's user and group alone (mode 0660).
-/// Errors: Errc::unavailable (in use, no such address, no permission), Errc::invalid (not
-/// understood); both name the endpoint.
+/// Binds a socket. The file of an ipc endpoint gets mode 0660. Errors: Errc::unavailable (in use,
+/// no such address, no permission), Errc::invalid (malformed); both name the endpoint.
 Result<void> bind_endpoint(void* socket, const std::string& endpoint);
-/// Errors: Errc::invalid. That nobody answers there shows only later.
+/// Connects a socket. Errors: Errc::invalid (malformed). A missing peer is no error here.
 Result<void> connect_endpoint(void* socket, const std::string& endpoint);
 
 }  // namespace ovws

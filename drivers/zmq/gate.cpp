@@ -11,20 +11,20 @@ namespace ovws {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
-constexpr const char* kEnds = "ends";  // ZAP domains, by what becomes of a stranger
+constexpr const char* kEnds = "ends";  // ZAP domains, by the treatment of unknown keys
 constexpr const char* kComesAgain = "comes again";
-constexpr int kIoThreads = 3;  // one a socket: encrypting pictures delays no measurement
+constexpr int kIoThreads = 3;  // one per socket: encrypting images delays no measurement
 constexpr int kTurn = 64;
-constexpr int kHandshakeMs = 5000;  // a stranger that comes again hangs in its handshake until then
-/// What ZAP is not asked for. A client without a key may see first that keys are asked for, and
-/// hang up: no detail.
+constexpr int kHandshakeMs = 5000;  // a client refused with 300 hangs in its handshake until then
+/// Handshake failures that never reach ZAP. A client without a key may notice the required
+/// mechanism and hang up first; that gives no detail.
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
-constexpr std::size_t kZapFrames = 7;  // and for CURVE they are exactly so many
+constexpr std::size_t kZapFrames = 7;  // exactly, for CURVE
 constexpr std::size_t kCurveKeyBytes = 32;
 
 using Frames = std::vector<zmq::message_t>;
 
-/// None if nothing is there.
+/// The next multipart message; empty if none is waiting.
 Frames receive(zmq::socket_t& socket) {
   Frames frames;
   do {
@@ -35,7 +35,8 @@ Frames receive(zmq::socket_t& socket) {
   return frames;
 }
 
-/// Of a ZAP request: [version, request, domain, address, routing id, mechanism, key].
+/// Client key (Z85) of a ZAP request: [version, request, domain, address, routing id, mechanism,
+/// key].
 std::string key_of(const Frames& frames) {
   if (frames.size() != kZapFrames || frames[5].to_string_view() != "CURVE") return {};
   if (frames[6].size() != kCurveKeyBytes) return {};

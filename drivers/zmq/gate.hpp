@@ -1,5 +1,5 @@
-/// Who may connect, where keys are configured: CURVE on every socket, and the answers of ZeroMQ's
-/// authentication protocol (ZAP, RFC 27) by the clients' public keys.
+/// Access control by keys: CURVE on every socket, and a handler of ZeroMQ's authentication protocol
+/// (ZAP, RFC 27) that checks the clients' public keys.
 #pragma once
 
 #include <functional>
@@ -10,32 +10,32 @@
 
 namespace ovws {
 
-/// Called in the thread that turns the ControlServer, but for what says otherwise.
+/// Callbacks, in the thread of the ControlServer unless stated otherwise.
 struct GateCalls {
   std::function<bool(const std::string& public_key)> knows;
-  /// Somebody was not let in; `why` is for a person.
+  /// A client was rejected; `why` is a message for the user.
   std::function<void(const std::string& why)> rejected;
-  /// The publisher's thread: one has not come to be bound anew for a second, and sends nothing;
-  /// and, without an error, it is bound again.
+  /// In the publisher's thread. With an error: rebinding has failed for a second, and the publisher
+  /// sends nothing. Without: it is bound again.
   std::function<void(const std::string& endpoint, const Result<void>& bound)> rebound;
 };
 
-/// Sockets bound with it let in nobody but clients with keys that `knows` takes. It outlives them:
-/// where nobody answers ZAP, libzmq lets every key in.
-/// The ControlServer bound with it does its work: until that turns, nobody is let in.
+/// Sockets bound with a gate accept only clients whose keys `knows` accepts. The gate must outlive
+/// them: without a ZAP handler libzmq accepts every key. The ControlServer bound with it runs the
+/// handler; until that runs, no client is accepted.
 class Gate {
  public:
-  /// Errors: Errc::invalid, field "security.secret_key".
+  /// Errors: Errc::invalid, field "security.secret_key", for a malformed key.
   static Result<std::unique_ptr<Gate>> make(const std::string& secret_key, GateCalls calls);
   ~Gate();
   Gate(const Gate&) = delete;
   Gate& operator=(const Gate&) = delete;
 
-  /// Thread-safe. No publisher sends anything more over the connections that it has: each is bound
-  /// anew with its next message, and subscribers have to show their keys again.
+  /// Disconnects all subscribers, who must authenticate again. Each publisher rebinds before its
+  /// next message and sends nothing more over its old connections. Thread-safe.
   void end_streams();
 
-  struct Parts;  ///< of this driver's sockets
+  struct Parts;  ///< for this driver's sockets
   Parts& parts() { return *parts_; }
 
  private:

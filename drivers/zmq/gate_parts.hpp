@@ -1,4 +1,4 @@
-/// What a gate is made of, for the sockets that stand behind it. Private to this driver.
+/// Implementation of the gate, for the sockets behind it. Private to this driver.
 #pragma once
 
 #include <atomic>
@@ -11,25 +11,25 @@
 namespace ovws {
 
 struct Gate::Parts {
-  /// ZAP works within one context: sockets behind one gate share it.
+  /// ZAP works within one context, so all sockets behind a gate share it.
   std::shared_ptr<zmq::context_t> context;
   std::string secret_key;
   GateCalls calls;
   zmq::socket_t zap;
-  std::vector<zmq::socket_t> monitors;  ///< tell of handshakes that never came to ZAP
-  std::atomic<unsigned> generation{0};  ///< a publisher's connections are of one generation
+  std::vector<zmq::socket_t> monitors;  ///< report handshakes that never reached ZAP
+  std::atomic<unsigned> generation{0};  ///< a publisher of an older generation must rebind
 
-  /// What a client whose key is not known does then, by ZAP's status code.
+  /// Reply to a client with an unknown key, as ZAP status code.
   enum class Stranger {
-    ends,         ///< 400: its connection ends for good, with a reason
-    comes_again,  ///< 300: a subscriber is never told why nothing comes, so its key may be given
-                  ///< back
+    ends,         ///< 400: permanent error; the connection ends with a reason
+    comes_again,  ///< 300: temporary error; the client retries, because a subscriber never learns
+                  ///< the reason and its key may be restored
   };
-  /// Before the socket is bound.
+  /// Protects a socket with CURVE. Call it before the socket is bound.
   void guard(zmq::socket_t& socket, Stranger stranger);
-  /// Appends what `serve` waits for.
+  /// Appends the sockets to poll for `serve`.
   void add_to(std::vector<zmq_pollitem_t>& items);
-  /// Answers and counts what is there; never waits.
+  /// Answers waiting ZAP requests and reports failed handshakes; never blocks.
   void serve();
 
  private:
@@ -37,7 +37,7 @@ struct Gate::Parts {
   static bool note_one(zmq::socket_t& monitor, const GateCalls& calls);
 };
 
-/// The gate's context, or one of its own for a socket without a gate.
+/// The gate's context, or a new one for a socket without a gate.
 inline std::shared_ptr<zmq::context_t> context_of(Gate* gate) {
   return gate != nullptr ? gate->parts().context : std::make_shared<zmq::context_t>(1);
 }

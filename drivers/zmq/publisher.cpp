@@ -12,9 +12,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kMostBytes = 4096;  // handshakes and subscriptions are all that comes in
+constexpr std::int64_t kMostBytes =
+    4096;  // incoming messages are only handshakes and subscriptions
 constexpr auto kBetweenTries = std::chrono::milliseconds(100);
-constexpr auto kPatience = std::chrono::seconds(1);  // the old listener's end takes a moment
+constexpr auto kPatience = std::chrono::seconds(1);  // the old listener takes a moment to close
 
 }  // namespace
 
@@ -31,7 +32,7 @@ struct Publisher::Impl {
   Gate* gate;
   std::shared_ptr<zmq::context_t> context;
   zmq::socket_t socket;
-  std::string bound_at;  ///< as libzmq calls it: of tcp://*:PORT tcp://0.0.0.0:PORT
+  std::string bound_at;  ///< libzmq's name of it: tcp://0.0.0.0:PORT for tcp://*:PORT
   unsigned generation = 0;
   bool bound = false;
   Clock::time_point next_try{}, unbound_since{};
@@ -44,8 +45,9 @@ struct Publisher::Impl {
     return {};
   }
 
-  /// Unbinding ends all connections. The old listener ends in libzmq's own thread: until it has,
-  /// the address is in use.
+  /// Rebinds if the gate's generation has changed; whether the socket is bound. Unbinding closes
+  /// all connections. The old listener closes in libzmq's thread, and until then the address is in
+  /// use.
   bool is_bound() {
     if (gate == nullptr) return true;
     const unsigned wanted = gate->parts().generation.load();
@@ -61,7 +63,7 @@ struct Publisher::Impl {
     return done.has_value();
   }
 
-  /// A failure that lasts, once, and its end.
+  /// Reports a lasting failure to rebind once, and its end.
   void tell(const Result<void>& done) {
     if (!done && (failure_told || Clock::now() - unbound_since < kPatience)) return;
     if (done && !failure_told) return;
@@ -85,7 +87,7 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
   auto impl = std::make_unique<Impl>(endpoint, gate);
   impl->socket.set(zmq::sockopt::sndhwm, send_queue);
   impl->socket.set(zmq::sockopt::linger, 0);
-  // libzmq takes memory for what a frame says it is, before anybody has shown a key.
+  // libzmq allocates the size that a frame announces even before the client is authenticated.
   impl->socket.set(zmq::sockopt::maxmsgsize, kMostBytes);
   if (auto bound = impl->bind(); !bound) return fail(bound.error());
   return Publisher(std::move(impl));
@@ -94,8 +96,8 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
 bool Publisher::send(std::string_view topic, std::string_view json,
                      std::span<const std::byte> binary) {
   if (!impl_->is_bound()) return false;
-  // A PUB socket drops for each subscriber alone, and whole messages; once the first part is
-  // taken, the rest is.
+  // A PUB socket drops per subscriber and only whole messages: once the first part is accepted, the
+  // rest is, too.
   return impl_->part(topic.data(), topic.size(), true) &&
          impl_->part(json.data(), json.size(), !binary.empty()) &&
          (binary.empty() || impl_->part(binary.data(), binary.size(), false));

@@ -1,4 +1,4 @@
-/// A PUB socket: multipart messages, small queues, never waits.
+/// Publisher on a PUB socket: multipart messages, short queues, never blocks.
 #pragma once
 
 #include <memory>
@@ -14,9 +14,9 @@ namespace ovws {
 /// One thread at a time.
 class Publisher {
  public:
-  /// `send_queue` messages per subscriber; a slow one loses its own. Errors: Errc::unavailable
-  /// (port in use, said with the endpoint), Errc::invalid (endpoint not understood). With a gate:
-  /// only clients that it lets in, over CURVE.
+  /// Binds the socket. `send_queue` messages per subscriber; a slow subscriber loses only its own.
+  /// With a gate, only clients that it accepts can subscribe, over CURVE. Errors: Errc::unavailable
+  /// (endpoint in use), Errc::invalid (malformed endpoint); both name the endpoint.
   static Result<Publisher> bind(const std::string& endpoint, int send_queue, Gate* gate = nullptr);
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -24,8 +24,8 @@ class Publisher {
   Publisher& operator=(Publisher&&) noexcept;
   ~Publisher();
 
-  /// [topic][json][binary, if not empty]. False if this process's own queue was full, or the
-  /// socket is just being bound anew (Gate::end_streams).
+  /// Sends [topic][json][binary, if not empty]. False if this process's own queue was full, or the
+  /// socket is being rebound (Gate::end_streams).
   bool send(std::string_view topic, std::string_view json, std::span<const std::byte> binary = {});
 
  private:

@@ -38,7 +38,8 @@ void end_reply(ClientLoad& load, std::size_t bytes) {
 
 }  // namespace
 
-/// Shared by all copies of one reply function; the last one to go unanswered gives the place free.
+/// State shared by all copies of one reply function. If the last copy is destroyed unanswered, the
+/// request no longer counts as outstanding.
 class ReplyBox::Ticket {
  public:
   Ticket(std::shared_ptr<ReplyBox> box, Envelope envelope, std::shared_ptr<ClientLoad> client,

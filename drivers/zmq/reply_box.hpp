@@ -1,5 +1,5 @@
-/// Replies on their way from any thread to the control thread, and what each client has
-/// outstanding. Private to this driver.
+/// Queue of replies from any thread to the control thread, with accounting of each client's
+/// outstanding requests and replies (backpressure). Private to this driver.
 #pragma once
 
 #include <cstddef>
@@ -11,25 +11,25 @@
 
 namespace ovws {
 
-/// Frames that lead back to the asker, its routing id first.
+/// Routing frames that lead back to the client, its routing id first.
 using Envelope = std::vector<std::string>;
 
-/// What one client has outstanding. Owned by the ReplyBox, whose lock guards it.
+/// Outstanding requests and replies of one client. Guarded by the lock of the ReplyBox.
 struct ClientLoad {
-  std::size_t requests = 0, request_bytes = 0;  ///< handed on, not yet answered
+  std::size_t requests = 0, request_bytes = 0;  ///< being carried out, not yet answered
   std::size_t replies = 0, reply_bytes = 0;     ///< answered, not yet written to its connection
 };
 
-/// Limits of what is outstanding: beyond, a client's next request waits.
+/// Limits per client; beyond them its next request waits.
 constexpr ClientLoad kMostOfOneClient{64, 8 << 10, 128, 4 << 20};
-/// Of all clients together; beyond, only a client with nothing outstanding is served.
+/// Limits of all clients together; beyond them only a client with nothing outstanding is served.
 constexpr ClientLoad kMostOfAllClients{128, 1 << 20, 16384, 32 << 20};
 
-/// Beyond so many replies that a client has not read, further refusals to it are dropped.
+/// Limit of a client's unread replies, beyond which further refusals to it are dropped.
 constexpr std::size_t kMaxRefusals = 1024;
 
-/// Outlives its server for as long as a reply function or an unsent reply exists; then replies go
-/// nowhere.
+/// Lives as long as a reply function or an unsent reply exists, even after its server; replies are
+/// then discarded.
 class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
  public:
   struct Reply {
@@ -43,23 +43,23 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
   ReplyBox(const ReplyBox&) = delete;
   ReplyBox& operator=(const ReplyBox&) = delete;
 
-  /// Readable while there is something to collect, and once after has_room was false and a load
-  /// became less.
+  /// eventfd, readable while there are replies to collect, and once when a load has decreased after
+  /// has_room was false.
   int wake_fd() const { return wake_fd_; }
-  /// A function for one request of `request_bytes`: its first call puts the reply here, later ones
-  /// do nothing. Thread-safe.
+  /// Makes the reply function of one request of `request_bytes`. Its first call queues the reply
+  /// here, later ones do nothing. Thread-safe.
   std::function<void(std::string)> reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
                                             std::size_t request_bytes);
-  /// Whether the limits above admit a further request of the client. Thread-safe.
+  /// Whether the limits admit a further request of the client. Thread-safe.
   bool has_room(const ClientLoad& client);
-  /// Whether a request of the client that cannot wait may still be answered by an error.
+  /// Whether a request of the client that cannot be queued may still be answered with an error.
   /// Thread-safe.
   bool can_refuse(const ClientLoad& client) const;
   /// Whether the client has nothing outstanding. Thread-safe.
   bool is_idle(const ClientLoad& client) const;
-  /// Takes all replies that are there. They count as outstanding until `sent`. Control thread.
+  /// Takes all queued replies. They count as outstanding until `sent`. Control thread.
   std::vector<Reply> collect();
-  /// A collected reply was written to the connection, or dropped. Thread-safe.
+  /// Notes that a collected reply was written to the connection or dropped. Thread-safe.
   void sent(ClientLoad& client, std::size_t reply_bytes);
 
  private:

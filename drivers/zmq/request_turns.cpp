@@ -6,7 +6,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kOverheadBytes = 256;  // of one request beside its bytes
+constexpr std::size_t kOverheadBytes = 256;  // memory of one request besides its bytes
 
 }  // namespace
 
@@ -53,8 +53,8 @@ std::optional<RequestTurns::Turn> RequestTurns::next() {
   return std::nullopt;
 }
 
-/// Clients leave without a word. The table is swept when it has doubled, so that a request costs a
-/// constant on average.
+/// Removes idle clients, because clients leave without notice. The table is swept when it has
+/// doubled, so the cost per request is constant on average.
 void RequestTurns::forget_idle_clients() {
   constexpr std::size_t kLeast = 64;
   std::erase_if(clients_, [this](const auto& entry) {

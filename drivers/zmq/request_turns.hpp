@@ -1,4 +1,4 @@
-/// Round-robin scheduling of requests over clients, with a bound in bytes on what waits. Private to
+/// Round-robin scheduling of requests over clients, with a limit on the queued bytes. Private to
 /// this driver.
 #pragma once
 
@@ -13,35 +13,36 @@
 
 namespace ovws {
 
-/// One request as it came in.
+/// One received request.
 struct Request {
   Envelope envelope;
   std::string bytes;
   std::string asker;         ///< the client's public key, or empty
-  bool well_sized = true;    ///< false: it is answered with an error and `bytes` is empty
-  std::size_t size() const;  ///< what it takes in memory
+  bool well_sized = true;    ///< false: to be answered with an error; `bytes` is empty
+  std::size_t size() const;  ///< memory use, bytes
 };
 
-/// Requests that wait until their client has room for them in the ReplyBox. Control thread only.
+/// Queue of requests until their client has room in the ReplyBox. Control thread only.
 class RequestTurns {
  public:
   explicit RequestTurns(std::shared_ptr<ReplyBox> box) : box_(std::move(box)) {}
 
-  /// What waits of one client, and of all. A client of which nothing waits may always add one.
+  /// Limits of queued requests per client and in total. A client without a queued request may
+  /// always add one.
   static constexpr std::size_t kMostOfOneBytes = 8 << 20;
   static constexpr std::size_t kMostOfAllBytes = 32 << 20;
 
-  /// The load of the client with this routing id, made if there is none.
+  /// The load of the client with this routing id; created if new.
   std::shared_ptr<ClientLoad> load_of(const std::string& routing_id);
-  /// False: too much waits, and the request was not taken.
+  /// Queues a request. False if a limit is reached; the request is then discarded.
   bool push(Request request);
 
   struct Turn {
     Request request;
     std::shared_ptr<ClientLoad> client;
   };
-  /// The next request: of the client that has waited longest for its turn and has room. Requests of
-  /// one client keep their order. None if no client with a waiting request has room.
+  /// Takes the next request: of the client that has waited longest for its turn and has room.
+  /// Requests of one client keep their order. None if no client with a queued request has room.
   std::optional<Turn> next();
 
  private:
@@ -54,9 +55,9 @@ class RequestTurns {
 
   std::shared_ptr<ReplyBox> box_;
   std::unordered_map<std::string, Client> clients_;  ///< by routing id
-  std::deque<Client*> turns_;  ///< clients of which something waits; a map's nodes do not move
+  std::deque<Client*> turns_;  ///< clients with queued requests; map nodes do not move
   std::size_t waiting_bytes_ = 0;
-  std::size_t sweep_at_ = 64;  ///< clients
+  std::size_t sweep_at_ = 64;  ///< number of clients that triggers the next sweep
 };
 
 }  // namespace ovws
