@@ -79,7 +79,8 @@ std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
   return state_.number;
 }
 
-/// What the twin itself was ordered is in force at once: it knows no settling.
+/// Orders to the twin itself (truth, window) take effect at once, without settling: an older frame
+/// is never sent.
 bool Bench::may_be_sent() const {
   if (computed_ == state_.number) return true;
   return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kTurning;
@@ -114,7 +115,7 @@ BenchStatus Bench::status() const {
   return status;
 }
 
-/// Returns whether the light has changed by it.
+/// Moves the turbulence to the time of `now`; returns whether the light has changed.
 bool Bench::move_air(const State& now) {
   const std::optional<TurbulenceConfig>& wanted = now.truth.turbulence;
   if (!wanted && !turbulence_) return false;

@@ -1,5 +1,5 @@
-/// The bench as it is now: what the SLM shows, the truth, the camera's window, and the light that
-/// follows from them. The far field is computed in one thread, off the camera's.
+/// State of the simulated bench: the SLM's image, the ground truth, the camera's window, and the
+/// far field that follows from them. The far field is computed in a thread of its own.
 #pragma once
 
 #include <chrono>
@@ -19,15 +19,15 @@
 
 namespace ovws::twin {
 
-/// The light on the camera for one state of the bench. Immutable.
+/// Intensity on the camera for one state of the bench. Immutable.
 struct Scene {
   std::shared_ptr<const Image<float>> intensity;  ///< as BenchModel::intensity
   Truth truth;
-  std::int64_t t_ns = 0;           ///< UTC: the moment of the turbulence
-  Turbulence::Modes turbulence{};  ///< its modes then; zeros without turbulence
+  std::int64_t t_ns = 0;           ///< time of the turbulence, UTC
+  Turbulence::Modes turbulence{};  ///< modes at t_ns; zeros without turbulence
 };
 
-/// What was true of a frame that was sent.
+/// Ground truth of a frame that was sent.
 struct FrameTruth {
   std::uint64_t frame_id = 0;
   std::int64_t t_ns = 0;
@@ -36,8 +36,8 @@ struct FrameTruth {
 
 struct BenchStatus {
   std::uint64_t changes = 0;     ///< of display, truth and window
-  std::uint64_t far_fields = 0;  ///< computed
-  double far_field_ms = 0.0;     ///< the last one took
+  std::uint64_t far_fields = 0;  ///< number computed so far
+  double far_field_ms = 0.0;     ///< computing time of the last one
 };
 
 /// Thread-safe.
@@ -55,8 +55,7 @@ class Bench {
 
   void work(const std::stop_token& stop);  ///< body of the bench's thread
 
-  /// `since`: not later than the first moment at which the display showed this. Requires the SLM's
-  /// size.
+  /// The display shows a new image of the SLM's size. `since`: not later than its first appearance.
   void show(const Image<std::uint8_t>& grey, Deadline since);
   void go_dark();  ///< the SLM is off: flat, every grey level 0
 
@@ -64,22 +63,22 @@ class Bench {
   std::shared_ptr<const Image<std::uint8_t>> shown() const;  ///< grey levels of the SLM
   void set_truth(const Truth& truth);
 
-  /// A frame of this window of the sensor begins now, `t_ns` UTC. Returns the number of the present
-  /// state: with turbulence, a new one.
+  /// Begins a frame of this window of the sensor at `t_ns` UTC. Returns the number of the current
+  /// state; with turbulence every moment is a new state.
   std::uint64_t begin(const Roi& window, std::int64_t t_ns = 0);
-  /// The light for a frame that was begun in state `begun`, of that state or of a newer one. A
-  /// scene that is not `ready` yet is for preparing the frame: it becomes so, or a newer one does.
-  /// Returns `ready` itself when a frame of it may be sent, which is decided anew after each
-  /// preparation; null if nothing comes by the deadline, or on stop.
+  /// Waits for the scene of a frame that was begun in state `begun`: of that state or a newer one.
+  /// A returned scene other than `ready` is to be prepared as a frame and passed as `ready` in the
+  /// next call. Returns `ready` itself once that frame may be sent. Null at the deadline or on
+  /// stop.
   std::shared_ptr<const Scene> scene(std::uint64_t begun, const std::shared_ptr<const Scene>& ready,
                                      Deadline deadline, const std::stop_token& stop);
-  /// A frame was sent. With turbulence, `frame_truths` has it from now on.
+  /// Notes a sent frame; with turbulence it is added to `frame_truths`.
   void note_sent(std::uint64_t frame_id, const Scene& scene);
   std::vector<FrameTruth> frame_truths() const;  ///< the last 32, the oldest first
   BenchStatus status() const;
 
  private:
-  /// What a far field is computed from.
+  /// Inputs of a far field.
   struct State {
     std::shared_ptr<const Image<std::uint8_t>> grey;
     Truth truth;
@@ -90,7 +89,7 @@ class Bench {
   std::shared_ptr<const Scene> compute(const State& now);
   bool move_air(const State& now);
   void note_change();        // call with mutex_ locked
-  void turn_crystal();       // call with mutex_ locked: what is due
+  void turn_crystal();       // call with mutex_ locked: shows images that are due
   bool may_be_sent() const;  // call with mutex_ locked
 
   mutable std::mutex mutex_;
@@ -98,14 +97,14 @@ class Bench {
   State state_;
   std::shared_ptr<const Scene> scene_;
   std::uint64_t computed_ = 0;  ///< the State::number that scene_ shows
-  std::uint64_t ordered_ = 0;   ///< the newest change of truth or window
+  std::uint64_t ordered_ = 0;   ///< State::number of the newest change of truth or window
   struct Turning {
     std::shared_ptr<const Image<std::uint8_t>> grey;
     Deadline due;
   };
-  std::deque<Turning> turning_;  ///< what the display shows and the liquid crystal not yet
+  std::deque<Turning> turning_;  ///< on the display, but not yet on the liquid crystal
   std::chrono::steady_clock::duration settle_{};
-  Deadline shown_since_;  ///< when the display began to show what it shows
+  Deadline shown_since_;  ///< when state_.grey appeared on the SLM
   BenchStatus status_;
   std::deque<FrameTruth> frame_truths_;
 

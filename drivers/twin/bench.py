@@ -1,8 +1,8 @@
-"""Starts a bench on this machine and ends exactly what it started.
+"""Starts a simulated bench on this machine, and stops exactly what it started.
 
-A bench is an X server with two (virtual) outputs, DUMMY0 for people and DUMMY1 for the SLM, the
-digital twin `ovws-twin` that looks at DUMMY1 and answers as a camera, and, where asked for, the
-daemon `ovwsd`. Standard library only.
+A bench is an X server with two virtual outputs (DUMMY0 for the desktop, DUMMY1 for the SLM), the
+digital twin `ovws-twin`, which reads DUMMY1 and answers as a camera, and optionally the daemon
+`ovwsd`. Standard library only.
 
     import bench
     with bench.Bench() as b:
@@ -34,12 +34,12 @@ X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
 
 
 class BenchError(Exception):
-    """Something did not start, or ended by itself; the text says what, and ends with its log."""
+    """A program did not start or ended by itself; the text says which one, and ends with its log."""
 
 
 def find_programs(build=None):
-    """The folder with ovwsd, ovws and ovws-twin: of the build folder given, else of $OVWS_BUILD,
-    else of the build in build/* that was linked last."""
+    """The folder with ovwsd, ovws and ovws-twin: in `build`, else in $OVWS_BUILD, else in the
+    folder of build/* whose ovws-twin is the newest."""
     build = build or os.environ.get("OVWS_BUILD")
     folders = [pathlib.Path(build)] if build else sorted((SOURCE / "build").glob("*"))
     twins = [f / "bin" / "ovws-twin" for f in folders if (f / "bin" / "ovws-twin").exists()]
@@ -49,13 +49,13 @@ def find_programs(build=None):
 
 
 def python_client():
-    """Makes ovws_client of the build that is run the one that is imported; it holds what the build made."""
+    """Makes `import ovws_client` find the package of the build in use, which contains generated code."""
     sys.path.insert(0, str(find_programs().parent / "python"))
 
 
 def own_network():
-    """Moves this process, and what it starts from now on, into an empty network namespace; a user who is not root, into a user
-    namespace of his own where he is, if the system lets him."""
+    """Moves this process and its future children into an empty network namespace. Without root rights it first enters a user
+    namespace in which it has them, if the system allows this."""
     clone_newnet, clone_newuser = 0x40000000, 0x10000000
     libc = ctypes.CDLL(None, use_errno=True)
     user, group = os.geteuid(), os.getegid()
@@ -73,8 +73,8 @@ def _end_with_parent():
 
 
 def free_displays():
-    """Display numbers that nobody seems to have. Xorg's own search (-displayfd) is not used: it
-    asks the network namespace, and takes over the socket file of a server in another one."""
+    """Display numbers that seem free. Xorg's own search (-displayfd) is not used: it only sees its
+    network namespace, and takes over the socket file of a server in another one."""
     for number in range(90, 1000):
         if not any(os.path.exists(path.format(number)) for path in (X_LOCK, X_SOCKET)):
             yield number
@@ -107,13 +107,13 @@ def _xorg_config(width, height):
 
 
 class Process:
-    """One program, its log file, and its end."""
+    """One program of the bench with its log files."""
 
     def __init__(self, name, command, directory, env=None, pass_fds=()):
         self.name = name
         self.log_path = pathlib.Path(directory) / f"{name}.log"
         self._out_path = pathlib.Path(directory) / f"{name}.out"
-        # In a session of its own, so that a Ctrl-C at the terminal ends the bench in order.
+        # A session of its own, so that Ctrl-C at the terminal stops the bench in order.
         with open(self._out_path, "wb") as out, open(self.log_path, "wb") as log:
             self.popen = subprocess.Popen(
                 [str(part) for part in command], stdin=subprocess.DEVNULL, stdout=out, stderr=log,
@@ -128,13 +128,13 @@ class Process:
         return self.popen.poll() is None
 
     def failure(self, what):
-        """A BenchError that says what went wrong and shows the end of the log."""
+        """A BenchError with what went wrong and the end of the log."""
         tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
         ended = "" if self.alive() else f" (it ended with status {self.popen.returncode})"
         return BenchError("\n  ".join([f"{self.name}: {what}{ended}"] + tail))
 
     def wait_for_line(self, start, timeout):
-        """Its first line on standard output that begins with `start`."""
+        """Waits for the first line on standard output that begins with `start`, and returns it."""
         deadline = time.monotonic() + timeout
         while True:
             alive = self.alive()
@@ -146,7 +146,7 @@ class Process:
             time.sleep(0.02)
 
     def stop(self, timeout=5.0):
-        """SIGTERM, and SIGKILL if that was not enough. Returns its exit status."""
+        """Sends SIGTERM, and SIGKILL after `timeout` seconds. Returns the exit status."""
         if self.alive():
             self.popen.terminate()
             try:
@@ -158,7 +158,7 @@ class Process:
 
 
 class Bench:
-    """A bench in a folder of its own, which goes with it unless `directory` is given."""
+    """A bench with a working folder, which is removed at the end unless `directory` is given."""
 
     def __init__(self, build=None, directory=None):
         self._build = build
@@ -180,7 +180,7 @@ class Bench:
         return find_programs(self._build)
 
     def log(self, name):
-        """What a program wrote on standard error."""
+        """Standard error of a program."""
         return (self.directory / f"{name}.log").read_text(errors="replace")
 
     def process(self, name):
@@ -193,7 +193,7 @@ class Bench:
         return process
 
     def stop(self, name):
-        """Ends one program of the bench, for tests of what happens then."""
+        """Stops one program of the bench, for tests of the consequences. Returns its exit status."""
         process = self.process(name)
         self._processes.remove(process)
         return process.stop()
@@ -223,7 +223,7 @@ class Bench:
         raise BenchError("every X display number is taken")
 
     def start_twin(self, config=None, arguments=(), timeout=10.0):
-        """The twin, with these keys of its configuration. Returns when its camera and its control
+        """Starts the twin with these keys of its configuration. Returns when its camera and control
         socket answer."""
         path = self._write("twin.json", config or {})
         twin = self.start("ovws-twin",
@@ -233,8 +233,8 @@ class Bench:
         return twin
 
     def start_daemon(self, config=None, timeout=15.0):
-        """The daemon, with these keys of its configuration. Returns when it has told the service
-        manager, whose part is played here, that it is ready."""
+        """Starts the daemon with these keys of its configuration. Returns when it has reported
+        readiness by sd_notify; this function stands in for the service manager."""
         path = self._write("ovwsd.json", config or {})
         notify_path = self.directory / "notify"
         notify_path.unlink(missing_ok=True)
@@ -253,14 +253,14 @@ class Bench:
         raise daemon.failure(f"not ready in {timeout} s")
 
     def close(self):
-        """Ends all that this bench started, the last first, and removes its own folder."""
+        """Stops all programs of this bench in reverse order, and removes its own folder."""
         while self._processes:
             self._processes.pop().stop()
         if self._own_directory:
             shutil.rmtree(self.directory, ignore_errors=True)
 
     def _environment(self):
-        # Without a display of its own a program of the bench must not find the person's.
+        # Without an X server of the bench, its programs must not find the user's display.
         env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
         return env | ({"DISPLAY": self.display} if self.display else {})
 

@@ -22,7 +22,7 @@ std::complex<float> turn(double turns) {
   return {float(std::cos(angle)), float(std::sin(angle))};
 }
 
-/// work(0) and work(1) at the same time.
+/// Runs work(0) and work(1) in parallel.
 template <class Work>
 void in_two(const Work& work) {
   const std::jthread helper([&] { work(1); });
@@ -61,7 +61,7 @@ void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
   half.far_field.propagate(half.field, half.far);
 }
 
-/// The field of both halves, phases about the SLM's centre.
+/// Adds the fields of both halves, with phases relative to the SLM's centre.
 void BenchModel::collect(int first_row, int end_row) {
   const Half &upper = halves_.front(), &lower = halves_.back();
   for (int r = first_row; r < end_row; ++r) {
@@ -69,7 +69,7 @@ void BenchModel::collect(int first_row, int end_row) {
     const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
     std::complex<float>* out = whole_.row(r);
     for (int c = 0; c < whole_.width; ++c) {
-      // By hand, as in `product`.
+      // Written out, as in `product`.
       out[c] = {a.real() * up[c].real() - a.imag() * up[c].imag() + b.real() * low[c].real() -
                     b.imag() * low[c].imag(),
                 a.real() * up[c].imag() + a.imag() * up[c].real() + b.real() * low[c].imag() +

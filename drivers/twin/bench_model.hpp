@@ -1,4 +1,4 @@
-/// The optics between SLM and camera: which light falls on each pixel of a window of the sensor.
+/// Optical model from SLM to camera: the intensity on each pixel of a window of the sensor.
 #pragma once
 
 #include <complex>
@@ -26,26 +26,27 @@ class BenchModel {
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
     slm_.set_turbulence(turbulence, t_ns);
   }
-  /// Sensor pixels; may lie anywhere.
+  /// Sets the camera's window, sensor pixels; it may lie anywhere.
   void set_window(const Roi& window, const CameraGeometry& geometry);
 
   /// |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1 spot.
-  /// Requires set_window before. Takes some 30 to 100 ms, of two threads.
+  /// Requires set_window before. Takes 30 to 100 ms on two threads.
   Image<float> intensity(const Image<std::uint8_t>& grey);
-  /// The field itself, F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign; valid until
-  /// the next call. Requires as intensity.
+  /// The complex field F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign, valid until
+  /// the next call. Requires set_window before.
   const Image<std::complex<float>>& field(const Image<std::uint8_t>& grey);
 
  private:
   Config config_;
   SlmModel slm_;
-  double unit_;  ///< |far field|^2 of that brightest pixel
-  /// The far field is linear: the upper and the lower half of the SLM, at the same time.
+  double unit_;  ///< |far field|^2 in the brightest pixel of an ideal charge-1 spot
+  /// One half of the SLM, upper or lower. Propagation is linear, so both run in parallel and are
+  /// added.
   struct Half {
     int first_row = 0;
     FarField far_field;
     Image<std::complex<float>> field, far;
-    std::vector<std::complex<float>> turns;  ///< phasor from its own middle to the SLM's, by row
+    std::vector<std::complex<float>> turns;  ///< phase factor from its centre to the SLM's, by row
   };
   void propagate(const Image<std::uint8_t>& grey, Half& half) const;
 
@@ -57,10 +58,10 @@ class BenchModel {
   Image<std::complex<float>> whole_, seen_;
 };
 
-/// Where the spots of the configured sensor fall on the sensor's pixels for this aberration, by
-/// the theory of the tilts (V-tilt for a vortex, G-tilt for a bright spot); what the hologram adds
-/// is not in it. By the geometry and the aberration of `truth`. In the order of the lattice; empty
-/// if the configured lattice is not possible.
+/// Expected spot positions of the configured sensor, in pixels of the camera's sensor, for the
+/// geometry and aberration of `truth`: by V-tilt for vortices, by G-tilt for bright spots. What the
+/// hologram adds is not included. In the order of the lattice; empty if the configured lattice is
+/// not possible.
 std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth);
 
 }  // namespace ovws::twin

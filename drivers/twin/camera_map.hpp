@@ -1,4 +1,4 @@
-/// Where on the camera the light of a spatial frequency falls, and the other way round.
+/// Affine map between spatial frequencies and camera pixels.
 #pragma once
 
 #include "core/base/vec2.hpp"
@@ -10,19 +10,20 @@ namespace ovws::twin {
 /// pixel, u_base the frequency of the base grating, S = camera_px_per_cycle. A positive angle turns
 /// +x towards +y; the mirror comes first: "x" changes the sign of u's x, "y" that of its y.
 struct CameraMap {
-  Vec2 centre_px;    ///< of the sensor, or of a window of it once `seen_from` it
+  Vec2 centre_px;    ///< pixel of u_base, relative to the sensor or (seen_from) a window
   Vec2 base_cpp;     ///< u_base
   double scale = 0;  ///< S
   Vec2 of_x, of_y;   ///< R M (1, 0) and R M (0, 1); for multiples of 90 degrees 0 and +-1 exactly
 
   Vec2 pixel(Vec2 cpp) const;
   Vec2 frequency(Vec2 px) const;
-  /// The same with pixels counted from `corner_px`.
+  /// The same map with pixels relative to `corner_px`.
   CameraMap seen_from(Vec2 corner_px) const;
-  bool axis_aligned() const;  ///< by multiples of 90 degrees, mirrored or not
+  bool axis_aligned() const;  ///< rotated by a multiple of 90 degrees, mirrored or not
 };
 
-/// `config.optics` gives wavelength, focal length and pitch; the rest is the geometry's.
+/// The map for a geometry. Wavelength, focal length, pixel pitches and base grating come from
+/// `config`.
 CameraMap camera_map(const Config& config, const CameraGeometry& geometry);
 
 }  // namespace ovws::twin

@@ -9,10 +9,10 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kTaps = CameraView::kTaps;
-constexpr int kPlaces = 512;  ///< between two points; linear between them: within 1e-6
+constexpr int kPlaces = 512;  ///< kernel samples per grid step; linear between them: within 1e-6
 constexpr double kOversampling = 2.0;
-/// Kaiser, "Nonrecursive digital filter design using the I0-sinh window function" (1974): for the
-/// transition from half of the Nyquist frequency to one and a half over 12 taps.
+/// Kaiser window's beta (Kaiser, "Nonrecursive digital filter design using the I0-sinh window
+/// function", 1974) for a transition from 0.5 to 1.5 times the Nyquist frequency over 12 taps.
 constexpr double kKaiserBeta = 8.6;
 
 double windowed_sinc(double t) {
@@ -36,7 +36,7 @@ std::vector<Taps> make_kernel() {
   return kernel;
 }
 
-/// A place on the grid along one axis: the first point to read, and how to weigh them.
+/// Interpolation along one axis: the first grid point to read, and the weights.
 struct Place {
   int first;
   Eigen::Array<float, kTaps, 1> weights;
@@ -91,7 +91,7 @@ void CameraView::turn(const CameraMap& map, const SlmGeometry& slm) {
     low = {std::min(low.x, at.x), std::min(low.y, at.y)};
     high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }
-  // One more than the taps reach, so that rounding makes no first place wrap round.
+  // One more than the taps reach, so that rounding never wraps the first point around.
   const Vec2 margin{kTaps / 2 + 1.0, kTaps / 2 + 1.0};
   low = low - margin;
   const auto points = [](double span, int period) {

@@ -1,5 +1,5 @@
-/// A camera's window onto the far field, in any position: which grid of frequencies to compute, and
-/// how bright each pixel is.
+/// Sampling of the far field by a camera of any orientation: the frequency grid to compute, and its
+/// interpolation at the pixels.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace ovws::twin {
 
-/// Where the camera stands along the grid (multiples of 90 degrees, mirrored or not) the grid has
-/// the camera's own pixels. Else its step is half of what the SLM's size asks for (the far field of
-/// W pixels is band-limited: 1 / W tells all of it), and each pixel is read between 12 x 12 points
-/// through a Kaiser-windowed sinc: within 1e-4 of the field's peak. Immutable.
+/// If the camera is aligned with the grid (rotated by multiples of 90 degrees, mirrored or not),
+/// the grid points are its pixels. Else the field is oversampled twice (it is band-limited: for W
+/// SLM pixels a step of 1 / W is critical sampling), and each pixel is interpolated from 12 x 12
+/// points by a Kaiser-windowed sinc, within 1e-4 of the field's peak. Immutable.
 class CameraView {
  public:
   /// The grid never spans more than one period of the far field, 1 cycle per SLM pixel.
@@ -24,8 +24,9 @@ class CameraView {
 
   const FarFieldWindow& grid() const { return grid_; }
 
-  /// The field at the pixels of rows [first_row, end_row), of a window's size. `far`: the field on
-  /// the grid, phases about the SLM's centre. Its sign may be lost.
+  /// Interpolates the field at the pixels of rows [first_row, end_row). `far`: the field on the
+  /// grid, with phases relative to the SLM's centre. `out` has the window's size; its sign may be
+  /// lost.
   void read(const Image<std::complex<float>>& far, int first_row, int end_row,
             Image<std::complex<float>>& out) const;
 
@@ -44,7 +45,8 @@ class CameraView {
   Vec2 start_, per_column_, per_row_;
   std::array<int, 2> period_{};  ///< grid points in a period
   using Taps = std::array<float, kTaps>;
-  std::vector<Taps> kernel_;  ///< for equal steps of the place between two points, both ends in it
+  std::vector<Taps>
+      kernel_;  ///< weights for equal steps from one grid point to the next, inclusive
 };
 
 }  // namespace ovws::twin

@@ -44,11 +44,11 @@ void Control::Impl::answer(std::vector<zmq::message_t>& parts, const RpcDispatch
   const auto send = [&](const std::string& reply) {
     if (reply.empty()) return;
     parts.back().rebuild(reply.data(), reply.size());
-    // The address and the empty delimiter, if there was one, go back as they came.
+    // The routing id, and the empty delimiter if there was one, are sent back unchanged.
     zmq::send_multipart(socket, parts, zmq::send_flags::dontwait);
   };
   if (request.size() > kMaxRequestBytes) return send(oversize_reply());
-  // Copied, because the reply takes the request's place.
+  // Copied, because the reply replaces the request's message.
   const std::string bytes(request.data<char>(), request.size());
   handle_rpc_frame(bytes, dispatch, send);
 }

@@ -12,14 +12,14 @@ namespace ovws::twin {
 
 class Control {
  public:
-  /// Errc::unavailable if the port is taken, Errc::invalid if the endpoint is not understood.
+  /// Errc::unavailable if the port is in use, Errc::invalid if the endpoint is malformed.
   static Result<std::unique_ptr<Control>> bind(const std::string& endpoint);
   ~Control();
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 
-  const std::string& endpoint() const;  ///< as bound: a port 0 became the real one
-  /// Body of the control thread: every request goes to `dispatch`, which answers in the call.
+  const std::string& endpoint() const;  ///< as bound, with the real port in place of 0
+  /// Body of the control thread. `dispatch` handles every request and answers before it returns.
   void work(const std::stop_token& stop, const RpcDispatch& dispatch);
 
  private:

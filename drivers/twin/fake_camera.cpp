@@ -20,7 +20,7 @@ namespace {
 constexpr auto kWatchPeriod = std::chrono::milliseconds(1);
 constexpr auto kBetweenPlugs = std::chrono::milliseconds(200);
 
-/// Aravis reads the description from a file: give it one that exists in memory only.
+/// The GenICam description as an in-memory file (memfd), because Aravis reads it from a file.
 std::unique_ptr<Descriptor> genicam_file() {
   auto file = std::make_unique<Descriptor>(memfd_create("ovws-twin.xml", MFD_CLOEXEC));
   const std::string_view xml = genicam_xml();
@@ -67,7 +67,7 @@ Result<void> FakeCamera::plug() {
   if (!arv_gv_fake_camera_is_running(gige)) {
     return no_camera("no network interface of this machine has the address " + address);
   }
-  // Aravis says that its camera runs even where it could not have the port: so ask the kernel.
+  // Aravis reports a running camera even if it could not bind the port, so ask the kernel.
   if (try_camera_port(address) != EADDRINUSE) {
     return no_camera("the camera could not listen on UDP " + address + ":3956");
   }
@@ -76,8 +76,8 @@ Result<void> FakeCamera::plug() {
   return {};
 }
 
-/// The end of Aravis's thread is waited for, up to a frame's time, with nothing locked: whoever
-/// asks for the status meanwhile is answered.
+/// Joins Aravis's thread, which takes up to one frame time, without the lock, so that `status` does
+/// not block.
 void FakeCamera::unplug() {
   std::unique_ptr<GigeDevice> device;
   {

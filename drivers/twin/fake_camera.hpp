@@ -1,4 +1,5 @@
-/// The bench's camera on this machine's network: plugged in, watched, unplugged by fault, asked.
+/// The twin's GigE Vision camera on this machine's network, and its supervision: plugging in,
+/// unplugging by fault, status.
 #pragma once
 
 #include <memory>
@@ -18,7 +19,7 @@ class GigeDevice;
 struct CameraStatus {
   bool plugged = false;
   bool streaming = false;
-  CameraSettings settings;  ///< as the registers say
+  CameraSettings settings;  ///< as in the registers
 };
 
 class FakeCamera {
@@ -30,9 +31,9 @@ class FakeCamera {
   FakeCamera(const FakeCamera&) = delete;
   FakeCamera& operator=(const FakeCamera&) = delete;
 
-  /// Body of the camera's watch thread: keeps the stream in step, unplugs and plugs in by fault.
+  /// Body of the watch thread: wakes a stalled stream, and unplugs and replugs the camera by fault.
   void work(const std::stop_token& stop);
-  /// A frame under way ends at once. To be called before the threads that it waits for are joined.
+  /// Aborts the frame in progress. Call it before joining the threads that the frame waits for.
   void request_stop() { stop_.request_stop(); }
   CameraStatus status() const;                        ///< thread-safe
   const FrameTally& tally() const { return tally_; }  ///< thread-safe
@@ -47,7 +48,7 @@ class FakeCamera {
   std::stop_source stop_;
   FrameTally tally_;
   const SlowRegisters slow_registers_;
-  mutable std::mutex mutex_;  ///< held while device_ is replaced, and while others read it
+  mutable std::mutex mutex_;  ///< held to replace device_, and to read it in other threads
   std::unique_ptr<GigeDevice> device_;
 };
 

@@ -1,4 +1,4 @@
-/// What goes wrong on purpose: faults that a test orders, for a number of frames or a time.
+/// Fault injection: faults that a test orders, for a number of frames or a time.
 #pragma once
 
 #include <chrono>
@@ -11,19 +11,20 @@
 namespace ovws::twin {
 
 enum class FaultKind {
-  none,        ///< ends the fault that is on
-  drop,        ///< frames taken, numbered and not sent
-  incomplete,  ///< frames sent with about half of their packets missing
-  delay,       ///< frames sent late; the camera answers nothing meanwhile
-  freeze,      ///< the camera sends and answers nothing, then goes on as if nothing had been
-  unplug,      ///< the camera is off the network, then comes back with its power-up settings
-  duplicate,   ///< frames sent twice: again, number and stamp and all, in the next frame's place
-  reorder,     ///< frames sent after the one that follows them
+  none,        ///< ends the active fault
+  drop,        ///< frames are numbered but not sent
+  incomplete,  ///< frames are sent with about half of their packets missing
+  delay,       ///< frames are sent late; the camera does not answer meanwhile
+  freeze,      ///< the camera neither sends nor answers, then continues as before
+  unplug,      ///< the camera leaves the network, then returns with its power-up settings
+  duplicate,  ///< frames are sent twice, with the same number and time, the second time in place of
+              ///< the next frame
+  reorder,    ///< frames are sent after their successor
   slow_registers,  ///< every register write is acknowledged late; no frame is sent meanwhile
 };
 
-/// One fault at a time: ordering one ends the other. `frames` for what befalls frames, or `seconds`
-/// for each of them.
+/// One fault at a time; an order replaces the active one. It lasts for `frames` (faults of frames
+/// only) or for `seconds` (any fault).
 struct Fault {
   FaultKind kind = FaultKind::none;
   int frames = 0;  ///< 0: for `seconds`
@@ -31,7 +32,7 @@ struct Fault {
   double delay_ms = 0.0;
 };
 
-/// Whether `delay_ms` belongs to it.
+/// Whether this fault uses `delay_ms`.
 constexpr bool takes_delay(FaultKind kind) {
   return kind == FaultKind::delay || kind == FaultKind::slow_registers;
 }
@@ -42,10 +43,10 @@ enum class FrameFate { send, drop, incomplete, duplicate, reorder };
 class Faults {
  public:
   void order(const Fault& fault);
-  Fault active() const;  ///< with what is left of it
+  Fault active() const;  ///< with its remaining frames or seconds
 
-  /// Camera thread, once a frame: waits as long as a freeze or a delay lasts (less on stop or when
-  /// another fault is ordered), then says what becomes of the frame.
+  /// Called once per frame in the camera thread. Blocks during a freeze or delay (shorter on stop
+  /// or a new order), then returns what happens to the frame.
   FrameFate next_frame(const std::stop_token& stop);
   bool unplugged() const;
 

@@ -11,7 +11,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr std::size_t kAhead = 4;  // frames made before they are asked for
+constexpr std::size_t kAhead = 4;  // frames generated in advance
 constexpr std::size_t kFreshHistory = 16;
 constexpr std::size_t kPool = 32;
 
@@ -27,7 +27,7 @@ int converter_bits(const Truth& truth, PixelFormat format) {
 DetectorConfig detector_config(const Truth& truth, PixelFormat format) {
   DetectorConfig config = truth.detector;
   config.bits = converter_bits(truth, format);
-  // The black level is given for 8 bits: the same electrons whatever the converter.
+  // The black level is given for 8 bits: the same number of electrons for any converter.
   config.black_level_dn *= std::exp2(config.bits - 8);
   if (truth.noise == Noise::none) {
     config.prnu = 0.0;
@@ -50,7 +50,7 @@ bool FrameSource::may_repeat() const {
 
 bool FrameSource::wants_more() const {
   if (!request_ || ready_.size() >= kAhead) return false;
-  // No two frames are of the same moment of the air.
+  // With turbulence each frame shows another moment, so one frame per request is enough.
   if (request_->scene->truth.turbulence) return ready_.empty() && past_.empty();
   return request_->scene->truth.noise == Noise::fresh ||
          ready_.size() + past_.size() < history_of(request_->scene->truth.noise);

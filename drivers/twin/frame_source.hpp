@@ -1,5 +1,5 @@
-/// Frames as the camera would digitise them: the light of a scene through the detector's noise,
-/// made ahead of time in one thread so that the camera only copies.
+/// Generator of digitised frames: applies the detector model with noise to a scene's intensity. One
+/// thread works ahead, so that the camera only copies.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 
 namespace ovws::twin {
 
-/// What decides how a frame looks, apart from chance.
+/// All that determines a frame except the noise.
 struct FrameRequest {
   std::shared_ptr<const Scene> scene;
   double exposure_us = 0.0;
@@ -29,23 +29,22 @@ struct FrameRequest {
 };
 
 struct FrameCounts {
-  std::uint64_t fresh = 0;  ///< realisations delivered for the first time
-  std::uint64_t reused =
-      0;  ///< with Noise::fresh: delivered again, because making them fell behind
+  std::uint64_t fresh = 0;   ///< noise realisations delivered for the first time
+  std::uint64_t reused = 0;  ///< with Noise::fresh: delivered again because generation fell behind
 };
 
 /// Thread-safe; `take` is for one thread.
 class FrameSource {
  public:
-  /// `wavelength_nm`: of the laser, which a colour camera's filters pass or not.
+  /// `wavelength_nm`: of the laser, for a colour camera's filters.
   explicit FrameSource(double wavelength_nm) : wavelength_nm_(wavelength_nm) {}
 
   void work(const std::stop_token& stop);  ///< body of the noise thread
 
-  /// Writes one frame, frame_bytes of them, into `out`. A frame never shows another
-  /// request than this one: after a change the first ones are waited for. With Noise::fresh, once
-  /// 16 different ones were delivered and no new one is ready, the one delivered longest ago is
-  /// taken again. False on stop, or if there was none by the deadline.
+  /// Writes one frame of this request (frame_bytes) into `out`. After a change of the request it
+  /// waits for the first new frame. With Noise::fresh, once 16 different frames were delivered and
+  /// no new one is ready, the one delivered longest ago is used again. False on stop, at the
+  /// deadline, or if `out` has another size.
   bool take(const FrameRequest& request, Bench::Deadline deadline, const std::stop_token& stop,
             std::span<std::byte> out);
   FrameCounts counts() const;
@@ -60,8 +59,8 @@ class FrameSource {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<FrameRequest> request_;
-  std::deque<Frame> ready_;  ///< made for request_, not delivered yet
-  std::deque<Frame> past_;   ///< delivered for request_, the longest ago first
+  std::deque<Frame> ready_;  ///< generated for request_, not delivered yet
+  std::deque<Frame> past_;   ///< delivered for request_, oldest first
   FrameCounts counts_;
 
   // The noise thread only.

@@ -39,13 +39,13 @@ sockaddr_in camera_address(const std::string& address) {
 }
 
 bool inside(const Roi& roi, const CameraConfig& sensor) {
-  // Registers may hold anything, so nothing is added before it is known to be small.
+  // Registers may hold any value, so sums are formed only after range checks.
   return roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
          roi.width <= sensor.sensor_width && roi.height <= sensor.sensor_height &&
          roi.x <= sensor.sensor_width - roi.width && roi.y <= sensor.sensor_height - roi.height;
 }
 
-/// Where a frame of this size and format goes; empty if there is no place.
+/// Memory of a buffer for a frame of this size and format; empty if there is none.
 std::span<std::byte> pixels_of(ArvBuffer* buffer, const CameraSettings& settings) {
   size_t not_known_here = 0;  // Aravis sets the size after `fill`
   const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
@@ -85,8 +85,8 @@ GigeDevice::GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const 
 }
 
 GigeDevice::~GigeDevice() {
-  // Setting a property holds a reference for a moment. Were that the last one, the camera would be
-  // finalized in its own thread, which cannot join itself, and `fill` would outlive this object.
+  // Setting a property holds a reference for a moment. If that were the last one, the camera would
+  // be finalised in its own thread, which cannot join itself, and `fill` would outlive this object.
   {
     const std::lock_guard lock(properties_mutex_);
     ending_ = true;
@@ -142,11 +142,11 @@ CameraSettings GigeDevice::settings() const {
   return s;
 }
 
-/// In Aravis's thread, which also sends the frame afterwards and answers registers.
+/// Fills the next frame. Runs in Aravis's thread, which then sends it, and also serves registers.
 void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = true;
   const CameraSettings now = settings();
-  // No camera sends frames faster than it exposes them.
+  // A camera cannot send frames faster than it exposes them.
   const std::uint32_t period_us =
       std::max(read(kRegisterWantedPeriodUs), std::uint32_t(now.exposure_us));
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
@@ -156,7 +156,7 @@ void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = false;
 }
 
-/// Aravis numbers whatever it sends; a frame that is sent again has its own number.
+/// Sends the kept frame again, if it is due, with its own number and time instead of Aravis's.
 bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
   if (!kept_ || kept_->others-- > 0) return false;
   const Kept kept = std::move(*kept_);
@@ -169,7 +169,7 @@ bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
   return true;
 }
 
-/// A new frame, and what becomes of it.
+/// Makes a new frame and applies the active fault to it.
 FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) {
   frame_id_ = frame_id_ % 65535 + 1;
   arv_buffer_set_frame_id(buffer, frame_id_);
@@ -209,7 +209,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   }
   const auto start = std::chrono::steady_clock::now();
   const auto deadline = start + kFarFieldTime;
-  // A server that hangs shows nothing new: then go by what is known.
+  // If the X server hangs, the last known image is used.
   deps_.screen.catch_up(start + kDisplayTime, stop_);
   const std::uint64_t begun =
       deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
@@ -234,7 +234,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   return FrameFate::drop;
 }
 
-/// A frame that must not be seen is numbered and sent without its packets.
+/// Sets the ratio of lost packets: a dropped frame is numbered but loses all, an incomplete one
+/// half.
 void GigeDevice::lose_packets(FrameFate fate) {
   const double ratio = fate == FrameFate::send ? 0.0 : fate == FrameFate::drop ? 1.0 : 0.5;
   const std::lock_guard lock(properties_mutex_);
@@ -243,9 +244,9 @@ void GigeDevice::lose_packets(FrameFate fate) {
   lost_ratio_ = ratio;
 }
 
-/// Aravis 0.8.26 computes the time to the next frame as an unsigned number: when its thread is
-/// late by a microsecond it sleeps for 100 ms instead of not at all. Any packet wakes it, and a
-/// GigE Vision discovery asks for nothing.
+/// Workaround for Aravis 0.8.26, which computes the time to the next frame as an unsigned number:
+/// if its thread is a microsecond late, it sleeps for 100 ms instead of not at all. Any packet
+/// wakes it; a GigE Vision discovery has no side effects.
 void GigeDevice::nudge_if_stalled() {
   constexpr std::int64_t kLateNs = 2'000'000, kStoppedNs = 300'000'000;
   const std::int64_t late_ns = monotonic_ns() - filled_ns_ - period_ns_;

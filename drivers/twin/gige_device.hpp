@@ -1,5 +1,5 @@
-/// One life of the GigE Vision camera, from plugging in to unplugging. Private to the camera:
-/// Aravis's types are seen here.
+/// GigE Vision device on Aravis's fake camera, from plugging in to unplugging. Private to
+/// FakeCamera, because it exposes Aravis's types.
 #pragma once
 
 #include <arv.h>
@@ -19,7 +19,7 @@
 
 namespace ovws::twin {
 
-/// A file descriptor that closes itself.
+/// RAII owner of a file descriptor.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -32,12 +32,12 @@ class Descriptor {
   int fd_;
 };
 
-/// Whether the camera's UDP port can be had: 0, or errno.
+/// Tries to bind the camera's UDP port: 0, or errno.
 int try_camera_port(const std::string& address);
 
 class GigeDevice {
  public:
-  /// Owns `gige` from now on. Aravis's thread starts to call back at once.
+  /// Takes ownership of `gige`. Aravis's thread calls `fill` from now on.
   GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const CameraDeps& deps,
              std::stop_token stop, FrameTally& tally);
   ~GigeDevice();  ///< ends Aravis's thread
@@ -46,9 +46,9 @@ class GigeDevice {
 
   // Any thread.
   bool streaming() const;
-  CameraSettings settings() const;  ///< as the registers say
+  CameraSettings settings() const;  ///< as in the registers
 
-  /// Watch thread, about each millisecond.
+  /// Wakes a stalled stream. Called in the watch thread about every millisecond.
   void nudge_if_stalled();
 
  private:
@@ -70,7 +70,7 @@ class GigeDevice {
   ArvGvFakeCamera* const gige_;
   ArvFakeCamera* const camera_;
   Descriptor nudger_;
-  /// A frame to be sent again, or only then, after so many others.
+  /// A frame kept for later delivery (duplicate or reorder), after `others` more frames.
   struct Kept {
     std::vector<std::byte> pixels;
     std::uint64_t frame_id = 0;
@@ -83,7 +83,7 @@ class GigeDevice {
   std::uint64_t frame_id_ = 0;  ///< of the newest frame
   std::optional<Kept> kept_;
   std::mutex properties_mutex_;
-  bool ending_ = false;  ///< guarded by properties_mutex_; from now on no property may be set
+  bool ending_ = false;  ///< guarded by properties_mutex_; true: set no more properties
   std::atomic<bool> filling_{false};
   std::atomic<std::int64_t> filled_ns_{0}, period_ns_{0};
 };

@@ -10,7 +10,7 @@
 namespace ovws::twin {
 namespace {
 
-/// A circle with a grating, and a vortex about its own centre.
+/// A circular aperture with a grating and a vortex about its centre.
 struct Piece {
   Vec2 centre_px;  ///< from the pupil's centre
   double diameter_px = 0.0;

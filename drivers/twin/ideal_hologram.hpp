@@ -1,4 +1,4 @@
-/// What the SLM would have to show if it and the light were perfect.
+/// Ideal hologram: the field modulation of a perfect SLM under perfect light.
 #pragma once
 
 #include <complex>
@@ -13,7 +13,7 @@ enum class Pattern {
   grating,  ///< the base grating
 };
 
-/// exp(i phase) of the SLM's size: inside the subapertures, or for the grating inside the pupil; 0
+/// exp(i phase) at each SLM pixel inside the subapertures, or for the grating inside the pupil; 0
 /// elsewhere. Requires a configuration whose lattice is possible.
 Image<std::complex<float>> ideal_hologram(const Config& config, Pattern pattern);
 

@@ -27,7 +27,7 @@ double rms(const PupilBlocks& blocks, const Eigen::VectorXd& waves) {
   return std::sqrt(weights.dot((waves.array() - mean).square().matrix()) / weights.sum());
 }
 
-/// |sum A exp(i phi)|^2 / (sum A)^2 with phi these modes and the rest.
+/// Strehl ratio |sum A exp(i phi)|^2 / (sum A)^2, phi being the modes plus the residual `rest`.
 double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::VectorXd& rest) {
   for (Mode& mode : modes) mode.waves = -mode.waves;
   const Eigen::VectorXcd sums = blocks.sums(nullptr, modes);

@@ -1,4 +1,5 @@
-/// What the bench truly does to the light: how far it is from what the daemon means it to be.
+/// Ground-truth judge: measures the true residual wavefront of the bench against the ideal
+/// hologram.
 #pragma once
 
 #include <array>
@@ -14,35 +15,37 @@
 
 namespace ovws::twin {
 
-/// The light on the SLM times the conjugate of the ideal hologram: hidden aberration, turbulence,
-/// flatness error, and what is shown through the twin's own SLM. Light inside the subapertures, or
-/// inside the pupil for the grating. Waves are RMS-normalised.
+/// Residual wavefront: the field behind the SLM times the conjugate of the ideal hologram. It
+/// contains hidden aberration, turbulence, flatness error and the shown image through the twin's
+/// SLM response. Evaluated inside the subapertures, or for the grating inside the pupil. Modes are
+/// RMS-normalised waves.
 struct Verdict {
-  std::vector<Mode> modes;           ///< j = 0 .. 20 by least squares over that light
-  double rms_waves = 0.0;            ///< of what is not piston or tilt, finer than the modes, too
-  double rms_with_tilt_waves = 0.0;  ///< of all but piston
-  /// |sum A exp(i phi)|^2 / (sum A)^2 of the first order, phi without and with the tilts j = 1, 2.
+  std::vector<Mode> modes;  ///< j = 0 .. 20 by least squares over that light
+  double rms_waves = 0.0;  ///< RMS without piston and tilts, including what is finer than the modes
+  double rms_with_tilt_waves = 0.0;  ///< RMS without piston
+  /// Strehl ratio |sum A exp(i phi)|^2 / (sum A)^2 of the first order, without and with the tilts j
+  /// = 1, 2.
   double strehl = 0.0;
   double strehl_with_tilt = 0.0;
-  /// |mean of the light|^2 with all modes taken out: the part of the light that the first order
-  /// gets. What the modes cannot follow lowers it, too.
+  /// Diffraction efficiency of the first order: |mean field|^2 with all modes removed. Wavefront
+  /// errors finer than the modes lower it, too.
   double first_order = 0.0;
 };
 
-/// One thread at a time. A verdict takes some 100 to 300 ms of one thread, the first of each
-/// pattern more.
+/// One thread at a time. A verdict takes 100 to 300 ms, the first one of each pattern longer.
 class Judge {
  public:
   explicit Judge(const Config& config);
 
-  /// None if the wavefront could not be unwrapped. `turbulence`: null for none.
+  /// Judges the grey levels shown on the SLM. None if the phase could not be unwrapped.
+  /// `turbulence`: null for none.
   std::optional<Verdict> judge(Pattern pattern, const Image<std::uint8_t>& grey,
                                const std::vector<Mode>& aberration, const Turbulence* turbulence,
                                std::int64_t t_ns);
-  /// The error of the SLM's surface, j = 0 .. 20 by least squares over the light in the pupil; none
-  /// if it could not be unwrapped.
+  /// Flatness error of the SLM: modes j = 0 .. 20 by least squares over the light in the pupil;
+  /// none if the phase could not be unwrapped.
   std::optional<std::vector<Mode>> flatness_modes();
-  /// The phase that each grey level truly has, waves.
+  /// True phase of each grey level, waves.
   static std::array<double, 256> lut_waves(const SlmConfig& slm);
 
  private:
@@ -55,7 +58,7 @@ class Judge {
   const Config config_;
   SlmModel slm_;
   std::vector<Mode> aberration_;
-  std::array<std::unique_ptr<Expected>, 2> expected_;  ///< by pattern, once it was asked for
+  std::array<std::unique_ptr<Expected>, 2> expected_;  ///< by pattern, created on first use
 };
 
 }  // namespace ovws::twin

@@ -1,5 +1,5 @@
-/// ovws-twin: the digital twin of the bench. Starts its parts, says that it is ready, waits for
-/// the signal to end.
+/// ovws-twin, the digital twin of the bench: starts all parts, prints `ready`, and runs until
+/// SIGINT or SIGTERM.
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -16,7 +16,7 @@
 
 namespace {
 
-/// Blocked here, before any thread exists, so that only `wait_for_end` ever sees them.
+/// Blocks SIGINT and SIGTERM before any thread exists, so that only sigwait receives them.
 sigset_t block_end_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -40,7 +40,7 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
   int signal_number = 0;
   sigwait(&end_signals, &signal_number);
   spdlog::info("ends, signal {}", signal_number);
-  // Xlib waits for ever for a server that hangs; nothing here is worth waiting for it.
+  // Xlib waits forever for an X server that hangs: exit after 2 s in any case.
   std::signal(SIGALRM, [](int) { _exit(0); });
   alarm(2);
   return 0;

@@ -14,7 +14,7 @@ constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.fault"};
 const std::vector<std::string> kPatterns{"sensor", "grating"};  // in the order of Pattern
 
-/// `at_ns`: nanoseconds, whole, exact beyond the digits of a double.
+/// Reads `at_ns` as an integer, because a double has too few digits for nanoseconds.
 void read_moment(ObjectReader& reader, std::int64_t& t_ns) {
   const Json* at = reader.raw("at_ns");
   if (at == nullptr) return;

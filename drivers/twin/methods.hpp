@@ -1,4 +1,5 @@
-/// The twin's own methods: what tests and people read and change behind the daemon's back.
+/// Control methods of the twin, by which tests and users read and change what the daemon cannot
+/// see.
 #pragma once
 
 #include <memory>
@@ -37,13 +38,13 @@ class Methods {
   RpcAnswer fault(const Json& params);
 
   const Turbulence& turbulence(const TurbulenceConfig& config);
-  /// Adds what a judge says of what the X server shows now.
+  /// Adds the judge's verdict on the image that the X server shows now.
   void add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result);
 
   const Config config_;
   const Deps deps_;
-  std::optional<Turbulence> turbulence_;  ///< the one asked for last
-  std::unique_ptr<Judge> judge_;          ///< once it was asked for
+  std::optional<Turbulence> turbulence_;  ///< of the last request
+  std::unique_ptr<Judge> judge_;          ///< created on first use
 };
 
 }  // namespace ovws::twin

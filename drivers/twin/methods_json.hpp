@@ -1,4 +1,4 @@
-/// How the twin's methods say what they know.
+/// JSON encoding of the twin's results.
 #pragma once
 
 #include <optional>
@@ -17,13 +17,13 @@ namespace ovws::twin {
 
 const std::vector<std::string>& fault_names();  ///< in the order of FaultKind
 
-/// The keys that twin.set takes, with the values that are in force.
+/// The keys of twin.set with their current values.
 Json json_of(const Config& config, const Truth& truth);
 Json json_of(const Fault& fault);
 Json json_of(const CameraStatus& camera);
 Json json_of(const FrameTally& tally, const FrameCounts& frames);
 Json json_of(const std::vector<FrameTruth>& frames);
 Json json_of(const std::optional<Verdict>& verdict);
-Json waves_of(const std::vector<Mode>& modes);  ///< their coefficients alone
+Json waves_of(const std::vector<Mode>& modes);  ///< the coefficients only
 
 }  // namespace ovws::twin

@@ -1,4 +1,4 @@
-/// exp(2 pi i turns) from a table, for whole pictures.
+/// Look-up table of exp(2 pi i turns), for whole images.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace ovws::twin {
 
-/// Within 1/32768 of a turn. Immutable.
+/// Phasor table with a phase error of at most 1/32768 turn. Immutable.
 class PhasorTable {
  public:
   PhasorTable() {
@@ -20,7 +20,7 @@ class PhasorTable {
 
   /// Requires |turns| < 1e5.
   std::complex<float> operator()(float turns) const {
-    // By hand: std::floor is a call without SSE 4.1.
+    // Floor written out: std::floor is a function call without SSE 4.1.
     const float place = turns * kSize + 0.5F;
     const int whole = int(place);
     return table_[std::size_t((whole - (place < float(whole) ? 1 : 0)) & (kSize - 1))];
@@ -31,7 +31,7 @@ class PhasorTable {
   std::array<std::complex<float>, kSize> table_;
 };
 
-/// By hand: std::complex's product checks for infinities, which costs ten times as much.
+/// Complex product without the checks for infinities of std::complex, which take ten times as long.
 inline std::complex<float> product(std::complex<float> a, std::complex<float> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }

@@ -3,10 +3,9 @@
 namespace ovws::twin {
 namespace {
 
-constexpr float kLeak =
-    0.03F;  // of the light, through a filter of another colour: a usual sensor's
+constexpr float kLeak = 0.03F;  // typical transmission of a filter of another colour
 
-/// The bits of one number after those of the other, from the lowest on, in whatever bytes come.
+/// Writes the low `count` bits of `value` from bit `first_bit` on, LSB first (PFNC "p" formats).
 void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, unsigned value) {
   for (int k = 0; k < count; ++k) {
     const std::size_t bit = first_bit + std::size_t(k);
@@ -14,7 +13,8 @@ void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, u
   }
 }
 
-/// Of GigE Vision 1: the high eight bits in a byte of their own, the low ones in the byte between.
+/// GigE Vision 1 packing of two pixels in three bytes: the high eight bits of each in a byte of its
+/// own, the low bits of both in the byte between.
 void put_in_three(std::vector<std::byte>& bytes, std::size_t pixel, int bits, unsigned value) {
   const std::size_t first = pixel / 2 * 3, odd = pixel % 2;
   bytes[first + 2 * odd] = std::byte(value >> (bits - 8));
@@ -24,7 +24,7 @@ void put_in_three(std::vector<std::byte>& bytes, std::size_t pixel, int bits, un
 }  // namespace
 
 std::size_t frame_bytes(PixelFormat format, int width, int height) {
-  const std::size_t bits = traits_of(format).code >> 16 & 0xFFU;  // so says PFNC
+  const std::size_t bits = traits_of(format).code >> 16 & 0xFFU;  // bits per pixel in a PFNC code
   return (std::size_t(width) * std::size_t(height) * bits + 7) / 8;
 }
 

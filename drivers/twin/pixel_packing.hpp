@@ -1,4 +1,4 @@
-/// How the twin's camera puts a picture into a pixel format.
+/// Encoding of an image in the camera's pixel formats.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace ovws::twin {
 
-/// What a frame of this size takes.
+/// Bytes of a frame of this size.
 std::size_t frame_bytes(PixelFormat format, int width, int height);
 
-/// The converter's numbers of `bits` bits as the left-most of the format's, as cameras do; and if
-/// `left_justified`, of the 16-bit words that hold them.
+/// Encodes A/D converter values of `bits` bits. They fill the most significant bits of the format,
+/// as in real cameras, or with `left_justified` those of its 16-bit words (MSB-aligned).
 std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format,
                               bool left_justified);
 
-/// Leaves of the light under filters of another colour than the laser's what they let through.
+/// Applies the Bayer filters: attenuates pixels under filters of another colour than the laser's.
 void filter_colours(Image<float>& photons, PixelFormat format, double wavelength_nm);
 
 }  // namespace ovws::twin

@@ -1,5 +1,5 @@
-/// The pupil in small square blocks, over which light is added up: what varies from pixel to pixel,
-/// as the orders that a grating makes besides its first, is gone from the sums.
+/// Block sums of a field over the pupil. Summing over small square blocks removes what varies from
+/// pixel to pixel, such as the other diffraction orders of a grating.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,23 +19,25 @@ class PupilBlocks {
  public:
   static constexpr int kModes = 21;  ///< j = 0 .. 20
 
-  /// `light`: the amplitude at each pixel, 0 where nothing is judged. Blocks with less than a
-  /// quarter of the brightest one's light are left out.
+  /// `light`: the amplitude at each pixel, 0 where the field is to be ignored. Blocks with at most
+  /// a quarter of the brightest block's light are left out.
   PupilBlocks(Image<float> light, Vec2 centre_px, double diameter_px);
 
   int count() const { return int(weights_.size()); }
-  const Eigen::VectorXd& weights() const { return weights_; }  ///< sums of the light
-  /// Z_j at each block's centre of light, count() x kModes.
+  const Eigen::VectorXd& weights() const {
+    return weights_;
+  }  ///< sum of the amplitudes of each block
+  /// Z_j at each block's amplitude-weighted centre, count() x kModes.
   const Eigen::MatrixXd& modes() const { return modes_; }
-  /// Blocks that lie beside or below one another.
+  /// Pairs of adjacent blocks, side by side or one below the other.
   const std::vector<std::pair<int, int>>& neighbours() const { return neighbours_; }
 
   /// For each block the sum of field * exp(-2 pi i waves(modes)). `field`: of the light's size;
   /// null: the light itself.
   Eigen::VectorXcd sums(const Image<std::complex<float>>* field, std::span<const Mode> modes) const;
 
-  /// Sums spread over their neighbours: a ripple of 12 cycles across the pupil keeps 4/5 of its
-  /// height, one of 4 blocks' length along both axes 1/8.
+  /// Smooths block sums by diffusion between neighbours: a ripple of 12 cycles across the pupil
+  /// keeps 4/5 of its amplitude, one with a period of 4 blocks along both axes 1/8.
   Eigen::VectorXcd smoothed(Eigen::VectorXcd sums) const;
 
  private:
@@ -47,7 +49,7 @@ class PupilBlocks {
   Vec2 centre_px_;
   double diameter_px_;
   int step_px_, first_x_px_, first_y_px_, across_;
-  std::vector<int> number_;  ///< by cell
+  std::vector<int> number_;  ///< block of each grid cell; -1: left out
   Eigen::VectorXd weights_;
   Eigen::MatrixXd modes_;
   std::vector<std::pair<int, int>> neighbours_;

@@ -10,7 +10,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kPointsAcross = 96;
-constexpr int kBefore = 2;  ///< points before the one at or below a place
+constexpr int kBefore = 2;  ///< interpolation points before the one at or below a position
 
 }  // namespace
 
@@ -22,7 +22,7 @@ PupilScreen::PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 c
       first_x_px_(int(std::floor(centre_px.x - diameter_px / 2))),
       first_y_px_(int(std::floor(centre_px.y - diameter_px / 2))) {
   const double radius = diameter_px / 2;
-  // Columns and rows may begin at other fractions of a pixel from the centre.
+  // The centre's fraction of a pixel may differ between columns and rows.
   const auto first = [&](int px, double centre) {
     return (px - kBefore * step_px_ - centre) / radius;
   };

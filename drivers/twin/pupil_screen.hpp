@@ -1,4 +1,4 @@
-/// A smooth wavefront over the pupil's pixels, from a coarse grid of points.
+/// Phase screen: turbulence at the pupil's pixels, interpolated from a coarse grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,12 +12,12 @@
 
 namespace ovws::twin {
 
-/// One moment of the turbulence: 96 points across the pupil, between them Lagrange's polynomial
-/// through six: within 1e-3 of the strength of the shortest waves, 8 points long. Immutable after
-/// construction, so thread-safe.
+/// One moment of the turbulence, sampled at 96 points across the pupil with six-point Lagrange
+/// interpolation between them. The error is within 1e-3 of the amplitude of the shortest waves,
+/// which are 8 points long. Immutable after construction, so thread-safe.
 class PupilScreen {
  public:
-  /// The pupil on the SLM's pixels; at least 1 pixel wide.
+  /// The pupil is given in SLM pixels and must be at least 1 pixel wide.
   PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 centre_px, double diameter_px);
 
   /// Multiplies the pixels of row y that lie in the pupil by exp(2 pi i waves); `row` begins at
@@ -30,10 +30,10 @@ class PupilScreen {
 
   Vec2 centre_px_;
   double diameter_px_;
-  int step_px_;                  ///< from point to point
+  int step_px_;                  ///< grid step
   int first_x_px_, first_y_px_;  ///< pixel of point 2, the first that has all six
   Eigen::MatrixXf points_;       ///< waves, (along x, along y)
-  std::vector<Taps> taps_;       ///< for each pixel between two points
+  std::vector<Taps> taps_;       ///< weights for each pixel between two grid points
 };
 
 }  // namespace ovws::twin

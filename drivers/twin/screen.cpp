@@ -14,7 +14,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr int kPollMs = 50;  // short enough to end at once when asked to
+constexpr int kPollMs = 50;  // short, to end promptly on stop
 constexpr auto kBetweenTries = std::chrono::milliseconds(300);
 
 }  // namespace
@@ -39,7 +39,7 @@ void Screen::work(const std::stop_token& stop) {
       report(true, slm_.display);
       follow(**output, stop);
       if (!stop.stop_requested()) report(false, "the X server went away or changed its screens");
-      // If the screens were only arranged anew, the SLM goes on to show what it showed.
+      // If the screens were only rearranged, the SLM keeps showing its last image.
       std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
       continue;
     }
@@ -55,12 +55,12 @@ void Screen::work(const std::stop_token& stop) {
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Image<std::uint8_t> grey;
-  // What one look finds came after the look before, or after the waiting that it ended.
+  // A change found now happened after the previous look, or after the wait that it ended.
   auto since = std::chrono::steady_clock::now();
   if (!tell(output, grey, since)) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
-    // Who asks wants all that the server knows; else what it has sent is enough.
+    // catch_up needs a round trip to the server; otherwise received events are enough.
     const auto looked = std::chrono::steady_clock::now();
     XOutput::News news = asked_now != answered_ ? output.ask_news() : output.read_news();
     if (news == XOutput::News::lost) return;

@@ -1,4 +1,4 @@
-/// Watches the SLM's display and tells the bench what it shows, for as long as the twin runs.
+/// Watches the SLM's output on the X server and passes each new image to the bench.
 #pragma once
 
 #include <condition_variable>
@@ -15,13 +15,13 @@ namespace ovws::twin {
 class XOutput;
 
 struct ScreenStatus {
-  bool shown = false;          ///< the output is there and being read
+  bool shown = false;          ///< the output exists and is being read
   std::string text;            ///< what is read, or why there is nothing to read
-  std::uint64_t grabs = 0;     ///< pictures read
-  std::uint64_t connects = 0;  ///< times that the output was found
+  std::uint64_t grabs = 0;     ///< images read
+  std::uint64_t connects = 0;  ///< how often the output was found
 };
 
-/// While the display is away the SLM is off: flat, grey level 0 everywhere.
+/// Without a display the SLM is off: flat, grey level 0 everywhere.
 class Screen {
  public:
   /// `x_display`: ":1"; empty: $DISPLAY.
@@ -32,8 +32,8 @@ class Screen {
 
   void work(const std::stop_token& stop);  ///< body of the screen's thread
 
-  /// Any other thread: when it returns, the bench has been told of all that the display showed
-  /// before the call. False if the X server did not answer by the deadline, or on stop.
+  /// Waits until the bench has every image that the display showed before the call. For any other
+  /// thread. False on stop, or if the X server did not answer by the deadline.
   bool catch_up(Bench::Deadline deadline, const std::stop_token& stop);
   ScreenStatus status() const;  ///< thread-safe
 

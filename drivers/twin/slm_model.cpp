@@ -33,7 +33,7 @@ std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
   return lut;
 }
 
-/// A few long waves in random directions: smooth, as the glass of an SLM bends.
+/// Flatness error: a few long waves in random directions, smooth like the bend of an SLM's glass.
 Image<float> make_surface(const SlmConfig& slm) {
   constexpr int kWaves = 8;
   constexpr double kLeastCycles = 0.5;

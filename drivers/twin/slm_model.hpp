@@ -1,4 +1,4 @@
-/// The twin's own SLM and the light on it: from grey levels to the field that leaves the SLM.
+/// Model of the twin's SLM and its illumination: from grey levels to the field behind the SLM.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace ovws::twin {
 
-/// The phase that a grey level truly has, waves, its whole ones included.
+/// True phase of a grey level, waves, not wrapped.
 double slm_phase_waves(const SlmConfig& slm, int grey);
 
 /// One thread at a time.
@@ -21,21 +21,22 @@ class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// The wavefront of the light that meets the SLM, over the sensor's pupil; 0 outside. And what
-  /// stands in its way.
+  /// Sets the aberration of the light on the SLM, over the sensor's pupil (0 outside), and the
+  /// shades in front of the SLM.
   void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
 
-  /// And what turbulence adds to it at this moment; null: none.
+  /// Sets the turbulence at this moment, which adds to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
 
-  /// `grey`: width x height of the SLM. `field`: as wide, and filled with the rows of the SLM from
-  /// `first_row` on; amplitude 1 in the middle of the beam. May be called by several threads.
+  /// Computes the field behind the SLM. `grey`: width x height of the SLM. `field`: as wide, filled
+  /// with the SLM's rows from `first_row` on; amplitude 1 at the beam's centre. May be called in
+  /// several threads at once.
   void modulate(const Image<std::uint8_t>& grey, int first_row,
                 Image<std::complex<float>>& field) const;
 
-  /// Of the beam, 1 in its middle.
+  /// Amplitude of the beam, 1 at its centre.
   float amplitude(int x, int y) const { return amplitude_.width > 0 ? amplitude_.at(x, y) : 1.0F; }
-  /// The error of the surface at each pixel; empty: none.
+  /// Flatness error at each pixel; empty: none.
   const Image<float>& surface_waves() const { return surface_waves_; }
 
  private:

@@ -12,8 +12,8 @@ namespace {
 
 std::atomic<const Faults*> in_force{nullptr};
 
-/// GVCP: status and command of 16 bits each, then length and id, then 4 bytes. No packet of a frame
-/// is as short.
+/// Whether a packet is a GVCP write acknowledge: status and command of 16 bits each, then length
+/// and id, then 4 bytes. No packet of a frame is as short.
 bool is_write_ack(const gchar* packet, gsize size) {
   constexpr gsize kSize = 12;
   constexpr gchar kRegister = char(0x83), kMemory = char(0x87);
@@ -32,7 +32,7 @@ SlowRegisters::~SlowRegisters() {
 
 }  // namespace ovws::twin
 
-/// In place of GLib's, which it calls: Aravis sends all its packets through it.
+/// Interposes GLib's function of this name, by which Aravis sends all packets, and calls it.
 extern "C" gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* buffer,
                                    gsize size, GCancellable* cancellable, GError** error) {
   using Send = decltype(&g_socket_send_to);

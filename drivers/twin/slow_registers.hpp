@@ -1,12 +1,12 @@
-/// The fault slow_registers: Aravis's fake camera has no place for it, so it is put where the
-/// camera sends its answers.
+/// The fault slow_registers. Aravis's fake camera has no hook for it, so it interposes the function
+/// that sends the camera's packets.
 #pragma once
 
 #include "drivers/twin/faults.hpp"
 
 namespace ovws::twin {
 
-/// While it lives, write acknowledgements wait as long as these faults say. One at a time.
+/// While this object exists, write acknowledges are delayed as ordered in `faults`. One at a time.
 class SlowRegisters {
  public:
   explicit SlowRegisters(const Faults& faults);

@@ -19,7 +19,7 @@ double bessel_ratio(int n, double kappa) {
   return 2.0 * std::cyl_bessel_j(double(n + 1), kappa) / kappa;
 }
 
-/// Part of a plane wave's power that piston and tilts over the pupil do not take.
+/// Fraction of a plane wave's power over the pupil that is not piston or tilt.
 double power_beyond_tilt(double kappa) {
   const double piston = bessel_ratio(0, kappa), tilt = bessel_ratio(1, kappa);
   return std::max(0.0, 1.0 - piston * piston - 4.0 * tilt * tilt);
@@ -50,7 +50,7 @@ Turbulence::Turbulence(const TurbulenceConfig& config) : config_(config), waves_
     wave.turns_per_radius = (0.5 * cycles) * Vec2{std::cos(direction), std::sin(direction)};
     wave.start_turns = uniform();
     const double knee = 1.0 / config.outer_scale_pupils;
-    // Power in a ring of the spectrum, d ln f wide: f^2 times the density.
+    // Power in a ring of the spectrum of width d ln f: f^2 times the spectral density.
     wave.waves = cycles * std::pow(cycles * cycles + knee * knee, -11.0 / 12.0);
   }
   scale_to_rms();
@@ -79,7 +79,7 @@ void Turbulence::fill_modes(Wave& wave) const {
 }
 
 double Turbulence::phase_at_centre(const Wave& wave, std::int64_t t_ns) const {
-  // Years of nanoseconds and a fraction of a turn: more digits than a double has.
+  // Decades of nanoseconds to a fraction of a turn need more digits than a double has.
   const long double turns_per_s =
       (long double)(wave.turns_per_radius.x) * (long double)(radii_per_s_.x) +
       (long double)(wave.turns_per_radius.y) * (long double)(radii_per_s_.y);

@@ -1,4 +1,4 @@
-/// The whole twin: its parts, and every thread that it has.
+/// The complete twin: its parts and their threads.
 #pragma once
 
 #include <memory>
@@ -19,14 +19,14 @@ namespace ovws::twin {
 
 class Twin {
  public:
-  /// Camera and control answer when this returns; the display may come later. Errors as those of
-  /// FakeCamera::plug_in and Control::bind.
+  /// Starts the twin. Camera and control socket answer when this returns; the display may appear
+  /// later. Errors as in FakeCamera::plug_in and Control::bind.
   static Result<std::unique_ptr<Twin>> start(const Config& config, const std::string& x_display);
   ~Twin();
   Twin(const Twin&) = delete;
   Twin& operator=(const Twin&) = delete;
 
-  std::string addresses() const;  ///< for the line that says that the twin is ready
+  std::string addresses() const;  ///< for the `ready` line
 
  private:
   Twin(const Config& config, const std::string& x_display);
@@ -40,7 +40,8 @@ class Twin {
   std::unique_ptr<Control> control_;
   std::unique_ptr<Methods> methods_;
 
-  // Declared last, so that they end before what they use. Aravis has one thread more.
+  // Declared last, so that they end before the parts that they use. Aravis adds a thread of its
+  // own.
   std::jthread bench_thread_, noise_thread_, screen_thread_, camera_thread_, control_thread_;
 };
 

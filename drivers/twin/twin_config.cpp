@@ -104,7 +104,7 @@ void read(ObjectReader& r, Config& c) {
   read_turbulence(r, c.truth.turbulence);
 }
 
-/// Per photon in the brightest pixel of an ideal charge-1 spot: photons in the whole spot.
+/// Photons in the whole spot per photon in the brightest pixel of an ideal charge-1 spot.
 double photons_per_peak_photon(const Config& config, const Truth& truth) {
   // |F|max = kVortexPeak A for an aperture of A pixels, and the sum of |F|^2 over the frequencies
   // is A (Parseval); a camera pixel spans 1 / S cycles per SLM pixel.

@@ -1,4 +1,4 @@
-/// The twin's configuration: what the bench is made of. Every key has a default, `{}` is valid.
+/// Configuration of the twin: the simulated bench. Every key has a default; `{}` is valid.
 #pragma once
 
 #include <cstdint>
@@ -22,23 +22,23 @@ struct CameraConfig {
   int sensor_height = 1024;
 };
 
-/// What the SLM really does with a grey level g: phase = 2 pi depth_waves (g / 256)^gamma, which
-/// falls if depth_waves is negative, and the error of its surface on top. The daemon does not know
-/// it.
+/// True response of the SLM, which the daemon does not know: phase = 2 pi depth_waves (g /
+/// 256)^gamma for grey level g, falling if depth_waves is negative, plus the flatness error of its
+/// surface.
 struct SlmConfig {
-  std::string display = "DUMMY1";  ///< output name that the X server gives
+  std::string display = "DUMMY1";  ///< output name on the X server
   SlmGeometry geometry;            ///< keys width, height, pitch_um
   double gamma = 1.0;
   double depth_waves = 1.0;
   double flatness_rms_waves = 0.0;  ///< of a smooth random surface, RMS over the SLM
   int flatness_seed = 1;
-  double flatness_cycles = 2.5;  ///< of its shortest wave, over the SLM's height
-  double settle_ms = 0.0;  ///< from the display's change until the liquid crystal follows, at once
+  double flatness_cycles = 2.5;  ///< cycles of its shortest wave over the SLM's height
+  double settle_ms = 0.0;        ///< delay until the liquid crystal follows the display, at once
 };
 
 enum class Mirror { none, x, y };
 
-/// How the camera stands in the far field; camera_map.hpp says exactly.
+/// Orientation, scale and position of the camera in the far field; camera_map.hpp defines the map.
 struct CameraGeometry {
   double rotation_deg = 0.0;
   Mirror mirror = Mirror::none;
@@ -55,35 +55,35 @@ struct LightConfig {
   double diameter_px = 1200.0;  ///< SLM pixels: 1/e^2 diameter of a Gaussian beam; else not used
 };
 
-/// Something in the beam, in front of the SLM.
+/// A disc in the beam, in front of the SLM.
 struct Shade {
   Vec2 centre_px;  ///< SLM pixels
   double radius_px = 0.0;
-  double transmission = 0.0;  ///< of the light that meets it
+  double transmission = 0.0;  ///< transmitted fraction of the intensity
 
   bool operator==(const Shade&) const = default;
 };
 
 enum class Noise {
-  fresh,  ///< a new realisation for each frame; when that is too slow an old one again, counted
-  pool,   ///< 32 realisations in turn: little work for the machine
+  fresh,  ///< a new realisation for each frame; if generation is too slow, an old one, counted
+  pool,   ///< 32 realisations in turn: little CPU load
   none,   ///< the mean image, quantised
 };
 
-/// What can change while the twin runs, and only the twin knows.
+/// Ground truth: what can change while the twin runs, and only the twin knows.
 struct Truth {
-  /// The wavefront of the light that meets the SLM, over the sensor's pupil.
+  /// Aberration of the light on the SLM, over the sensor's pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades;
-  /// Electrons in the brightest pixel of an ideal charge-1 spot after kReferenceExposureUs. The
-  /// laser's power stays what that makes it: a charge-0 spot peaks 3.9 times higher, and where
-  /// neighbouring spots interfere a charge-1 spot reaches 1.2 to 1.4 times as much.
+  /// Laser power, as electrons in the brightest pixel of an ideal charge-1 spot after
+  /// kReferenceExposureUs. At the same power a charge-0 spot peaks 3.9 times higher, and
+  /// interference with neighbouring spots raises a charge-1 peak by 1.2 to 1.4.
   double peak_electrons = 6000.0;
   CameraGeometry geometry;
   std::optional<TurbulenceConfig> turbulence;
-  DetectorConfig detector;      ///< bits: not used
-  int bits = 0;                 ///< of the converter; 0: as many as the pixel format has
-  bool left_justified = false;  ///< numbers of 10 to 14 bits in the left-most of their 16
+  DetectorConfig detector;      ///< its `bits` is not used
+  int bits = 0;                 ///< of the A/D converter; 0: as many as the pixel format has
+  bool left_justified = false;  ///< MSB-aligned: 10 to 14 bits in the high bits of 16
   Noise noise = Noise::fresh;
 };
 
@@ -91,7 +91,7 @@ struct Config {
   CameraConfig camera;
   SlmConfig slm;
   OpticsConfig optics;  ///< magnification and centre_px are not used: truth.geometry has them
-  SensorConfig sensor;  ///< the hologram expected: its pupil, and where its spots should be
+  SensorConfig sensor;  ///< expected hologram: its pupil and spot positions
   LightConfig light;
   Truth truth;
   std::string control_endpoint = "tcp://127.0.0.1:7790";
@@ -104,9 +104,10 @@ constexpr double kReferenceExposureUs = 2000.0;
 /// aperture's area: the maximum over q of 2 integral_0^1 J1(q t) t dt, at q = 2.4525.
 constexpr double kVortexPeak = 0.508681;
 
-/// Strict; comments are allowed in the text. Errors (Errc::invalid) name the dotted path.
+/// Strict decoding of JSON text, in which comments are allowed. Errors (Errc::invalid) name the
+/// dotted path.
 Result<Config> parse_config(const std::string& json_text);
-/// The error's reason names the file.
+/// Reads a configuration file. The error's reason names the file.
 Result<Config> load_config(const std::string& path);
 
 /// Reads the keys of Truth from an object: `aberration`, `norm`, and `peak_electrons` …
@@ -119,7 +120,7 @@ void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turb
 /// The object `geometry` of twin.set: any of its keys.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
 
-/// Mean photons that one subaperture sends to the camera in kReferenceExposureUs, and back.
+/// Mean photons from one subaperture to the camera in kReferenceExposureUs, and the inverse.
 double photons_per_spot(const Config& config, const Truth& truth);
 double peak_electrons_for(const Config& config, const Truth& truth, double photons);
 

@@ -22,7 +22,8 @@ std::vector<Mode> modes_of(const Eigen::VectorXd& waves) {
   return modes;
 }
 
-/// The modes, without piston, that the differences between neighbours tell.
+/// Weighted least-squares fit of the modes, without piston, to phase differences between
+/// neighbours.
 Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd& sums) {
   constexpr int kTold = kModes - 1;
   using Matrix = Eigen::Matrix<double, kTold, kTold>;
@@ -40,7 +41,7 @@ Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd&
   return modes;
 }
 
-/// The phase of each block about the mean of all.
+/// Phase of each block in waves, within half a wave of the mean phase.
 Eigen::VectorXd phases(const Eigen::VectorXcd& sums) {
   const std::complex<double> mean = sums.sum();
   Eigen::VectorXd waves(sums.size());

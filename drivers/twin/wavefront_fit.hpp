@@ -1,4 +1,5 @@
-/// The wavefront of light whose phase is known only modulo one wave.
+/// Zernike fit of a wavefront from a field, whose phase is known only modulo one wave (phase
+/// unwrapping by modes).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +13,15 @@ struct WavefrontFit {
   /// Modes j = 0 .. 20 by least squares over the light, RMS-normalised waves; piston within half a
   /// wave.
   std::vector<Mode> modes;
-  Eigen::VectorXd rest_waves;  ///< what the modes leave, by block; within half a wave
-  /// Whether the modes explain the light, so that the rest needs no unwrapping: at most 1 % of the
-  /// light is more than 0.4 wave off, and there are blocks enough to tell the modes. If not,
-  /// nothing of the above means anything.
+  Eigen::VectorXd rest_waves;  ///< residual of each block, within half a wave
+  /// Whether the modes explain the field, so that the residual needs no unwrapping: at most 1 % of
+  /// the light deviates by more than 0.4 wave, and there are enough blocks to determine the modes.
+  /// If false, the other fields are meaningless.
   bool unwrapped = false;
 };
 
-/// Gradients from block to block first (less than half a wave each: 48 waves across the pupil),
-/// then the phase that each fit leaves, until nothing changes.
+/// First fits the gradients between blocks (less than half a wave each: 48 waves across the pupil),
+/// then repeatedly the residual phase, until the modes no longer change.
 WavefrontFit fit_wavefront(const PupilBlocks& blocks, const Image<std::complex<float>>& field);
 
 }  // namespace ovws::twin

@@ -14,7 +14,7 @@
 namespace ovws::twin {
 namespace {
 
-// Xlib reports through callbacks without context, and only one thread uses it.
+// Global, because Xlib's error callbacks have no context; only one thread uses Xlib.
 bool x_error = false;
 
 int note_error(::Display*, XErrorEvent*) {
@@ -38,7 +38,7 @@ struct Rectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The output's place on the X screen.
+/// The output's rectangle on the X screen.
 Result<Rectangle> find_output(::Display* display, const std::string& name) {
   Rectangle place;
   std::string known;
@@ -128,7 +128,7 @@ bool XOutput::Impl::share_memory() {
     shared->data = segment.shmaddr;
     attached = XShmAttach(display, &segment) != 0 && all_well(display);
   }
-  // Marked for removal now, it goes when both sides let go of it, however they end.
+  // Marked for removal now: the segment is freed when both sides have detached, however they end.
   if (segment.shmid >= 0) shmctl(segment.shmid, IPC_RMID, nullptr);
   const bool grey_in_blue =
       shared->bits_per_pixel == 32 && shared->blue_mask == 0xff && shared->byte_order == LSBFirst;
@@ -187,7 +187,7 @@ XOutput::News XOutput::read_news() {
     XEvent event;
     XNextEvent(impl_->display, &event);
     if (event.type == impl_->damage_event + XDamageNotify) {
-      // Cleared before the pixels are read, so that a change during the reading is news again.
+      // Cleared before the pixels are read, so that a change during the read is reported again.
       XDamageSubtract(impl_->display, impl_->damage, None, None);
       news = News::pixels;
     } else if (event.type == impl_->randr_event + RRScreenChangeNotify ||

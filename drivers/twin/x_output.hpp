@@ -1,5 +1,5 @@
-/// One output of one X server: its pixels, and the news that they changed. X headers stay in the
-/// .cpp.
+/// Reader of one X server output: its pixels, and notification of changes (DAMAGE extension). X
+/// headers stay in the .cpp.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace ovws::twin {
 
-/// All calls from one thread, which is the only one in the program that uses X.
+/// All calls from one thread, the only one in the program that uses Xlib.
 class XOutput {
  public:
   /// Errc::unavailable if there is no server, no such output, or it is off (the reason lists the
@@ -21,16 +21,16 @@ class XOutput {
   XOutput(const XOutput&) = delete;
   XOutput& operator=(const XOutput&) = delete;
 
-  int descriptor() const;  ///< readable when the server has something to say
+  int descriptor() const;  ///< readable when the server has sent events
 
   enum class News { none, pixels, lost };
-  /// Takes in all that the server said. `lost`: the server died, or its screens were arranged
-  /// anew; this object is of no more use.
+  /// Processes all received events. `lost`: the server died or its screens were rearranged; the
+  /// object can no longer be used.
   News read_news();
-  News ask_news();  ///< the same, of all that happened before this call: one round trip
+  News ask_news();  ///< the same after a round trip, so that all earlier changes are included
 
-  /// The blue channel of each pixel, width x height. False if the server would not give them:
-  /// then as `lost`.
+  /// Reads the blue channel of each pixel, width x height. False if the server refuses: then as
+  /// `lost`.
   bool grab(Image<std::uint8_t>& grey);
 
  private:
