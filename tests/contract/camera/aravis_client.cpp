@@ -1,4 +1,4 @@
-/// A program that opens a camera, streams, says so, and waits to be killed.
+/// Helper program: opens a camera, streams, reports it, and waits to be killed.
 #include <unistd.h>
 
 #include <iostream>

@@ -1,4 +1,4 @@
-/// What may be asked of a camera past its control, and of the way to it.
+/// Camera probes that need no control of the camera, and queries of the network path to it.
 #include <gtest/gtest.h>
 
 #include "drivers/aravis/aravis_camera.hpp"

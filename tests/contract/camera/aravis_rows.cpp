@@ -16,9 +16,9 @@ namespace {
 
 constexpr const char* kAddress = "127.0.0.1";
 
-/// How one GenICam description writes the settings into registers.
+/// A GenICam description and its mapping of settings to registers.
 struct Description {
-  const char* xml;        ///< "-": Aravis's own
+  const char* xml;        ///< file; "-": Aravis's built-in description
   double gain_per_count;  ///< of register 0x110
   bool gain_is_raw = false;
 };
@@ -74,7 +74,7 @@ class AravisBench final : public CameraBench {
     return true;
   }
 
-  /// Four bytes at a time, the rest 0.
+  /// Writes text into registers, four bytes at a time, padded with 0.
   void write_text(unsigned address, std::string text) {
     text.resize((text.size() + 3) / 4 * 4);
     for (std::size_t k = 0; k < text.size(); k += 4) {
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Aravis, CameraContract, ::testing::Values(kOldNames, kT
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Aravis, CameraLossContract, ::testing::Values(kTodaysNames), name_of);
 
-// What only this driver promises.
+// Guarantees of this driver only.
 
 TEST(AravisCamera, OpensByAddressByIdAndBySerialNumber) {
   const auto bench = todays_names();
@@ -130,7 +130,7 @@ TEST(AravisCamera, OpensByAddressByIdAndBySerialNumber) {
   }
 }
 
-/// At a gain of 7 dB the camera names a pixel format that does not exist.
+/// A description with which the camera reports an invalid pixel format at a gain of 7 dB.
 std::string unreadable_at_7_db() {
   std::ifstream in(OVWS_SFNC_CAMERA_XML);
   std::string xml((std::istreambuf_iterator<char>(in)), {});
@@ -164,7 +164,7 @@ TEST(AravisCamera, GainThatIsInNoUnitIsNotGivenOutAsDb) {
   EXPECT_TRUE(std::isnan(applied->gain_db));
   EXPECT_EQ(applied->gain_raw, 7.0);
   EXPECT_EQ(bench->truth(), *applied);
-  wanted.gain_raw = kNotKnown;  // leaves it
+  wanted.gain_raw = kNotKnown;  // leaves the gain unchanged
   EXPECT_EQ((*camera)->apply(wanted), *applied);
   wanted.gain_db = 6.0;
   const auto refused = (*camera)->apply(wanted);

@@ -1,4 +1,4 @@
-/// What the camera contract needs besides the driver under test: the device on the other side.
+/// Test bench of the camera contract: the device behind the driver under test.
 #pragma once
 
 #include <memory>
@@ -9,26 +9,26 @@
 
 namespace ovws::testing {
 
-/// One device of its own for every test, plugged in and idle at first. A driver whose device cannot
-/// do a thing leaves the default, and what would check it is skipped.
+/// A new device for every test, plugged in and idle. If a device does not support an action, the
+/// default stays and the checks that need it are skipped.
 class CameraBench {
  public:
   virtual ~CameraBench() = default;
 
   virtual Result<std::unique_ptr<Camera>> open() = 0;
 
-  /// Small frames at a fast rate that every one of the tests can stream.
+  /// Settings with small frames at a high rate, suitable for all tests.
   virtual CameraSettings settings() const = 0;
 
-  /// The unit that the device has its gain in.
+  /// The gain setting that the device supports: gain_db or gain_raw.
   virtual double CameraSettings::*gain() const { return &CameraSettings::gain_db; }
 
-  /// What the device has, asked past the driver.
+  /// The device's settings, read without the driver.
   virtual std::optional<CameraSettings> truth() { return std::nullopt; }
-  /// The pixel that the device puts at x, y of the sensor.
+  /// The value that the device puts at pixel (x, y) of the sensor.
   virtual std::optional<int> pixel(PixelFormat, int /*x*/, int /*y*/) const { return std::nullopt; }
 
-  /// From now on the device loses some of its packets. False: this device cannot.
+  /// Makes the device lose some of its packets. False if it does not support this.
   virtual bool lose_packets() { return false; }
 
   // Only for rows of CameraLossContract.
@@ -36,11 +36,11 @@ class CameraBench {
   virtual void plug_in() {}
   virtual void freeze() {}
   virtual void thaw() {}
-  /// Another program opens the camera, streams, and ends without a word.
+  /// Lets another program open the camera, stream, and crash.
   virtual void crash_a_client() {}
 };
 
-/// A row of the suite.
+/// A parameter row of the suite.
 struct CameraRow {
   std::string name;
   std::unique_ptr<CameraBench> (*make)();

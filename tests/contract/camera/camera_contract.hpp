@@ -1,4 +1,4 @@
-/// The fixture of the camera port's contract: every driver is a row (or more) of it.
+/// Fixture of the camera port's contract tests; every driver adds one or more parameter rows.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
  protected:
   void SetUp() override { bench_ = GetParam().make(); }
 
-  /// Opens and applies the bench's settings, with `change` made to them.
+  /// Opens the camera and applies the bench's settings, modified by `change`.
   template <class Change>
   std::unique_ptr<Camera> open_with(Change change) {
     auto camera = bench_->open();
@@ -53,7 +53,7 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
     ASSERT_TRUE(started) << started.error().reason;
   }
 
-  /// The next whole frame; a failure if none comes.
+  /// Grabs the next complete frame; fails the test if none comes.
   GrabbedFrame next_frame(Camera& camera) {
     GrabbedFrame frame;
     const auto end = monotonic_ns() + std::chrono::nanoseconds(kPatience).count();
@@ -69,7 +69,8 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
     }
   }
 
-  /// `wanted` is refused for `field`, with all of `words` in the reason, and nothing changes.
+  /// Expects that `wanted` is refused for `field`, with all of `words` in the reason, and that
+  /// nothing changes.
   void expect_refused(Camera& camera, const CameraSettings& wanted, const std::string& field,
                       const std::vector<std::string>& words, Errc code = Errc::invalid) {
     const auto before = bench_->truth();
@@ -83,7 +84,7 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
     EXPECT_EQ(bench_->truth(), before) << field;
   }
 
-  /// Opens again as soon as the device lets go of its last controller.
+  /// Opens the camera again as soon as the device has released its last controller.
   std::unique_ptr<Camera> reopen(std::chrono::seconds patience) {
     const auto end = monotonic_ns() + std::chrono::nanoseconds(patience).count();
     for (;;) {
@@ -100,7 +101,8 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
   std::unique_ptr<CameraBench> bench_;
 };
 
-/// For drivers whose device can be taken away. Slow: a device that does not answer costs seconds.
+/// For drivers whose device can be unplugged. Slow, because a device that does not answer takes
+/// seconds.
 class CameraLossContract : public CameraContract {};
 
 }  // namespace ovws::testing

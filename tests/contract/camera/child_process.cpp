@@ -1,4 +1,4 @@
-/// Fork, exec, two pipes.
+/// Child process by fork and exec, with two pipes.
 #include "tests/contract/camera/child_process.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-/// A helper program that a test starts, talks to in lines, freezes and kills.
+/// Child process of a test: exchanges lines, can be frozen and killed.
 #pragma once
 
 #include <sys/types.h>
@@ -8,7 +8,7 @@
 
 namespace ovws::testing {
 
-/// Ends (SIGKILL) with its owner. Own bugs (the program does not start) throw.
+/// Killed (SIGKILL) by the destructor. Throws if the program does not start.
 class ChildProcess {
  public:
   explicit ChildProcess(const std::vector<std::string>& command);

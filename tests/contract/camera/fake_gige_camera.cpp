@@ -1,4 +1,4 @@
-/// A GigE Vision camera in a process of its own, so that a test can freeze and kill it.
+/// Fake GigE Vision camera in a process of its own, so that a test can freeze and kill it.
 /// fake_gige_camera ADDRESS XML_FILE|- LOST_PACKET_RATIO; then "read ADDRESS" and "write ADDRESS
 /// VALUE" lines on standard input are answered with the register's value; it ends with its standard
 /// input.
@@ -14,7 +14,7 @@ namespace {
 constexpr guint32 kSensorWidth = 1280;
 constexpr guint32 kSensorHeight = 1024;
 
-/// Sensor pixel X, Y holds X + 2 Y, cut to the format's bits.
+/// Sensor pixel (X, Y) holds X + 2 Y, truncated to the format's bits.
 void fill(ArvBuffer* buffer, void* camera, guint32, guint32, ArvPixelFormat format) {
   guint32 x0 = 0;
   guint32 y0 = 0;

@@ -1,4 +1,4 @@
-/// Frame numbers without an end.
+/// Unwrapping of frame numbers.
 #include "drivers/aravis/frame_id.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-/// The camera contract: devices that are taken, unplugged, frozen, or left behind by a crash.
+/// Camera contract: devices that are controlled by others, unplugged, frozen, or left running by a
+/// crash.
 #include <cstdio>
 #include <thread>
 
@@ -10,8 +11,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Nothing may take longer on a device that does not answer; the figures are printed. The daemon's
-/// camera thread waits so long, and everything else runs on.
+/// Upper limit of any call on a device that does not answer; measured times are printed. Only the
+/// daemon's camera thread blocks for this long.
 constexpr double kBoundSeconds = 15.0;
 
 template <class Action>
@@ -95,7 +96,7 @@ TEST_P(CameraLossContract, ADeviceThatLostPowerDoesNotTakeASettingAsIfNothingHad
   ASSERT_TRUE(camera);
   expect_frames(*camera, 3);
   bench_->unplug();
-  bench_->plug_in();  // with its power-up settings, before it was missed
+  bench_->plug_in();  // with its power-up settings, before the loss was noticed
   CameraSettings wanted = bench_->settings();
   wanted.gain_db += 1.0;
   EXPECT_FALSE(camera->apply(wanted));
@@ -153,7 +154,7 @@ TEST_P(CameraLossContract, WhatACrashedProgramLeftRunningIsStoppedAndStartedAgai
   bench_->crash_a_client();
   auto camera = reopen(seconds(20));
   ASSERT_TRUE(camera);
-  // Time enough for a device that was not stopped to go on sending to the program that crashed.
+  // Long enough for a device that was not stopped to continue sending to the crashed program.
   std::this_thread::sleep_for(milliseconds(300));
   ASSERT_TRUE(camera->apply(bench_->settings()));
   start(*camera);

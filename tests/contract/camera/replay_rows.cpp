@@ -1,4 +1,4 @@
-/// Rows of the camera contract: a recording, played.
+/// Rows of the camera contract: a replayed recording.
 #include <filesystem>
 
 #include "drivers/record/record_file.hpp"
@@ -10,13 +10,14 @@ namespace ovws::testing {
 namespace {
 
 constexpr int kPictures = 64;
-constexpr int kLeftOut = 20;  // a frame that the recording lacks, but only in the test of gaps
+constexpr int kLeftOut = 20;  // frame missing in the recording, in the test of gaps only
 
 int pixel_at(int x, int y) {
   return (x + 2 * y) & 0xFF;
 }
 
-/// `skipped`: the frame that is not in it; -1: all are. `anew`: from there on numbers begin at 1.
+/// Writes a recording. `skipped`: number of a missing frame; -1: none. `anew`: frame at which the
+/// frame numbers restart at 1.
 std::string make_recording(const std::string& name, int skipped, bool with_pictures = true,
                            int anew = kPictures) {
   const std::string path = own_folder(name) + ".h5";
@@ -73,9 +74,10 @@ INSTANTIATE_TEST_SUITE_P(Replay, CameraContract,
                                                      }}),
                          [](const auto& row) { return row.param.name; });
 
-// What only this driver promises.
+// Guarantees of this driver only.
 
-/// From 100 on, three times round; each time one picture is skipped, -1: none.
+/// Expects frame numbers from 100 on over three rounds; `skipped`: the frame missing in each, -1:
+/// none.
 void expect_rising_numbers(const std::string& path, int skipped) {
   auto camera = open_replay_camera(path);
   ASSERT_TRUE(camera) << camera.error().reason;

@@ -1,4 +1,4 @@
-/// The camera contract: limits, settings and their refusal.
+/// Camera contract: limits, settings and their refusal.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -181,7 +181,7 @@ TEST_P(CameraContract, AValueOutOfRangeIsRefusedAndNothingChanges) {
       {&CameraSettings::frame_rate_hz, "camera.frame_rate_hz", limits->frame_rate_hz}};
   for (const auto& [member, field, range] : settings)
     for (double bad : {range.min - 1e-3, range.max + 1.0, -1e9, 1e12, inf, -inf, nan}) {
-      if (std::isnan(bad) && member == &CameraSettings::gain_raw) continue;  // leaves it
+      if (std::isnan(bad) && member == &CameraSettings::gain_raw) continue;  // leaves the gain
       CameraSettings wanted = good;
       wanted.*member = bad;
       std::vector<std::string> words = {as_text(range.min), as_text(range.max)};
@@ -198,7 +198,7 @@ TEST_P(CameraContract, OneBadValueKeepsTheGoodOnesFromBeingApplied) {
   CameraSettings wanted = bench_->settings();
   wanted.*bench_->gain() = 2.0;
   wanted.roi = {32, 32, 64, 64};
-  // Fits the period, so that the rate's own limit is met only after the others were written.
+  // Fits the period, so that the rate's own limit is hit only after the others were written.
   wanted.exposure_us = 100.0;
   wanted.frame_rate_hz = 5000.0;
   expect_refused(*camera, wanted, "camera.frame_rate_hz", {});

@@ -1,4 +1,4 @@
-/// Frames that Aravis threw away, told from the packets that it counts.
+/// Detection of frames that Aravis discarded, from its packet counters.
 #include "drivers/aravis/stray_frames.hpp"
 
 #include <gtest/gtest.h>

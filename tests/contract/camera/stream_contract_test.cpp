@@ -1,4 +1,4 @@
-/// The camera contract: frames, buffers, and starting over.
+/// Camera contract: frames, buffers, and restarts.
 #include <algorithm>
 #include <set>
 
@@ -11,7 +11,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// Every pixel is where the device put it.
+/// Expects every pixel to have the value that the device put there.
 void expect_pixels(const CameraBench& bench, const ImageView& image, const Roi& roi) {
   ASSERT_EQ(image.width, roi.width);
   ASSERT_EQ(image.height, roi.height);

@@ -1,4 +1,5 @@
-/// What the display tests share: the configuration, pictures, and eyes on the X server's pixels.
+/// Shared helpers of the display tests: configuration, test images, and reading of the X server's
+/// pixels.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,16 @@ inline SdlConfig slm_config() {
 }
 constexpr int kSlmX = 1920;
 
-/// Opens it or fails the test with the error's reason; then null.
+/// Opens the display. On error fails the test with the reason and returns null.
 std::unique_ptr<Display> open_or_fail(const SdlConfig& config = slm_config());
 
 Image<std::uint8_t> random_picture(unsigned seed, int width = 1280, int height = 768);
 
-/// How many pixels of the desktop at (x, y) are not exactly the picture's grey, as another client
-/// of the X server sees them. Every pixel, if the server does not answer.
+/// Number of pixels of the desktop at (x, y) that differ from the image's grey levels, as seen by
+/// another client of the X server. All pixels if the server does not answer.
 int wrong_pixels(const Image<std::uint8_t>& picture, int x = kSlmX, int y = 0);
 
-/// Calls check() for `seconds` or until it gives an error; that error's reason, or "".
+/// Calls check() for `seconds` or until it returns an error; returns the error's reason, or "".
 std::string watch(Display& display, double seconds);
 
 /// Runs a shell command, and fails the test if its status is not 0.

@@ -1,4 +1,4 @@
-/// What every display promises while all is well: the right output, exact pixels, honest times.
+/// Display contract in normal operation: the right output, exact pixels, correct times.
 #include <gtest/gtest.h>
 #include <signal.h>
 

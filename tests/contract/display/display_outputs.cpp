@@ -1,4 +1,4 @@
-/// Which output may carry the SLM: what a server without hardware cannot be made to show.
+/// Choice of the SLM's output: cases that an X server without hardware cannot produce.
 #include <gtest/gtest.h>
 
 #include <algorithm>

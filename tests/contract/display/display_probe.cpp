@@ -1,4 +1,4 @@
-/// A look at the X server past any window: true, and without a trace.
+/// Probe of the X server: its results are correct, and it changes nothing.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -26,7 +26,7 @@ TEST(DisplayProbe, TellsOutputsAndThatNothingSwitchesThemOff) {
   EXPECT_FALSE(probe->composited);
 }
 
-// The server of these tests cannot switch screens off by DPMS, so only its absence is seen here.
+// The X server of these tests has no DPMS, so only its absence is tested.
 TEST(DisplayProbe, SeesTheScreenSaverAndLeavesItAsItIs) {
   run("xset s 600");
   EXPECT_EQ(sdl::probe_display()->screen_saver_s, 600);

@@ -1,4 +1,5 @@
-/// The X server's death is an error, never this process's; and it can come back.
+/// Death of the X server: an error that never ends this process, and from which the display
+/// recovers.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -33,7 +34,7 @@ class DisplayServerDeath : public testing::Test {
   }
 
   std::optional<XorgServer> server;
-  const int number = 1000 + getpid() % 20'000;  // none that -displayfd gives to others
+  const int number = 1000 + getpid() % 20'000;  // not assigned to others by -displayfd
 };
 
 TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed) {

@@ -1,4 +1,4 @@
-/// What every display promises in trouble: it refuses the wrong output, and notices what changes.
+/// Display contract in case of faults: wrong outputs are refused, and changes are detected.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,13 +16,13 @@
 namespace ovws::test {
 namespace {
 
-constexpr double kNoticeS = 2.5;  // the outputs are looked at once a second
+constexpr double kNoticeS = 2.5;  // outputs are verified once a second
 
 bool has(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
-/// Puts the outputs back as they were, whatever a test did to them.
+/// Restores the outputs after each test.
 class DisplayTrouble : public testing::Test {
  protected:
   void SetUp() override { original_display_ = std::getenv("DISPLAY"); }
@@ -40,7 +40,7 @@ class DisplayTrouble : public testing::Test {
     return display ? Error{} : display.error();
   }
 
-  /// Gives the output the EDID of a monitor of that name, or takes it away.
+  /// Sets the EDID of a monitor of this name on the output; an empty name removes it.
   static void set_monitor_name(const std::string& output, std::string_view name) {
     ::Display* server = XOpenDisplay(nullptr);
     ASSERT_NE(server, nullptr);
@@ -62,7 +62,7 @@ class DisplayTrouble : public testing::Test {
   }
 
  private:
-  // The second of four descriptors is the name; the first is a mode.
+  // The second of the four descriptors holds the name; the first is a mode.
   static std::vector<unsigned char> make_edid(std::string_view name) {
     std::vector<unsigned char> edid(128, 0);
     edid[54] = 1;
@@ -110,7 +110,7 @@ TEST_F(DisplayTrouble, AnotherSizeIsRefusedWithBothSizesAndTheRemedy) {
 
 TEST_F(DisplayTrouble, ThePrimaryOutputIsRefusedUnlessAllowed) {
   SdlConfig config{.output = "DUMMY0", .width = 1280, .height = 768, .allow_primary = false};
-  const Error error = refused(config);  // whatever its size
+  const Error error = refused(config);  // independent of its size
   EXPECT_EQ(error.code, Errc::refused);
   EXPECT_TRUE(has(error.reason, "DUMMY0 is the primary one")) << error.reason;
   EXPECT_TRUE(has(error.reason, "DUMMY1 1280x768")) << error.reason;

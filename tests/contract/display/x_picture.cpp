@@ -1,4 +1,4 @@
-/// Pictures as X servers of other kinds give them; no server is asked.
+/// Images in the formats of other X servers, tested without a server.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,8 @@ struct Masks {
   unsigned long red = 0xff0000, green = 0x00ff00, blue = 0x0000ff;
 };
 
-/// Pixel k is 0x102030 + k; the unused byte of each, or the end of each line, holds rubbish.
+/// Pixel k is 0x102030 + k; the unused byte of each pixel, or the padding of each line, holds
+/// garbage.
 class Picture {
  public:
   Picture(int byte_order, int bits_per_pixel, int depth = 24, Masks masks = {}) {

@@ -63,7 +63,7 @@ void BenchClient::show(const SensorConfig& sensor, const std::vector<Mode>& mode
 
 TakenFrame BenchClient::grab() {
   GrabbedFrame frame;
-  // Frames that come incomplete or twice, however many, are no reason to give up.
+  // Incomplete and duplicate frames are skipped.
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(3);
   while (std::chrono::steady_clock::now() < give_up) {
     if (camera_->grab(frame, std::chrono::milliseconds(100)) != GrabStatus::frame) continue;

@@ -1,5 +1,5 @@
-/// A client of a running twin: shows holograms on its SLM, grabs frames of its camera, and asks
-/// its control socket, all with the project's own drivers.
+/// Client of a running twin: shows holograms on its SLM, grabs frames of its camera, and calls its
+/// control socket, all with the project's own drivers.
 #pragma once
 
 #include <memory>
@@ -16,14 +16,14 @@
 
 namespace ovws {
 
-/// A frame that outlives its buffer.
+/// A copy of a frame that outlives its buffer.
 struct TakenFrame {
   Image<std::uint16_t> dn;
   std::uint64_t frame_id = 0;
   std::int64_t t_device_ns = 0;
 };
 
-/// Throws std::runtime_error where the bench does not do what every test needs.
+/// Throws std::runtime_error if the bench fails.
 class BenchClient {
  public:
   BenchClient();
@@ -35,12 +35,12 @@ class BenchClient {
   void start(const CameraSettings& settings);
   void stop();
 
-  /// Shows the sensor's hologram; the X server has it when this returns.
+  /// Shows the sensor's hologram. The X server has it when this returns.
   void show(const SensorConfig& sensor, const std::vector<Mode>& modes = {});
 
   TakenFrame grab();         ///< the next frame; throws if none comes within 3 s
-  TakenFrame newer_frame();  ///< the first that the twin began after now
-  /// The mean of several frames, all begun after now.
+  TakenFrame newer_frame();  ///< the first frame that the twin begins after this call
+  /// Mean of several frames, all begun after this call.
   Image<float> mean_frame(int frames);
 
   nlohmann::json call(const std::string& method, const nlohmann::json& params = nullptr);
@@ -52,7 +52,7 @@ class BenchClient {
   bool started_ = false;
 };
 
-/// The position of the spot near `start_px`, by the tracker for that charge; NaN if lost.
+/// Position of the spot near `start_px` by the tracker for this charge; NaN if lost.
 Vec2 spot_at(const Image<std::uint16_t>& dn, int charge, Vec2 start_px);
 
 }  // namespace ovws

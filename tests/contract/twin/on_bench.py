@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""on_bench.py BUILD COMMAND [ARGUMENT]…: runs the command beside a bench (X server and twin) in a
-network namespace of its own, with DISPLAY set, and returns the command's status."""
+"""on_bench.py BUILD COMMAND [ARGUMENT]…: runs the command with a bench (X server and twin) in its
+own network namespace, with DISPLAY set, and returns the command's exit status."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-/// The camera's place in the far field: turned, mirrored, magnified, moved.
+/// Camera geometry in the far field: rotation, mirror, magnification, shift.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -27,7 +27,7 @@ Image<std::uint8_t> random_greys() {
   return grey;
 }
 
-/// F(u) in double, term by term.
+/// Direct Fourier sum F(u) in double precision.
 std::complex<double> direct_sum(const Image<std::complex<float>>& field, Vec2 cpp) {
   std::vector<std::complex<double>> along_x;
   for (int x = 0; x < field.width; ++x) {
@@ -47,7 +47,7 @@ std::complex<double> direct_sum(const Image<std::complex<float>>& field, Vec2 cp
   return sum;
 }
 
-/// The definition, written once more: centre + S R M u.
+/// Independent implementation of the definition: centre + S R M u.
 Vec2 defined_px(const CameraGeometry& g, Vec2 cpp_from_base) {
   const double scale = 632e-9 * 0.2 * g.magnification / (19e-6 * 3.45e-6);
   const double angle = g.rotation_deg * std::numbers::pi / 180.0;
@@ -73,7 +73,7 @@ std::string text_of(const CameraGeometry& g) {
          mirror_names()[std::size_t(g.mirror)];
 }
 
-/// The greatest error at `count` random pixels, in units of the field's peak.
+/// Maximum error at `count` random pixels, in units of the field's peak.
 double field_error(const CameraGeometry& geometry, const Image<std::uint8_t>& grey, const Roi& roi,
                    int count) {
   const Config config = bench();
@@ -111,7 +111,7 @@ TEST(CameraMap, TurnsFromXTowardsYAndMirrorsFirst) {
       EXPECT_LT(norm(map.frequency(px) - map.base_cpp - u), 1e-12) << text_of(g);
     }
   }
-  // By 90 degrees what moved right moves down.
+  // Rotated by 90 degrees, a shift to the right becomes a shift down.
   EXPECT_EQ(camera_map(bench(), {90.0}).of_x, (Vec2{0.0, 1.0}));
 }
 
@@ -137,7 +137,7 @@ TEST(CameraView, AWindowOfMoreThanOnePeriodRepeatsItself) {
             2e-4);
 }
 
-/// The centre of a symmetric spot: a Gaussian-weighted centroid that moves along.
+/// Centre of a symmetric spot by an iterated Gaussian-weighted centroid.
 Vec2 spot_centre(const Image<float>& light, Vec2 at) {
   constexpr double kWidthPx = 4.0;
   for (int step = 0; step < 50; ++step) {
@@ -157,7 +157,8 @@ Vec2 spot_centre(const Image<float>& light, Vec2 at) {
   return at;
 }
 
-/// The base subaperture of a bright-spot sensor, alone: elsewhere the light goes far away.
+/// The base subaperture of a bright-spot sensor alone; a fine grating deflects all other light out
+/// of view.
 Image<std::uint8_t> one_bright_spot() {
   HologramConfig shown;
   shown.sensor.charge = 0;

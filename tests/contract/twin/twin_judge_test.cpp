@@ -1,4 +1,4 @@
-/// The twin's judge: what it says of a known wavefront, a known SLM and a known correction.
+/// The twin's judge on a known wavefront, a known SLM and a known correction.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -18,7 +18,7 @@ Config bench(const std::string& json = "{}") {
   return parse_config(json).value();
 }
 
-/// The daemon's hologram of the pattern, with these modes added.
+/// The daemon's hologram of the pattern with these modes added.
 Image<std::uint8_t> shown(const Config& config, Pattern pattern, const Modes& modes = {}) {
   HologramConfig hologram;
   hologram.sensor = config.sensor;
@@ -109,7 +109,7 @@ TEST_P(BothPatterns, TurbulenceIsPartOfTheWavefront) {
   ASSERT_TRUE(verdict);
   const auto truth = air.modes(kNow);
   for (const int j : {1, 2, 3, 4, 5}) {
-    // The subapertures do not fill the pupil, so that higher modes leak into the fit.
+    // The subapertures do not fill the pupil, so higher modes leak into the fit.
     EXPECT_NEAR(verdict->modes[std::size_t(j)].waves, truth[std::size_t(j)], 0.015) << j;
   }
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""twin_life_test.py BUILD: how the twin starts, lives through a display that goes away, and ends."""
+"""twin_life_test.py BUILD: start of the twin, loss of its display, and its end."""
 
 import pathlib
 import signal
@@ -26,7 +26,7 @@ class TwinLife(unittest.TestCase):
             time.sleep(0.02)
 
     def refused(self, *arguments):
-        """What a second twin says when it is started with these arguments."""
+        """Error output of a second twin that is started with these arguments."""
         second = self.bench.start("second", [self.bench.programs / "ovws-twin", *arguments])
         self.assertEqual(second.popen.wait(10), 1)
         self.bench.stop("second")

@@ -1,4 +1,4 @@
-/// The twin's models without display and network: configuration, light, noise and faults.
+/// The twin's models without display and network: configuration, light, noise, faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ Config config_of(const std::string& json) {
   return *config;
 }
 
-/// The centre of the pixels brighter than half of the brightest one.
+/// Centroid of the pixels brighter than half of the brightest one.
 Vec2 centre_of_light(const Image<float>& image) {
   const float half = *std::max_element(image.pixels.begin(), image.pixels.end()) / 2;
   double sum = 0.0;
@@ -109,7 +109,7 @@ TEST(BenchModel, AllLightOfTheSlmIsThatOfItsAreaInSpots) {
 TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
   Config config = config_of("{}");
   BenchModel model(config);
-  // Alone among the others' light: outside the base subaperture a grating sends it elsewhere.
+  // The vortex alone: outside the base subaperture a grating deflects the light.
   Image<std::uint8_t> grey(1280, 768);
   const Image<std::uint8_t> all = hologram(config.sensor);
   for (int y = 0; y < 768; ++y) {
@@ -171,7 +171,7 @@ TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
   EXPECT_NEAR(peak(config) / peak(perfect), std::pow(std::sin(x) / x, 2), 0.08);
 }
 
-/// A bench at work, and the picture of a hologram to show on it.
+/// A running bench, and a hologram image to show on it.
 class RunningBench : public ::testing::Test {
  protected:
   using Light = std::shared_ptr<const Scene>;
@@ -179,7 +179,7 @@ class RunningBench : public ::testing::Test {
   Light scene(std::uint64_t begun, const Light& ready, milliseconds wait = milliseconds(20'000)) {
     return bench.scene(begun, ready, steady_clock::now() + wait, stop.get_token());
   }
-  /// What a frame begun in that state is sent with.
+  /// The scene with which a frame begun in this state is sent.
   Light sent(std::uint64_t begun) {
     Light ready = scene(begun, nullptr);
     for (Light next; (next = scene(begun, ready)) != ready;) ready = next;

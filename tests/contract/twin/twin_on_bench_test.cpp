@@ -1,4 +1,5 @@
-/// The twin on a real (virtual) display and a real network: what it shows is what the SLM shows.
+/// The twin on an X server with virtual outputs and a real network: its frames match the SLM's
+/// image.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace ovws {
 namespace {
 
 constexpr int kSpots = 19;
-/// The spots interfere with their neighbours, which moves a vortex by up to 0.7 px.
+/// Tolerance: interference with neighbouring spots moves a vortex by up to 0.7 px.
 constexpr double kNearPx = 0.9;
 
 class TwinOnBench : public ::testing::Test {
@@ -42,7 +43,7 @@ class TwinOnBench : public ::testing::Test {
     return spots;
   }
 
-  /// The worst distance between the spots in the frame and where they should be.
+  /// Maximum distance between the spots in the frame and their expected positions.
   static double worst_px(const TakenFrame& frame, int charge, const std::vector<Vec2>& expected) {
     double worst = 0.0;
     for (const Vec2& spot : expected) {
@@ -108,7 +109,7 @@ TEST_F(TwinOnBench, MovingAirIsInEachFrameAsTheTruthSaysByItsNumber) {
   settings.frame_rate_hz = 10.0;
   bench.start(settings);
   const auto at_rest = spots_of(bench.call("twin.get"));
-  // So fast that each frame has air of its own, and weak enough for every spot to stay one.
+  // Fast enough for uncorrelated turbulence in each frame, and weak enough that no spot splits.
   bench.call(
       "twin.set",
       {{"turbulence",
@@ -127,7 +128,7 @@ TEST_F(TwinOnBench, MovingAirIsInEachFrameAsTheTruthSaysByItsNumber) {
       if (sent.at("t_ns") == frame.t_device_ns) own = sent;
     }
     ASSERT_FALSE(own.is_null()) << frame.t_device_ns;
-    // On the wire a number has 16 bits and is never 0; the driver counts on.
+    // On the wire a frame number has 16 bits and is never 0; the driver unwraps it.
     EXPECT_EQ(own.at("frame_id").get<std::uint64_t>(), (frame.frame_id - 1) % 65535 + 1);
     EXPECT_EQ(own.at("modes"), truth.at("modes"));
     const auto waves = own.at("modes").get<std::vector<double>>();
@@ -148,8 +149,9 @@ TEST_F(TwinOnBench, MovingAirIsInEachFrameAsTheTruthSaysByItsNumber) {
     wrong += std::pow(norm(error) / found, 2);
     moved += std::pow(norm(expected) / found, 2);
   }
-  // What all spots share; each by itself is moved by its neighbours' interference and by waves too
-  // short for the modes, too. The air of another frame would be wrong by twice what it moves.
+  // Compares the common motion of all spots, because interference and turbulence finer than the
+  // modes also move single ones. The turbulence of another frame would give twice the squared
+  // motion as error.
   std::printf("  moved %.2f px RMS, of it %.2f px unexplained\n", std::sqrt(moved / 12),
               std::sqrt(wrong / 12));
   EXPECT_LT(wrong, 0.15 * moved);
@@ -248,10 +250,10 @@ TEST_F(TwinOnBench, NoFrameBegunAfterAChangeShowsTheOldHologram) {
   ASSERT_GT(norm(level[9] - leaning[9]), 2.0);
   for (int round = 0; round < 12; ++round) {
     const bool tilt = round % 2 == 0;
-    // At another moment of the camera's period each time.
+    // At a different phase of the camera's period each time.
     std::this_thread::sleep_for(std::chrono::milliseconds(7 * round % 30));
     bench.show(sensor, tilt ? tilted : std::vector<Mode>{});
-    // The twin stamps a frame by this machine's clock, before it looks at the display.
+    // The twin takes a frame's time from this machine's clock before it reads the display.
     const std::int64_t shown_ns = utc_ns();
     TakenFrame frame = bench.grab();
     for (int newer = 0; newer < 5; frame = bench.grab()) {
@@ -353,7 +355,7 @@ TEST_F(TwinOnBench, FramesThatComeAgainOrTooLateAreReportedAsSuch) {
   bench.start(settings);
   for (const auto& [kind, expected] : {std::pair("duplicate", GrabStatus::duplicate),
                                        std::pair("reorder", GrabStatus::out_of_order)}) {
-    for (int n = 0; n < 120; ++n) bench.grab();  // whatever was missing is not waited for any more
+    for (int n = 0; n < 120; ++n) bench.grab();  // older gaps no longer count for late frames
     bench.call("twin.fault", {{"kind", kind}, {"frames", 3}});
     int told = 0;
     GrabbedFrame frame;

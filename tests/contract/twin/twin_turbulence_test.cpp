@@ -1,5 +1,5 @@
-/// The turbulence in front of the twin's SLM: repeatable, of the strength and spectrum that its
-/// configuration says, carried by the wind, and in the light as in the truth.
+/// Turbulence of the twin: reproducible, with the configured strength and spectrum, carried by the
+/// wind, and the same in the light as in the ground truth.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST(Turbulence, ModesAreItsProjectionOverThePupil) {
   }
 }
 
-/// The squares of modes, averaged over moments far apart.
+/// Mean squares of the modes over moments far apart.
 Turbulence::Modes mean_squares(const Turbulence& air, int moments) {
   Turbulence::Modes sums{};
   std::mt19937_64 random(3);
@@ -96,8 +96,8 @@ TEST(Turbulence, HasTheStrengthThatIsConfigured) {
 
 TEST(Turbulence, SharesItsPowerAmongModesAsKolmogorovsDoes) {
   // Noll 1976, Table IV, residuals: tilt 0.448 each, astigmatism and defocus 0.0232 each, coma
-  // 0.0062 each, of (D / r0)^(5/3) rad^2. An outer scale of 1000 pupils takes about a
-  // seventh of the tilt and leaves the others as they are.
+  // 0.0062 each, of (D / r0)^(5/3) rad^2. An outer scale of 1000 pupils reduces the tilt by about
+  // a seventh and leaves the others unchanged.
   double astigmatism = 0.0, coma = 0.0, tilt = 0.0;
   for (int seed = 1; seed <= 4; ++seed) {
     const auto power = mean_squares(Turbulence({.outer_scale_pupils = 1000.0, .seed = seed}), 3000);

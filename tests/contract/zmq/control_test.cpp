@@ -20,7 +20,7 @@ using test::RawClient;
 
 const ControlLimits kLimits{kMaxRequestBytes, "too large", "too many"};
 
-/// A server with its thread; the handler answers "re:" + request unless told otherwise.
+/// A server with its thread. The default handler answers "re:" + request.
 class Served {
  public:
   explicit Served(const std::string& endpoint, ControlHandler handler = echo()) {
@@ -165,7 +165,7 @@ TEST(ControlServer, TakesRepliesFromAnyThreadInAnyOrderOnce) {
         waiting.pop_back();
         lock.unlock();
         reply(request);
-        reply(request);  // a second time: nothing
+        reply(request);  // a second call has no effect
       }
     });
   }
@@ -184,7 +184,7 @@ TEST(ControlServer, TakesRepliesFromAnyThreadInAnyOrderOnce) {
   }
 }
 
-/// Keeps the replies to all requests but those that begin with "now".
+/// Handler that withholds the replies to all requests except those that begin with "now".
 class Held {
  public:
   ControlHandler handler() {
@@ -239,7 +239,7 @@ TEST(ControlServer, AnswersAClientWhateverManyOthersHavePending) {
     others.emplace_back(ZMQ_DEALER, endpoint);
     for (int n = 0; n < 64; ++n) others.back().send({"x"});
   }
-  held.wait_for(128);  // as many as all may have
+  held.wait_for(128);  // the limit of all clients together
   RawClient one(ZMQ_REQ, endpoint);
   one.send({"now"});
   EXPECT_EQ(one.receive(), Frames{"ok"});
@@ -260,7 +260,7 @@ TEST(ControlServer, KeepsFewRepliesThatAreNotReadAndSendsAllOnceTheyAre) {
   RawClient mute(ZMQ_DEALER, endpoint, "", few);
   for (int k = 0; k < kRequests; ++k) mute.send({"x"});
   RawClient other(ZMQ_REQ, endpoint);
-  for (int k = 0; k < 50; ++k) {  // as many turns of the server
+  for (int k = 0; k < 50; ++k) {  // gives the server 50 turns
     other.send({"now"});
     ASSERT_EQ(other.receive(), Frames{"y"});
   }
@@ -322,7 +322,7 @@ TEST(ControlServer, SaysWhichEndpointIsInUse) {
     EXPECT_NE(second.error().reason.find(endpoint + " is in use"), std::string::npos);
     RawClient req(ZMQ_REQ, endpoint);
     req.send({"a"});
-    EXPECT_EQ(req.receive(), Frames{"re:a"});  // and the first one was left alone
+    EXPECT_EQ(req.receive(), Frames{"re:a"});  // the first server is not affected
   }
 }
 

@@ -1,4 +1,4 @@
-/// Endpoints that no other test uses: an ipc path of this process, or a port that is free now.
+/// Unique endpoints for tests: an ipc path of this process, or a currently free port.
 #pragma once
 
 #include <arpa/inet.h>
@@ -12,7 +12,8 @@
 
 namespace ovws::test {
 
-/// A folder for this process's socket files; it goes with it, whatever libzmq leaves behind.
+/// Folder for this process's socket files, removed at exit with everything that libzmq leaves
+/// behind.
 class SocketFolder {
  public:
   SocketFolder() {

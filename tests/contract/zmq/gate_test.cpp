@@ -25,7 +25,7 @@ KeyPair new_pair() {
   return make_key_pair().value();
 }
 
-/// A gate, a publisher and a server behind it; the server answers with the key of who asks.
+/// A gate with a publisher and a server behind it. The server answers with the client's key.
 class Guarded {
  public:
   explicit Guarded(const std::string& name)
@@ -67,7 +67,7 @@ class Guarded {
     known_.erase(pair.public_key);
   }
   Gate& gate() { return *gate_; }
-  /// Sends until `subscriber` hears it.
+  /// Publishes until `subscriber` receives a message; false on time-out.
   bool reaches(Subscriber& subscriber, std::chrono::milliseconds patience = 10s) {
     const auto end = std::chrono::steady_clock::now() + patience;
     while (std::chrono::steady_clock::now() < end) {
@@ -80,7 +80,7 @@ class Guarded {
   std::string control, stream;
   KeyPair daemon = new_pair();
   std::atomic<int> rejected{0};
-  std::vector<std::string> rebound;  ///< this thread: why not; empty if it was
+  std::vector<std::string> rebound;  ///< this thread: error of each rebound call; empty: bound
 
  private:
   std::mutex mutex_;
@@ -134,7 +134,7 @@ TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
   guarded.forget(goes);
   guarded.gate().end_streams();
   EXPECT_TRUE(guarded.reaches(first));
-  while (second.receive(100ms)) {  // what came before
+  while (second.receive(100ms)) {  // earlier messages
   }
   EXPECT_FALSE(guarded.reaches(second, 1s));
 }

@@ -1,4 +1,4 @@
-/// A bare libzmq client, to send what a well-behaved one never would.
+/// Raw libzmq client, to send malformed messages.
 #pragma once
 
 #include <zmq.h>
@@ -12,7 +12,7 @@ namespace ovws::test {
 
 class RawClient {
  public:
-  /// `receive_queue`: messages that it takes in before they are read; 0: the library's default.
+  /// `receive_queue`: high-water mark of received messages; 0: the library's default.
   RawClient(int type, const std::string& endpoint, std::string_view routing_id = {},
             int receive_queue = 0)
       : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
@@ -40,7 +40,7 @@ class RawClient {
     }
   }
 
-  /// The next message's frames; none if nothing came in time.
+  /// Frames of the next message; empty on time-out.
   std::vector<std::string> receive(int timeout_ms = 5000) {
     zmq_pollitem_t item{socket_, 0, ZMQ_POLLIN, 0};
     std::vector<std::string> frames;

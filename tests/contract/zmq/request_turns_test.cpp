@@ -12,7 +12,7 @@ struct Rig {
   bool push(const std::string& client, std::string bytes) {
     return turns.push({{client}, std::move(bytes), "", true});
   }
-  /// The bytes of the next requests, each answered at once.
+  /// Bytes of the next requests, each of which is answered at once.
   std::string next(int count) {
     std::string order;
     for (int k = 0; k < count; ++k) {

@@ -25,7 +25,7 @@ Subscriber subscriber_at(const std::string& endpoint, const std::vector<std::str
   return std::move(connected.value());
 }
 
-/// Publishes on the topic until the subscriber hears it: from then on nothing is lost.
+/// Publishes on the topic until the subscriber receives it; from then on nothing is lost.
 void settle(Publisher& publisher, Subscriber& subscriber, const std::string& topic) {
   for (int k = 0; k < 500; ++k) {
     publisher.send(topic, "hello");
@@ -76,16 +76,16 @@ TEST(Publisher, ASlowSubscriberLosesItsOwnMessagesOnly) {
   settle(publisher, slow, "t");
   while (quick.receive(50ms)) {
   }
-  const std::vector<std::byte> picture(256 * 1024);  // more than the kernel's buffers keep
+  const std::vector<std::byte> picture(256 * 1024);  // larger than the kernel's buffers
   constexpr int kMessages = 200;
-  // In step with the quick one, so that only the slow one's queue ever fills, however busy the
-  // machine is.
+  // In step with the fast subscriber, so that only the slow one's queue fills, even on a busy
+  // machine.
   for (int k = 0; k < kMessages; ++k) {
     EXPECT_TRUE(publisher.send("image", std::to_string(k), picture));
     const auto message = quick.receive(5000ms);
     ASSERT_TRUE(message) << "lost " << k;
     EXPECT_EQ(message->json, std::to_string(k));
-    std::this_thread::sleep_for(1ms);  // libzmq counts what was taken from a queue a moment later
+    std::this_thread::sleep_for(1ms);  // libzmq updates its queue count with a delay
   }
   int kept = 0;
   while (const auto message = slow.receive(200ms)) {

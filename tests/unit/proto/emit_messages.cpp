@@ -1,5 +1,5 @@
-/// Prints every kind of message and result that the encoders make, and params with what the
-/// decoders say of them, as JSON lines for validate_messages.py.
+/// Prints every kind of message and result that the encoders produce, and params with the decoders'
+/// verdict, as JSON lines for validate_messages.py.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -166,7 +166,7 @@ void print_flatnesses() {
   print_result("slm.verify", to_json(VerifyReport{7, 0xffffffffU, 1U, 12}));
 }
 
-/// What a calibration was measured with is as of a reference: `origin` is of the schema's example.
+/// Calibrations of every kind of disagreement; `origin` comes from the schema's example.
 void print_calibrations() {
   const json example = schema("calibration.get").at("result").at("examples")[0];
   InteractionMatrix matrix;
@@ -192,7 +192,7 @@ void print_calibrations() {
   print_result("calibration.run", to_json(JobNumber{4}));
 }
 
-/// What a sweep is measured with is of the schema's example.
+/// Gain sweeps; `bench` comes from the schema's example.
 void print_experiments() {
   const json example = schema("experiment.get").at("result").at("examples")[0];
   const GainSweep sweep = *decode<GainSweep>({{"gains_db", {10, 12}}, {"frames", 2}});
@@ -316,7 +316,7 @@ void print_results() {
   print_result("config.get", json::parse(dump_config(config)));
 }
 
-/// A value of any kind, sometimes a right one, for a key of any method.
+/// A random value, sometimes a valid one, for a key of any method.
 json any_value(std::mt19937& random) {
   static const json values = json::parse(R"([
       0, 1, -1, 7, 1000, 1e9, -1e9, 0.5, 1.0, null, true, "lg", "model", "square", "flat", "sensor", "grating",

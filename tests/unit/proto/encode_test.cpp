@@ -108,7 +108,7 @@ TEST(EncodeRefined, SaysAllThatItHolds) {
   EXPECT_EQ(out.at("schema"), "ovws.refined/1");
   EXPECT_EQ(out.at("against"), "reference");
   EXPECT_EQ(out.at("reason"), json());
-  EXPECT_DOUBLE_EQ(out.at("rms_waves"), 0.5);  // the tilt is not in it
+  EXPECT_DOUBLE_EQ(out.at("rms_waves"), 0.5);  // tilts are excluded
   EXPECT_EQ(out.at("coefficients"), json({5.0, 0.3, -0.4}));
   EXPECT_EQ(out.at("sigma"), json::parse("[0.1,0.001,null]"));
   EXPECT_EQ(out.at("chi2_per_pixel"), 1.25);

@@ -35,7 +35,7 @@ TEST(Endpoint, IsReachedFromHereOnlyByALoopbackAddressInNumbersOrAFile) {
   }
 }
 
-/// A name is what the resolver says it is, and an abstract socket has no file with permissions.
+/// A host name may resolve to any address, and an abstract socket has no file permissions.
 TEST(Endpoint, IsReachedByOthersOtherwise) {
   for (const char* others :
        {"tcp://*:7701", "tcp://0.0.0.0:7701", "tcp://126.0.0.1:1", "tcp://128.0.0.1:1",

@@ -20,7 +20,7 @@ Error first_error(ObjectReader& reader) {
 TEST(NearestName, FindsWhatASlipOfThePenMeant) {
   const std::vector<std::string> known{"gain_db", "exposure_us", "frame_rate_hz", "roi"};
   EXPECT_EQ(nearest_name("exposure_su", known), "exposure_us");  // letters swapped
-  EXPECT_EQ(nearest_name("exposure", known), "exposure_us");     // unit left out
+  EXPECT_EQ(nearest_name("exposure", known), "exposure_us");     // without unit
   EXPECT_EQ(nearest_name("gain", known), "gain_db");
   EXPECT_EQ(nearest_name("Gain_dB", known), "gain_db");  // case
   EXPECT_EQ(nearest_name("frame_rate_hertz", known), "frame_rate_hz");

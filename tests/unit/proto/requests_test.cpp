@@ -297,7 +297,7 @@ json numbers_to(std::size_t count) {
   return numbers;
 }
 
-/// Of different charge and tracker.
+/// Sweep arms that all differ in charge or tracker.
 json arms_of(std::size_t count) {
   json arms = json::array();
   for (std::size_t k = 0; k < count; ++k) {

@@ -19,7 +19,7 @@ const std::vector<std::string>& seeds() {
   return texts;
 }
 
-/// A request with some bytes changed, removed, doubled or cut, or bytes at random.
+/// Mutated request: some bytes changed, removed, doubled or truncated, or random bytes.
 std::string input(std::mt19937& random) {
   const auto below = [&random](std::size_t n) { return std::size_t(random() % n); };
   if (below(10) == 0) {
@@ -89,7 +89,7 @@ TEST(RpcFuzz, NeverThrowsAndAnswersEveryRequestOnce) {
     ++answered;
   }
   EXPECT_GT(answered, kInputs / 2);
-  EXPECT_GT(results, kInputs / 10);  // enough were right to reach the decoders
+  EXPECT_GT(results, kInputs / 10);  // enough inputs were valid enough to reach the decoders
 }
 
 }  // namespace

@@ -8,7 +8,8 @@
 namespace ovws {
 namespace {
 
-/// Answers "echo" with its params, fails "fail", throws for "throw"; keeps "later" for the test.
+/// Test dispatcher: answers "echo" with its params, fails "fail", throws for "throw", keeps "later"
+/// for the test.
 struct Daemon {
   std::vector<RpcReply> later;
   std::vector<std::string> called;

@@ -1,4 +1,4 @@
-"""Holds the encoders, the decoders and WIRE.md's examples against the JSON Schemas.
+"""Validates the encoders, the decoders and WIRE.md's examples against the JSON Schemas.
 
 Usage: validate_messages.py EMITTER SOURCE_DIR SCHEMAS
 """
@@ -29,7 +29,7 @@ def read_all(folder):
 
 
 SCHEMAS = read_all(MADE)
-PROMISE = read_all(pathlib.Path(__file__).parent / "promise")  # what clients were written for
+PROMISE = read_all(pathlib.Path(__file__).parent / "promise")  # published schemas that clients rely on
 LINES = [strict(line) for line in subprocess.run(
     [EMITTER], check=True, capture_output=True, text=True).stdout.splitlines()]
 
@@ -49,7 +49,7 @@ def all_schemas():
 
 
 def objects_within(schema):
-    """Every place of a schema that describes an object with named keys."""
+    """All parts of a schema that describe an object with named keys."""
     if isinstance(schema, dict):
         if "properties" in schema and "type" in schema:
             yield schema
@@ -67,7 +67,7 @@ UNIT_IN_WORDS = re.compile(r"\b(pixels?|waves?|seconds?|microseconds|millisecond
 
 
 def numbers_within(schema, key=""):
-    """(keys down to it, description) of every place that holds fractions, be it in a list; whole numbers are counts, indices or named."""
+    """(key path, description) of all fields with fractional numbers, also in arrays; integers are counts, indices or have their unit in the name."""
     types = schema.get("type", [])
     if "number" in types:
         yield key, schema.get("description", "")
@@ -106,7 +106,7 @@ class Messages(unittest.TestCase):
         seen = {(line["schema"], line.get("part")) for line in LINES}
         for name in SCHEMAS:
             part = None if name.startswith("stream.") else "result"
-            if name not in ("system.describe", "config.save"):  # made by the daemon itself
+            if name not in ("system.describe", "config.save"):  # produced by the daemon itself
                 self.assertIn((name, part), seen)
 
     def test_what_is_sent_is_as_the_schema_says(self):
@@ -116,7 +116,7 @@ class Messages(unittest.TestCase):
                     Validator(schema_of(line)).validate(line["value"])
 
     def test_what_was_promised_is_kept(self):
-        """No method or stream is gone, what is sent is as it was, and what was accepted still is."""
+        """Backward compatibility: no method or stream is missing, messages match the published schemas, and accepted params stay accepted."""
         self.assertLessEqual(set(PROMISE), set(SCHEMAS))
         for line in LINES:
             if line["schema"] not in PROMISE:
@@ -152,7 +152,7 @@ class Messages(unittest.TestCase):
 
 class WireDocument(unittest.TestCase):
     def test_examples_are_real(self):
-        """Blocks marked json hold one message a line: a stream's, a request or a reply."""
+        """Blocks marked json hold one message per line: a stream message, a request or a reply."""
         text = (SOURCE / "proto/WIRE.md").read_text()
         seen, method = set(), None
         for block in re.findall(r"```json\n(.*?)```", text, re.DOTALL):

@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-/// The lines of WIRE.md's json blocks that belong to JSON-RPC.
+/// The JSON-RPC lines of WIRE.md's json blocks.
 std::vector<Json> rpc_lines() {
   std::ifstream file(OVWS_SOURCE_DIR "/proto/WIRE.md");
   std::vector<Json> lines;

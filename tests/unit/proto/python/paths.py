@@ -1,4 +1,4 @@
-"""Where the client, its schemas and the program that emits every message are."""
+"""Paths of the client, its schemas and the program that emits every message."""
 import json
 import os
 import subprocess
@@ -15,7 +15,7 @@ METHODS = {name: schema for name, schema in SCHEMAS.items() if not name.startswi
 
 
 def emitted(name):
-    """Every message or result that the encoders make by this schema."""
+    """Every message or result of this schema that the encoders produce."""
     emitter = BUILD / "tests" / "emit_messages"
     lines = map(json.loads, subprocess.run([emitter], check=True, capture_output=True, text=True).stdout.splitlines())
     return [line["value"] for line in lines if line["schema"] == name and line.get("part") != "params"]

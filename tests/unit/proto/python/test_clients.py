@@ -1,4 +1,4 @@
-"""Both clients against a daemon that is played here: answers, errors, silence, replies in any order."""
+"""Both clients against a simulated daemon: answers, errors, time-outs, replies in any order."""
 import asyncio
 import itertools
 import json
@@ -27,7 +27,8 @@ def job(state, error=None):
 
 
 class Played(threading.Thread):
-    """Answers each request in turn as `replies` say, with {"result": …} or {"error": …}; so many requests together, in this `order`."""
+    """Simulated daemon: answers each request in turn with `replies`, {"result": …} or {"error": …}. Answers groups of `together` requests in
+    this `order`."""
 
     def __init__(self, endpoint, replies, together=1, order=iter):
         super().__init__(daemon=True)
@@ -56,7 +57,7 @@ class Clients(unittest.TestCase):
         self.endpoints = (f"ipc://{folder.name}/control{number}" for number in itertools.count())
 
     def both(self, use, *replies):
-        """What use(client) comes to on the blocking client, and, awaited, on the other; what they asked for is in `requests`."""
+        """Results of use(client) with the blocking client and, awaited, with the asyncio client; `requests` holds what they sent."""
         endpoint = next(self.endpoints)
         played = Played(endpoint, replies * 2)
         with Client(endpoint, 20.0) as client:

@@ -1,4 +1,4 @@
-"""Messages as the daemon's own encoders make them, taken apart; what is lost of them; what is none."""
+"""Decoding of messages made by the daemon's encoders, detection of losses, and refusal of malformed messages."""
 import dataclasses
 import json
 import unittest
@@ -14,7 +14,7 @@ from ovws_client.subscription import Decoder, Losses
 
 KINDS = {kind.topic: kind for kind in (ovws_client.Wavefront, ovws_client.Spots, ovws_client.Refined, ovws_client.Status, ovws_client.Event,
                                        ovws_client.Image, ovws_client.Phase)}
-# Constants of the form, and what has another name here.
+# Constants of the schema, and fields with another name in the client.
 CONSTANT = {"schema", "unit", "basis", "orientation", "columns", "column_units", "shape", "dtype"}
 RENAMED = {"coefficients": "coefficients_waves", "sigma": "sigma_waves"}
 BINARY = {"spots": {"x_y_px", "ref_x_y_px", "peak_dn", "quality"}, "image": {"pixels"}, "phase": {"waves"}}

@@ -1,4 +1,4 @@
-"""The methods that are made from the schemas: as the schemas say, and no others."""
+"""The generated methods match the schemas, and there are no others."""
 import asyncio
 import inspect
 import typing

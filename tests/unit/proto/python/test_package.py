@@ -1,4 +1,4 @@
-"""pip installs the client from a copy of its folder, without a network; the installed one works, types and all."""
+"""Installation of the client by pip from a copy of its folder, without a network; the installed package works, with its types."""
 import os
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""Both subscriptions against a publisher that is played here: iterating, losses, silence."""
+"""Both subscriptions against a simulated publisher: iterating, losses, time-outs."""
 import asyncio
 import itertools
 import json
@@ -19,7 +19,7 @@ class Subscriptions(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.endpoint = f"ipc://{folder.name}/numbers"
-        self.socket = zmq.Context.instance().socket(zmq.XPUB)  # tells when somebody has subscribed
+        self.socket = zmq.Context.instance().socket(zmq.XPUB)  # reports new subscriptions
         self.addCleanup(self.socket.close, 0)
         self.socket.bind(self.endpoint)
 

@@ -1,4 +1,4 @@
-"""The modes of the client: those of ANSI Z80.28, RMS-normalised, and its lattice."""
+"""Zernike modes of the client against ANSI Z80.28 (RMS-normalised), and its lattice."""
 import unittest
 
 import paths  # noqa: F401  the client's folder
