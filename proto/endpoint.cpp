@@ -24,7 +24,7 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
   const std::string is = "\"" + std::string(endpoint.substr(0, 200)) + "\" is not an endpoint: ";
   if (endpoint.rfind(kIpc, 0) == 0) {
     const auto path = endpoint.substr(kIpc.size());
-    if (path == "*") return is + "name the path";
+    if (path == "*") return is + "give the path";
     if (!path.empty() && path.size() <= kMaxPath) return std::nullopt;
     return is + "the path must have 1 to " + std::to_string(kMaxPath) + " bytes";
   }

@@ -220,7 +220,8 @@ void decode_list(ObjectReader& reader, const FieldInfo& field, std::vector<T>& o
                  });
   if (!reader.has(field.key) || reader.failed()) return;
   if (read.size() < field.min_size) {
-    return reader.fault(field.key, "must hold " + std::to_string(field.min_size) + " at least");
+    return reader.fault(field.key,
+                        "must have at least " + std::to_string(field.min_size) + " elements");
   }
   out = std::move(read);
 }

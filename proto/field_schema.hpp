@@ -255,7 +255,7 @@ struct WholeSchema<Partial<S>> {
         {"default", false},
         {"description",
          "true: a number out of range becomes the nearest limit instead of being refused; the "
-         "ranges stated here then do not bind"}};
+         "ranges stated here then do not apply"}};
     return schema;
   }
 };

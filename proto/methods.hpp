@@ -44,165 +44,175 @@ constexpr Stream<M> stream(const char* topic, const char* description) {
 }
 
 inline constexpr auto kAberrationClear =
-    method<Nothing, ModesReport>("aberration.clear", "Takes the wavefront added on purpose away.");
+    method<Nothing, ModesReport>("aberration.clear", "Removes the introduced aberration.");
 inline constexpr auto kAberrationGet =
-    method<Nothing, ModesReport>("aberration.get", "The wavefront added on purpose.");
-inline constexpr auto kAberrationSet = method<ModesSet, ModesReport>(
-    "aberration.set",
-    "Replaces the wavefront added on purpose. No mode may be given twice. The answer is in RMS "
-    "normalisation whatever was given.");
-inline constexpr auto kCalibrationClear = method<Nothing, KnownCalibration>(
-    "calibration.clear",
-    "Forgets the calibration of the sensor as it is now, on the disk, too: its matrix is then the"
-    " slopes'.");
+    method<Nothing, ModesReport>("aberration.get", "Returns the introduced aberration.");
+inline constexpr auto kAberrationSet =
+    method<ModesSet, ModesReport>("aberration.set",
+                                  "Replaces the introduced aberration. No mode may be given twice. "
+                                  "The result is RMS-normalised, whatever norm was given.");
+inline constexpr auto kCalibrationClear =
+    method<Nothing, KnownCalibration>("calibration.clear",
+                                      "Deletes the calibration of the current sensor, also on "
+                                      "disk; the slopes operator is then active.");
 inline constexpr auto kCalibrationGet = method<Nothing, KnownCalibration>(
     "calibration.get",
-    "The interaction matrix that was measured for the sensor as it is now, in figures, against "
-    "the model's; or nulls.");
+    "Returns the properties of the interaction (poke) matrix that was measured for the current "
+    "sensor, compared with the model's; or nulls.");
 inline constexpr auto kCalibrationRun = method<CalibrationRun, JobNumber>(
     "calibration.run",
-    "Measures how far each mode moves each spot: it is shown with both signs, on top of the "
-    "aberration that is shown. Answers at once; the job's result is that of calibration.get, and "
-    "modes are read with it from then on (operator measured).");
-inline constexpr auto kCameraGet =
-    method<Nothing, CameraReport>("camera.get", "What is in use and what the camera allows.");
+    "Measures the interaction (poke) matrix: how far each mode moves each spot. Each mode is shown "
+    "with both signs on top of the aberration that is shown. Returns at once; the job's result is "
+    "that of calibration.get, and the matrix is active from then on (operator measured).");
+inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
+    "camera.get", "Returns the camera's settings and its current limits.");
 inline constexpr auto kCameraSet = method<CameraSet, CameraSetReport>(
     "camera.set",
-    "All or nothing; what is left out stays. The stream survives it. The camera may allow less "
-    "than the ranges here: its limits are in the result and in the error.");
+    "Changes camera settings, all or nothing; omitted keys stay unchanged. The streams continue. "
+    "The camera may allow less than the ranges stated here: its limits are in the result and in "
+    "the error.");
 inline constexpr auto kConfigGet = method<Nothing, Config>(
     "config.get",
-    "The effective configuration: the file's keys, every default, and what was set since.");
+    "Returns the effective configuration: the file's keys, all defaults, and later changes.");
 inline constexpr auto kConfigSave = method<Nothing, SavedReport>(
     "config.save",
-    "Saves the settings in use that differ from the configuration file, atomically, to an overlay"
-    " in the state directory. The daemon lays it over the file at its start and at every reload.");
+    "Saves the settings in use that differ from the configuration file, atomically, to an overlay "
+    "in the state directory. The daemon applies the overlay over the file at its start and at "
+    "every reload.");
 inline constexpr auto kCorrectionClear = method<Nothing, ModesReport>(
-    "correction.clear", "Nothing is subtracted any more. Not while the loop is closed.");
+    "correction.clear", "Removes the correction. Refused while the loop is closed.");
 inline constexpr auto kCorrectionGet = method<Nothing, ModesReport>(
-    "correction.get", "What is subtracted from the hologram, by the loop or by a person.");
-inline constexpr auto kCorrectionSet = method<ModesSet, ModesReport>(
-    "correction.set",
-    "Subtracts these modes from the hologram, in place of the correction of before. Not while the"
-    " loop is closed.");
+    "correction.get",
+    "Returns the correction that is subtracted from the hologram, by the loop or by a user.");
+inline constexpr auto kCorrectionSet =
+    method<ModesSet, ModesReport>("correction.set",
+                                  "Subtracts these modes from the hologram, in place of the "
+                                  "previous correction. Refused while the loop is closed.");
 inline constexpr auto kExperimentCell = method<ExperimentCell, CellReport>(
-    "experiment.cell", "One measured cell of the gain sweep, frame by frame.");
+    "experiment.cell", "Returns one measured cell of the gain sweep, frame by frame.");
 inline constexpr auto kExperimentGainSweep = method<GainSweepRun, JobNumber>(
     "experiment.gain_sweep",
-    "The paper's comparison: the residual variance of each arm against the camera's gain, at the "
-    "exposure that is set, with aberrations shown on purpose. First a reference of each arm "
-    "without an aberration, then cell by cell, a cell being one arm with one aberration at one "
-    "gain. Answers at once; experiment.get and experiment.cell tell what was measured so far. The"
-    " same params on the same bench go on with the cells that are missing, also after a cancel or"
-    " a restart, if the spots of the run's first reference stand within lambda/(20 d) of where "
-    "they stood; else the job is refused and the cells stay. Who asks for the run that is being "
-    "measured is given its job. Gain, sensor and aberration are put back at the end, the user's "
-    "reference is not touched.");
+    "Runs the paper's gain sweep: the residual variance of each arm against the camera's gain, at "
+    "the current exposure, with introduced aberrations. A reference of each arm without an "
+    "aberration is measured first, then cell by cell; a cell is one arm with one aberration at one "
+    "gain. Returns at once; experiment.get and experiment.cell report what was measured so far. "
+    "The same params on the same bench continue with the missing cells, also after a cancel or a "
+    "restart, if the spots of the run's first reference are still within lambda/(20 d) of their "
+    "positions; otherwise the job is refused and the cells stay. A request for the run in progress "
+    "returns its job. Gain, sensor and aberration are restored at the end; the user's reference is "
+    "not touched.");
 inline constexpr auto kExperimentGet = method<Nothing, KnownExperiment>(
     "experiment.get",
-    "The gain sweep that was asked for last, and what was measured of it so far; or nulls.");
-inline constexpr auto kFlatnessClear = method<Nothing, FlatnessReport>(
-    "flatness.clear",
-    "From now on the flatness is that of the configuration's file alone, or none. The measured "
-    "one is gone from the disk, too.");
+    "Returns the last requested gain sweep and what was measured of it so far; or nulls.");
+inline constexpr auto kFlatnessClear =
+    method<Nothing, FlatnessReport>("flatness.clear",
+                                    "Deletes the measured flatness, also on disk; only that of the "
+                                    "configured file, if any, is then active.");
 inline constexpr auto kFlatnessGet = method<Nothing, FlatnessReport>(
-    "flatness.get", "What was measured of the SLM's flatness, as modes.");
+    "flatness.get", "Returns the measured flatness of the SLM as modes.");
 inline constexpr auto kFlatnessRun = method<FlatnessRun, JobNumber>(
     "flatness.run",
-    "Reads the modes of the SLM's flatness, and of the optics between SLM and camera, from a lone"
-    " spot whose aperture is moved all over the pupil; shows their opposite, and scans again "
-    "until nothing changes. Needs a registration. Answers at once; the job's result is that of "
-    "flatness.get, and in force from then on.");
+    "Measures the flatness error of the SLM and of the optics between SLM and camera as modes, "
+    "from a single spot whose aperture is moved over the whole pupil; shows their opposite, and "
+    "scans again until the modes converge. Requires a registration. Returns at once; the job's "
+    "result is that of flatness.get, and is active from then on.");
 inline constexpr auto kJobCancel = method<JobNumber, JobReport>(
-    "job.cancel", "Ends a job that runs; one that has ended stays as it is.");
-inline constexpr auto kJobGet = method<JobNumber, JobReport>("job.get", "How far a job is.");
+    "job.cancel", "Cancels a running job; a job that has ended stays unchanged.");
+inline constexpr auto kJobGet =
+    method<JobNumber, JobReport>("job.get", "Returns the state and progress of a job.");
 inline constexpr auto kLoopClose = method<LoopSettings, LoopReport>(
     "loop.close",
-    "From now on what is measured is subtracted from the hologram, a step a settled and valid "
-    "frame, beginning from the correction that is shown. Needs a reference. The loop opens by "
-    "itself, with an event, when it cannot go on.");
-inline constexpr auto kLoopGet = method<Nothing, LoopReport>("loop.get", "How the loop does.");
-inline constexpr auto kLoopOpen =
-    method<LoopOpen, LoopReport>("loop.open", "The correction stays as it is, or is cleared.");
-inline constexpr auto kLutClear = method<Nothing, LutReport>(
-    "lut.clear",
-    "From now on the look-up table is that of the configuration: its file's, or the linear one. "
-    "The measured one is gone from the disk, too.");
-inline constexpr auto kLutGet = method<Nothing, LutReport>(
-    "lut.get",
-    "The look-up table in force, where it comes from, and, if it was measured, the SLM's phase "
-    "against its grey level.");
+    "Closes the loop: an integrator subtracts the measured modes from the hologram, one step per "
+    "settled and valid frame, starting from the correction that is shown. Requires a reference. "
+    "The loop opens by itself, with an event, when it cannot continue.");
+inline constexpr auto kLoopGet =
+    method<Nothing, LoopReport>("loop.get", "Returns the state of the loop.");
+inline constexpr auto kLoopOpen = method<LoopOpen, LoopReport>(
+    "loop.open", "Opens the loop. The correction stays as it is, or is cleared.");
+inline constexpr auto kLutClear =
+    method<Nothing, LutReport>("lut.clear",
+                               "Deletes the measured look-up table, also on disk; that of the "
+                               "configured file, or the linear one, is then active.");
+inline constexpr auto kLutGet =
+    method<Nothing, LutReport>("lut.get",
+                               "Returns the active look-up table, its source and, if it was "
+                               "measured, the SLM's phase for each grey level.");
 inline constexpr auto kLutRun = method<LutRun, JobNumber>(
     "lut.run",
-    "Measures the phase of the SLM's grey levels: two patches of the pupil with binary gratings "
-    "beat with each other on the camera, one of them with each grey level in turn. Answers at "
-    "once; the job's result is that of lut.get, and in force from then on.");
-inline constexpr auto kRecordGet =
-    method<Nothing, RecordReport>("record.get", "What is being recorded, or was last.");
+    "Measures the SLM's phase response to grey levels: two patches of the pupil with binary "
+    "gratings interfere on the camera, one of them with each grey level in turn. Returns at once; "
+    "the job's result is that of lut.get, and is active from then on.");
+inline constexpr auto kRecordGet = method<Nothing, RecordReport>(
+    "record.get", "Returns the state of the current or the last recording.");
 inline constexpr auto kRecordStart = method<RecordStart, RecordReport>(
     "record.start",
-    "Writes every frame from now on into a file: what was measured of it, its stamps, all that "
-    "was in force, and its picture.");
+    "Records every frame from now on into a file: its measurement, its timestamps, all settings "
+    "that apply to it, and its image.");
 inline constexpr auto kRecordStop = method<Nothing, RecordReport>(
-    "record.stop", "Ends the recording; the file is whole when this answers.");
+    "record.stop", "Ends the recording; the file is complete when this returns.");
 inline constexpr auto kReferenceClear = method<Nothing, KnownReference>(
     "reference.clear",
-    "Forgets the reference; the stream is not valid until a new one is taken. It is forgotten on "
-    "the disk, too; if that fails, nothing changes.");
+    "Deletes the reference, also on disk; if that fails, nothing changes. Frames are not valid "
+    "until a new reference is taken.");
 inline constexpr auto kReferenceGet =
-    method<Nothing, KnownReference>("reference.get", "The reference in use, or nulls.");
+    method<Nothing, KnownReference>("reference.get", "Returns the active reference, or nulls.");
 inline constexpr auto kReferenceSet = method<ReferenceSet, KnownReference>(
     "reference.set",
-    "Positions count from where the configuration, or the registration in force, says that spots "
-    "are, instead of from a reference that was taken: the coefficients then hold what the bench "
-    "itself adds, its misalignment included. It takes the place of the reference in force, until "
-    "the next reference.take or reference.clear.");
+    "Makes the predicted spot positions of the configuration, or of the active registration, the "
+    "reference: the coefficients are then absolute and include what the bench itself adds, such as "
+    "misalignment. Replaces the active reference until the next reference.take or "
+    "reference.clear.");
 inline constexpr auto kReferenceTake = method<ReferenceTake, JobNumber>(
     "reference.take",
-    "Averages the spots of the next frames as what displacements count from; refused if more than"
-    " a tenth of the spots are saturated, if the spots move meanwhile, or if an aberration is "
-    "introduced. Answers at once; the job tells how it ends.");
-inline constexpr auto kRefineGet = method<Nothing, RefineReport>(
-    "refine.get",
-    "Whether frames are refined, how often, and how the camera makes numbers of electrons.");
+    "Takes a reference: averages the spot positions of the next frames, from which displacements "
+    "then count. Refused if more than a tenth of the spots are saturated, if the spots move "
+    "meanwhile, or if an aberration is introduced. Returns at once; the job reports the outcome.");
+inline constexpr auto kRefineGet =
+    method<Nothing, RefineReport>("refine.get",
+                                  "Returns the settings of the refinement: whether it is enabled, "
+                                  "its rate, and the camera's gain and noise.");
 inline constexpr auto kRefineSet = method<RefineSet, RefineSetReport>(
     "refine.set",
-    "All or nothing; what is left out stays. What is being refined with other numbers is not "
-    "published. DN are those of the camera's pixel format, and are converted when it changes.");
+    "Changes the settings of the refinement, all or nothing; omitted keys stay unchanged. A fit "
+    "that is running with other settings is not published. DN are those of the camera's pixel "
+    "format, and are converted when it changes.");
 inline constexpr auto kRegistrationClear = method<Nothing, KnownRegistration>(
-    "registration.clear", "From now on the configuration says where the camera sees which slope.");
-inline constexpr auto kRegistrationGet = method<Nothing, KnownRegistration>(
-    "registration.get",
-    "Where the camera sees which slope, as measured; or nulls: then the configuration says it.");
+    "registration.clear",
+    "Deletes the registration; the configuration then defines where the camera sees which slope.");
+inline constexpr auto kRegistrationGet =
+    method<Nothing, KnownRegistration>("registration.get",
+                                       "Returns the measured registration, the map from slopes to "
+                                       "camera pixels; or nulls, if the configuration defines it.");
 inline constexpr auto kRegistrationRun = method<RegistrationRun, JobNumber>(
     "registration.run",
-    "Measures where the camera sees which slope: the base subaperture alone is shown with known "
-    "gratings, and its spot is found. Answers at once; the job's result is that of "
-    "registration.get, and in force from then on.");
+    "Measures the registration, the map from slopes to camera pixels: the base subaperture alone "
+    "is shown with known gratings, and its spot is found. Returns at once; the job's result is "
+    "that of registration.get, and is active from then on.");
 inline constexpr auto kSensorGet = method<Nothing, SensorReport>(
-    "sensor.get", "The sensor shown on the SLM and how its spots are found.");
+    "sensor.get", "Returns the sensor shown on the SLM and its tracking settings.");
 inline constexpr auto kSensorSet = method<SensorSet, SensorSetReport>(
     "sensor.set",
-    "All or nothing; what is left out stays. A reference is set aside by a change of geometry, "
-    "charge, tracker or (of matched) template, and is in force again when the same setting "
-    "returns.");
+    "Changes sensor and tracking settings, all or nothing; omitted keys stay unchanged. A change "
+    "of geometry, charge, tracker or (with tracker matched) template deactivates the reference, "
+    "which is active again when the same settings return.");
 inline constexpr auto kSlmSettle = method<SettleRun, JobNumber>(
     "slm.settle",
-    "Measures how long the SLM takes from the display's taking a picture until the light on the "
-    "camera stands: a spot is moved to and fro, and every frame is watched, settled or not. "
-    "Answers at once; the job's result is the time, and the slm.settle_ms that it proposes: by "
-    "the changes whose time is no outlier (more than three standard deviations above the median, "
-    "by the median absolute deviation), with the number of those that are. Nothing is changed by "
-    "it.");
-inline constexpr auto kSlmShow = method<SlmShow, ShowReport>("slm.show", "What the SLM shows.");
+    "Measures the settle time of the SLM, from the display's acceptance of an image until the "
+    "light on the camera is stable: a spot is moved to and fro, and every frame is watched, "
+    "settled or not. Returns at once; the job's result is the time and a proposed slm.settle_ms. "
+    "Outliers, more than three standard deviations above the median (by the median absolute "
+    "deviation), are counted and left out. No setting is changed.");
+inline constexpr auto kSlmShow =
+    method<SlmShow, ShowReport>("slm.show", "Selects the pattern that the SLM shows.");
 inline constexpr auto kSlmVerify = method<Nothing, VerifyReport>(
     "slm.verify",
-    "Reads back what stands on the SLM's output and compares it with the hologram that was "
-    "presented last. A difference is also an event of kind slm.");
+    "Reads back the pixels of the SLM's output and compares them with the hologram presented last. "
+    "A difference also causes an event of kind slm.");
 inline constexpr auto kSystemDescribe = method<Nothing, Description>(
-    "system.describe", "All methods and streams with their JSON Schemas, and versions.");
+    "system.describe",
+    "Returns all methods and streams with their JSON Schemas, and the versions.");
 inline constexpr auto kSystemStatus =
-    method<Nothing, StatusMessage>("system.status", "The body of the status message.");
+    method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
 
 inline constexpr std::tuple kMethods{kAberrationClear,   kAberrationGet,   kAberrationSet,
                                      kCalibrationClear,  kCalibrationGet,  kCalibrationRun,
@@ -222,22 +232,21 @@ inline constexpr std::tuple kMethods{kAberrationClear,   kAberrationGet,   kAber
                                      kSystemStatus};
 
 inline constexpr std::tuple kStreams{
-    stream<WavefrontMessage>("wavefront", "Published for each processed frame."),
-    stream<SpotsMessage>(
-        "spots", "JSON as `wavefront` without the modes; then N x 6 float32, rows by subaperture."),
-    stream<ImageMessage>(
-        "image",
-        "Some of the frames, newest first, on the image endpoint; then rows x cols pixels without "
-        "padding."),
-    stream<PhaseMessage>(
-        "phase",
-        "The wavefront over the pupil at the image rate, on the image endpoint; then rows x cols "
-        "float32, waves, NaN outside the pupil."),
+    stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),
+    stream<SpotsMessage>("spots",
+                         "Spots of each processed frame: JSON as `wavefront` without the modes; "
+                         "then N x 6 float32, rows by subaperture."),
+    stream<ImageMessage>("image",
+                         "Camera images at the image rate, always the newest frame, on the image "
+                         "endpoint: JSON; then rows x cols pixels without padding."),
+    stream<PhaseMessage>("phase",
+                         "Wavefront map over the pupil at the image rate, on the image endpoint: "
+                         "JSON; then rows x cols float32, waves, NaN outside the pupil."),
     stream<RefinedMessage>("refined",
-                           "Every pixel of a frame against the diffraction model, by maximum "
-                           "likelihood; published when "
-                           "a fit has ended, seconds after its frame."),
-    stream<StreamedStatus>("status", "Once a second, and at once on change."),
-    stream<EventMessage>("event", "State changes, faults, progress of jobs.")};
+                           "Maximum-likelihood fit of the diffraction model to every pixel of a "
+                           "frame; published when the fit has ended, seconds after its frame."),
+    stream<StreamedStatus>("status",
+                           "Status of the daemon, once a second and immediately on change."),
+    stream<EventMessage>("event", "Events: state changes, faults, progress of jobs.")};
 
 }  // namespace ovws

@@ -38,7 +38,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::string meant(const std::string& nearest, const std::vector<std::string>& known) {
   if (!nearest.empty()) return "did you mean \"" + nearest + "\"?";
-  return known.empty() ? "none is known here" : "known are " + listed(known);
+  return known.empty() ? "no key is allowed here" : "known are " + listed(known);
 }
 
 }  // namespace

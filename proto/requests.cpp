@@ -100,7 +100,7 @@ Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
              {{"type", "array"},
               {"items", {{"oneOf", {by_index, by_orders}}}},
               {"maxItems", kMaxZernikeIndex + 1},
-              {"description", "by j, or by n and m"}}},
+              {"description", "modes, each given by j, or by n and m"}}},
             {"norm",
              {{"type", "string"},
               {"enum", norm_names()},

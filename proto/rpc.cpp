@@ -87,9 +87,10 @@ class PendingCall {
   PendingCall& operator=(const PendingCall&) = delete;
   ~PendingCall() {
     try {
-      answer(tl::make_unexpected(failure(RpcCode::internal, "",
-                                         "no answer came, perhaps because the daemon is stopping; "
-                                         "ask for its state before repeating this")));
+      answer(
+          tl::make_unexpected(failure(RpcCode::internal, "",
+                                      "no answer was produced, perhaps because the daemon is "
+                                      "stopping; check its state before repeating the request")));
     } catch (...) {  // out of memory: the error cannot be reported
     }
   }
@@ -156,7 +157,7 @@ void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
     return call->answer(tl::make_unexpected(failure(
         RpcCode::refused, "",
         "the batch's reply would be larger than " + std::to_string(kMaxBatchReplyBytes >> 20) +
-            " MiB; this request was not carried out, send it in another batch")));
+            " MiB; this request was not carried out; send it in another batch")));
   }
   static const Json kNoParams = Json::object();
   const auto params = member.find("params");
@@ -210,8 +211,8 @@ RpcFailure rpc_failure(const Error& error) {
 
 std::string overload_reply() {
   return error_frame(RpcCode::refused,
-                     "too many requests of this client wait; this request was not carried out, "
-                     "read replies before asking again");
+                     "too many requests of this client are waiting; this request was not carried "
+                     "out; read replies before sending more");
 }
 
 std::string oversize_reply() {
@@ -230,7 +231,8 @@ void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSe
     auto gathering = std::make_shared<Gathering>(1, false, std::move(send));
     return run_call(*json, std::make_shared<PendingCall>(std::move(gathering), 0), dispatch);
   }
-  if (json->empty()) return send(error_frame(RpcCode::request, "an empty batch asks for nothing"));
+  if (json->empty())
+    return send(error_frame(RpcCode::request, "a batch must hold at least one request"));
   if (json->size() > kMaxBatchMembers) {
     return send(error_frame(RpcCode::request, "a batch may hold at most " +
                                                   std::to_string(kMaxBatchMembers) + " requests"));

@@ -121,7 +121,7 @@ class Inspector : public nlohmann::json_sax<json> {
 tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_depth,
                                                 JsonComments comments) {
   const bool ignore_comments = comments == JsonComments::allowed;
-  if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: there is nothing to read"});
+  if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: a JSON text is required"});
   if (const auto nul = text.find('\0'); nul != text.npos) {  // the library would end there
     return tl::make_unexpected(
         JsonFault{true, "not JSON at " + place_of(text, nul) + ": a NUL byte"});

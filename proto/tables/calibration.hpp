@@ -33,22 +33,26 @@ template <>
 struct Table<CalibratedMode> {
   using M = CalibratedMode;
   static constexpr const char* kName = "CalibratedMode";
-  static constexpr auto kFields = Fields{
-      field("j", &M::j, kModeIndexMeaning),
-      field("amplitude_waves", &M::amplitude_waves,
-            "of its pokes, RMS-normalised waves: half or a quarter of what was asked for if the "
-            "SLM cannot show that, or it lost spots",
-            Bounds::at_least(0)),
-      field("signal_px_per_wave", &M::signal_px_per_wave,
-            "RMS over the spots, x and y, of the column: camera pixels per RMS-normalised wave",
-            Bounds::at_least(0)),
-      field("standard_error_px_per_wave", &M::standard_error_px_per_wave,
-            "RMS of its standard errors", Bounds::at_least(0)),
-      field("factor", &M::factor,
-            "regression: the measured column is so many times the model's (operator slopes); null: "
-            "the model has none"),
-      field("factor_standard_error", &M::factor_standard_error, "of factor, from the noise"),
-      field("correlation", &M::correlation, "of the measured column with the model's, -1 to 1")};
+  static constexpr auto kFields =
+      Fields{field("j", &M::j, kModeIndexMeaning),
+             field("amplitude_waves", &M::amplitude_waves,
+                   "amplitude of its pokes, RMS-normalised waves; a half or a quarter of the "
+                   "requested one if the SLM cannot show that, or if it lost spots",
+                   Bounds::at_least(0)),
+             field("signal_px_per_wave", &M::signal_px_per_wave,
+                   "signal of the mode: RMS of its matrix column over the spots, x and y, "
+                   "camera pixels per RMS-normalised wave",
+                   Bounds::at_least(0)),
+             field("standard_error_px_per_wave", &M::standard_error_px_per_wave,
+                   "RMS of the column's standard errors, camera pixels per RMS-normalised wave",
+                   Bounds::at_least(0)),
+             field("factor", &M::factor,
+                   "regression factor of the measured column on the model's (operator slopes); "
+                   "null: the model has no such mode"),
+             field("factor_standard_error", &M::factor_standard_error,
+                   "standard error of factor, from the noise"),
+             field("correlation", &M::correlation,
+                   "correlation of the measured column with the model's, -1 to 1")};
 };
 
 template <>
@@ -56,7 +60,7 @@ struct Table<DroppedMode> {
   static constexpr const char* kName = "DroppedMode";
   static constexpr auto kFields =
       Fields{field("j", &DroppedMode::j, kModeIndexMeaning),
-             field("reason", &DroppedMode::reason, "why, for a person")};
+             field("reason", &DroppedMode::reason, "why it is not reconstructed")};
 };
 
 struct CalibrationReport {
@@ -79,51 +83,54 @@ struct Table<CalibrationReport> {
       time_text("t_taken", &C::t_taken_ns),
       field("sha256", &C::sha256, kSha256Meaning).or_null(),
       field("amplitude_waves", &C::amplitude_waves,
-            "asked for, of each poke, RMS-normalised waves"),
-      field("frames", &C::frames, "how many were averaged for each picture", Bounds::at_least(2)),
+            "requested poke amplitude, RMS-normalised waves"),
+      field("frames", &C::frames, "number of frames averaged for each poke", Bounds::at_least(2)),
       computed<C>(
-          "subapertures", [](const C& c) { return c.matrix.spots(); }, "spots of the sensor",
+          "subapertures", [](const C& c) { return c.matrix.spots(); }, "number of subapertures",
           Bounds::at_least(1)),
       computed<C>(
           "lost_spots", [](const C& c) { return c.matrix.lost_spots; },
-          "numbers of the spots that were lost in a picture: their rows of the matrix are "
-          "0, and modes are read without them",
+          "numbers of the lost spots: their rows of the matrix are 0, and modes are reconstructed "
+          "without them",
           Bounds::at_least(0)),
-      computed<C>("modes", calibrated_modes, "one for each column of the matrix"),
+      computed<C>("modes", calibrated_modes, "measured modes, one per column of the matrix"),
       computed<C>(
           "dropped", [](const C& c) { return c.matrix.dropped; },
-          "modes that were asked for and are not read"),
-      computed<C>("singular_values_px_per_wave", singular_values_of,
-                  "of the matrix, largest first, camera pixels per RMS-normalised wave",
-                  Bounds::at_least(0)),
+          "requested modes that are not reconstructed"),
+      computed<C>(
+          "singular_values_px_per_wave", singular_values_of,
+          "singular values of the matrix, largest first, camera pixels per RMS-normalised wave",
+          Bounds::at_least(0)),
       computed<C>(
           "condition_number",
           [](const C& c) {
             const std::vector<double> values = singular_values_of(c);
             return values.front() / values.back();
           },
-          "the largest over the smallest of them", Bounds::at_least(1)),
+          "condition number of the matrix: the largest singular value over the smallest",
+          Bounds::at_least(1)),
       computed<C>(
           "drift_px", [](const C& c) { return c.matrix.drift_px; },
-          "RMS over the spots, x and y, of how far they moved from the beginning to the end "
-          "without a poke, camera pixels",
+          "drift of the spots without a poke from the beginning to the end, RMS over the spots, x "
+          "and y, camera pixels",
           Bounds::at_least(0)),
       computed<C>(
           "drift_noise_px", [](const C& c) { return c.matrix.drift_noise_px; },
-          "what the standard errors alone make of drift_px", Bounds::at_least(0)),
+          "drift_px that is expected from the standard errors alone, camera pixels",
+          Bounds::at_least(0)),
       computed<C>(
           "disagreement", [](const C& c) { return c.comparison.disagreement; },
-          "in what the matrix is not the model's: sign (of all, of x, of y or of single "
-          "modes), axes (x and y exchanged), scale, rotation, parity (modes are turned over "
-          "as by a camera that sees the lattice mirrored or from the other side), order (of "
-          "the modes), single_modes (other factors), unlike (nothing of these); none: they "
-          "agree"),
+          "how the matrix differs from the model's: sign (of all displacements, of x, of y or of "
+          "single modes), axes (x and y exchanged), scale, rotation, parity (modes inverted, as by "
+          "a camera that sees the lattice mirrored or from the other side), order (of the modes), "
+          "single_modes (other factors), unlike (none of these); none: they agree"),
       computed<C>(
           "disagreement_reason", [](const C& c) { return c.comparison.words; },
-          "the same for a person, and what to do; null: they agree")
+          "explanation of the disagreement, and what to do; null: they agree")
           .or_null(),
       field("origin", &C::origin,
-            "what it was measured with; aberration: shown below the pokes, less the correction")};
+            "bench and settings of the measurement; aberration: shown under the pokes, minus the "
+            "correction")};
 };
 
 /// Result of `calibration.get`, `calibration.clear` and the `calibration.run` job.
@@ -137,11 +144,10 @@ struct Table<KnownCalibration> {
   static constexpr auto kFields = Fields{
       computed<KnownCalibration>(
           "calibrated", [](const KnownCalibration& known) { return known.calibration.has_value(); },
-          "whether a calibration of this sensor, camera, region, tracker and registration is "
-          "known; "
-          "if not, all else is false or null"),
+          "whether there is a calibration for this sensor, camera, region, tracker and "
+          "registration; if not, all other keys are false or null"),
       field("in_force", &KnownCalibration::in_force,
-            "whether modes are read with it: the operator is measured"),
+            "whether it is active: modes are reconstructed with it (operator measured)"),
       inlined(&KnownCalibration::calibration)};
 };
 

@@ -17,12 +17,12 @@ struct SavedReport {
 template <>
 struct Table<SavedReport> {
   static constexpr const char* kName = "SavedReport";
-  static constexpr auto kFields =
-      Fields{field("path", &SavedReport::path,
-                   "the overlay, a file in the state directory; with an empty saved it does "
-                   "not exist, because nothing differs"),
-             field("saved", &SavedReport::saved,
-                   "dotted keys of the values that differ from the configuration file, sorted")};
+  static constexpr auto kFields = Fields{
+      field("path", &SavedReport::path,
+            "path of the overlay file in the state directory; the file does not exist if saved is "
+            "empty"),
+      field("saved", &SavedReport::saved,
+            "dotted keys of the values that differ from the configuration file, sorted")};
 };
 
 /// Role of a client: the methods that it may call. Every client may subscribe to the streams.
@@ -46,9 +46,11 @@ template <>
 struct Table<MethodDescription> {
   using M = MethodDescription;
   static constexpr const char* kName = "MethodDescription";
-  static constexpr auto kFields = Fields{
-      field("title", &M::title, "short"), field("description", &M::description, "what it does"),
-      field("params", &M::params, "JSON Schema"), field("result", &M::result, "JSON Schema")};
+  static constexpr auto kFields =
+      Fields{field("title", &M::title, "short title"),
+             field("description", &M::description, "what the method does"),
+             field("params", &M::params, "JSON Schema of the params"),
+             field("result", &M::result, "JSON Schema of the result")};
 };
 
 /// Result of `system.describe`.
@@ -62,13 +64,13 @@ template <>
 struct Table<Description> {
   using D = Description;
   static constexpr const char* kName = "Description";
-  static constexpr auto kFields = Fields{
-      field("versions", &D::versions, "of the daemon and its libraries"),
-      field("methods", &D::methods, "by name"),
-      field("roles", &D::roles,
-            "of each method by name: the least role of a client that may call it, where clients "
-            "need keys"),
-      field("streams", &D::streams, "JSON Schema of each topic's JSON part")};
+  static constexpr auto kFields =
+      Fields{field("versions", &D::versions, "versions of the daemon and its libraries"),
+             field("methods", &D::methods, "methods by name"),
+             field("roles", &D::roles,
+                   "role that a client needs to call each method, by name; checked only if "
+                   "clients need keys"),
+             field("streams", &D::streams, "JSON Schema of each topic's JSON part")};
 };
 
 }  // namespace ovws

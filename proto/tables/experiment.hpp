@@ -43,15 +43,15 @@ struct SweepArm {
 template <>
 struct Table<SweepArm> {
   static constexpr const char* kName = "SweepArm";
-  static constexpr auto kFields =
-      Fields{field("charge", &SweepArm::charge, "topological charge, 0: the Shack-Hartmann sensor",
-                   limits::kCharge)
-                 .must(),
-             field("tracker", &SweepArm::tracker,
-                   "how spots are found: as in sensor.set, or cell_centroid, the centroid of all "
-                   "intensity in a fixed window around the reference: the text-book Shack-Hartmann "
-                   "sensor, and the paper's")
-                 .must()};
+  static constexpr auto kFields = Fields{
+      field("charge", &SweepArm::charge, "topological charge; 0: the Shack-Hartmann sensor",
+            limits::kCharge)
+          .must(),
+      field(
+          "tracker", &SweepArm::tracker,
+          "tracker as in sensor.set, or cell_centroid: the centroid of all intensity in a fixed "
+          "window around the reference, as in the textbook Shack-Hartmann sensor and in the paper")
+          .must()};
 };
 
 /// Oblique astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper; returned
@@ -84,26 +84,27 @@ template <>
 struct Table<GainSweep> {
   static constexpr const char* kName = "GainSweep";
   static constexpr auto kFields = Fields{
-      field("gains_db", &GainSweep::gains_db, "dB, the cells' gains in their order",
+      field("gains_db", &GainSweep::gains_db, "camera gains of the cells in their order, dB",
             limits::kGainDb)
           .sized(1, limits::kSweepGains)
           .unlike(),
-      field("frames", &GainSweep::frames, "settled frames of each cell", limits::kSweepFrames),
-      field("reference_gain_db", &GainSweep::reference_gain_db,
-            "dB, at which the references are taken", limits::kGainDb),
-      field("reference_frames", &GainSweep::reference_frames, "settled frames of each reference",
+      field("frames", &GainSweep::frames, "number of settled frames of each cell",
             limits::kSweepFrames),
+      field("reference_gain_db", &GainSweep::reference_gain_db,
+            "gain at which the references are taken, dB", limits::kGainDb),
+      field("reference_frames", &GainSweep::reference_frames,
+            "number of settled frames of each reference", limits::kSweepFrames),
       field("aberrations", &GainSweep::aberrations,
-            "what is introduced, each as the params of aberration.set; left out: the paper's "
-            "oblique astigmatism of 0.5, 1.5 and 2 waves, unit amplitude")
+            "aberrations to introduce, each as the params of aberration.set; default: oblique "
+            "astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper")
           .sized(1, limits::kSweepAberrations),
       field("arms", &GainSweep::arms,
-            "ways to measure; left out: charge 1 with lg and matched, charge 0 with cell_centroid "
-            "and matched")
+            "sensors to compare; default: charge 1 with lg and matched, charge 0 with "
+            "cell_centroid and matched")
           .sized(1, limits::kSweepArms)
           .unlike(),
       field("picture_gains_db", &GainSweep::picture_gains_db,
-            "dB, at which a frame of each charge is kept, with the first aberration",
+            "gains at which one image per charge is stored, with the first aberration, dB",
             limits::kGainDb)
           .sized(0, limits::kSweepPictures)
           .unlike()};
@@ -120,9 +121,9 @@ struct Table<GainSweepRun> {
   static constexpr auto kFields =
       Fields{inlined(&GainSweepRun::sweep),
              field("clamp", &GainSweepRun::clamp,
-                   "gains that the camera does not have are left out instead of refused"),
+                   "true: gains that the camera does not support are skipped instead of refused"),
              field("anew", &GainSweepRun::anew,
-                   "what was measured of this run before is discarded, and measured again")};
+                   "true: the stored cells of this run are discarded and measured again")};
 };
 
 /// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
@@ -139,19 +140,21 @@ template <>
 struct Table<SpotLevels> {
   using L = SpotLevels;
   static constexpr const char* kName = "SpotLevels";
-  static constexpr auto kFields = Fields{
-      computed<L>(
-          "level_dn", [](const L& levels) { return to_millionth(levels.level_dn); },
-          "median over spots and frames of a spot's bright part above its background, camera units")
-          .or_null(),
-      computed<L>(
-          "noise_dn", [](const L& levels) { return to_millionth(levels.noise_dn); },
-          "median RMS noise of a pixel about a spot, camera units")
-          .or_null(),
-      computed<L>(
-          "peak_dn", [](const L& levels) { return to_millionth(levels.peak_dn); },
-          "the brightest pixel of any spot, camera units")
-          .or_null()};
+  static constexpr auto kFields =
+      Fields{computed<L>(
+                 "level_dn", [](const L& levels) { return to_millionth(levels.level_dn); },
+                 "mean level of a spot's bright part above its background, median over spots "
+                 "and frames, DN; null: no spot was found")
+                 .or_null(),
+             computed<L>(
+                 "noise_dn", [](const L& levels) { return to_millionth(levels.noise_dn); },
+                 "RMS pixel noise around a spot, median over spots and frames, DN; null: no "
+                 "spot was found")
+                 .or_null(),
+             computed<L>(
+                 "peak_dn", [](const L& levels) { return to_millionth(levels.peak_dn); },
+                 "brightest pixel of any spot, DN; null: no spot was found")
+                 .or_null()};
 };
 
 struct ReferenceMeasured {
@@ -169,19 +172,21 @@ struct Table<ReferenceMeasured> {
   using R = ReferenceMeasured;
   static constexpr const char* kName = "SweepReference";
   static constexpr auto kFields =
-      Fields{field("arm", &R::arm, "place in the request's arms", Bounds::at_least(0)),
+      Fields{field("arm", &R::arm, "index in the request's arms", Bounds::at_least(0)),
              inlined(&R::with),
-             field("gain_db", &R::gain_db, "dB, as read back"),
+             field("gain_db", &R::gain_db, "gain as read back from the camera, dB"),
              field("t_begun_ns", &R::t_begun_ns, kTimeMeaning),
-             field("frames", &R::frames, "averaged", Bounds::at_least(2)),
-             field("saturated_frames", &R::saturated_frames, "frames with a spot at full scale",
-                   Bounds::at_least(0)),
+             field("frames", &R::frames, "number of averaged frames", Bounds::at_least(2)),
+             field("saturated_frames", &R::saturated_frames,
+                   "number of frames with a saturated spot", Bounds::at_least(0)),
              inlined(&R::levels),
              field("positions_px", &R::positions_px,
-                   "[x, y] of each spot, camera pixels of the region; null: not used")
+                   "[x, y] of each spot, camera pixels of the region of interest; null: the "
+                   "spot is not used")
                  .with_nulls(),
              field("cells_px", &R::cells_px,
-                   "[x, y] of each fixed window's centre; empty: not of cell_centroid")
+                   "[x, y] of each fixed window's centre, camera pixels of the region of "
+                   "interest; empty: the tracker is not cell_centroid")
                  .with_nulls()};
 };
 /// Reads "positions_px" or "cells_px" from the JSON of a ReferenceMeasured; none if it is malformed
@@ -217,9 +222,10 @@ struct Table<CellMeasured::Picture> {
   using P = CellMeasured::Picture;
   static constexpr const char* kName = "CellPicture";
   static constexpr auto kFields =
-      Fields{field("width", &P::width, "pixels", Bounds::at_least(1)),
-             field("height", &P::height, "pixels", Bounds::at_least(1)),
-             field("base64", &P::base64, "8 bit grey, row by row; 255: the format's full scale")};
+      Fields{field("width", &P::width, "width, pixels", Bounds::at_least(1)),
+             field("height", &P::height, "height, pixels", Bounds::at_least(1)),
+             field("base64", &P::base64,
+                   "8-bit grey levels in base64, row by row; 255: the format's full scale")};
 };
 
 /// Residual phase variance of a cell's frames, rad^2; NaN: no frame had enough spots to determine
@@ -236,21 +242,25 @@ struct Table<CellVariance> {
   static constexpr const char* kName = "CellVariance";
   static constexpr auto kFields = Fields{
       field("variance_rad2", &V::mean,
-            "mean over the frames of the residual variance, rad^2: 4 pi^2 times the sum of the "
-            "squares of the measured less the introduced coefficients, RMS-normalised waves, tilts "
-            "included; null: no frame told its modes")
+            "residual phase variance, mean over the frames, rad^2: 4 pi^2 times the sum of the "
+            "squares of the measured minus the introduced coefficients (RMS-normalised waves, "
+            "tilts included); null: no frame had enough spots")
           .or_null(),
-      field("standard_deviation_rad2", &V::standard_deviation, "of single frames, rad^2").or_null(),
-      field("standard_error_rad2", &V::standard_error, "of the mean, rad^2").or_null(),
+      field("standard_deviation_rad2", &V::standard_deviation,
+            "standard deviation of single frames, rad^2")
+          .or_null(),
+      field("standard_error_rad2", &V::standard_error, "standard error of the mean, rad^2")
+          .or_null(),
       field("unsaturated_variance_rad2", &V::unsaturated,
-            "the mean over frames without a saturated spot; null: none")
+            "mean over the frames without a saturated spot, rad^2; null: there is no such frame")
           .or_null(),
       field("undetermined_frames", &V::undetermined_frames,
-            "frames with too few spots to tell the modes, which are not in the mean",
+            "number of frames with too few spots to determine the modes; they are not in the mean",
             Bounds::at_least(0)),
-      field("saturated_frames", &V::saturated_frames,
-            "frames with a spot at the format's full scale", Bounds::at_least(0)),
-      field("lost_spots", &V::lost_spots, "of all frames together", Bounds::at_least(0))};
+      field("saturated_frames", &V::saturated_frames, "number of frames with a saturated spot",
+            Bounds::at_least(0)),
+      field("lost_spots", &V::lost_spots, "number of lost spots over all frames",
+            Bounds::at_least(0))};
 };
 
 /// Results of a cell without the values of single frames.
@@ -269,30 +279,32 @@ struct Table<CellSummary> {
   static constexpr auto kFields = Fields{
       computed<S>(
           "cell", [](const S& s) { return s.cell.cell; },
-          "its number, from 0: arms change fastest, aberrations slowest", limits::kSweepCell),
+          "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
+          limits::kSweepCell),
       computed<S>(
-          "arm", [](const S& s) { return s.cell.at.arm; }, "place in the request's arms"),
+          "arm", [](const S& s) { return s.cell.at.arm; }, "index in the request's arms"),
       computed<S>(
           "charge", [](const S& s) { return s.cell.with.charge; },
-          "topological charge, 0: the Shack-Hartmann sensor", limits::kCharge),
+          "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
       computed<S>(
           "tracker", [](const S& s) { return s.cell.with.tracker; },
-          "how spots are found: as in experiment.gain_sweep"),
+          "tracker, as in experiment.gain_sweep"),
       computed<S>(
           "aberration", [](const S& s) { return s.cell.at.aberration; },
-          "place in the request's aberrations"),
+          "index in the request's aberrations"),
       computed<S>(
-          "gain_db", [](const S& s) { return s.cell.gain_db; }, "dB, as read back"),
+          "gain_db", [](const S& s) { return s.cell.gain_db; },
+          "gain as read back from the camera, dB"),
       computed<S>(
           "exposure_us", [](const S& s) { return s.cell.exposure_us; },
           "exposure time, microseconds"),
       computed<S>(
-          "frame_rate_hz", [](const S& s) { return s.cell.frame_rate_hz; }, "frames a second"),
+          "frame_rate_hz", [](const S& s) { return s.cell.frame_rate_hz; }, "frames per second"),
       computed<S>(
           "t_begun_ns", [](const S& s) { return s.cell.t_begun_ns; }, kTimeMeaning),
       computed<S>(
           "frames", [](const S& s) { return s.cell.frames.size(); },
-          "settled frames, all of which count"),
+          "number of settled frames, all of which count"),
       inlined(&S::variance),
       inlined(&S::levels)};
 };
@@ -318,11 +330,11 @@ struct Table<CellReport> {
       inlined(&C::summary),
       computed<C>(
           "modes_j", [](const C& c) { return c.summary.cell.modes_j; },
-          "OSA/ANSI indices, the order of coefficients_waves"),
+          "OSA/ANSI indices of the modes, in the order of coefficients_waves"),
       computed<C>(
           "variances_rad2",
           [](const C& c) { return c.of_frames([](const F& f) { return f.variance_rad2; }); },
-          "of each frame; null: too few spots")
+          "residual phase variance of each frame, rad^2; null: too few spots")
           .with_nulls(),
       computed<C>(
           "coefficients_waves",
@@ -333,21 +345,21 @@ struct Table<CellReport> {
               return waves;
             });
           },
-          "of each frame, minus the reference, RMS-normalised waves to a millionth; empty: too few "
-          "spots")
+          "coefficients of each frame minus the reference, RMS-normalised waves, rounded to 1e-6; "
+          "empty: too few spots")
           .with_nulls(),
       computed<C>("saturated_fractions",
                   [](const C& c) {
                     return c.of_frames(
                         [](const F& f) { return to_millionth(f.saturated_fraction); });
                   },
-                  "the fraction of the spots that hold a saturated pixel, frame by frame", {0, 1}),
+                  "fraction of spots with a saturated pixel in each frame", {0, 1}),
       computed<C>(
           "tracked", [](const C& c) { return c.of_frames([](const F& f) { return f.tracked; }); },
-          "spots found in each frame", Bounds::at_least(0)),
+          "number of spots found in each frame", Bounds::at_least(0)),
       computed<C>(
           "picture", [](const C& c) { return c.summary.cell.picture; },
-          "a frame of the cell, where one is kept")};
+          "an image of the cell, if one was stored")};
 };
 
 struct ExperimentReport {
@@ -367,22 +379,22 @@ struct Table<ExperimentReport> {
   static constexpr const char* kName = "ExperimentReport";
   static constexpr auto kFields = Fields{
       field("run", &R::run,
-            "its name, 16 hexadecimal digits: the same for the same request on the same bench"),
-      field("job", &R::job, "that measures it now"),
-      field("t_begun_ns", &R::t_begun_ns,
-            "UNIX epoch UTC, nanoseconds, when it was asked for first"),
+            "name of the run, 16 hexadecimal digits: the same for the same request on the same "
+            "bench"),
+      field("job", &R::job, "job that measures it now; null: none"),
+      field("t_begun_ns", &R::t_begun_ns, "time of the first request, UNIX epoch UTC, nanoseconds"),
       time_text("t_begun", &R::t_begun_ns),
       field("time_left_s", &R::time_left_s,
-            "seconds, by the cells that its job has measured; null: none yet, or no job",
+            "estimated remaining time, seconds, by the cells that its job has measured; null: none "
+            "yet, or no job",
             Bounds::at_least(0)),
       field("not_kept_reason", &R::not_kept_reason,
-            "why cells would not survive a restart; null: they would"),
+            "why cells are not stored and would be lost by a restart; null: all are stored"),
       field("request", &R::request,
-            "the params, complete; aberrations RMS-normalised, gains that were left out are not in "
-            "it"),
-      field("bench", &R::bench, "what the numbers are of"),
-      field("references", &R::references, "those taken so far, one an arm"),
-      field("cells", &R::cells, "those measured so far, by their numbers")};
+            "the complete params; aberrations are RMS-normalised, skipped gains are not included"),
+      field("bench", &R::bench, "bench and settings of the measurement"),
+      field("references", &R::references, "references taken so far, one per arm"),
+      field("cells", &R::cells, "cells measured so far, ordered by number")};
 };
 
 /// Result of `experiment.get`.
@@ -398,13 +410,13 @@ struct Table<KnownExperiment> {
   static constexpr const char* kName = "KnownExperiment";
   static constexpr auto kFields = Fields{
       computed<K>(
-          "known", [](const K& k) { return k.experiment.has_value(); }, "whether there is one"),
+          "known", [](const K& k) { return k.experiment.has_value(); }, "whether there is a run"),
       computed<K>(
           "complete", [](const K& k) { return k.experiment && k.cells_done() == k.cells_total; },
-          "whether every cell was measured"),
-      field("cells_total", &K::cells_total, "of the request"),
+          "whether every cell has been measured"),
+      field("cells_total", &K::cells_total, "number of cells of the request"),
       computed<K>(
-          "cells_done", [](const K& k) { return k.cells_done(); }, "of them measured"),
+          "cells_done", [](const K& k) { return k.cells_done(); }, "number of measured cells"),
       inlined(&K::experiment)};
 };
 

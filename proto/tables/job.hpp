@@ -28,9 +28,9 @@ template <>
 struct Table<ErrorReport> {
   static constexpr const char* kName = "ErrorReport";
   static constexpr auto kFields =
-      Fields{field("code", &ErrorReport::code, "as of an error reply"),
-             field("message", &ErrorReport::message, "one sentence"),
-             field("data", &ErrorReport::data, "field, reason, limits")};
+      Fields{field("code", &ErrorReport::code, "error code, as in an error reply"),
+             field("message", &ErrorReport::message, "what is wrong, in one sentence"),
+             field("data", &ErrorReport::data, "details: field, reason, limits")};
 };
 
 struct JobReport {
@@ -48,9 +48,9 @@ struct Table<JobReport> {
   static constexpr auto kFields =
       Fields{field("job", &JobReport::job, "number of the job", limits::kJob),
              field("kind", &JobReport::kind, "the method that started it"),
-             field("state", &JobReport::state, "where it is"),
-             field("progress", &JobReport::progress, "part done", {0, 1}),
-             field("result", &JobReport::result, "what it found; null unless done"),
+             field("state", &JobReport::state, "state of the job"),
+             field("progress", &JobReport::progress, "fraction done, 0 to 1", {0, 1}),
+             field("result", &JobReport::result, "result of the job; null unless done"),
              computed<JobReport>("error", job_error, "why it failed; null unless failed")};
 };
 

@@ -15,34 +15,35 @@ namespace ovws {
 template <>
 struct Table<ModeGain> {
   static constexpr const char* kName = "ModeGain";
-  static constexpr auto kFields = Fields{
-      field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).must(),
-      field("gain", &ModeGain::gain,
-            "of this mode, in place of gain: the part of the residual that a step takes away",
-            {0.0, limits::kLoopGain.max})
-          .must()};
+  static constexpr auto kFields =
+      Fields{field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).must(),
+             field("gain", &ModeGain::gain,
+                   "gain of this mode instead of the common gain: fraction of the residual "
+                   "that a step corrects",
+                   {0.0, limits::kLoopGain.max})
+                 .must()};
 };
 
 template <>
 struct Table<LoopSettings> {
   static constexpr const char* kName = "LoopSettings";
   static constexpr auto kFields = Fields{
-      field("gain", &LoopSettings::gain, "part of the residual that a step corrects",
-            limits::kLoopGain),
-      field("leak", &LoopSettings::leak, "part of the correction that a step forgets",
-            limits::kLoopLeak),
+      field("gain", &LoopSettings::gain,
+            "integrator gain: fraction of the residual that a step corrects", limits::kLoopGain),
+      field("leak", &LoopSettings::leak,
+            "integrator leak: fraction of the correction that a step removes", limits::kLoopLeak),
       field("modes", &LoopSettings::modes,
-            "OSA/ANSI indices to correct; left out or null: all that are measured",
+            "OSA/ANSI indices of the modes to correct; omitted or null: all measured modes",
             {1, kMaxZernikeIndex})
           .sized(1, kMaxZernikeIndex)
           .unlike()
           .or_null(),
-      field("gains", &LoopSettings::gains, "gains of single modes").sized(0, kMaxZernikeIndex),
+      field("gains", &LoopSettings::gains, "individual gains of modes").sized(0, kMaxZernikeIndex),
       field("limit_waves", &LoopSettings::limit_waves,
-            "of each mode's correction, RMS-normalised waves", limits::kLoopLimitWaves),
+            "limit of each mode's correction, RMS-normalised waves", limits::kLoopLimitWaves),
       field("patience_s", &LoopSettings::patience_s,
-            "seconds without a usable frame, at the limit, or with a growing residual after which "
-            "the loop opens by itself",
+            "time after which the loop opens by itself without a usable frame, with a mode at its "
+            "limit, or with a growing residual, seconds",
             limits::kLoopPatienceS)};
 };
 
@@ -66,18 +67,19 @@ struct Table<LoopReport> {
   static constexpr auto kFields = Fields{
       field("closed", &LoopReport::closed, "whether the loop is closed"),
       inlined(&LoopReport::settings),
-      field("steps", &LoopReport::steps, "since the loop was closed last", Bounds::at_least(0)),
+      field("steps", &LoopReport::steps, "number of steps since the loop was last closed",
+            Bounds::at_least(0)),
       field("residual_rms_waves", &LoopReport::residual_rms_waves,
-            "root sum square of the corrected modes before the last step, waves",
+            "residual before the last step: root sum square over the corrected modes, waves",
             Bounds::at_least(0)),
       field("correction_rms_waves", &LoopReport::correction_rms_waves,
-            "root sum square of the correction, waves", Bounds::at_least(0)),
+            "root sum square of the correction's modes, waves", Bounds::at_least(0)),
       field("opened_because", &LoopReport::opened_because,
-            "why the loop is open; null: it is closed, or never was")
+            "why the loop was opened; null: it is closed, or was never closed")
           .or_null(),
       computed<LoopReport>(
           "t_opened_ns", [](const LoopReport& report) { return report.opened_ns(); },
-          "when it was opened, ns since 1970; null like opened_because"),
+          "when the loop was opened, UNIX epoch UTC, nanoseconds; null as opened_because"),
       computed<LoopReport>(
           "t_opened",
           [](const LoopReport& report) {

@@ -17,8 +17,9 @@ inline constexpr const char* kHologramIdMeaning =
 template <>
 struct Table<Mode> {
   static constexpr const char* kName = "Mode";
-  static constexpr auto kFields = Fields{field("j", &Mode::j, kModeIndexMeaning),
-                                         field("waves", &Mode::waves, "RMS-normalised waves")};
+  static constexpr auto kFields =
+      Fields{field("j", &Mode::j, kModeIndexMeaning),
+             field("waves", &Mode::waves, "coefficient, RMS-normalised waves")};
 };
 
 /// A Zernike mode with its orders n and m and its common name.
@@ -58,10 +59,11 @@ struct ModesReport {
 template <>
 struct Table<ModesReport> {
   static constexpr const char* kName = "ModesReport";
-  static constexpr auto kFields = Fields{
-      field("modes", &ModesReport::modes, "the wavefront added or subtracted, RMS-normalised"),
-      constant("norm", "rms", "normalisation of the coefficients"),
-      field("hologram_id", &ModesReport::hologram_id, kHologramIdMeaning)};
+  static constexpr auto kFields =
+      Fields{field("modes", &ModesReport::modes,
+                   "modes of the wavefront that is added or subtracted, RMS-normalised"),
+             constant("norm", "rms", "normalisation of the coefficients"),
+             field("hologram_id", &ModesReport::hologram_id, kHologramIdMeaning)};
 };
 
 }  // namespace ovws

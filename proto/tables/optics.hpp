@@ -20,8 +20,8 @@ struct Wire<PxPerCycle> {
     if (reader.failed() || !reader.has(field.key)) return;
     if (read.scale() < limits::kLeastPxPerCycle) {
       return reader.fault(field.key,
-                          "these four numbers map an area to almost nothing: they are "
-                          "[xx, xy, yx, yy], camera pixels per cycle per SLM pixel");
+                          "this matrix is almost singular: give [xx, xy, yx, yy] in camera pixels "
+                          "per cycle per SLM pixel");
     }
     out = read;
   }
@@ -36,25 +36,24 @@ struct Wire<PxPerCycle> {
 template <>
 struct Table<SlmGeometry> {
   static constexpr const char* kName = "SlmGeometry";
-  static constexpr auto kFields =
-      Fields{field("width", &SlmGeometry::width_px, "pixels", limits::kSlmSizePx),
-             field("height", &SlmGeometry::height_px, "pixels", limits::kSlmSizePx),
-             field("pitch_um", &SlmGeometry::pitch_um, "distance of its pixels, micrometres",
-                   limits::kSlmPitchUm)};
+  static constexpr auto kFields = Fields{
+      field("width", &SlmGeometry::width_px, "width, pixels", limits::kSlmSizePx),
+      field("height", &SlmGeometry::height_px, "height, pixels", limits::kSlmSizePx),
+      field("pitch_um", &SlmGeometry::pitch_um, "pixel pitch, micrometres", limits::kSlmPitchUm)};
 };
 
 template <>
 struct Table<OpticsConfig> {
   static constexpr const char* kName = "OpticsConfig";
   static constexpr auto kFields = Fields{
-      field("wavelength_nm", &OpticsConfig::wavelength_nm, "laser, nanometres",
+      field("wavelength_nm", &OpticsConfig::wavelength_nm, "wavelength of the laser, nanometres",
             limits::kWavelengthNm),
-      field("focal_length_mm", &OpticsConfig::focal_length_mm, "Fourier lens, millimetres",
-            limits::kFocalLengthMm),
+      field("focal_length_mm", &OpticsConfig::focal_length_mm,
+            "focal length of the Fourier lens, millimetres", limits::kFocalLengthMm),
       field("magnification", &OpticsConfig::magnification,
-            "from the lens' focal plane to the camera", limits::kMagnification),
+            "magnification from the lens's focal plane to the camera", limits::kMagnification),
       field("camera_pitch_um", &OpticsConfig::camera_pitch_um,
-            "distance of the camera's pixels, micrometres", limits::kCameraPitchUm),
+            "pixel pitch of the camera, micrometres", limits::kCameraPitchUm),
       field("centre_px", &OpticsConfig::centre_px,
             "[x, y] of the base subaperture's spot in the image, camera pixels; null: the image's "
             "centre",

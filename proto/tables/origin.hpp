@@ -22,7 +22,7 @@ struct CameraName {
 template <>
 struct Table<CameraName> {
   static constexpr const char* kName = "CameraName";
-  static constexpr auto kFields = Fields{field("vendor", &CameraName::vendor, "maker"),
+  static constexpr auto kFields = Fields{field("vendor", &CameraName::vendor, "manufacturer"),
                                          field("model", &CameraName::model, "model"),
                                          field("serial", &CameraName::serial, "serial number")};
 };
@@ -36,10 +36,12 @@ struct SlmIdentity {
 template <>
 struct Table<SlmIdentity> {
   static constexpr const char* kName = "SlmIdentity";
-  static constexpr auto kFields = Fields{
-      inlined(&SlmIdentity::geometry),
-      field("lut_sha256", &SlmIdentity::lut_sha256, "of its 256 grey levels; null: none"),
-      field("flatness_sha256", &SlmIdentity::flatness_sha256, "of its float32 waves; null: none")};
+  static constexpr auto kFields =
+      Fields{inlined(&SlmIdentity::geometry),
+             field("lut_sha256", &SlmIdentity::lut_sha256,
+                   "SHA-256 of the look-up table's 256 grey levels; null: no table"),
+             field("flatness_sha256", &SlmIdentity::flatness_sha256,
+                   "SHA-256 of the flatness map's float32 waves; null: no map")};
 };
 
 /// Camera settings that hardly affect spot positions: when they change, a reference is stale but
@@ -58,7 +60,7 @@ struct Table<OriginSettings> {
                  .or_null(),
              computed<S>(
                  "gain_raw", [](const S& s) { return s.camera.gain_raw; },
-                 "of a camera without gain in dB: in steps of its own")
+                 "gain in device-specific steps, only of a camera without gain in dB")
                  .or_left_out(),
              computed<S>(
                  "exposure_us", [](const S& s) { return s.camera.exposure_us; },
@@ -103,21 +105,23 @@ struct Table<Origin> {
   static constexpr const char* kName = "Origin";
   static constexpr auto kFields = Fields{
       field("program", &Origin::program, "version of the daemon"),
-      field("camera", &Origin::camera, "the camera, null: it was not known"),
-      field("settings", &Origin::settings, "of the camera, null: they were not known"),
+      field("camera", &Origin::camera, "identity of the camera; null: unknown"),
+      field("settings", &Origin::settings, "settings of the camera; null: unknown"),
       field("registration", &Origin::registration,
-            "active then; null: none was, and the map was the configuration's"),
+            "registration that was active; null: none, the configuration's map was used"),
       field("roi", &Origin::roi, "as in camera.set"),
       field("sensor", &Origin::sensor, "as in the configuration"),
       field("tracking", &Origin::tracking, "as in the configuration"),
       field("optics", &Origin::optics, "as in the configuration"),
       field("slm", &Origin::slm, "the spatial light modulator"),
-      field("aberration", &Origin::aberration, "shown on purpose, RMS-normalised waves"),
+      field("aberration", &Origin::aberration,
+            "modes shown on purpose, corrections included, RMS-normalised waves"),
       field("introduced", &Origin::introduced,
-            "the part of aberration that was introduced, and is no correction; left out: none")
+            "introduced part of aberration, without the correction; omitted: none")
           .or_left_out(),
       field("hologram_sha256", &Origin::hologram_sha256,
-            "of the grey picture shown, row by row; null: of the model")};
+            "SHA-256 of the shown hologram's grey levels, row by row; null: the reference is the "
+            "model's")};
 };
 
 /// Bench and settings that stay constant during a gain sweep.
@@ -138,21 +142,24 @@ struct Table<SweepBench> {
   static constexpr const char* kName = "SweepBench";
   static constexpr auto kFields = Fields{
       field("program", &B::program, "version of the daemon"),
-      field("camera", &B::camera, "vendor, model and serial number"),
+      field("camera", &B::camera, "identity of the camera"),
       computed<B>(
           "exposure_us", [](const B& b) { return b.settings.exposure_us; },
-          "of every cell, microseconds"),
+          "exposure time of every cell, microseconds"),
       computed<B>(
           "pixel_format", [](const B& b) { return b.settings.pixel_format; }, "GenICam name"),
       computed<B>(
           "roi", [](const B& b) { return b.settings.roi; }, "as in camera.set"),
       field("sensor", &B::sensor, "as in sensor.get, without the charge"),
-      field("kernel_radius", &B::kernel_radius, "of the tracker lg, units of lambda/d"),
+      field("kernel_radius", &B::kernel_radius,
+            "kernel radius of the tracker lg, units of lambda/d"),
       field("optics", &B::optics, "as in the configuration"),
-      field("slm", &B::slm, "its geometry, and checksums of the LUT and the flatness in use"),
+      field("slm", &B::slm,
+            "geometry of the SLM, and checksums of the active look-up table and flatness map"),
       field("registration_t_taken_ns", &B::registration_t_taken_ns,
-            "of the active registration; null: none"),
-      field("correction", &B::correction, "subtracted from every hologram")};
+            "time of the active registration, UNIX epoch UTC, nanoseconds; null: none"),
+      field("correction", &B::correction,
+            "correction subtracted from every hologram, RMS-normalised waves")};
 };
 
 }  // namespace ovws

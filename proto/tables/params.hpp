@@ -43,11 +43,12 @@ struct ReferenceTake {
 template <>
 struct Table<ReferenceTake> {
   static constexpr const char* kName = "ReferenceTake";
-  static constexpr auto kFields = Fields{
-      field("frames", &ReferenceTake::frames, "how many frames to average",
-            limits::kReferenceFrames),
-      field("allow_aberration", &ReferenceTake::allow_aberration,
-            "take it under an introduced aberration, too, which coefficients then do not hold")};
+  static constexpr auto kFields =
+      Fields{field("frames", &ReferenceTake::frames, "number of frames to average",
+                   limits::kReferenceFrames),
+             field("allow_aberration", &ReferenceTake::allow_aberration,
+                   "true: accept an introduced aberration, which then is part of the reference "
+                   "and not of the coefficients")};
 };
 
 /// Sources of a reference that `reference.set` accepts.
@@ -66,7 +67,7 @@ template <>
 struct Table<ReferenceSet> {
   static constexpr const char* kName = "ReferenceSet";
   static constexpr auto kFields =
-      Fields{field("source", &ReferenceSet::source, "what positions count from").must()};
+      Fields{field("source", &ReferenceSet::source, "source of the reference positions").must()};
 };
 
 struct RegistrationRun {
@@ -76,8 +77,8 @@ template <>
 struct Table<RegistrationRun> {
   static constexpr const char* kName = "RegistrationRun";
   static constexpr auto kFields =
-      Fields{field("frames", &RegistrationRun::frames,
-                   "how many frames to average for each picture", limits::kPictureFrames)};
+      Fields{field("frames", &RegistrationRun::frames, "number of frames to average for each image",
+                   limits::kPictureFrames)};
 };
 
 struct FlatnessRun {
@@ -88,7 +89,7 @@ struct Table<FlatnessRun> {
   static constexpr const char* kName = "FlatnessRun";
   static constexpr auto kFields =
       Fields{field("frames", &FlatnessRun::frames,
-                   "how many settled frames to average for each place of the spot's aperture",
+                   "number of settled frames to average at each position of the aperture",
                    limits::kPictureFrames)};
 };
 
@@ -99,13 +100,13 @@ struct LutRun {
 template <>
 struct Table<LutRun> {
   static constexpr const char* kName = "LutRun";
-  static constexpr auto kFields = Fields{
-      field("levels", &LutRun::levels,
-            "how many grey levels, from 0 to 255, are measured, each twice; more are added where "
-            "the phase changes by more than a twenty-fourth of a turn from one to the next",
-            limits::kGreyLevels),
-      field("frames", &LutRun::frames, "how many frames to average for each picture",
-            limits::kPictureFrames)};
+  static constexpr auto kFields =
+      Fields{field("levels", &LutRun::levels,
+                   "number of grey levels from 0 to 255 to measure, each twice; more are added "
+                   "where the phase changes by more than 1/24 of a turn from one to the next",
+                   limits::kGreyLevels),
+             field("frames", &LutRun::frames, "number of frames to average for each image",
+                   limits::kPictureFrames)};
 };
 
 struct SettleRun {
@@ -115,11 +116,11 @@ struct SettleRun {
 template <>
 struct Table<SettleRun> {
   static constexpr const char* kName = "SettleRun";
-  static constexpr auto kFields = Fields{
-      field("repetitions", &SettleRun::repetitions, "changes of the picture",
-            limits::kSettleRepetitions),
-      field("watch_ms", &SettleRun::watch_ms,
-            "how long frames are watched after each change, milliseconds", limits::kWatchMs)};
+  static constexpr auto kFields =
+      Fields{field("repetitions", &SettleRun::repetitions, "number of image changes",
+                   limits::kSettleRepetitions),
+             field("watch_ms", &SettleRun::watch_ms,
+                   "time to watch frames after each change, milliseconds", limits::kWatchMs)};
 };
 
 struct CalibrationRun {
@@ -130,17 +131,17 @@ struct CalibrationRun {
 template <>
 struct Table<CalibrationRun> {
   static constexpr const char* kName = "CalibrationRun";
-  static constexpr auto kFields = Fields{
-      field("amplitude_waves", &CalibrationRun::amplitude_waves,
-            "of each poke, RMS-normalised waves", limits::kPushWaves),
-      field("frames", &CalibrationRun::frames,
-            "how many settled frames to average for each picture", limits::kPushFrames),
-      field("modes", &CalibrationRun::modes_j,
-            "OSA/ANSI indices of the modes to measure, which are then the only ones read; left "
-            "out: every mode that the lattice tells",
-            {1, kMaxZernikeIndex})
-          .sized(1, kMaxZernikeIndex)
-          .unlike()};
+  static constexpr auto kFields =
+      Fields{field("amplitude_waves", &CalibrationRun::amplitude_waves,
+                   "poke amplitude, RMS-normalised waves", limits::kPushWaves),
+             field("frames", &CalibrationRun::frames,
+                   "number of settled frames to average for each poke", limits::kPushFrames),
+             field("modes", &CalibrationRun::modes_j,
+                   "OSA/ANSI indices of the modes to measure and reconstruct; default: every "
+                   "mode that the lattice determines",
+                   {1, kMaxZernikeIndex})
+                 .sized(1, kMaxZernikeIndex)
+                 .unlike()};
 };
 
 /// Patterns that `slm.show` accepts: all but `test`, which is reserved for jobs.
@@ -168,8 +169,8 @@ struct Table<SlmShow> {
   static constexpr auto kFields = Fields{
       field("pattern", &SlmShow::pattern,
             "sensor: the wavefront sensor; grating: base grating and correction only, for using "
-            "the corrected beam; flat: flatness map only; identify: a picture that tells which "
-            "screen it is")
+            "the corrected beam; flat: flatness map only; identify: a test image that shows which "
+            "screen is the SLM and how it is oriented")
           .must()};
 };
 
@@ -180,7 +181,7 @@ template <>
 struct Table<LoopOpen> {
   static constexpr const char* kName = "LoopOpen";
   static constexpr auto kFields =
-      Fields{field("keep", &LoopOpen::keep, "whether the correction stays")};
+      Fields{field("keep", &LoopOpen::keep, "true: keep the correction; false: clear it")};
 };
 
 struct ExperimentCell {
@@ -190,7 +191,8 @@ template <>
 struct Table<ExperimentCell> {
   static constexpr const char* kName = "ExperimentCell";
   static constexpr auto kFields =
-      Fields{field("cell", &ExperimentCell::cell, "its number, from 0", limits::kSweepCell).must()};
+      Fields{field("cell", &ExperimentCell::cell, "number of the cell, from 0", limits::kSweepCell)
+                 .must()};
 };
 
 }  // namespace ovws

@@ -25,23 +25,23 @@ struct Table<RecordReport> {
   static constexpr const char* kName = "RecordReport";
   static constexpr auto kFields = Fields{
       field("state", &RecordReport::state,
-            "off: nothing was recorded since the start; recording; ended: the last one has, and "
-            "this is of it")
+            "off: no recording since the start; recording: one is in progress; ended: all values "
+            "are of the last one")
           .among([] {
             return std::vector<std::string>{"off", "recording", "ended"};
           }),
-      field("file", &RecordReport::file, "path on the daemon's machine; null: there was none"),
+      field("file", &RecordReport::file, "path on the daemon's machine; null: no recording yet"),
       field("duration_s", &RecordReport::duration_s,
-            "since its begin, or as long as it was, seconds", Bounds::at_least(0)),
-      field("frames", &RecordReport::frames, "in the file"),
-      field("frames_dropped", &RecordReport::frames_dropped,
-            "published meanwhile and not in the file: the recorder was behind"),
-      field("pictures", &RecordReport::pictures, "in the file"),
+            "duration so far, or of the ended recording, seconds", Bounds::at_least(0)),
+      field("frames", &RecordReport::frames, "number of frames in the file"),
+      field(
+          "frames_dropped", &RecordReport::frames_dropped,
+          "number of published frames that are not in the file because the recorder was too slow"),
+      field("pictures", &RecordReport::pictures, "number of images in the file"),
       field("pictures_dropped", &RecordReport::pictures_dropped,
-            "frames in the file that lack the picture they were to have: the disk could not "
-            "follow"),
-      field("bytes", &RecordReport::bytes, "size of the file"),
-      field("reason", &RecordReport::reason, "why it ended; null: it has not")};
+            "number of frames in the file whose image is missing because the disk was too slow"),
+      field("bytes", &RecordReport::bytes, "size of the file, bytes"),
+      field("reason", &RecordReport::reason, "why the recording ended; null: it has not")};
 };
 
 /// Params of `record.start`.
@@ -55,19 +55,19 @@ std::optional<std::string> not_plain(const std::string& name);
 template <>
 struct Table<RecordStart> {
   static constexpr const char* kName = "RecordStart";
-  static constexpr auto kFields =
-      Fields{field("name", &RecordStart::name,
-                   "of the file, which gets the ending .h5; no file may have it yet")
-                 .must()
-                 .checked(not_plain),
-             field("pictures_every", &RecordStart::pictures_every,
-                   "the camera's image of every n-th frame; 0: none", limits::kPicturesEvery),
-             field("limit_s", &RecordStart::limit_s,
-                   "the recording ends by itself after so many seconds; null: it does not",
-                   limits::kRecordS),
-             field("limit_mib", &RecordStart::limit_mib,
-                   "it ends when the file has become so many MiB large; null: it does not",
-                   limits::kRecordMib)};
+  static constexpr auto kFields = Fields{
+      field("name", &RecordStart::name,
+            "file name without the extension .h5; the file must not exist yet")
+          .must()
+          .checked(not_plain),
+      field("pictures_every", &RecordStart::pictures_every,
+            "record the camera image of every n-th frame; 0: no images", limits::kPicturesEvery),
+      field("limit_s", &RecordStart::limit_s,
+            "duration after which the recording ends by itself, seconds; null: no limit",
+            limits::kRecordS),
+      field("limit_mib", &RecordStart::limit_mib,
+            "file size at which the recording ends by itself, MiB; null: no limit",
+            limits::kRecordMib)};
 };
 
 }  // namespace ovws

@@ -16,8 +16,8 @@
 namespace ovws {
 
 inline constexpr const char* kSha256Meaning =
-    "checksum of the file that keeps it over a restart; null: it is not kept, and status (store) "
-    "says why";
+    "SHA-256 of the file in which it survives a restart; null: not stored, status (store) reports "
+    "why";
 
 /// A camera setting that has changed since the reference was taken.
 struct StaleField {
@@ -27,9 +27,10 @@ struct StaleField {
 template <>
 struct Table<StaleField> {
   static constexpr const char* kName = "StaleField";
-  static constexpr auto kFields = Fields{field("field", &StaleField::field, "key of camera.set"),
-                                         field("then", &StaleField::then, "when it was taken"),
-                                         field("now", &StaleField::now, "in use")};
+  static constexpr auto kFields =
+      Fields{field("field", &StaleField::field, "key of camera.set"),
+             field("then", &StaleField::then, "value when it was taken"),
+             field("now", &StaleField::now, "value in use")};
 };
 
 struct ReferenceReport {
@@ -50,13 +51,12 @@ struct Table<ReferenceReport> {
   static constexpr const char* kName = "ReferenceReport";
   static constexpr auto kFields = Fields{
       field("source", &ReferenceReport::source,
-            "measured: averaged from frames; model: where the configuration says that spots are, "
-            "so that misalignment is in the coefficients")
+            "measured: averaged from frames; model: predicted by the configuration or the "
+            "registration, so that the coefficients include misalignment")
           .among([] {
             return std::vector<std::string>{"measured", "model"};
           }),
-      field("frames", &ReferenceReport::frames, "how many frames were averaged",
-            Bounds::at_least(0)),
+      field("frames", &ReferenceReport::frames, "number of averaged frames", Bounds::at_least(0)),
       field("charge", &ReferenceReport::charge, "charge that it was taken with", limits::kCharge),
       field("tracker", &ReferenceReport::tracker, "tracker that it was taken with"),
       field("t_taken_ns", &ReferenceReport::t_taken_ns, kTimeMeaning),
@@ -65,19 +65,18 @@ struct Table<ReferenceReport> {
             "[x, y] of each subaperture's spot, camera pixels of the region of interest")
           .with_nulls(),
       field("standard_error_px", &ReferenceReport::standard_error_px,
-            "[x, y] standard error of each position, camera pixels; null: the spot was lost, its "
-            "position is where it is expected, and it is not used")
+            "[x, y] standard error of each position, camera pixels; null: the spot was lost and is "
+            "not used, its position is the expected one")
           .with_nulls(),
       field("sha256", &ReferenceReport::sha256, kSha256Meaning).or_null(),
       field("introduced_rms_waves", &ReferenceReport::introduced_rms_waves,
-            "introduced aberration that it holds, so that coefficients do not, RMS-normalised "
-            "waves; 0: none",
+            "RMS of the introduced aberration that the reference contains and coefficients "
+            "therefore exclude, waves; 0: none",
             Bounds::at_least(0)),
       field("stale", &ReferenceReport::stale,
-            "settings of the camera that are not those it was taken with; it is active all the "
-            "same")
+            "camera settings that have changed since it was taken; the reference stays active")
           .if_absent("[]"),
-      field("origin", &ReferenceReport::origin, "what it was taken with")};
+      field("origin", &ReferenceReport::origin, "bench and settings that it was taken with")};
 };
 
 /// Result of `reference.get`, `reference.set` and `reference.clear`.
@@ -90,7 +89,7 @@ struct Table<KnownReference> {
   static constexpr auto kFields =
       Fields{computed<KnownReference>(
                  "taken", [](const KnownReference& known) { return known.reference.has_value(); },
-                 "whether there is a reference; if not, all else is null or empty"),
+                 "whether there is a reference; if not, all other keys are null or empty"),
              inlined(&KnownReference::reference)};
 };
 
@@ -102,25 +101,26 @@ struct Table<Registration> {
       field("base_px", &Registration::base_px,
             "[x, y] of the base subaperture's spot, pixels of the camera's whole sensor"),
       field("base_standard_error_px", &Registration::base_standard_error_px,
-            "[x, y] standard error of base_px"),
+            "[x, y] standard error of base_px, camera pixels"),
       field("px_per_cycle", &Registration::px_per_cycle,
             "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by "
             "(xx u + xy v, yx u + yy v) camera pixels"),
       field("px_per_cycle_standard_error", &Registration::standard_error,
-            "standard error of each, camera pixels per cycle per SLM pixel"),
+            "standard errors of px_per_cycle, camera pixels per cycle per SLM pixel"),
       computed<Registration>(
           "scale_px_per_cycle", [](const Registration& r) { return r.px_per_cycle.scale(); },
-          "square root of the map's determinant"),
+          "scale of the map: square root of its determinant, camera pixels per cycle per SLM "
+          "pixel"),
       computed<Registration>(
           "rotation_deg", [](const Registration& r) { return r.px_per_cycle.rotation_deg(); },
-          "by how much the camera sees the SLM's +x turned towards its own +y, degrees"),
+          "rotation of the SLM's +x towards the camera's +y, as the camera sees it, degrees"),
       computed<Registration>(
           "mirrored", [](const Registration& r) { return r.px_per_cycle.mirrored(); },
           "whether the camera sees the SLM mirrored"),
       field("residual_px", &Registration::residual_px,
-            "RMS of what the map leaves of the places where the spot was found, camera pixels",
+            "RMS residual of the map at the positions where the spot was found, camera pixels",
             Bounds::at_least(0)),
-      field("sights", &Registration::sights, "slopes for which the spot was found",
+      field("sights", &Registration::sights, "number of slopes for which the spot was found",
             Bounds::at_least(0))};
 };
 
@@ -135,7 +135,7 @@ struct Table<KnownRegistration> {
       Fields{computed<KnownRegistration>(
                  "registered",
                  [](const KnownRegistration& known) { return known.registration.has_value(); },
-                 "whether a registration is active; if not, all else is null"),
+                 "whether a registration is active; if not, all other keys are null"),
              inlined(&KnownRegistration::registration)};
 };
 

@@ -12,21 +12,23 @@ struct Table<RefineSetup> {
   static constexpr const char* kName = "RefineSetup";
   static constexpr auto kFields = Fields{
       field("enabled", &RefineSetup::enabled, "whether frames are refined"),
-      field("rate_hz", &RefineSetup::rate_hz, "at most so many frames a second are refined",
+      field("rate_hz", &RefineSetup::rate_hz, "maximum number of frames to refine per second",
             limits::kRefineRateHz),
       field("electrons_per_dn", &RefineSetup::electrons_per_dn,
-            "electrons of one DN of the pixel format in use, at a gain of 0 dB; null: not known, "
-            "and nothing can be refined",
+            "electrons per DN of the current pixel format at a gain of 0 dB; null: unknown, and "
+            "frames cannot be refined",
             limits::kElectronsPerDn),
       field("read_noise_e", &RefineSetup::read_noise_e,
-            "electrons RMS of a pixel; the rounding to whole DN is added", limits::kReadNoiseE),
-      field("black_level_dn", &RefineSetup::black_level_dn, "DN of a dark pixel",
+            "read noise of a pixel, electrons RMS; quantisation noise is added",
+            limits::kReadNoiseE),
+      field("black_level_dn", &RefineSetup::black_level_dn, "level of a dark pixel, DN",
             limits::kBlackLevelDn),
       field("saturation_dn", &RefineSetup::saturation_dn,
-            "pixels from here on are not used; null: the full scale of the pixel format",
+            "pixels at or above this level are not used, DN; null: the full scale of the pixel "
+            "format",
             limits::kSaturationDn),
       field("spot_amplitudes", &RefineSetup::spot_amplitudes,
-            "whether each subaperture's amplitude is fitted, too: uneven light")};
+            "whether to fit the amplitude of each subaperture, too, for uneven illumination")};
 };
 
 /// Result of `refine.get`. Numbers in DN are those of the pixel format stated with them.
@@ -40,7 +42,7 @@ struct Table<RefineReport> {
       Fields{inlined(&RefineReport::settings),
              computed<RefineReport>(
                  "pixel_format", [](const RefineReport& report) { return report.settings.format; },
-                 "the camera's, whose DN these are")};
+                 "the camera's pixel format, to which all DN refer")};
 };
 
 }  // namespace ovws

@@ -17,18 +17,18 @@ struct Table<SensorConfig> {
       field("charge", &SensorConfig::charge,
             "topological charge l of the vortices; 0: the conventional Shack-Hartmann sensor",
             limits::kCharge),
-      field("grid", &SensorConfig::grid, "how the subapertures lie"),
+      field("grid", &SensorConfig::grid, "arrangement of the subapertures"),
       field("subapertures_across", &SensorConfig::subapertures_across,
-            "M, along the pupil's diameter", limits::kSubaperturesAcross),
-      field("pupil_diameter_px", &SensorConfig::pupil_diameter_px, "D, SLM pixels",
-            limits::kPupilDiameterPx),
+            "M: number of subapertures across the pupil's diameter", limits::kSubaperturesAcross),
+      field("pupil_diameter_px", &SensorConfig::pupil_diameter_px,
+            "D: diameter of the pupil, SLM pixels", limits::kPupilDiameterPx),
       field("grooves", &SensorConfig::grooves,
             "n_x, n_y: grooves of the base grating over the SLM's width and height",
             limits::kGrooves),
-      field("spacing", &SensorConfig::spacing,
-            "s: how far the spots are spread on the camera, grooves per SLM pixel of a "
-            "subaperture's position",
-            limits::kSpacing)};
+      field(
+          "spacing", &SensorConfig::spacing,
+          "s: spread of the spots on the camera, grooves per SLM pixel of a subaperture's position",
+          limits::kSpacing)};
 };
 
 /// Sensor and tracking settings: what `sensor.set` changes.
@@ -40,16 +40,17 @@ struct SensorSettings {
 template <>
 struct Table<TrackingSettings> {
   static constexpr const char* kName = "TrackingSettings";
-  static constexpr auto kFields = Fields{
-      field("tracker", &TrackingSettings::tracker, "how spots are found"),
-      field("template", &TrackingSettings::templates,
-            "of the tracker matched: the model's spot, or each spot as the reference shows it"),
-      field("operator", &TrackingSettings::mode_operator,
-            "from displacements to modes: slopes, the tracker's own tilt of each mode; "
-            "diffractive, each mode through the diffraction model, exact for aberrations up to "
-            "about 0.1 wave, beyond that the slopes are better; relinearised: offline only, the "
-            "daemon refuses it; measured: each mode as the bench itself showed it to "
-            "calibration.run")};
+  static constexpr auto kFields =
+      Fields{field("tracker", &TrackingSettings::tracker, "algorithm that finds the spots"),
+             field("template", &TrackingSettings::templates,
+                   "template of the tracker matched: the model's spot, or the image of each "
+                   "spot in the reference"),
+             field("operator", &TrackingSettings::mode_operator,
+                   "matrix from displacements to modes: slopes, from each mode's local tilt as "
+                   "the tracker measures it; diffractive, from the diffraction model of each "
+                   "mode, exact for aberrations up to about 0.1 wave, beyond which slopes is "
+                   "better; relinearised, offline only and refused by the daemon; measured, "
+                   "the interaction (poke) matrix of calibration.run")};
 };
 
 template <>
@@ -69,12 +70,11 @@ struct Table<TemplateReport> {
   static constexpr const char* kName = "TemplateReport";
   static constexpr auto kFields = Fields{
       field("own_templates", &TemplateReport::own,
-            "spots that are found by a template of their own, from the reference, and not by the "
-            "model's",
+            "number of spots tracked by a template from the reference instead of the model's",
             Bounds::at_least(0)),
       field("template_reason", &TemplateReport::reason,
-            "why that is not every spot though template is reference, and the way out; null: it "
-            "is, or was not asked for")
+            "why not every spot has a template of its own although template is reference, and what "
+            "to do; null: nothing is missing")
           .or_null()};
 };
 
@@ -86,13 +86,13 @@ struct OperatorReport {
 template <>
 struct Table<OperatorReport> {
   static constexpr const char* kName = "OperatorReport";
-  static constexpr auto kFields = Fields{
-      field("operator_in_force", &OperatorReport::in_force,
-            "what turns displacements into modes now"),
-      field("operator_reason", &OperatorReport::reason,
-            "why that is not the operator asked for: it is being made, or why it cannot be; null: "
-            "it is")
-          .or_null()};
+  static constexpr auto kFields =
+      Fields{field("operator_in_force", &OperatorReport::in_force,
+                   "active matrix from displacements to modes"),
+             field("operator_reason", &OperatorReport::reason,
+                   "why the requested operator is not active: it is being computed, or why it "
+                   "cannot be; null: it is active")
+                 .or_null()};
 };
 
 /// Result of `sensor.get`.
@@ -107,15 +107,16 @@ struct SensorReport {
 template <>
 struct Table<SensorReport> {
   static constexpr const char* kName = "SensorReport";
-  static constexpr auto kFields = Fields{
-      inlined(&SensorReport::settings),
-      inlined(&SensorReport::templates),
-      inlined(&SensorReport::mode_operator),
-      field("subapertures", &SensorReport::subapertures, "how many there are", Bounds::at_least(0)),
-      field("modes_j", &SensorReport::modes_j, "OSA/ANSI indices that are reconstructed",
-            {1, kMaxZernikeIndex}),
-      field("hologram_id", &SensorReport::hologram_id,
-            "number of the hologram, as in every stream message; 0: none")};
+  static constexpr auto kFields =
+      Fields{inlined(&SensorReport::settings),
+             inlined(&SensorReport::templates),
+             inlined(&SensorReport::mode_operator),
+             field("subapertures", &SensorReport::subapertures, "number of subapertures",
+                   Bounds::at_least(0)),
+             field("modes_j", &SensorReport::modes_j, "OSA/ANSI indices of the reconstructed modes",
+                   {1, kMaxZernikeIndex}),
+             field("hologram_id", &SensorReport::hologram_id,
+                   "number of the hologram, as in every stream message; 0: none")};
 };
 
 }  // namespace ovws

@@ -12,8 +12,8 @@
 
 namespace ovws {
 
-inline constexpr const char* kRequestedMeaning = "as it was asked for";
-inline constexpr const char* kAppliedMeaning = "as it is now";
+inline constexpr const char* kRequestedMeaning = "the requested values";
+inline constexpr const char* kAppliedMeaning = "the values now in use";
 
 struct CameraSetReport {
   CameraSet requested;
@@ -27,7 +27,7 @@ struct Table<CameraSetReport> {
   static constexpr auto kFields =
       Fields{field("requested", &R::requested, kRequestedMeaning),
              field("applied", &R::applied, "the camera's settings"),
-             field("limits", &R::limits, "what the connected camera allows now")};
+             field("limits", &R::limits, "current limits of the connected camera")};
 };
 
 struct SensorSetReport {

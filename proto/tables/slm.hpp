@@ -21,9 +21,9 @@ struct Table<DisplayInfo> {
   static constexpr auto kFields = Fields{
       field("output", &DisplayInfo::output, "name of the output, e.g. HDMI-1"),
       field("driver", &DisplayInfo::driver, "x11, wayland or KMSDRM"),
-      field("width", &DisplayInfo::width, "pixels", Bounds::at_least(1)),
-      field("height", &DisplayInfo::height, "pixels", Bounds::at_least(1)),
-      field("refresh_hz", &DisplayInfo::refresh_hz, "images per second", Bounds::at_least(0))};
+      field("width", &DisplayInfo::width, "width, pixels", Bounds::at_least(1)),
+      field("height", &DisplayInfo::height, "height, pixels", Bounds::at_least(1)),
+      field("refresh_hz", &DisplayInfo::refresh_hz, "refresh rate, Hz", Bounds::at_least(0))};
 };
 
 /// A measured look-up table and the phase response that it was made from.
@@ -43,17 +43,16 @@ struct Table<LutMeasured> {
       field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
       time_text("t_taken", &M::t_taken_ns),
       field("sha256", &M::sha256, kSha256Meaning).or_null(),
-      field("frames", &M::frames, "averaged for each picture", Bounds::at_least(1)),
+      field("frames", &M::frames, "number of frames averaged for each image", Bounds::at_least(1)),
       computed<M>("levels", [](const M& m) { return m.response.levels; },
-                  "grey levels that were measured, each twice", {2, 256}),
+                  "number of measured grey levels, each measured twice", {2, 256}),
       computed<M>(
           "phase_rad", [](const M& m) { return m.response.phase_rad; },
-          "phase of each grey level, 0 at grey level 0, rising or falling throughout, "
-          "radians; its sign is the one with which a blazed grating brings its light to "
-          "the camera"),
+          "phase of each grey level relative to grey level 0, rising or falling throughout, "
+          "radians; its sign is that with which a blazed grating sends its light to the camera"),
       computed<M>(
           "standard_error_rad", [](const M& m) { return m.response.standard_error_rad; },
-          "of each of them against grey level 0, radians", Bounds::at_least(0)),
+          "standard error of each phase relative to grey level 0, radians", Bounds::at_least(0)),
       computed<M>(
           "noise_rad", [](const M& m) { return m.response.noise_rad; },
           "RMS error of one measured level, radians", Bounds::at_least(0)),
@@ -62,7 +61,7 @@ struct Table<LutMeasured> {
           "RMS of the measured levels about phase_rad, radians", Bounds::at_least(0)),
       computed<M>(
           "depth_rad", [](const M& m) { return m.response.depth_rad(); },
-          "phase of grey level 255, radians, without its sign", Bounds::at_least(0)),
+          "absolute phase of grey level 255, radians", Bounds::at_least(0)),
       computed<M>(
           "falls", [](const M& m) { return m.response.falls(); },
           "whether the phase falls with the grey level; the table then falls too"),
@@ -70,14 +69,14 @@ struct Table<LutMeasured> {
           "reaches_2pi", [](const M& m) { return m.table.reason.empty(); },
           "whether every phase can be shown"),
       computed<M>("steps_out_of_reach", [](const M& m) { return m.table.steps_out_of_reach; },
-                  "how many of the table's 256 steps lie more than half a step beyond the depth; "
-                  "they are shown by grey level 255 or 0, whichever is nearer",
+                  "number of the table's 256 phase steps that lie more than half a step beyond the "
+                  "depth; they are shown by grey level 255 or 0, whichever is nearer",
                   {0, 255}),
       computed<M>(
           "reason", [](const M& m) { return m.table.reason; },
-          "what is lacking of 2 pi, and what is done then; null if it is reached")
+          "how much phase is missing to 2 pi, and how such phases are shown; null: 2 pi is reached")
           .or_null(),
-      field("origin", &M::origin, "what it was measured with")};
+      field("origin", &M::origin, "bench and settings of the measurement")};
 };
 
 /// Result of `lut.get`, `lut.clear` and the `lut.run` job.
@@ -89,24 +88,24 @@ struct LutReport {
 template <>
 struct Table<LutReport> {
   static constexpr const char* kName = "LutReport";
-  static constexpr auto kFields =
-      Fields{computed<LutReport>(
-                 "source",
-                 [](const LutReport& lut) {
-                   return lut.measured ? "measured" : lut.path ? "file" : "linear";
-                 },
-                 "where the table in use comes from")
-                 .among([] {
-                   return std::vector<std::string>{"linear", "file", "measured"};
-                 }),
-             field("path", &LutReport::path, "slm.lut of the configuration"),
-             field("grey_levels", &LutReport::in_use,
-                   "the table in use: the k-th is shown for the phase 2 pi k/256", {0, 255})
-                 .sized(256, 256),
-             computed<LutReport>(
-                 "measured", [](const LutReport& lut) { return lut.measured.has_value(); },
-                 "whether a measured table is in use; if not, all that follows is null"),
-             inlined(&LutReport::measured)};
+  static constexpr auto kFields = Fields{
+      computed<LutReport>(
+          "source",
+          [](const LutReport& lut) {
+            return lut.measured ? "measured" : lut.path ? "file" : "linear";
+          },
+          "source of the active table")
+          .among([] {
+            return std::vector<std::string>{"linear", "file", "measured"};
+          }),
+      field("path", &LutReport::path, "slm.lut of the configuration"),
+      field("grey_levels", &LutReport::in_use,
+            "the active table: entry k is the grey level for the phase 2 pi k/256", {0, 255})
+          .sized(256, 256),
+      computed<LutReport>(
+          "measured", [](const LutReport& lut) { return lut.measured.has_value(); },
+          "whether a measured table is active; if not, all values of the measurement are null"),
+      inlined(&LutReport::measured)};
 };
 
 struct FlatnessMode {
@@ -118,9 +117,9 @@ struct Table<FlatnessMode> {
   static constexpr const char* kName = "FlatnessMode";
   static constexpr auto kFields =
       Fields{field("j", &FlatnessMode::j, kModeIndexMeaning, Bounds::at_least(3)),
-             field("waves", &FlatnessMode::waves, "RMS-normalised"),
+             field("waves", &FlatnessMode::waves, "coefficient, RMS-normalised waves"),
              field("standard_error_waves", &FlatnessMode::standard_error_waves,
-                   "by what the modes leave of the places", Bounds::at_least(0))};
+                   "standard error, from the residual of the fit, waves", Bounds::at_least(0))};
 };
 
 struct FlatnessMeasured {
@@ -137,29 +136,28 @@ template <>
 struct Table<FlatnessMeasured> {
   using M = FlatnessMeasured;
   static constexpr const char* kName = "FlatnessMeasured";
-  static constexpr auto kFields =
-      Fields{field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
-             time_text("t_taken", &M::t_taken_ns),
-             field("sha256", &M::sha256, kSha256Meaning).or_null(),
-             field("frames", &M::frames, "averaged for each place of the spot's aperture",
-                   Bounds::at_least(1)),
-             field("iterations", &M::iterations, "scans of the pupil until nothing changed",
-                   Bounds::at_least(1)),
-             field("pupil_diameter_px", &M::pupil_diameter_px,
-                   "of the circle over which the modes are normalised, SLM pixels"),
-             field("modes", &M::modes, "the error that was found; the hologram shows the opposite"),
-             computed<M>(
-                 "rms_waves",
-                 [](const M& m) {
-                   double squares = 0.0;
-                   for (const FlatnessMode& mode : m.modes) squares += mode.waves * mode.waves;
-                   return std::sqrt(squares);
-                 },
-                 "root sum square of the modes, waves", Bounds::at_least(0)),
-             field("residual_rms_waves", &M::residual_rms_waves,
-                   "how far the last scan's modes are from those before, root sum square, waves",
-                   Bounds::at_least(0)),
-             field("origin", &M::origin, "what it was measured with")};
+  static constexpr auto kFields = Fields{
+      field("t_taken_ns", &M::t_taken_ns, kTimeMeaning),
+      time_text("t_taken", &M::t_taken_ns),
+      field("sha256", &M::sha256, kSha256Meaning).or_null(),
+      field("frames", &M::frames, "number of frames averaged at each position of the aperture",
+            Bounds::at_least(1)),
+      field("iterations", &M::iterations, "number of scans of the pupil until convergence",
+            Bounds::at_least(1)),
+      field("pupil_diameter_px", &M::pupil_diameter_px,
+            "diameter of the circle over which the modes are normalised, SLM pixels"),
+      field("modes", &M::modes, "modes of the measured error; the hologram shows the opposite"),
+      computed<M>(
+          "rms_waves",
+          [](const M& m) {
+            double squares = 0.0;
+            for (const FlatnessMode& mode : m.modes) squares += mode.waves * mode.waves;
+            return std::sqrt(squares);
+          },
+          "root sum square of the modes, waves", Bounds::at_least(0)),
+      field("residual_rms_waves", &M::residual_rms_waves,
+            "change of the modes in the last scan, root sum square, waves", Bounds::at_least(0)),
+      field("origin", &M::origin, "bench and settings of the measurement")};
 };
 
 /// Result of `flatness.get`, `flatness.clear` and the `flatness.run` job.
@@ -172,10 +170,10 @@ struct Table<FlatnessReport> {
   static constexpr const char* kName = "FlatnessReport";
   static constexpr auto kFields = Fields{
       field("path", &FlatnessReport::path,
-            "slm.flatness of the configuration, which is in use, too"),
+            "slm.flatness of the configuration, which is applied, too"),
       computed<FlatnessReport>(
           "measured", [](const FlatnessReport& flatness) { return flatness.measured.has_value(); },
-          "whether a measured flatness is in use; if not, all that follows is null"),
+          "whether a measured flatness is active; if not, all values of the measurement are null"),
       inlined(&FlatnessReport::measured)};
 };
 
@@ -191,29 +189,34 @@ std::string settle_reason(const SettleReport& report);
 template <>
 struct Table<SettleTime> {
   static constexpr const char* kName = "SettleTime";
-  static constexpr auto kFields =
-      Fields{field("p50_ms", &SettleTime::p50_ms, "median, milliseconds"),
-             field("mad_ms", &SettleTime::mad_ms, "median absolute deviation from it"),
-             field("max_ms", &SettleTime::max_ms, "longest that is no outlier"),
-             field("worst_ms", &SettleTime::worst_ms, "longest of all"),
-             field("outliers", &SettleTime::outliers, "changes that took unusually long"),
-             field("least_ms", &SettleTime::least_ms, "it is no shorter"),
-             field("resolution_ms", &SettleTime::resolution_ms, "of one change, by the frame rate"),
-             field("margin_ms", &SettleTime::margin_ms, "added for the proposal"),
-             field("proposed_settle_ms", &SettleTime::proposed_ms, "for slm.settle_ms")};
+  static constexpr auto kFields = Fields{
+      field("p50_ms", &SettleTime::p50_ms, "median settle time, milliseconds"),
+      field("mad_ms", &SettleTime::mad_ms,
+            "median absolute deviation from the median, milliseconds"),
+      field("max_ms", &SettleTime::max_ms, "longest time that is not an outlier, milliseconds"),
+      field("worst_ms", &SettleTime::worst_ms, "longest time of all, milliseconds"),
+      field("outliers", &SettleTime::outliers, "number of changes that took unusually long"),
+      field("least_ms", &SettleTime::least_ms, "lower bound of the settle time, milliseconds"),
+      field("resolution_ms", &SettleTime::resolution_ms,
+            "time resolution of one change, given by the frame rate, milliseconds"),
+      field("margin_ms", &SettleTime::margin_ms, "safety margin in the proposal, milliseconds"),
+      field("proposed_settle_ms", &SettleTime::proposed_ms,
+            "proposed slm.settle_ms, milliseconds")};
 };
 template <>
 struct Table<SettleReport> {
   static constexpr const char* kName = "SettleReport";
   static constexpr auto kFields = Fields{
-      field("repetitions", &SettleReport::repetitions, "changes of the picture"),
+      field("repetitions", &SettleReport::repetitions, "number of image changes"),
       inlined(&SettleReport::time),
-      field("configured_settle_ms", &SettleReport::configured_ms, "slm.settle_ms"),
+      field("configured_settle_ms", &SettleReport::configured_ms,
+            "configured slm.settle_ms, milliseconds"),
       computed<SettleReport>(
           "long_enough",
           [](const SettleReport& report) { return report.configured_ms >= report.time.max_ms; },
-          "whether that is enough"),
-      computed<SettleReport>("reason", settle_reason, "what is wrong with it; null: nothing")
+          "whether the configured time is at least max_ms"),
+      computed<SettleReport>("reason", settle_reason,
+                             "why the configured time may be too short; null: it is long enough")
           .or_null()};
 };
 
@@ -226,15 +229,18 @@ struct VerifyReport {
 template <>
 struct Table<VerifyReport> {
   static constexpr const char* kName = "VerifyReport";
-  static constexpr auto kFields = Fields{
-      field("hologram_id", &VerifyReport::hologram_id, "presented last", Bounds::at_least(1)),
-      field("crc32", &VerifyReport::crc32, "CRC-32 (zlib's) of its grey levels, row by row"),
-      field("crc32_shown", &VerifyReport::crc32_shown, "of the output's pixels (their blue)"),
-      computed<VerifyReport>(
-          "equal", [](const VerifyReport& report) { return report.differing_pixels == 0; },
-          "whether every pixel is grey and of the level presented"),
-      field("differing_pixels", &VerifyReport::differing_pixels, "how many are not",
-            Bounds::at_least(0))};
+  static constexpr auto kFields =
+      Fields{field("hologram_id", &VerifyReport::hologram_id,
+                   "number of the hologram presented last", Bounds::at_least(1)),
+             field("crc32", &VerifyReport::crc32,
+                   "CRC-32 (zlib) of the hologram's grey levels, row by row"),
+             field("crc32_shown", &VerifyReport::crc32_shown,
+                   "CRC-32 of the output's pixels (blue channel)"),
+             computed<VerifyReport>(
+                 "equal", [](const VerifyReport& report) { return report.differing_pixels == 0; },
+                 "whether every pixel is grey and has the presented level"),
+             field("differing_pixels", &VerifyReport::differing_pixels,
+                   "number of pixels that differ", Bounds::at_least(0))};
 };
 
 /// Result of `slm.show`.
@@ -246,7 +252,7 @@ template <>
 struct Table<ShowReport> {
   static constexpr const char* kName = "ShowReport";
   static constexpr auto kFields =
-      Fields{field("pattern", &ShowReport::pattern, "as set"),
+      Fields{field("pattern", &ShowReport::pattern, "pattern that is shown"),
              field("hologram_id", &ShowReport::hologram_id, kHologramIdMeaning)};
 };
 

@@ -26,7 +26,7 @@ inline std::vector<std::string> counter_names() {
   return names;
 }
 
-inline constexpr const char* kFaultMeaning = "what is wrong and the way out; null: nothing";
+inline constexpr const char* kFaultMeaning = "what is wrong and what to do; null: no fault";
 
 struct StatusMessage {
   std::uint64_t seq = 0;  ///< message number of the stream
@@ -105,40 +105,43 @@ template <>
 struct Table<StatusMessage::CameraPart> {
   using P = StatusMessage::CameraPart;
   static constexpr const char* kName = "StatusCamera";
-  static constexpr auto kFields = Fields{field("connected", &P::connected, "answers now"),
-                                         field("streaming", &P::streaming, "frames are asked for"),
-                                         field("info", &P::info, "which camera it is"),
-                                         field("settings", &P::settings, "the camera's settings"),
-                                         field("fault", &P::fault, kFaultMeaning)};
+  static constexpr auto kFields =
+      Fields{field("connected", &P::connected, "whether a camera is connected"),
+             field("streaming", &P::streaming, "whether it is streaming"),
+             field("info", &P::info, "identity of the camera"),
+             field("settings", &P::settings, "the camera's settings"),
+             field("fault", &P::fault, kFaultMeaning)};
 };
 
 template <>
 struct Table<StatusMessage::SlmPart> {
   using P = StatusMessage::SlmPart;
   static constexpr const char* kName = "StatusSlm";
-  static constexpr auto kFields =
-      Fields{field("connected", &P::connected, "the display is there"),
-             field("info", &P::info, "which display it is"),
-             field("pattern", &P::pattern, "what is shown; test: a job's own picture").among([] {
-               return pattern_names();
-             }),
-             field("hologram_id", &P::hologram_id, "shown now; 0: none"),
-             field("settled", &P::settled, "false while it changes"),
-             field("fault", &P::fault, kFaultMeaning)};
+  static constexpr auto kFields = Fields{
+      field("connected", &P::connected, "whether the display is open"),
+      field("info", &P::info, "identity of the display"),
+      field("pattern", &P::pattern, "pattern that is shown; test: an image of a job").among([] {
+        return pattern_names();
+      }),
+      field("hologram_id", &P::hologram_id, "number of the hologram shown now; 0: none"),
+      field("settled", &P::settled, "false while the hologram is changing"),
+      field("fault", &P::fault, kFaultMeaning)};
 };
 
 template <>
 struct Table<StatusMessage::SensorPart::Invalid> {
   using P = StatusMessage::SensorPart::Invalid;
   static constexpr const char* kName = "StatusInvalid";
-  static constexpr auto kFields = Fields{
-      field("t_since_ns", &P::t_since_ns, "when the first frame of them came, UTC"),
-      field("reason", &P::reason, "what such a frame lacks"),
-      field("action", &P::action, "what the daemon does about it, and when"),
-      field("searches", &P::searches, "of the whole image, since then", Bounds::at_least(0)),
-      field("t_next_search_ns", &P::t_next_search_ns,
-            "when the same image is searched again at the latest, UTC; an image that changes is "
-            "searched at once; null: a search is running")};
+  static constexpr auto kFields =
+      Fields{field("t_since_ns", &P::t_since_ns,
+                   "time of the first invalid frame, UNIX epoch UTC, nanoseconds"),
+             field("reason", &P::reason, "why the frames are not valid"),
+             field("action", &P::action, "what the daemon does about it, and when"),
+             field("searches", &P::searches, "number of whole-image searches since then",
+                   Bounds::at_least(0)),
+             field("t_next_search_ns", &P::t_next_search_ns,
+                   "latest time of the next search, UNIX epoch UTC, nanoseconds; an image that "
+                   "changes is searched at once; null: a search is running")};
 };
 
 template <>
@@ -149,27 +152,25 @@ struct Table<StatusMessage::SensorPart> {
       inlined(&P::settings),
       inlined(&P::templates),
       inlined(&P::mode_operator),
-      field("subapertures", &P::subapertures, "how many there are", Bounds::at_least(0)),
-      field("modes", &P::modes, "how many are reconstructed", Bounds::at_least(0)),
+      field("subapertures", &P::subapertures, "number of subapertures", Bounds::at_least(0)),
+      field("modes", &P::modes, "number of reconstructed modes", Bounds::at_least(0)),
       field("referenced", &P::referenced, "whether there is a reference"),
       field("reference", &P::reference,
-            "stale: in use, and taken with another gain, exposure or pixel format; reference.get "
-            "says "
-            "which")
+            "in_force: active; stale: active, but taken with another gain, exposure or pixel "
+            "format, which reference.get reports")
           .among([] {
             return std::vector<std::string>{"none", "in_force", "stale"};
           }),
       field("reference_introduced_rms_waves", &P::reference_introduced_rms_waves,
-            "introduced aberration that the reference holds, so that coefficients do not, "
-            "RMS-normalised waves; 0: none",
+            "RMS of the introduced aberration that the reference contains and coefficients "
+            "therefore exclude, waves; 0: none",
             Bounds::at_least(0)),
       field("layout_fault", &P::layout_fault,
-            "why the camera's region cannot see the spots, or the tracker cannot tell them apart, "
-            "with values that work; null: nothing is known to be wrong")
+            "why spots lie outside the camera's region or too close for the tracker, with values "
+            "that work; null: no fault")
           .or_null(),
       field("torn", &P::torn,
-            "numbers of the spots that the wavefront has split, followed by the shapes that it "
-            "gives them",
+            "numbers of the split spots, which are tracked by templates of their expected shapes",
             Bounds::at_least(0)),
       field("invalid", &P::invalid,
             "why no frame is valid although settled frames come and there is a reference; null: "
@@ -185,22 +186,24 @@ struct Table<StatusMessage::RefinePart> {
           .among([] {
             return std::vector<std::string>{"off", "waiting", "refining"};
           }),
-      field("done", &P::done, "frames refined, since the start"),
-      field("refused", &P::refused, "frames that could not be, since the start"),
-      field("last_duration_ms", &P::last_duration_ms, "of the last fit, milliseconds",
+      field("done", &P::done, "number of refined frames since the start"),
+      field("refused", &P::refused, "number of frames that could not be refined, since the start"),
+      field("last_duration_ms", &P::last_duration_ms, "duration of the last fit, milliseconds",
             Bounds::at_least(0)),
       field("reason", &P::reason,
-            "why nothing is refined now, or why the last frame could not be; null: nothing is in "
-            "the way")};
+            "why nothing is refined now, or why the last frame could not be refined; null: no "
+            "obstacle")};
 };
 
 template <>
 struct Table<StatusMessage::StorePart> {
   using P = StatusMessage::StorePart;
   static constexpr const char* kName = "StatusStore";
-  static constexpr auto kFields = Fields{
-      field("directory", &P::directory, "where; null: nothing is kept"),
-      field("reason", &P::reason, "why something is not kept, and the way out; null: all is")};
+  static constexpr auto kFields =
+      Fields{field("directory", &P::directory,
+                   "folder of the items that survive a restart; null: nothing is stored"),
+             field("reason", &P::reason,
+                   "why an item is not stored, and what to do; null: everything is stored")};
 };
 
 template <>
@@ -210,8 +213,8 @@ struct Table<StatusMessage::FailedJob> {
   static constexpr auto kFields =
       Fields{field("job", &P::job, "number of the job", limits::kJob),
              field("kind", &P::kind, "the method that started it"),
-             field("field", &P::field, "what was at fault; empty: nothing by name"),
-             field("reason", &P::reason, "what was wrong and the way out"),
+             field("field", &P::field, "dotted path of the key at fault; may be empty"),
+             field("reason", &P::reason, "what was wrong and what to do"),
              field("t_failed_ns", &P::t_failed_ns, kTimeMeaning),
              time_text("t_failed", &P::t_failed_ns)};
 };
@@ -230,29 +233,29 @@ struct Table<StatusMessage::Rates> {
 template <>
 struct Table<LatencyTotals> {
   static constexpr const char* kName = "LatencyTotals";
-  static constexpr auto kFields =
-      Fields{field("count", &LatencyTotals::count, "frames"),
-             field("sum_us", &LatencyTotals::sum_us, "of all latencies, microseconds",
-                   Bounds::at_least(0)),
-             computed<LatencyTotals>(
-                 "edges_us", [](const LatencyTotals&) { return LatencyTotals::edges_us(); },
-                 "rising, microseconds"),
-             field("below", &LatencyTotals::below, "how many took less than each edge")};
+  static constexpr auto kFields = Fields{
+      field("count", &LatencyTotals::count, "number of frames"),
+      field("sum_us", &LatencyTotals::sum_us, "sum of all latencies, microseconds",
+            Bounds::at_least(0)),
+      computed<LatencyTotals>(
+          "edges_us", [](const LatencyTotals&) { return LatencyTotals::edges_us(); },
+          "edges of the histogram, ascending, microseconds"),
+      field("below", &LatencyTotals::below, "number of frames that took less than each edge")};
 };
 
 template <>
 struct Table<LatencySummary> {
   static constexpr const char* kName = "Latency";
   static constexpr auto kFields =
-      Fields{field("count", &LatencySummary::count, "frames"),
+      Fields{field("count", &LatencySummary::count, "number of frames"),
              field("p50_us", &LatencySummary::p50_us, "median, microseconds", Bounds::at_least(0)),
              field("p99_us", &LatencySummary::p99_us, "99th percentile, microseconds",
                    Bounds::at_least(0)),
              field("p999_us", &LatencySummary::p999_us, "99.9th percentile, microseconds",
                    Bounds::at_least(0)),
-             field("max_us", &LatencySummary::max_us, "microseconds", Bounds::at_least(0)),
+             field("max_us", &LatencySummary::max_us, "maximum, microseconds", Bounds::at_least(0)),
              field("since_start", &LatencySummary::since_start,
-                   "all since the start: for histograms that are added up over time")};
+                   "totals since the start, for cumulative histograms")};
 };
 
 template <>
@@ -261,31 +264,30 @@ struct Table<StatusMessage> {
   static constexpr const char* kName = "Status";
   static constexpr auto kFields = Fields{
       field("t_ns", &M::t_ns, kTimeMeaning),
-      field("uptime_s", &M::uptime_s, "since the start, seconds", Bounds::at_least(0)),
+      field("uptime_s", &M::uptime_s, "time since the start, seconds", Bounds::at_least(0)),
       field("state", &M::state,
             "what the daemon is doing: starting, waiting_for_camera, waiting_for_display, running, "
             "job_running, fault, stopping"),
       field("fault", &M::fault, kFaultMeaning),
       field("camera", &M::camera, "the camera"),
       field("slm", &M::slm, "the spatial light modulator"),
-      field("sensor", &M::sensor, "the sensor shown"),
-      field("refine", &M::refine, "the refinement of frames beside the fast estimate"),
-      field("record", &M::record, "the recording that is on, or the last one"),
-      field("store", &M::store, "what is kept over a restart"),
+      field("sensor", &M::sensor, "the sensor, its tracking and its reference"),
+      field("refine", &M::refine, "the live refinement of frames"),
+      field("record", &M::record, "the current or the last recording"),
+      field("store", &M::store, "storage of the items that survive a restart"),
       computed<M>(
           "loop", [](const M& m) { return m.loop_closed ? "closed" : "open"; },
-          "whether the correction follows the measurement")
+          "whether the loop is closed")
           .among(open_or_closed),
       field("failed_job", &M::failed_job,
-            "the job that failed last since the start, of those after which none of the same kind "
-            "was done; null: none"),
-      field("rates", &M::rates, "since the last status"),
-      field("counters", &M::counters, "every counter, since the start").among(counter_names),
+            "last failed job since the start whose kind has not succeeded since; null: none"),
+      field("rates", &M::rates, "rates since the last status"),
+      field("counters", &M::counters, "all counters, since the start").among(counter_names),
       field("latency", &M::latency,
-            "by stage, since the last status: tracked, reconstructed and published from the "
-            "frame's arrival; arrived from when it would have arrived had nothing held it up, of a "
-            "camera with device stamps"),
-      field("versions", &M::versions, "of the daemon and its libraries")};
+            "latency by stage, since the last status: tracked, reconstructed and published count "
+            "from the frame's arrival; arrived is the delay of its arrival against an undelayed "
+            "frame, only with a camera that has device timestamps"),
+      field("versions", &M::versions, "versions of the daemon and its libraries")};
 };
 
 }  // namespace ovws

@@ -11,13 +11,13 @@
 namespace ovws {
 
 inline constexpr const char* kSeqMeaning =
-    "number of this topic's message, from 0: a hole is a loss";
+    "sequence number of this topic's messages, from 0; a gap means lost messages";
 inline constexpr const char* kFrameIdMeaning = "camera's frame number";
 inline constexpr const char* kArrivalMeaning =
     "frame complete in the daemon, UNIX epoch UTC, nanoseconds";
 inline constexpr const char* kPublishMeaning = "message built, UNIX epoch UTC, nanoseconds";
 inline constexpr const char* kFrameHologramMeaning =
-    "hologram on the SLM during the whole exposure; 0: none known";
+    "number of the hologram on the SLM during the whole exposure; 0: unknown";
 inline constexpr auto kUnit = constant("unit", "wave", "unit of coefficients and wavefronts");
 inline constexpr auto kBasis = constant(
     "basis", "zernike-osa-rms", "OSA/ANSI Zernike modes, RMS-normalised, over the pupil circle");
@@ -55,8 +55,8 @@ struct Table<FrameMessage> {
   static constexpr auto kFields = Fields{
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, kFrameIdMeaning),
-      field("gap", &M::gap, "frames lost since the message before"),
-      field("t_device_ns", &M::t_device_ns, "camera's own stamp, as given, nanoseconds"),
+      field("gap", &M::gap, "frames lost since the previous message"),
+      field("t_device_ns", &M::t_device_ns, "camera's own timestamp, unchanged, nanoseconds"),
       field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
       field("t_publish_ns", &M::t_publish_ns, kPublishMeaning),
       field("latency_us", &M::latency_us,
@@ -65,11 +65,11 @@ struct Table<FrameMessage> {
       field("settled", &M::settled, "false while the hologram was changing"),
       field("charge", &M::charge, "topological charge of the hologram", limits::kCharge),
       field("tracker", &M::tracker, "tracker used").among([] { return tracker_names(); }),
-      field("subapertures", &M::subapertures, "how many there are", Bounds::at_least(0)),
-      field("tracked", &M::tracked, "how many were found in this frame", Bounds::at_least(0)),
+      field("subapertures", &M::subapertures, "number of subapertures", Bounds::at_least(0)),
+      field("tracked", &M::tracked, "number of spots found in this frame", Bounds::at_least(0)),
       field("valid", &M::valid,
-            "true only if settled, referenced, enough spots were found to determine the modes, and "
-            "a wavefront of these modes explains where they are"),
+            "true only if the frame is settled, a reference is active, enough spots were found to "
+            "determine the modes, and a wavefront of these modes explains their positions"),
       kUnit,
       field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
             limits::kWavelengthNm),
@@ -79,27 +79,26 @@ struct Table<FrameMessage> {
           "rms_waves", [](const M& m) { return m.valid ? m.rms_waves : std::nullopt; },
           "root sum square of the coefficients without piston and tilts, waves; null if not valid",
           Bounds::at_least(0)),
-      field(
-          "fit_residual_px", &M::fit_residual_px,
-          "RMS of what the modes do not explain, camera pixels; also of a frame that is not valid "
-          "because of it",
-          Bounds::at_least(0)),
+      field("fit_residual_px", &M::fit_residual_px,
+            "RMS of the displacements that the modes do not explain, camera pixels; also for a "
+            "frame that is not valid because of it",
+            Bounds::at_least(0)),
       field("gain_db", &M::gain_db,
-            "of this very frame, dB; null if not known, or if the camera has no gain in dB",
+            "gain of this frame, dB; null: unknown, or the camera has no gain in dB",
             limits::kGainDb),
       field("gain_raw", &M::gain_raw,
-            "of this very frame, in steps of the camera's own; null if not known, or if the camera "
-            "has its gain in dB"),
-      field("exposure_us", &M::exposure_us, "of this very frame, microseconds; null if not known",
-            limits::kExposureUs),
-      field("saturated", &M::saturated, "fraction of spots holding a saturated pixel", {0, 1}),
+            "gain of this frame in device-specific steps; null: unknown, or the camera has its "
+            "gain in dB"),
+      field("exposure_us", &M::exposure_us,
+            "exposure time of this frame, microseconds; null: unknown", limits::kExposureUs),
+      field("saturated", &M::saturated, "fraction of spots with a saturated pixel", {0, 1}),
       computed<M>(
           "loop", [](const M& m) { return std::string_view(m.loop_closed ? "closed" : "open"); },
-          "whether the correction follows the measurement")
+          "whether the loop is closed")
           .among(open_or_closed),
       field("reference_introduced_rms_waves", &M::reference_introduced_rms_waves,
-            "introduced aberration that the reference holds, so that coefficients do not, "
-            "RMS-normalised waves; 0: none",
+            "RMS of the introduced aberration that the reference contains and coefficients "
+            "therefore exclude, waves; 0: none",
             Bounds::at_least(0))};
 };
 
@@ -108,22 +107,23 @@ struct Table<WavefrontMessage> {
   using M = WavefrontMessage;
   static constexpr const char* kName = "Wavefront";
   static Json rules();
-  static constexpr auto kFields = Fields{
-      constant("schema", "ovws.wavefront/1", "form of this message"), based<FrameMessage>(),
-      field("j", &M::j, "OSA/ANSI indices of the coefficients, without piston",
-            {1, kMaxZernikeIndex}),
-      computed<M>(
-          "coefficients",
-          [](const M& m) {
-            return IfKnown<float>{m.coefficients, m.valid};
-          },
-          "the aberration present minus the reference, waves RMS, as many as j; all null if not "
-          "valid")};
+  static constexpr auto kFields =
+      Fields{constant("schema", "ovws.wavefront/1", "schema and version of this message"),
+             based<FrameMessage>(),
+             field("j", &M::j, "OSA/ANSI indices of the coefficients, without piston",
+                   {1, kMaxZernikeIndex}),
+             computed<M>(
+                 "coefficients",
+                 [](const M& m) {
+                   return IfKnown<float>{m.coefficients, m.valid};
+                 },
+                 "present aberration minus the reference, RMS-normalised waves, as many as j; "
+                 "all null if not valid")};
 };
 
 /// Shape of a binary part: rows, columns.
 using Shape = std::array<int, 2>;
-inline constexpr const char* kDtypeMeaning = "of the binary part, little-endian, as numpy names it";
+inline constexpr const char* kDtypeMeaning = "NumPy dtype of the binary part, little-endian";
 inline constexpr auto kFloats = constant("dtype", "<f4", kDtypeMeaning);
 
 template <>
@@ -134,22 +134,23 @@ struct Table<SpotsMessage> {
                                                             "ref_y", "peak", "quality"};
   static constexpr std::array<std::string_view, 6> kColumnUnits{"px", "px", "px", "px", "DN", "1"};
   static constexpr auto kFields = Fields{
-      constant("schema", "ovws.spots/1", "form of this message"),
+      constant("schema", "ovws.spots/1", "schema and version of this message"),
       based<FrameMessage>(),
       computed<M>(
           "shape",
           [](const M& m) {
             return Shape{int(m.spots.size()), int(kColumns.size())};
           },
-          "[N, 6] of the binary part"),
+          "shape of the binary part: [N, 6]"),
       kFloats,
       computed<M>(
           "columns", [](const M&) { return kColumns; },
-          "x, y: the spot; ref_x, ref_y: its reference; camera pixels of the region of interest; "
-          "NaN: lost or no reference"),
+          "x, y: spot position; ref_x, ref_y: reference position, both in camera pixels of the "
+          "region of interest; peak: brightest pixel; quality: contrast; NaN: lost spot or no "
+          "reference"),
       computed<M>(
           "column_units", [](const M&) { return kColumnUnits; },
-          "camera pixels; camera grey levels; quality 0 to 1")};
+          "units of the columns: camera pixels; camera grey levels; 1 for quality, 0 to 1")};
 };
 
 template <>
@@ -157,7 +158,7 @@ struct Table<ImageMessage> {
   using M = ImageMessage;
   static constexpr const char* kName = "Image";
   static constexpr auto kFields = Fields{
-      constant("schema", "ovws.image/1", "form of this message"),
+      constant("schema", "ovws.image/1", "schema and version of this message"),
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, kFrameIdMeaning),
       field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
@@ -168,7 +169,7 @@ struct Table<ImageMessage> {
           [](const M& m) {
             return Shape{m.image.height, m.image.width};
           },
-          "[rows, columns] of the binary part"),
+          "shape of the binary part: [rows, columns]"),
       computed<M>(
           "dtype",
           [](const M& m) {
@@ -182,7 +183,7 @@ struct Table<ImageMessage> {
       computed<M>(
           "pixel_format", [](const M& m) { return m.image.format; }, "GenICam name"),
       computed<M>("significant_bits", [](const M& m) { return significant_bits(m.image.format); },
-                  "of each pixel, right-justified", {8, 16})};
+                  "significant bits of each pixel, LSB-aligned", {8, 16})};
 };
 
 template <>
@@ -190,13 +191,13 @@ struct Table<PhaseMessage> {
   using M = PhaseMessage;
   static constexpr const char* kName = "Phase";
   static constexpr auto kFields =
-      Fields{constant("schema", "ovws.phase/1", "form of this message"),
+      Fields{constant("schema", "ovws.phase/1", "schema and version of this message"),
              field("seq", &M::seq, kSeqMeaning),
              field("frame_id", &M::frame_id, kFrameIdMeaning),
              field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
              field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
              kOrientation,
-             field("valid", &M::valid, "as of the wavefront that it shows"),
+             field("valid", &M::valid, "whether the wavefront that it shows is valid"),
              kUnit,
              field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
                    limits::kWavelengthNm),
@@ -205,7 +206,7 @@ struct Table<PhaseMessage> {
                  [](const M& m) {
                    return Shape{m.waves->height, m.waves->width};
                  },
-                 "[rows, columns] of the binary part"),
+                 "shape of the binary part: [rows, columns]"),
              kFloats};
 };
 
@@ -216,25 +217,26 @@ struct Table<RefinedMessage> {
   static std::optional<double> rms_waves(const M& m);
   static Json rules();
   static constexpr auto kFields = Fields{
-      constant("schema", "ovws.refined/1", "form of this message"),
+      constant("schema", "ovws.refined/1", "schema and version of this message"),
       field("seq", &M::seq, kSeqMeaning),
       field("frame_id", &M::frame_id, "camera's frame number, as in wavefront"),
       field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
       field("t_publish_ns", &M::t_publish_ns, kPublishMeaning),
       field("hologram_id", &M::hologram_id,
-            "hologram on the SLM during the whole exposure of this frame, whatever is shown since"),
+            "number of the hologram on the SLM during the whole exposure of this frame, whatever "
+            "is shown now"),
       field("charge", &M::charge, "topological charge of this frame's hologram", limits::kCharge),
       field("valid", &M::valid,
-            "true only if a minimum was found, there was light enough to tell the modes, and the "
-            "model explains the pixels"),
+            "true only if the fit found a minimum, there was enough light to determine the modes, "
+            "and the model explains the pixels"),
       computed<M>(
           "reason", [](const M& m) { return m.valid ? std::string() : m.reason; },
-          "why not valid, in plain words; null if valid")
+          "why it is not valid; null if valid")
           .or_null(),
       computed<M>(
           "against", [](const M& m) { return m.against_reference ? "reference" : "model"; },
-          "what the coefficients count from: the refined picture of the reference, or, without a "
-          "reference, the ideal sensor's model")
+          "origin of the coefficients: reference, the refined image of the reference; model, the "
+          "ideal sensor, if there is no reference")
           .among([] {
             return std::vector<std::string>{"reference", "model"};
           }),
@@ -248,13 +250,13 @@ struct Table<RefinedMessage> {
           "root sum square of the coefficients without piston and tilts, waves; null if not "
           "valid",
           Bounds::at_least(0)),
-      field("gain_db", &M::gain_db, "of this very frame, dB; null if the camera has no gain in dB",
+      field("gain_db", &M::gain_db, "gain of this frame, dB; null: the camera has no gain in dB",
             limits::kGainDb)
           .or_null(),
       field("gain_raw", &M::gain_raw,
-            "of this very frame, in steps of the camera's own; null if it has its gain in dB")
+            "gain of this frame in device-specific steps; null: the camera has its gain in dB")
           .or_null(),
-      field("exposure_us", &M::exposure_us, "of this very frame, microseconds",
+      field("exposure_us", &M::exposure_us, "exposure time of this frame, microseconds",
             limits::kExposureUs),
       field("j", &M::j, "OSA/ANSI indices of the coefficients, without piston, as in wavefront",
             {1, kMaxZernikeIndex}),
@@ -263,18 +265,19 @@ struct Table<RefinedMessage> {
           [](const M& m) {
             return IfKnown<double>{m.coefficients, m.valid, m.j.size()};
           },
-          "the aberration present minus the reference, waves RMS, as many as j; all null if not "
-          "valid"),
+          "present aberration minus the reference, RMS-normalised waves, as many as j; all null if "
+          "not valid"),
       computed<M>(
           "sigma",
           [](const M& m) {
             return IfKnown<double>{m.sigma, m.valid, m.j.size()};
           },
-          "standard errors of the coefficients, the reference's included, waves, as many as j; all "
-          "null if not valid",
+          "standard errors of the coefficients, including those of the reference, waves, as many "
+          "as j; all null if not valid",
           Bounds::at_least(0)),
       inlined(&M::fit),
-      field("duration_ms", &M::duration_ms, "of the fit, milliseconds", Bounds::at_least(0))};
+      field("duration_ms", &M::duration_ms, "duration of the fit, milliseconds",
+            Bounds::at_least(0))};
 };
 
 template <>
@@ -283,12 +286,13 @@ struct Table<RefinedMessage::Fit> {
   static constexpr const char* kName = "RefinedFit";
   static constexpr auto kFields = Fields{
       field("chi2_per_pixel", &F::chi2_per_pixel,
-            "misfit in units of the noise stated: about 1 if the model explains the frame; null if "
-            "no minimum was found",
+            "chi-squared per pixel with the stated noise: about 1 if the model explains the frame; "
+            "null if no minimum was found",
             Bounds::at_least(0)),
-      field("peak_e", &F::peak_e, "the model's brightest pixel above the background, electrons"),
-      field("background_e", &F::background_e, "a pixel, above the black level, electrons"),
-      field("iterations", &F::iterations, "of the fit", Bounds::at_least(0))};
+      field("peak_e", &F::peak_e, "brightest pixel of the model above the background, electrons"),
+      field("background_e", &F::background_e,
+            "background of a pixel above the black level, electrons"),
+      field("iterations", &F::iterations, "number of iterations of the fit", Bounds::at_least(0))};
 };
 
 template <>
@@ -304,13 +308,13 @@ struct Table<EventMessage> {
   using M = EventMessage;
   static constexpr const char* kName = "Event";
   static constexpr auto kFields =
-      Fields{constant("schema", "ovws.event/1", "form of this message"),
+      Fields{constant("schema", "ovws.event/1", "schema and version of this message"),
              field("seq", &M::seq, kSeqMeaning),
              field("t_ns", &M::t_ns, kTimeMeaning),
-             field("kind", &M::kind, "what it is about: state, camera, slm, job, …"),
-             field("severity", &M::severity, "how bad it is"),
-             field("text", &M::text, "one sentence for a person"),
-             field("data", &M::data, "for programs; its shape depends on the kind")};
+             field("kind", &M::kind, "subject of the event: state, camera, slm, job, …"),
+             field("severity", &M::severity, "severity of the event"),
+             field("text", &M::text, "message for the user, one sentence"),
+             field("data", &M::data, "data for programs; its structure depends on the kind")};
 };
 
 /// `status` as it is published; `system.status` is the same without `schema` and `seq`.
@@ -321,7 +325,7 @@ template <>
 struct Table<StreamedStatus> {
   static constexpr const char* kName = "StreamedStatus";
   static constexpr auto kFields = Fields{
-      constant("schema", "ovws.status/1", "form of this message"),
+      constant("schema", "ovws.status/1", "schema and version of this message"),
       computed<StreamedStatus>(
           "seq", [](const StreamedStatus& streamed) { return streamed.status.seq; }, kSeqMeaning),
       inlined(&StreamedStatus::status)};

@@ -35,15 +35,15 @@ std::string settle_reason(const SettleReport& report) {
   const SettleTime& time = report.time;
   if (report.configured_ms < time.max_ms) {
     return "slm.settle_ms is " + milliseconds(report.configured_ms) +
-           ", and the image is stable after " + milliseconds(time.max_ms) +
-           ": frames are taken for settled that are not; set slm.settle_ms to " +
+           ", but the image is stable only after " + milliseconds(time.max_ms) +
+           ": frames count as settled too early; set slm.settle_ms to " +
            std::to_string(std::lround(time.proposed_ms));
   }
   if (report.configured_ms < time.worst_ms) {
     return std::to_string(time.outliers) + " changes took up to " + milliseconds(time.worst_ms) +
            ", longer than slm.settle_ms (" + milliseconds(report.configured_ms) +
-           "): if this machine was not busy then, the SLM's controller is slower at times; measure "
-           "again, and set slm.settle_ms above it if it stays";
+           "): unless this machine was busy, the SLM's controller is sometimes slower; measure "
+           "again, and if it recurs set slm.settle_ms above it";
   }
   return {};
 }
@@ -63,8 +63,8 @@ std::optional<std::string> not_plain(const std::string& name) {
                        return is_letter(c) || c == '.' || c == '_' || c == '-';
                      });
   if (plain) return std::nullopt;
-  return "must be a plain name: letters, digits, '.', '_' and '-', at most 100 of them, the first "
-         "a letter or a digit; the folder is record.directory";
+  return "must be a plain name of at most 100 letters, digits, '.', '_' and '-', the first a "
+         "letter or a digit; the folder is set by record.directory";
 }
 
 namespace {

@@ -12,7 +12,7 @@ namespace ovws {
 std::string utc_text(std::int64_t t_ns);
 
 inline constexpr const char* kTimeMeaning = "UNIX epoch UTC, nanoseconds";
-inline constexpr const char* kTimeTextMeaning = "the same as text, ISO 8601";
+inline constexpr const char* kTimeTextMeaning = "the same time as text, ISO 8601";
 
 /// A computed field `key` with the time of `member` as text.
 template <class S>

@@ -238,7 +238,7 @@ TEST(Rpc, RefusesTheMembersOfABatchThatItsReplyHasNoPlaceForUncalled) {
   EXPECT_TRUE(a[1].contains("result"));
   EXPECT_EQ(a[2].at("error").at("code"), -32000);
   EXPECT_EQ(a[2].at("error").at("message"),
-            "the batch's reply would be larger than 1 MiB; this request was not carried out, send "
+            "the batch's reply would be larger than 1 MiB; this request was not carried out; send "
             "it in another batch");
   EXPECT_EQ(a[2].at("id"), 3);
   EXPECT_EQ(a[3].at("error").at("code"), -32600);
