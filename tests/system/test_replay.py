@@ -230,14 +230,14 @@ class Replay(BenchCase):
         self.call("sensor.set", {"charge": 1, "subapertures_across": 7})
         time.sleep(0.3)
         self.call("record.stop")
-        self.assertIn("ask frame by frame", self.export("wider", "--csv", good, status=1).stderr)
+        self.assertIn("read them frame by frame", self.export("wider", "--csv", good, status=1).stderr)
         self.assertEqual(good.read_text(), kept)
         self.assertIn("No such file", self.export("nothing", "--csv", good, status=1).stderr)
-        self.assertIn("says what is wanted", self.export("two", status=2).stderr)
+        self.assertIn("give at least one of", self.export("two", status=2).stderr)
         self.call("record.start", {"name": "none", "pictures_every": 0})
         time.sleep(0.2)
         self.call("record.stop")
-        self.assertIn("pictures: there are none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
+        self.assertIn("pictures: the recording has none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
 
     def export(self, name, *arguments, status=0):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",

@@ -6,16 +6,17 @@ from typing import Any
 
 # Error codes as in WIRE.md: code -> (meaning, what to do).
 CODES = {
-    -32700: ("not JSON, or not UTF-8", "mend the text"),
-    -32600: ("not a JSON-RPC request; too large, too deep, a key given twice, an empty or too large batch", "mend the request"),
+    -32700: ("not JSON, or not UTF-8", "fix the text"),
+    -32600: ("not a JSON-RPC request; too large, too deep, a key given twice, an empty or too large batch", "fix the request"),
     -32601: ("no such method", "see `nearest`, or `system.describe`"),
-    -32602: ("a key or a value is wrong", "mend it; see `field`"),
-    -32603: ("an error of the daemon itself", "report it"),
-    -32000: ("refused in the present state, or too much waits or is unread", "change the state first; read replies, send smaller batches"),
-    -32001: ("a device or resource is not there", "connect it, or wait"),
-    -32002: ("a device failed, or answered wrongly", "look at the device"),
-    -32003: ("this client may not: its role is `read`, and the method controls (`field` is `method`); or its key was withdrawn",
-             "ask for the role, or a key, in the file of `security.clients`"),
+    -32602: ("a key or a value is wrong", "fix it; see `field`"),
+    -32603: ("internal error of the daemon", "report it"),
+    -32000: ("refused in the current state, or too many requests are waiting or replies unread",
+             "change the state first; read replies, send smaller batches"),
+    -32001: ("a device or resource is not available", "connect it, or wait"),
+    -32002: ("a device failed, or gave a wrong answer", "check the device"),
+    -32003: ("not permitted: the client's role is `read` and the method needs `control` (`field` is `method`), or its key was withdrawn",
+             "have the role, or the key, entered in the file of `security.clients`"),
 }
 
 
@@ -87,7 +88,7 @@ class Lost(ClientError):
     """Messages or frames were lost before `message`, in a subscription with on_loss="raise". Iterating may continue."""
 
     def __init__(self, message: Any, frames: int) -> None:
-        super().__init__(f"before {message.topic} {message.seq} {message.lost_messages} messages were lost on the way here, "
+        super().__init__(f"before {message.topic} {message.seq}, {message.lost_messages} messages were lost on the way to this program "
                          f"and {frames} frames on the way to the daemon")
         self.message = message
         self.messages: int = message.lost_messages

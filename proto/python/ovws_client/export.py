@@ -132,12 +132,12 @@ def _check(run, pictures):
         "reference": lambda plan: plan["reference_px"], "modes": lambda plan: run.document("operator", plan["operator"])["j"]}
     for what, of in stays.items():
         if any(of(plan) != of(plans[0]) for plan in plans):
-            raise ValueError(f"{what}: changed during the recording, and AOT has one sensor that stays as it is")
+            raise ValueError(f"{what}: changed during the recording, but AOT supports one constant sensor only")
     if pictures and not (run.frames["picture"] >= 0).any():
-        raise ValueError("pictures: there are none")
+        raise ValueError("pictures: the recording has none")
     packed = run.attributes["pixel_format"].lower()
     if pictures and packed.endswith(("p", "packed")):
-        raise ValueError(f"pictures: pixels of {run.attributes['pixel_format']} share bytes, which FITS does not know")
+        raise ValueError(f"pictures: pixels of {run.attributes['pixel_format']} share bytes, which FITS does not support")
 
 
 def to_fits(run, path, pictures=False):
@@ -157,15 +157,15 @@ def to_fits(run, path, pictures=False):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python3 -m ovws_client.export", description="Recordings for other programs.")
+    parser = argparse.ArgumentParser(prog="python3 -m ovws_client.export", description="Exports recordings to FITS, CSV and NumPy files.")
     parser.add_argument("recording")
-    parser.add_argument("--csv", metavar="FILE", help="one line a frame")
-    parser.add_argument("--npz", metavar="FILE", help="NumPy arrays")
-    parser.add_argument("--fits", metavar="FILE", help="Adaptive Optics Telemetry")
-    parser.add_argument("--pictures", action="store_true", help="the camera's pictures, too, in FITS")
+    parser.add_argument("--csv", metavar="FILE", help="CSV file with one line per frame")
+    parser.add_argument("--npz", metavar="FILE", help="NumPy archive of arrays")
+    parser.add_argument("--fits", metavar="FILE", help="FITS file in the Adaptive Optics Telemetry standard")
+    parser.add_argument("--pictures", action="store_true", help="include the camera's images in the FITS file")
     options = parser.parse_args(arguments)
     if not (options.csv or options.npz or options.fits):
-        parser.error("--csv, --npz or --fits says what is wanted")
+        parser.error("give at least one of --csv, --npz and --fits")
     try:
         with Recording(options.recording) as run, reading("recording"):
             if not len(run.frames):

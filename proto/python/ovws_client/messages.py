@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 def _array(body: Mapping[str, Any], binary: Binary) -> NDArray[Any]:
     """The binary part as an array, without a copy."""
     if binary is None or body["dtype"] not in ("<u1", "<u2", "<f4"):
-        raise ValueError(f"a binary part of {body['dtype']}")
+        raise ValueError(f"unexpected binary part of {body['dtype']}")
     return np.frombuffer(binary, body["dtype"]).reshape(body["shape"])
 
 
@@ -43,11 +43,11 @@ class Message:
         """Decodes the JSON and binary parts. Raises NotUnderstood if they do not match the schema; unknown keys are ignored."""
         form = f"ovws.{cls.topic}/1"
         if body.get("schema") != form:
-            raise NotUnderstood(f"a message {body.get('schema')} where {form} is known: take the client that came with the daemon")
+            raise NotUnderstood(f"a message of schema {body.get('schema')}, but {form} is supported: use the client that came with the daemon")
         try:
             return cls(**cls._values(body, binary) | {"lost_messages": lost_messages})
         except (KeyError, TypeError, ValueError) as error:
-            raise NotUnderstood(f"a message of {cls.topic} is not as {form} says: {error}") from error
+            raise NotUnderstood(f"a message of {cls.topic} does not match {form}: {error}") from error
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
@@ -131,7 +131,7 @@ class Spots(FrameMessage):
         table = _array(body, binary)
         column = body["columns"].index
         if body["column_units"] != ["px", "px", "px", "px", "DN", "1"]:
-            raise ValueError(f"columns in {body['column_units']}")
+            raise ValueError(f"unexpected units of columns: {body['column_units']}")
         x, ref_x = column("x"), column("ref_x")
         return super()._values(body, binary) | {"x_y_px": table[:, x:x + 2], "ref_x_y_px": table[:, ref_x:ref_x + 2],
                                                 "peak_dn": table[:, column("peak")], "quality": table[:, column("quality")]}

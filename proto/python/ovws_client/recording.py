@@ -122,7 +122,7 @@ class Recording:
             first = int(row["first_byte"])
             text = self.file["text"][first:first + int(row["bytes"])].tobytes()
             if hashlib.sha256(text).hexdigest() != row["sha256"].decode(errors="replace"):
-                raise LookupError("its checksum is another")
+                raise LookupError("its checksum differs")
             return text
 
     def _rows(self, name, *fields):
@@ -139,7 +139,7 @@ class Recording:
                 return self._slice(table, begin, size)
             counts = numpy.unique(self.frames[count])
             if len(counts) > 1:
-                raise ValueError(f"{table}: {counts[0]} to {counts[-1]} a frame; ask frame by frame")
+                raise ValueError(f"{table}: {counts[0]} to {counts[-1]} per frame; read them frame by frame")
             width = int(counts[0]) if len(counts) else 0
             return self._slice(table, 0, width * len(self.frames)).reshape(len(self.frames), width)
 

@@ -36,13 +36,13 @@ def use_keys(socket: zmq.Socket[Any], key: KeyFile | None = None, server_key: st
 
 def key_hint(with_keys: bool) -> str:
     """Hint for the message of a time-out."""
-    return "is its key known there, and the server key its own?" if with_keys else "does it ask for a key?"
+    return "are this client's key and the server key correct?" if with_keys else "does it require a key?"
 
 
 def _plain(value: object) -> object:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
-    raise TypeError(f"{type(value).__name__} is nothing that JSON knows")
+    raise TypeError(f"{type(value).__name__} cannot be encoded as JSON")
 
 
 def request_text(request_id: int, method: str, params: Mapping[str, object] | None) -> bytes:

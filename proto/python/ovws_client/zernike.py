@@ -15,7 +15,7 @@ MAX_J = 230  # n = 20: beyond it the radial sums lose precision
 def osa_index(n: int, m: int) -> int:
     """OSA/ANSI index j of radial order n and azimuthal frequency m (negative: sine)."""
     if n < 0 or abs(m) > n or (n - m) % 2:
-        raise ValueError(f"(n, m) = ({n}, {m}) is no mode: |m| <= n, and n - m even")
+        raise ValueError(f"(n, m) = ({n}, {m}) is not a mode: |m| <= n, and n - m even")
     return (n * (n + 2) + m) // 2
 
 

@@ -89,7 +89,7 @@ class Clients(unittest.TestCase):
         for error in self.both(lambda client: client.camera_set(gain_db=1000), {"error": OUT_OF_RANGE}):
             self.assertIsInstance(error, Refused)
             self.assertEqual((error.code, error.field, error.limits, error.nearest), (-32602, "gain_db", (-100.0, 100.0), None))
-            self.assertEqual((error.reason, error.what_to_do), (OUT_OF_RANGE["data"]["reason"], "mend it; see `field`"))
+            self.assertEqual((error.reason, error.what_to_do), (OUT_OF_RANGE["data"]["reason"], "fix it; see `field`"))
             self.assertEqual(str(error), f"camera.set: {OUT_OF_RANGE['message']}")
         for error in self.both(lambda client: client.call("camera.set", {"exposure_su": 1}), {"error": UNKNOWN}):
             self.assertEqual((error.field, error.limits, error.nearest), ("exposure_su", None, "exposure_us"))
@@ -118,7 +118,7 @@ class Clients(unittest.TestCase):
         asyncio.run(main())
 
     def test_nobody_answers(self):
-        words = "within 0.1 s; does the daemon run, and does it ask for a key"
+        words = "within 0.1 s; does the daemon run, and does it require a key"
         with Client(next(self.endpoints), timeout_s=0.1) as client, self.assertRaisesRegex(NoAnswer, words):
             client.system_status()
 
