@@ -50,7 +50,7 @@ class AravisCamera final : public Camera {
   }
 
   Result<void> start() override {
-    if (stream_) return fail(Errc::refused, "", "the camera is streaming already");
+    if (stream_) return fail(Errc::refused, "", "the camera is already streaming: stop it first");
     ids_.restart();
     const FrameShape shape{current_.roi.width, current_.roi.height, current_.pixel_format};
     auto stream = AravisStream::open(device_, config_, shape, ids_);
@@ -98,8 +98,7 @@ class AravisCamera final : public Camera {
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_aravis_camera(const AravisConfig& config) {
-  if (config.buffers < 2)
-    return fail(Errc::invalid, "camera.buffers", "at least 2 buffers are needed");
+  if (config.buffers < 2) return fail(Errc::invalid, "camera.buffers", "must be at least 2");
   auto found = find_device(config.id);
   if (!found) return fail(found.error());
   auto camera = std::make_unique<AravisCamera>(config, std::move(*found));

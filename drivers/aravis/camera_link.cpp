@@ -77,7 +77,7 @@ std::string word_in(const std::filesystem::path& path) {
 Result<NetworkPath> path_to(const std::string& address) {
   in_addr there{};
   if (::inet_pton(AF_INET, address.c_str(), &there) != 1)
-    return fail(Errc::invalid, "camera.id", address + " is no IPv4 address");
+    return fail(Errc::invalid, "camera.id", address + " is not an IPv4 address");
   const UdpSocket socket;
   const auto own = own_address_towards(socket, there);
   ifaddrs* list = nullptr;
@@ -95,7 +95,8 @@ Result<NetworkPath> path_to(const std::string& address) {
                        mask != 0 && (own->s_addr & mask) == (there.s_addr & mask)};
   }
   return fail(Errc::unavailable, "camera.id",
-              "no network interface of this machine leads to " + address);
+              "no network interface of this machine leads to " + address +
+                  "; check the address and the network settings");
 }
 
 std::optional<int> usb_link_mbps(const std::string& serial) {

@@ -25,9 +25,9 @@ Result<Listing> look_up(const std::string& id) {
   }
   const std::string seen = names_of(cameras);
   return fail(Errc::unavailable, kField,
-              "there is no camera with the id or serial number " + id + "; " +
-                  (seen.empty() ? "none was found at all; check cable, power and network"
-                                : "found were: " + seen));
+              "no camera has the id or serial number " + id + "; " +
+                  (seen.empty() ? "no camera was found at all; check cable, power and network"
+                                : "cameras found: " + seen));
 }
 
 }  // namespace
@@ -54,8 +54,8 @@ Result<FoundDevice> find_device(const std::string& id) {
   if (ARV_IS_GV_DEVICE(device.get()) && !arv_gv_device_is_controller(ARV_GV_DEVICE(device.get())))
     return fail(Errc::unavailable, kField,
                 "the camera at " + listing.address +
-                    " is controlled by another program; close that, or wait a few seconds if it "
-                    "has just ended");
+                    " is controlled by another program; close it, or wait a few seconds if it has "
+                    "just ended");
   return FoundDevice{std::move(device), listing.address};
 }
 

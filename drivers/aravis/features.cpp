@@ -71,7 +71,7 @@ Result<void> CameraFeatures::choose_a_known_pixel_format() {
     names += (names.empty() ? "" : ", ") + printable(name, kMaxNameBytes);
   }
   return fail(Errc::device, "camera.pixel_format",
-              "this camera has no monochrome or Bayer format that is known here; it has " + names);
+              "this camera has no supported monochrome or Bayer format; it has " + names);
 }
 
 Result<void> CameraFeatures::prepare() {
@@ -156,8 +156,9 @@ Result<CameraSettings> CameraFeatures::read() {
   if (!format) return at_field<CameraSettings>("camera.pixel_format", fail(format.error()));
   const auto known = pixel_format_from_name(*format);
   if (!known)
-    return fail(Errc::device, "camera.pixel_format",
-                "the camera has gone over to " + printable(*format, kMaxNameBytes));
+    return fail(
+        Errc::device, "camera.pixel_format",
+        "the camera has switched to the unsupported format " + printable(*format, kMaxNameBytes));
   settings.pixel_format = *known;
 
   Result<void> all;

@@ -57,7 +57,7 @@ Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const Camer
   const bool asked_raw = !std::isnan(settings.gain_raw);
   if (gain_is_raw_ && asked_in_db)
     return fail(Errc::invalid, "camera.gain_db",
-                "this camera has no gain in dB, only steps of its own: set gain_raw");
+                "this camera has no gain in dB, only in device-specific steps: set gain_raw");
   if (!gain_is_raw_ && asked_raw)
     return fail(Errc::invalid, "camera.gain_raw", "this camera has its gain in dB: set gain_db");
   if (gain_is_raw_) settings.gain_db = kNotKnown;
@@ -78,7 +78,7 @@ Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
       fitted->roi == current.roi && fitted->pixel_format == current.pixel_format;
   if (streaming && !same_frame)
     return fail(Errc::refused, fitted->roi == current.roi ? "camera.pixel_format" : "camera.roi",
-                "the size of a frame cannot change while frames are coming; stop first");
+                "the frame size cannot change while the camera is streaming; stop it first");
   Undo undo;
   auto applied = write_and_read(*fitted, current, undo);
   if (applied && streaming && changed_unasked(*fitted, current, *applied)) {

@@ -31,7 +31,7 @@ GenicamDevice::~GenicamDevice() {
 template <class Call>
 auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
     -> Result<decltype(call(static_cast<GError**>(nullptr)))> {
-  if (!alive()) return fail(Errc::device, "", "the camera does not answer any more; open it again");
+  if (!alive()) return fail(Errc::device, "", "the camera no longer answers; open it again");
   GErrorSlot error;
   auto answer = call(error.out());
   if (!error) return answer;

@@ -131,7 +131,7 @@ class Gvcp {
 Result<GigeAnswer> ask_gige_camera(const std::string& address) {
   in_addr numeric{};
   if (::inet_pton(AF_INET, address.c_str(), &numeric) != 1)
-    return fail(Errc::invalid, "camera.id", address + " is no IPv4 address");
+    return fail(Errc::invalid, "camera.id", address + " is not an IPv4 address");
   Gvcp gvcp;
   const auto found = gvcp.connect(numeric) ? gvcp.ask(kDiscovery, {}) : std::nullopt;
   if (!found || found->status != 0 || found->payload().size() < kDiscoveryBytes)

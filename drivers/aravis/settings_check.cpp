@@ -43,7 +43,7 @@ Result<double> fit_value(const std::string& field, const char* what, double want
   if (!std::isfinite(wanted) || wanted < range.min || wanted > range.max) {
     Error error{Errc::invalid, field,
                 std::string(what) + " of " + describe(wanted) +
-                    " is not possible now; this camera takes " + describe(range)};
+                    " is out of range; this camera now accepts " + describe(range)};
     error.min = range.min;
     error.max = range.max;
     return fail(std::move(error));
@@ -65,7 +65,7 @@ Result<Roi> fit_roi(const Roi& wanted, const CameraLimits& limits, RoiSteps step
     return refuse("does not lie on the sensor, which has " + std::to_string(limits.sensor_width) +
                   " x " + std::to_string(limits.sensor_height) + " pixels");
   if (wanted.width < limits.roi_width.min || wanted.height < limits.roi_height.min)
-    return refuse("is too small; this camera takes widths of " + describe(limits.roi_width) +
+    return refuse("is too small; this camera accepts widths of " + describe(limits.roi_width) +
                   " and heights of " + describe(limits.roi_height));
   if ((steps.x == 0 && wanted.x != 0) || (steps.y == 0 && wanted.y != 0))
     return refuse("is not possible: this camera cannot move its region, x and y must be 0");
@@ -93,15 +93,14 @@ Result<void> check_region_suits_format(PixelFormat format, const Roi& roi) {
   const bool filtered = traits_of(format).filter != ColourFilter::none;
   if (filtered && (roi.x % 2 != 0 || roi.y % 2 != 0)) {
     return fail(Errc::invalid, "camera.roi",
-                "under a region that begins at an odd x or y " +
-                    std::string(pixel_format_name(format)) +
-                    " would name other filters than there are: both must be even");
+                "a region that begins at an odd x or y would shift the colour filters of " +
+                    std::string(pixel_format_name(format)) + ": both must be even");
   }
   if (roi.width % group == 0) return {};
   return fail(Errc::invalid, "camera.roi",
               "rows of " + std::string(pixel_format_name(format)) +
-                  " end in the middle of a byte if " + std::to_string(roi.width) +
-                  " pixels wide; the width must be a multiple of " + std::to_string(group));
+                  " would end within a byte with a width of " + std::to_string(roi.width) +
+                  " pixels; the width must be a multiple of " + std::to_string(group));
 }
 
 Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const CameraSettings& current) {

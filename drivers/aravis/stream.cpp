@@ -42,7 +42,7 @@ Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config
   if (!sizes) return fail(sizes.error());
   if (config.packet_size_bytes < sizes->min)
     return fail(Errc::invalid, "camera.packet_size_bytes",
-                "a packet needs at least " + std::to_string(int(sizes->min)) + " bytes");
+                "must be at least " + std::to_string(int(sizes->min)) + " bytes for this camera");
   const double step = std::max(sizes->increment, 1.0);
   const double capped = std::min(double(config.packet_size_bytes), sizes->max);
   return device.set_number("ArvGevSCPSPacketSize",
@@ -68,7 +68,7 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   std::unique_ptr<AravisStream> self(new AravisStream(std::move(stream), shape, ids, strays));
   if (!self->allocate(std::size_t(*payload), config.buffers))
     return fail(Errc::unavailable, "camera.roi",
-                "there is no memory for " + std::to_string(config.buffers) + " frames of " +
+                "not enough memory for " + std::to_string(config.buffers) + " frames of " +
                     std::to_string(std::size_t(*payload)) + " bytes; make the region smaller");
   return self;
 }

@@ -105,7 +105,7 @@ Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width,
   Reader reader;
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
   if (reader.png != nullptr) reader.info = png_create_info_struct(reader.png);
-  if (reader.info == nullptr) return fail(Errc::internal, "", "libpng cannot be used");
+  if (reader.info == nullptr) return fail(Errc::internal, "", "libpng cannot be initialised");
   if (!read_header(reader.png, reader.info, file.get())) return unreadable();
   if (auto fits = check_header(reader, path, width, height); !fits) return fail(fits.error());
   Image<std::uint16_t> image(width, height);
@@ -120,7 +120,7 @@ Result<std::string> encode_grey8_png(const Image<std::uint8_t>& image) {
   Writer writer;
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
   if (writer.png != nullptr) writer.info = png_create_info_struct(writer.png);
-  if (writer.info == nullptr) return fail(Errc::internal, "", "libpng cannot be used");
+  if (writer.info == nullptr) return fail(Errc::internal, "", "libpng cannot be initialised");
   png_set_write_fn(writer.png, &bytes, append, nullptr);
   if (!write_image(writer.png, writer.info, image)) {
     return fail(Errc::internal, "", "the image cannot be written as PNG");

@@ -31,8 +31,9 @@ constexpr unsigned kAsItIs = 1;    // filter mask: the first filter (deflate) is
 
 tl::unexpected<Error> failed(const std::string& path, const std::string& what) {
   const std::string why = errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
-  return fail(Errc::unavailable, "path",
-              path + ": " + what + why + "; look at the disk's room and the folder's permissions");
+  return fail(
+      Errc::unavailable, "path",
+      path + ": " + what + why + "; check the free disk space and the folder's permissions");
 }
 
 bool write_attribute(hid_t on, const std::string& name, hid_t type, const void* value) {
@@ -188,7 +189,7 @@ Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
   hdf5::be_quiet();
   auto impl = std::make_unique<Impl>(path, header);
   if (!impl->create(header)) {
-    const auto error = failed(path, "the recording cannot be begun");
+    const auto error = failed(path, "the recording cannot be started");
     const bool ours = bool(impl->file);
     impl.reset();
     if (ours) ::unlink(path.c_str());
@@ -209,7 +210,7 @@ Result<std::int64_t> RecordFile::add_picture(std::span<const std::byte> pixels, 
   if (H5Dset_extent(m.pictures, extent.data()) < 0 ||
       H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kAsItIs : kDeflated, at.data(),
                      chunk.size(), chunk.data()) < 0) {
-    return m.broke("a picture cannot be written");
+    return m.broke("an image cannot be written");
   }
   return std::int64_t(m.picture_count++);
 }
@@ -234,7 +235,7 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
   if (m.text.rows() + text.size() > kMostRecordedTextBytes ||
       m.documents.rows() + m.new_documents.size() >= kMostRecordedDocuments) {
     return fail(Errc::refused, "path",
-                m.path + ": a recording holds no more documents: begin another one");
+                m.path + ": the recording holds its maximum of documents: start another one");
   }
   RecordedDocument row;
   kind.copy(row.kind.data(), row.kind.size() - 1);

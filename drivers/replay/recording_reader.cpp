@@ -118,7 +118,7 @@ std::string text_of(const std::array<char, N>& text) {
 /// Why a file cannot be opened, found without HDF5, which gives no reason.
 std::string why_not_opened(const std::string& path) {
   if (::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0) {
-    return "cannot be opened as HDF5: it is damaged, or no recording";
+    return "cannot be opened as HDF5: it is damaged, or not a recording";
   }
   const int error = errno;
   const std::string reason = std::strerror(error);
@@ -260,16 +260,16 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
     return fail(Errc::unavailable, "path", path + ": " + why_not_opened(path));
   }
   if (!impl->read_header()) {
-    return impl->unfit(std::string("is no recording of schema ") + kRecordingSchema);
+    return impl->unfit(std::string("is not a recording of schema ") + kRecordingSchema);
   }
   // Frames first: in a recording that is still being written, all that they refer to exists by
   // then.
-  if (!impl->read_frames()) return impl->unfit("its frames are not as they should be");
-  if (!impl->open_pictures()) return impl->unfit("its pictures are not as they should be");
-  if (!impl->open_tables()) return impl->unfit("its tables are not as they should be");
+  if (!impl->read_frames()) return impl->unfit("its frames are damaged");
+  if (!impl->open_pictures()) return impl->unfit("its images are damaged");
+  if (!impl->open_tables()) return impl->unfit("its tables are damaged");
   const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
                                  [&](const RecordedFrame& one) { return impl->is_whole(one); });
-  if (!whole) return impl->unfit("a frame names what is not there");
+  if (!whole) return impl->unfit("a frame refers to missing data");
   return std::unique_ptr<RecordingReader>(new RecordingReader(std::move(impl)));
 }
 
@@ -308,17 +308,17 @@ Result<void> RecordingReader::picture(const RecordedFrame& frame, std::span<std:
   if (frame.picture < 0 || out.size() != picture_bytes() ||
       H5Dget_chunk_storage_size(m.pictures, at.data(), &bytes) < 0 || bytes == 0 ||
       bytes > out.size()) {
-    return m.unfit("a picture is missing");
+    return m.unfit("an image is missing");
   }
   m.packed.resize(bytes);
   if (H5Dread_chunk(m.pictures, H5P_DEFAULT, at.data(), &left_out, m.packed.data()) < 0) {
-    return m.unfit("a picture cannot be read");
+    return m.unfit("an image cannot be read");
   }
   if (left_out != 0) {
-    if (bytes != out.size()) return m.unfit("a picture is not whole");
+    if (bytes != out.size()) return m.unfit("an image is incomplete");
     std::memcpy(out.data(), m.packed.data(), bytes);
   } else if (!m.unpacker.unpack(m.packed, out)) {
-    return m.unfit("a picture is damaged");
+    return m.unfit("an image is damaged");
   }
   return {};
 }

@@ -105,15 +105,16 @@ Result<CameraSettings> ReplayCamera::apply(const CameraSettings& wanted) {
                 "the recording's region is " + std::to_string(settings_.roi.width) + " x " +
                     std::to_string(settings_.roi.height) + " at " +
                     std::to_string(settings_.roi.x) + ", " + std::to_string(settings_.roi.y) +
-                    ": ask for it");
+                    ": set this one");
   }
   if (wanted.pixel_format != settings_.pixel_format) {
     return fail(Errc::invalid, "camera.pixel_format",
-                "the recording's pixels are " +
-                    std::string(pixel_format_name(settings_.pixel_format)) + ": ask for these");
+                "the recording's format is " +
+                    std::string(pixel_format_name(settings_.pixel_format)) + ": set this one");
   }
   if (!(wanted.frame_rate_hz >= kPaceHz.min && wanted.frame_rate_hz <= kPaceHz.max)) {
-    return fail(Errc::invalid, "camera.frame_rate_hz", "a replay's pace is 0.01 to 10000 frames/s");
+    return fail(Errc::invalid, "camera.frame_rate_hz",
+                "must be 0.01 to 10000 frames/s for a replay");
   }
   settings_.frame_rate_hz = wanted.frame_rate_hz;
   period_ns_.store(std::llround(1e9 / wanted.frame_rate_hz));
@@ -121,7 +122,8 @@ Result<CameraSettings> ReplayCamera::apply(const CameraSettings& wanted) {
 }
 
 Result<void> ReplayCamera::start() {
-  if (streaming_) return fail(Errc::refused, "camera", "it is streaming already: stop it first");
+  if (streaming_)
+    return fail(Errc::refused, "camera", "the camera is already streaming: stop it first");
   streaming_ = true;
   prepared_ = -1;
   last_due_mono_ns_ = monotonic_ns() - period_ns_.load();
@@ -188,7 +190,8 @@ Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
   const bool any = std::any_of(frames.begin(), frames.end(),
                                [](const RecordedFrame& frame) { return frame.picture >= 0; });
   if (!any) {
-    return fail(Errc::invalid, "camera.id", path + ": holds no pictures, so nothing to replay");
+    return fail(Errc::invalid, "camera.id",
+                path + ": holds no images, so there is nothing to replay");
   }
   return std::make_unique<ReplayCamera>(path, std::move(*reader));
 }

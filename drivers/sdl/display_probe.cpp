@@ -22,7 +22,8 @@ Result<DisplayProbe> probe_display() {
   if (!driver) return fail(driver.error());
   if (*driver != "x11") {
     return fail(Errc::refused, "slm.display",
-                "the display system is " + *driver + ", which tells only who shows something");
+                "the display system is " + *driver +
+                    ", which gives no information to a program without a window");
   }
   const auto connection = connect_to_x();
   if (!connection) return fail(connection.error());
@@ -39,7 +40,7 @@ Result<DisplayProbe> probe_display() {
   take_x_error();
   if (x_server_lost()) {
     return fail(Errc::unavailable, "slm.display",
-                "the X server ended while it was asked: start it again");
+                "the X server ended during the query: start it again");
   }
   return probe;
 }

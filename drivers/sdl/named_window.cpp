@@ -91,7 +91,7 @@ class NamedWindow final : public OutputWindow {
 
   Result<Image<std::uint32_t>> read_back() override {
     return fail(Errc::unavailable, "slm.display",
-                std::string(info_.driver) + " lets no program read what an output shows");
+                std::string(info_.driver) + " does not let programs read the pixels of an output");
   }
 
   Result<void> verify() override {

@@ -23,14 +23,14 @@ constexpr std::string_view kOtherOutput =
 Result<void> check_not_primary(const Output& output, const std::vector<Output>& outputs) {
   if (!output.primary) return {};
   return fail(Errc::refused, "slm.display",
-              "output " + output.name + " is the primary one" + std::string(kOtherOutput) +
+              "output " + output.name + " is the primary output" + std::string(kOtherOutput) +
                   "; there are: " + list_outputs(outputs));
 }
 
 Result<void> check_alone(const Output& output, const std::vector<Output>& outputs) {
   if (std::ranges::count_if(outputs, &Output::on) < 2) {
     return fail(Errc::refused, "slm.display",
-                "output " + output.name + " is the only one" + std::string(kOtherOutput));
+                "output " + output.name + " is the only output" + std::string(kOtherOutput));
   }
   for (const Output& other : outputs) {
     if (other.name != output.name && overlap(output, other)) {
@@ -53,7 +53,7 @@ Result<const Output*> find_output(const std::vector<Output>& outputs, const std:
     if (matches == 1) return &*std::ranges::find(outputs, wanted, name);
     return fail(Errc::refused, "slm.display",
                 std::to_string(matches) + " outputs are called \"" + wanted +
-                    "\": give a name that only one has; there are: " + list_outputs(outputs));
+                    "\": give a unique name; there are: " + list_outputs(outputs));
   }
   return fail(Errc::unavailable, "slm.display",
               "no output is called \"" + wanted + "\"; there are: " + list_outputs(outputs));

@@ -36,14 +36,14 @@ class SdlDisplay final : public Display {
   Result<std::int64_t> present(const Image<std::uint8_t>& grey) override {
     if (grey.width != info().width || grey.height != info().height ||
         grey.pixels.size() != std::size_t(grey.width) * grey.height) {
-      return fail(Errc::invalid, "slm", "the picture's size is not the display's");
+      return fail(Errc::invalid, "slm", "the image does not have the size of the display");
     }
     if (const auto alive = window_->connection(); !alive) return fail(alive.error());
     SDL_Surface* surface = SDL_GetWindowSurface(window_->window());
     if (surface == nullptr || !exact(*surface, info())) {
       return fail(
           Errc::device, "slm.display",
-          "SDL gives no 32-bit surface of the display's size: " + std::string(SDL_GetError()));
+          "SDL provides no 32-bit surface of the display's size: " + std::string(SDL_GetError()));
     }
     expand(grey, *surface);
     if (const auto shown = flush(); !shown) return fail(shown.error());

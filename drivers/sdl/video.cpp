@@ -17,7 +17,7 @@ Result<std::string> choose_driver() {
   if (!wanted.empty()) {
     return fail(Errc::unavailable, "slm.display",
                 "SDL_VIDEODRIVER=" + wanted +
-                    " shows nothing on an output: unset it, or set x11, wayland or KMSDRM");
+                    " does not drive an output: unset it, or set x11, wayland or KMSDRM");
   }
   if (!environment("DISPLAY").empty()) return "x11";
   if (!environment("WAYLAND_DISPLAY").empty()) return "wayland";

@@ -13,7 +13,7 @@ Result<Connection> connect_to_x() {
   if (display != nullptr) return display;
   return fail(Errc::unavailable, "slm.display",
               "the X server DISPLAY=" + environment("DISPLAY") +
-                  " does not answer: start it, and give this user the right to it (XAUTHORITY)");
+                  " does not answer: start it, and give this user access to it (XAUTHORITY)");
 }
 
 Power power_of(XDisplay* display) {

@@ -9,8 +9,8 @@ Result<Image<std::uint32_t>> colours_of(XImage& image) {
                           image.green_mask == 0x00ff00UL && image.blue_mask == 0x0000ffUL;
   if (!eight_bits) {
     return fail(Errc::unavailable, "slm.display",
-                "the X server's picture of the output is not of 8 bits a colour: set DefaultDepth "
-                "24 in its configuration");
+                "the X server's image of the output does not have 8 bits per colour: set "
+                "DefaultDepth 24 in its configuration");
   }
   Image<std::uint32_t> picture(image.width, image.height);
   for (int y = 0; y < picture.height; ++y) {

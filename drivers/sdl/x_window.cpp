@@ -32,8 +32,8 @@ using Picture = std::unique_ptr<XImage, DestroyImage>;
 
 Error lost_server() {
   return {Errc::device, "slm.display",
-          "the connection to the X server broke (it ended, or closed it); start it and open the "
-          "display again"};
+          "the connection to the X server was lost (the server ended or closed it); start it and "
+          "open the display again"};
 }
 
 Error changed(const std::string& reason) {
@@ -143,7 +143,7 @@ class XWindow final : public OutputWindow {
                                  ZPixmap));
     if (seen == nullptr || x_server_lost()) {
       take_x_error();
-      return fail(Errc::unavailable, "slm.display", "the X server gives no picture of the output");
+      return fail(Errc::unavailable, "slm.display", "the X server returned no image of the output");
     }
     return colours_of(*seen);
   }
@@ -172,8 +172,8 @@ class XWindow final : public OutputWindow {
     }
     if (!now.linear_gamma) {
       return fail(changed("the gamma ramp of output " + output_.name +
-                          " is bent, so grey levels are not what the SLM gets; stop the "
-                          "night-light or colour-management program that does it"));
+                          " is not linear, so the SLM does not get the exact grey levels; stop the "
+                          "night-light or colour-management program that changed it"));
     }
     if (power_of(display_.get()).asleep) {
       return fail(changed("the screens are powered down (xset dpms force on)"));
@@ -212,7 +212,7 @@ class XWindow final : public OutputWindow {
     if (list != nullptr) XFree(list);
     take_x_error();  // a window closed meanwhile is no fault
     if (above == None) return {};
-    return fail(changed("a window " + title_of(display_.get(), above) + " lies over output " +
+    return fail(changed("a window " + title_of(display_.get(), above) + " covers output " +
                         output_.name + "; close it or move it"));
   }
 

@@ -61,7 +61,7 @@ def own_network():
     user, group = os.geteuid(), os.getegid()
     if libc.unshare(clone_newnet) != 0:
         if libc.unshare(clone_newnet | clone_newuser) != 0:
-            raise BenchError(f"no network namespace of its own: {os.strerror(ctypes.get_errno())}")
+            raise BenchError(f"cannot create a network namespace: {os.strerror(ctypes.get_errno())}")
         for name, text in (("setgroups", "deny"), ("uid_map", f"0 {user} 1"), ("gid_map", f"0 {group} 1")):
             pathlib.Path("/proc/self", name).write_text(text)
     subprocess.run(["ip", "link", "set", "lo", "up"], check=True)

@@ -59,7 +59,7 @@ Result<void> FakeCamera::plug() {
                      ":3956 is taken: another GigE Vision camera or twin runs on this machine?");
   }
   const auto file = genicam_file();
-  if (!file) return fail(Errc::internal, "", "no memory for the camera's description");
+  if (!file) return fail(Errc::internal, "", "not enough memory for the camera's description");
   const std::string path = "/proc/self/fd/" + std::to_string(file->get());
   ArvGvFakeCamera* gige =
       arv_gv_fake_camera_new_full(address.c_str(), config_.serial.c_str(), path.c_str());

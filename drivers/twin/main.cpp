@@ -39,7 +39,7 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
   std::cout << "ready " << (*twin)->addresses() << std::endl;
   int signal_number = 0;
   sigwait(&end_signals, &signal_number);
-  spdlog::info("ends, signal {}", signal_number);
+  spdlog::info("stops on signal {}", signal_number);
   // Xlib waits forever for an X server that hangs: exit after 2 s in any case.
   std::signal(SIGALRM, [](int) { _exit(0); });
   alarm(2);
@@ -47,12 +47,13 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
 }
 
 int start(int argc, char** argv) {
-  CLI::App app{"Digital twin of the ovws bench: watches the SLM's display, answers as its camera"};
+  CLI::App app{"Digital twin of the ovws bench: reads the SLM's display and answers as its camera"};
   std::string config_path, address, control, x_display;
-  app.add_option("--config", config_path, "JSON file; without it, the defaults");
-  app.add_option("--address", address, "address of the camera (UDP port 3956)");
-  app.add_option("--control", control, "ZeroMQ endpoint for truth and faults");
-  app.add_option("--display", x_display, "X display, default $DISPLAY");
+  app.add_option("--config", config_path, "JSON configuration file (default: built-in values)");
+  app.add_option("--address", address, "IPv4 address of the camera (UDP port 3956)");
+  app.add_option("--control", control,
+                 "ZeroMQ endpoint of the control socket (ground truth and faults)");
+  app.add_option("--display", x_display, "X display (default: $DISPLAY)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -141,7 +141,8 @@ RpcAnswer Methods::fault(const Json& params) {
   }
   if (timed_only && reader.has("frames")) reader.fault("frames", "give seconds for this fault");
   if (reader.has("delay_ms") != takes_delay(fault.kind)) {
-    reader.fault("delay_ms", "belongs to the faults delay and slow_registers, and only to them");
+    reader.fault("delay_ms",
+                 "must be given for the faults delay and slow_registers, and only for them");
   }
   if (auto done = reader.finish(); !done) return failed(done.error());
   deps_.faults.order(fault);

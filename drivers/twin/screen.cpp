@@ -24,7 +24,7 @@ Screen::Screen(const SlmConfig& slm, std::string x_display, Bench& bench)
       x_display_(std::move(x_display)),
       bench_(bench),
       bell_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  status_.text = "not looked for yet";
+  status_.text = "not connected yet";
 }
 
 Screen::~Screen() {

@@ -155,7 +155,7 @@ Result<void> XOutput::Impl::watch(const std::string& output, int width, int heig
   }
   if (!share_memory()) {
     return fail(Errc::unavailable, "slm.display",
-                "the X server shares no 24-bit picture memory with this process (is it remote?)");
+                "the X server provides no 24-bit shared-memory images (is it remote?)");
   }
   const Window root = DefaultRootWindow(display);
   XRRSelectInput(display, root, RRScreenChangeNotifyMask | RRCrtcChangeNotifyMask);

@@ -29,12 +29,12 @@ std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
 Result<void> take_keys(zmq::socket_t& socket, const std::optional<ClientKeys>& keys) {
   if (!keys) return {};
   if (!is_curve_key(keys->server_key)) {
-    return fail(Errc::invalid, "server_key",
-                "the daemon's public key must be known: 40 characters, as ovws keygen printed them "
-                "there");
+    return fail(
+        Errc::invalid, "server_key",
+        "must be the daemon's public key: 40 characters, as ovws keygen printed them there");
   }
   if (public_key_of(keys->own.secret_key) != keys->own.public_key) {
-    return fail(Errc::invalid, "key", "is no pair of keys: make one with ovws keygen");
+    return fail(Errc::invalid, "key", "is not a pair of keys: make one with ovws keygen");
   }
   socket.set(zmq::sockopt::curve_publickey, keys->own.public_key);
   socket.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
@@ -49,18 +49,18 @@ constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
 /// Why a CURVE handshake failed, as far as the client can tell.
 std::string why_not_let_in(int event, bool has_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
-    return "the daemon does not know this client's key: its public key must stand in the file of "
-           "security.clients there";
+    return "the daemon does not know this client's key: add its public key to the daemon's file of "
+           "security.clients";
   }
   if (!has_keys) {
-    return "the daemon asks for a key: give --key FILE (ovws keygen makes one) and --server-key "
+    return "the daemon requires a key: give --key FILE (ovws keygen makes one) and --server-key "
            "KEY, or OVWS_KEY and OVWS_SERVER_KEY";
   }
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
-    return "the daemon there asks for no key, or is no daemon: leave out --key, or see the "
+    return "the daemon there uses no keys, or it is not a daemon: leave out --key, or check the "
            "endpoint";
   }
-  return "the connection ended in the handshake: is the server key that of this daemon?";
+  return "the connection ended in the handshake: check that the server key belongs to this daemon";
 }
 
 /// Event number of a socket monitor's message; 0 if it is not one.

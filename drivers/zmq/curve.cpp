@@ -23,7 +23,7 @@ Result<KeyPair> make_key_pair() {
   KeyText secret_key{};
   if (zmq_curve_keypair(public_key.data(), secret_key.data()) != 0) {
     return fail(Errc::unavailable, "",
-                std::string("no keys can be made: this libzmq has no CURVE (") +
+                std::string("keys cannot be generated: this libzmq has no CURVE (") +
                     zmq_strerror(zmq_errno()) + ")");
   }
   return KeyPair{public_key.data(), secret_key.data()};

@@ -28,9 +28,8 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
   const std::string text = "endpoint " + endpoint;
   switch (error) {
     case EADDRINUSE:
-      return fail(
-          Errc::unavailable, "",
-          text + " is in use by another program; end that one, or configure another endpoint");
+      return fail(Errc::unavailable, "",
+                  text + " is in use by another program; stop it, or configure another endpoint");
     case EADDRNOTAVAIL:
     case ENODEV:
       return fail(Errc::unavailable, "", text + ": this machine has no such address");
@@ -39,7 +38,7 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
       return fail(Errc::unavailable, "",
                   text + ": not permitted; choose a port above 1023 or a path of your own");
     case EINVAL:
-      return fail(Errc::invalid, "", text + " is not understood");
+      return fail(Errc::invalid, "", text + " is malformed");
     default:
       return fail(Errc::unavailable, "", text + ": " + zmq_strerror(error));
   }

@@ -47,16 +47,15 @@ std::string key_of(const Frames& frames) {
 
 std::string handshake_fault(std::uint16_t event, std::uint32_t value) {
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
-    return "a connection ended in the handshake, as that of a client without a key does";
+    return "a connection ended in the handshake, which happens for clients without a key";
   }
   switch (value) {
     case ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH:
-      return "a client came without a key";
+      return "a client tried to connect without a key";
     case ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC:
-      return "a client meant a daemon with another key, or played back the messages of another "
-             "client";
+      return "a client used another server key, or replayed the messages of another client";
     default:
-      return "a client broke the rules of the handshake";
+      return "a client violated the handshake protocol";
   }
 }
 
@@ -67,7 +66,7 @@ Gate::~Gate() = default;
 
 Result<std::unique_ptr<Gate>> Gate::make(const std::string& secret_key, GateCalls calls) {
   if (!public_key_of(secret_key)) {
-    return fail(Errc::invalid, "security.secret_key", "is no key: make one with ovws keygen");
+    return fail(Errc::invalid, "security.secret_key", "is not a key: make one with ovws keygen");
   }
   auto parts = std::make_unique<Parts>();
   parts->context = std::make_shared<zmq::context_t>(kIoThreads);

@@ -112,7 +112,7 @@ TEST_F(DisplayTrouble, ThePrimaryOutputIsRefusedUnlessAllowed) {
   SdlConfig config{.output = "DUMMY0", .width = 1280, .height = 768, .allow_primary = false};
   const Error error = refused(config);  // independent of its size
   EXPECT_EQ(error.code, Errc::refused);
-  EXPECT_TRUE(has(error.reason, "DUMMY0 is the primary one")) << error.reason;
+  EXPECT_TRUE(has(error.reason, "DUMMY0 is the primary output")) << error.reason;
   EXPECT_TRUE(has(error.reason, "DUMMY1 1280x768")) << error.reason;
   config.width = 1920;
   config.height = 1080;
@@ -129,7 +129,7 @@ TEST_F(DisplayTrouble, TheOnlyOutputIsRefusedUnlessAllowed) {
   auto config = slm_config();
   const Error error = refused(config);
   EXPECT_EQ(error.code, Errc::refused);
-  EXPECT_TRUE(has(error.reason, "only one")) << error.reason;
+  EXPECT_TRUE(has(error.reason, "only output")) << error.reason;
   config.allow_primary = true;
   EXPECT_NE(open_or_fail(config), nullptr);
 }
