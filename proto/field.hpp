@@ -176,7 +176,7 @@ struct Absent {
   const char* json;
 };
 
-/// One of the entries of Fields.
+/// Entry number I of Fields.
 template <std::size_t I, class Entry>
 struct FieldAt {
   Entry entry;
@@ -194,8 +194,8 @@ struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>..
   }
 };
 
-/// The entries of a table. Compiles in a third of the time of std::tuple, and every file that
-/// includes a message compiles its table.
+/// The entries of a table, like std::tuple, which takes three times as long to compile. Every file
+/// that includes a message compiles its table.
 template <class... Entries>
 struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
   static constexpr std::size_t kCount = sizeof...(Entries);

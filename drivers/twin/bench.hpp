@@ -45,10 +45,10 @@ class Bench {
  public:
   using Deadline = std::chrono::steady_clock::time_point;
 
-  /// How long after a change of the display a frame from before it may be sent. Without this
-  /// allowance no frame could be sent while the display changes faster than far fields are
-  /// computed. It is less than the daemon's settle_ms by what delivery and the news of a change may
-  /// take: the daemon then never takes such a frame for a settled one.
+  /// Longest time after a display change in which a frame of the previous image may still be sent.
+  /// Without it, no frame could be sent while the display changes faster than far fields are
+  /// computed. It is shorter than the daemon's settle_ms, with a margin for delivery and for the
+  /// delay in noticing a change: the daemon never takes such a frame for a settled one.
   static constexpr auto kTurning = std::chrono::milliseconds(10);
 
   explicit Bench(const Config& config);

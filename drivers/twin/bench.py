@@ -95,7 +95,7 @@ def _serves_display(pid, number):
 
 
 def _xorg_config(width, height):
-    """xorg-bench.conf with an SLM of this size, at 60 Hz."""
+    """Returns the text of xorg-bench.conf with an SLM of this size (pixels) at 60 Hz."""
     text = (HERE / "xorg-bench.conf").read_text()
     if (width, height) == (1280, 768):
         return text
@@ -199,9 +199,9 @@ class Bench:
         return process.stop()
 
     def start_display(self, number=None, timeout=20.0, slm_size=(1280, 768)):
-        """An X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM), on a free display
-        number unless one is given. Sets `display`."""
-        # Not the wrapper /usr/bin/Xorg, which may refuse whoever does not sit at the console.
+        """Starts an X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM, `slm_size`
+        pixels), on a free display number unless one is given. Sets `display`."""
+        # Not the wrapper /usr/bin/Xorg: it may refuse users who are not at the console.
         xorg = next(filter(os.path.exists, ("/usr/lib/xorg/Xorg", "/usr/libexec/Xorg")), "Xorg")
         self._write("xorg-bench.conf", _xorg_config(*slm_size))
         for display in [number] if number is not None else free_displays():

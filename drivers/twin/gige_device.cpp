@@ -25,7 +25,7 @@ constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 constexpr auto kFreshNews =
-    std::chrono::milliseconds(2);  // what the display showed is known so well
+    std::chrono::milliseconds(2);  // an older display state is queried again
 
 // Bootstrap registers of GigE Vision that hold text.
 constexpr std::uint32_t kVendorAddress = 0x48, kModelAddress = 0x68, kInfoAddress = 0xa8;
@@ -189,9 +189,10 @@ FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) 
   return swapped ? FrameFate::drop : FrameFate::send;
 }
 
-/// A camera delivers a frame soon after its exposure, however busy this machine is. A client takes
-/// the smallest delay between stamp and arrival for the camera's own: with stamps from the begin of
-/// frames that were all made slowly, it would take late frames for settled ones.
+/// Moves the device timestamp of a slowly computed frame to kTurning before now. A real camera
+/// delivers soon after the exposure, and clients take the smallest delay from stamp to arrival as
+/// the camera's latency. If all frames were slow, that estimate would be too long, and late frames
+/// would count as settled.
 void GigeDevice::stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun) {
   const auto late = std::chrono::steady_clock::now() - begun - Bench::kTurning;
   if (late.count() <= 0) return;
@@ -225,8 +226,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
       break;
     }
     ready = scene;
-    // Making the frame takes long on a busy machine: whether it may be sent is decided by what the
-    // display shows now.
+    // Computing the frame is slow on a busy machine. Query the display again: its present image
+    // decides whether the frame may be sent.
     const auto made = std::chrono::steady_clock::now();
     if (made > start + kFreshNews) deps_.screen.catch_up(made + kDisplayTime, stop_);
   }
