@@ -46,8 +46,8 @@ class ObjectWriter {
     }
   }
   template <class T>
-  void put_all(const IfKnown<T>& numbers) {
-    put_each(numbers.values, [this, &numbers](T value) { numbers.known ? put(value) : null(); });
+  void put_all(const NumbersOrNull<T>& numbers) {
+    put_each(numbers.values, [this, &numbers](T value) { numbers.valid ? put(value) : null(); });
   }
   template <class List>
   void put_all(const List& values) {

@@ -30,11 +30,11 @@ struct Bounds {
   double max = std::numeric_limits<double>::infinity();
 
   constexpr Bounds() = default;
-  constexpr Bounds(double least, double most) : min(least), max(most) {}
+  constexpr Bounds(double lowest, double highest) : min(lowest), max(highest) {}
   constexpr Bounds(limits::Numbers range) : min(range.min), max(range.max) {}
   constexpr Bounds(limits::Integers range) : min(range.min), max(range.max) {}
-  static constexpr Bounds at_least(double least) {
-    return {least, std::numeric_limits<double>::infinity()};
+  static constexpr Bounds at_least(double lowest) {
+    return {lowest, std::numeric_limits<double>::infinity()};
   }
 };
 
@@ -64,8 +64,8 @@ struct Described : FieldInfo {
   constexpr Self or_left_out() const {
     return with([](Self& f) { f.left_out = true; });
   }
-  constexpr Self sized(std::size_t least, std::size_t most) const {
-    return with([=](Self& f) { f.min_size = least, f.max_size = most; });
+  constexpr Self sized(std::size_t min_count, std::size_t max_count) const {
+    return with([=](Self& f) { f.min_size = min_count, f.max_size = max_count; });
   }
   constexpr Self with_nulls() const {
     return with([](Self& f) { f.nulls = true; });
@@ -98,7 +98,7 @@ struct Field : Described<Field<S, T>> {
 
   const T& of(const S& from) const { return from.*member; }
 
-  constexpr Field must() const {
+  constexpr Field mandatory() const {
     return this->with([](Field& f) { f.required = true; });
   }
   constexpr Field unlike() const {

@@ -144,7 +144,7 @@ Json only_fields(const Json& object) {
 
 namespace detail {
 
-inline constexpr std::size_t kMostElements = 10000;
+inline constexpr std::size_t kMaxElements = 10000;
 
 template <class T>
 void decode_value(ObjectReader& reader, const FieldInfo& field, T& out);
@@ -153,7 +153,7 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out);
 template <class T>
 void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   std::vector<double> given;
-  reader.numbers(field.key, given, field.min_size, std::min(field.max_size, kMostElements),
+  reader.numbers(field.key, given, field.min_size, std::min(field.max_size, kMaxElements),
                  field.bounds.min, field.bounds.max);
   if (!reader.has(field.key) || reader.failed()) return;
   std::vector<T> read;
@@ -206,13 +206,13 @@ void decode_each(ObjectReader& reader, const FieldInfo& field, std::vector<T>& o
 template <class T>
 void decode_list(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   std::vector<T> read;
-  reader.objects(field.key, std::min(field.max_size, kMostElements),
+  reader.objects(field.key, std::min(field.max_size, kMaxElements),
                  [&](ObjectReader& inner, std::size_t) {
                    T one{};
                    decode_fields(inner, one);
                    if constexpr (std::equality_comparable<T>) {
-                     const bool known = std::find(read.begin(), read.end(), one) != read.end();
-                     if (field.distinct && known && !inner.failed()) {
+                     const bool repeated = std::find(read.begin(), read.end(), one) != read.end();
+                     if (field.distinct && repeated && !inner.failed()) {
                        inner.fault("", "is given twice");
                      }
                    }
@@ -332,7 +332,7 @@ const char* key_of_entry(const Field<S, T>& entry, Member member) {
 template <class Table, class Member>
 const char* key_in_table(Member member) {
   const char* key = nullptr;
-  const auto look = [&](const auto& entry) {
+  const auto find_key = [&](const auto& entry) {
     if (key != nullptr) return;
     if constexpr (requires { key_of_entry(entry, member); }) {
       key = key_of_entry(entry, member);
@@ -341,7 +341,7 @@ const char* key_in_table(Member member) {
           key_in_table<ovws::Table<std::remove_cvref_t<decltype(value_of(entry.member))>>>(member);
     }
   };
-  Table::kFields.apply([&](const auto&... entry) { (look(entry), ...); });
+  Table::kFields.apply([&](const auto&... entry) { (find_key(entry), ...); });
   return key;
 }
 

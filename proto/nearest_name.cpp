@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kLongestName = 64;  // longer names are not typing errors
+constexpr std::size_t kMaxNameLength = 64;  // longer names are not typing errors
 
 char lower(char c) {
   return char(std::tolower(static_cast<unsigned char>(c)));
@@ -33,7 +33,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 /// Whether `name` is a prefix of `known`, ignoring case: "gain" instead of "gain_db".
-bool is_beginning_of(std::string_view name, std::string_view known) {
+bool is_prefix_of(std::string_view name, std::string_view known) {
   return name.size() >= 3 && known.size() > name.size() &&
          edit_distance(name, known.substr(0, name.size())) == 0;
 }
@@ -42,13 +42,13 @@ bool is_beginning_of(std::string_view name, std::string_view known) {
 
 std::optional<std::string> nearest_name(std::string_view name,
                                         const std::vector<std::string>& known) {
-  if (name.size() > kLongestName) return std::nullopt;
+  if (name.size() > kMaxNameLength) return std::nullopt;
   std::optional<std::string> nearest;
-  std::size_t best = kLongestName;
+  std::size_t best = kMaxNameLength;
   for (const auto& candidate : known) {
-    const std::size_t slips = edit_distance(name, candidate);
-    const bool beginning = is_beginning_of(name, candidate);
-    const std::size_t distance = beginning ? 1 : slips;
+    const std::size_t edits = edit_distance(name, candidate);
+    const bool is_prefix = is_prefix_of(name, candidate);
+    const std::size_t distance = is_prefix ? 1 : edits;
     // About one edit in three letters: "di" suggests "id", but "x" never suggests "y".
     const std::size_t allowed = (std::max(name.size(), candidate.size()) + 1) / 3;
     if (distance <= allowed && distance < best) {

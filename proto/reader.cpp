@@ -13,8 +13,8 @@ using nlohmann::json;
 
 /// Number text for messages: 100000 instead of 1e+05.
 std::string text_of(double value) {
-  constexpr double kMostDigits = 1e15;
-  if (value == std::floor(value) && std::abs(value) < kMostDigits) {
+  constexpr double kMaxWhole = 1e15;
+  if (value == std::floor(value) && std::abs(value) < kMaxWhole) {
     return std::to_string(std::int64_t(value));
   }
   char buffer[32];
@@ -23,7 +23,7 @@ std::string text_of(double value) {
 }
 
 /// A value in an error message: the value itself if it is short, else its type.
-std::string seen(const json& value) {
+std::string described(const json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array";
   const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -36,7 +36,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string meant(const std::string& nearest, const std::vector<std::string>& known) {
+std::string suggestion(const std::string& nearest, const std::vector<std::string>& known) {
   if (!nearest.empty()) return "did you mean \"" + nearest + "\"?";
   return known.empty() ? "no key is allowed here" : "known are " + listed(known);
 }
@@ -46,7 +46,7 @@ std::string meant(const std::string& nearest, const std::vector<std::string>& kn
 ObjectReader::ObjectReader(const json& json, std::string path)
     : json_(json), path_(std::move(path)) {
   if (!json_.is_object()) {
-    error_ = Error{Errc::invalid, path_, "must be an object, not " + seen(json_)};
+    error_ = Error{Errc::invalid, path_, "must be an object, not " + described(json_)};
   }
 }
 
@@ -89,7 +89,7 @@ std::optional<double> ObjectReader::number_in(const std::string& field, const js
   const double got = value.is_number() ? value.get<double>() : 0.0;
   if (!value.is_number() || !std::isfinite(got) || (whole && got != std::floor(got))) {
     error_ = Error{Errc::invalid, field,
-                   "must be " + kind + " from " + range + ", not " + seen(value), min, max};
+                   "must be " + kind + " from " + range + ", not " + described(value), min, max};
     return std::nullopt;
   }
   if (got >= min && got <= max) return got;
@@ -122,14 +122,14 @@ void ObjectReader::optional_number(const char* key, std::optional<double>& out, 
 void ObjectReader::boolean(const char* key, bool& out) {
   const json* value = take(key);
   if (value == nullptr) return;
-  if (!value->is_boolean()) return fault(key, "must be true or false, not " + seen(*value));
+  if (!value->is_boolean()) return fault(key, "must be true or false, not " + described(*value));
   out = value->get<bool>();
 }
 
 void ObjectReader::string(const char* key, std::string& out) {
   const json* value = take(key);
   if (value == nullptr) return;
-  if (!value->is_string()) return fault(key, "must be a string, not " + seen(*value));
+  if (!value->is_string()) return fault(key, "must be a string, not " + described(*value));
   out = value->get<std::string>();
 }
 
@@ -137,7 +137,7 @@ void ObjectReader::optional_string(const char* key, std::optional<std::string>& 
   const json* value = take(key);
   if (value == nullptr) return;
   if (value->is_null()) return out.reset();
-  if (!value->is_string()) return fault(key, "must be a string or null, not " + seen(*value));
+  if (!value->is_string()) return fault(key, "must be a string or null, not " + described(*value));
   out = value->get<std::string>();
 }
 
@@ -145,7 +145,7 @@ void ObjectReader::choice(const char* key, int& out, const std::vector<std::stri
   const json* value = take(key);
   if (value == nullptr) return;
   if (!value->is_string()) {
-    return fault(key, "must be one of " + listed(names) + ", not " + seen(*value));
+    return fault(key, "must be one of " + listed(names) + ", not " + described(*value));
   }
   const auto found = std::find(names.begin(), names.end(), value->get_ref<const std::string&>());
   if (found != names.end()) {
@@ -153,7 +153,7 @@ void ObjectReader::choice(const char* key, int& out, const std::vector<std::stri
     return;
   }
   const auto nearest = nearest_name(value->get_ref<const std::string&>(), names).value_or("");
-  fault(key, seen(*value) + " is unknown; known are " + listed(names) +
+  fault(key, described(*value) + " is unknown; known are " + listed(names) +
                  (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
   error_->nearest = nearest;
 }
@@ -183,7 +183,7 @@ Result<void> ObjectReader::finish() {
   for (const auto& item : json_.items()) {
     if (std::find(known_.begin(), known_.end(), item.key()) != known_.end()) continue;
     const auto nearest = nearest_name(item.key(), known_).value_or("");
-    fault(item.key(), "unknown key; " + meant(nearest, known_));
+    fault(item.key(), "unknown key; " + suggestion(nearest, known_));
     error_->nearest = nearest;
     return fail(*error_);
   }

@@ -67,8 +67,8 @@ Json Wire<ModesSet>::to_json(const ModesSet& set) {
 }
 
 Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
-  const auto whole = [](int least, int most, const char* meaning) -> Json {
-    return {{"type", "integer"}, {"minimum", least}, {"maximum", most}, {"description", meaning}};
+  const auto integer = [](int min, int max, const char* meaning) -> Json {
+    return {{"type", "integer"}, {"minimum", min}, {"maximum", max}, {"description", meaning}};
   };
   const Json waves{{"type", "number"},
                    {"minimum", limits::kModeWaves.min},
@@ -80,16 +80,16 @@ Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
   const Json by_index{
       {"title", "ModeByJ"},
       {"type", "object"},
-      {"properties", {{"j", whole(0, kMaxZernikeIndex, kModeIndexMeaning)}, {"waves", waves}}},
+      {"properties", {{"j", integer(0, kMaxZernikeIndex, kModeIndexMeaning)}, {"waves", waves}}},
       {"required", {"j", "waves"}},
       {"additionalProperties", false}};
   const Json by_orders{
       {"title", "ModeByOrders"},
       {"type", "object"},
       {"properties",
-       {{"n", whole(0, highest, "radial order")},
+       {{"n", integer(0, highest, "radial order")},
         {"m",
-         whole(-highest, highest, "azimuthal frequency, |m| <= n, n - |m| even; negative: sine")},
+         integer(-highest, highest, "azimuthal frequency, |m| <= n, n - |m| even; negative: sine")},
         {"waves", waves}}},
       {"required", {"n", "m", "waves"}},
       {"additionalProperties", false}};

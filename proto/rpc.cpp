@@ -35,9 +35,9 @@ RpcFailure failure(RpcCode code, std::string field, std::string reason) {
 }
 
 /// Collects the responses to one request frame from any thread and sends them after the last one.
-class Gathering {
+class ReplyCollector {
  public:
-  Gathering(std::size_t members, bool batch, RpcSend send)
+  ReplyCollector(std::size_t members, bool batch, RpcSend send)
       : responses_(members), missing_(members), batch_(batch), send_(std::move(send)) {}
 
   /// Whether the responses of a batch have reached kMaxBatchReplyBytes.
@@ -54,11 +54,11 @@ class Gathering {
       responses_[k] = std::move(text);
       if (--missing_ > 0) return;
     }
-    send_(whole());
+    send_(joined());
   }
 
  private:
-  std::string whole() {
+  std::string joined() {
     if (!batch_) return std::move(responses_[0]);
     std::string text;
     text.reserve(bytes_ + responses_.size() + 1);
@@ -81,8 +81,8 @@ class Gathering {
 /// with an error.
 class PendingCall {
  public:
-  PendingCall(std::shared_ptr<Gathering> gathering, std::size_t k)
-      : gathering_(std::move(gathering)), k_(k) {}
+  PendingCall(std::shared_ptr<ReplyCollector> collector, std::size_t k)
+      : collector_(std::move(collector)), k_(k) {}
   PendingCall(const PendingCall&) = delete;
   PendingCall& operator=(const PendingCall&) = delete;
   ~PendingCall() {
@@ -95,19 +95,19 @@ class PendingCall {
     }
   }
 
-  void is_request(Json id) { id_ = std::move(id); }
-  void is_notification() { silent_ = true; }
+  void set_request_id(Json id) { id_ = std::move(id); }
+  void set_notification() { silent_ = true; }
 
   void answer(const RpcAnswer& answer) {
     if (answered_.exchange(true)) return;
-    gathering_->put(k_, silent_ ? std::string() : response(id_, answer));
+    collector_->put(k_, silent_ ? std::string() : response(id_, answer));
   }
 
   /// Whether the batch's reply has no room for its response. A notification needs none.
-  bool has_no_place() const { return !silent_ && gathering_->is_full(); }
+  bool lacks_room() const { return !silent_ && collector_->is_full(); }
 
  private:
-  std::shared_ptr<Gathering> gathering_;
+  std::shared_ptr<ReplyCollector> collector_;
   std::size_t k_;
   Json id_;  // null until it is known
   bool silent_ = false;
@@ -116,7 +116,7 @@ class PendingCall {
 
 /// Whether an id can be echoed unchanged. The parser turns larger integers into doubles, which
 /// changes them.
-bool is_id(const Json& id) {
+bool is_valid_id(const Json& id) {
   constexpr double kPastInt64 = 0x1p63;
   if (id.is_number_float()) return std::abs(id.get<double>()) < kPastInt64;
   if (id.is_string()) return id.get_ref<const std::string&>().size() <= kMaxIdBytes;
@@ -127,9 +127,9 @@ bool is_id(const Json& id) {
 Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   ObjectReader reader(member, "");
   const Json* id = reader.raw("id");
-  const bool id_is_right = id != nullptr && is_id(*id);
-  if (id_is_right) call.is_request(*id);
-  if (id != nullptr && !id_is_right)
+  const bool id_is_valid = id != nullptr && is_valid_id(*id);
+  if (id_is_valid) call.set_request_id(*id);
+  if (id != nullptr && !id_is_valid)
     reader.fault("id",
                  "must be an integer of at most 64 bits, a fraction below 2^63, null, or a string "
                  "of at most 256 bytes");
@@ -141,7 +141,7 @@ Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   reader.string("method", method);
   reader.raw("params");
   if (auto done = reader.finish(); !done) return fail(done.error());
-  if (id == nullptr) call.is_notification();
+  if (id == nullptr) call.set_notification();
   return method;
 }
 
@@ -153,7 +153,7 @@ void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
     refusal.code = RpcCode::request;
     return call->answer(tl::make_unexpected(std::move(refusal)));
   }
-  if (call->has_no_place()) {
+  if (call->lacks_room()) {
     return call->answer(tl::make_unexpected(failure(
         RpcCode::refused, "",
         "the batch's reply would be larger than " + std::to_string(kMaxBatchReplyBytes >> 20) +
@@ -228,8 +228,8 @@ void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSe
     return send(error_frame(code, json.error().reason));
   }
   if (!json->is_array()) {
-    auto gathering = std::make_shared<Gathering>(1, false, std::move(send));
-    return run_call(*json, std::make_shared<PendingCall>(std::move(gathering), 0), dispatch);
+    auto collector = std::make_shared<ReplyCollector>(1, false, std::move(send));
+    return run_call(*json, std::make_shared<PendingCall>(std::move(collector), 0), dispatch);
   }
   if (json->empty())
     return send(error_frame(RpcCode::request, "a batch must hold at least one request"));
@@ -237,9 +237,9 @@ void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSe
     return send(error_frame(RpcCode::request, "a batch may hold at most " +
                                                   std::to_string(kMaxBatchMembers) + " requests"));
   }
-  auto gathering = std::make_shared<Gathering>(json->size(), true, std::move(send));
+  auto collector = std::make_shared<ReplyCollector>(json->size(), true, std::move(send));
   for (std::size_t k = 0; k < json->size(); ++k) {
-    run_call((*json)[k], std::make_shared<PendingCall>(gathering, k), dispatch);
+    run_call((*json)[k], std::make_shared<PendingCall>(collector, k), dispatch);
   }
 }
 

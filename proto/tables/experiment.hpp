@@ -46,12 +46,12 @@ struct Table<SweepArm> {
   static constexpr auto kFields = Fields{
       field("charge", &SweepArm::charge, "topological charge; 0: the Shack-Hartmann sensor",
             limits::kCharge)
-          .must(),
+          .mandatory(),
       field(
           "tracker", &SweepArm::tracker,
           "tracker as in sensor.set, or cell_centroid: the centroid of all intensity in a fixed "
           "window around the reference, as in the textbook Shack-Hartmann sensor and in the paper")
-          .must()};
+          .mandatory()};
 };
 
 /// Oblique astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper; returned

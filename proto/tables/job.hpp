@@ -62,7 +62,7 @@ template <>
 struct Table<JobNumber> {
   static constexpr const char* kName = "JobNumber";
   static constexpr auto kFields =
-      Fields{field("job", &JobNumber::job, "number of the job", limits::kJob).must()};
+      Fields{field("job", &JobNumber::job, "number of the job", limits::kJob).mandatory()};
 };
 
 }  // namespace ovws

@@ -16,12 +16,12 @@ template <>
 struct Table<ModeGain> {
   static constexpr const char* kName = "ModeGain";
   static constexpr auto kFields =
-      Fields{field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).must(),
+      Fields{field("j", &ModeGain::j, kModeIndexMeaning, {1, kMaxZernikeIndex}).mandatory(),
              field("gain", &ModeGain::gain,
                    "gain of this mode instead of the common gain: fraction of the residual "
                    "that a step corrects",
                    {0.0, limits::kLoopGain.max})
-                 .must()};
+                 .mandatory()};
 };
 
 template <>

@@ -66,8 +66,8 @@ struct ReferenceSet {
 template <>
 struct Table<ReferenceSet> {
   static constexpr const char* kName = "ReferenceSet";
-  static constexpr auto kFields =
-      Fields{field("source", &ReferenceSet::source, "source of the reference positions").must()};
+  static constexpr auto kFields = Fields{
+      field("source", &ReferenceSet::source, "source of the reference positions").mandatory()};
 };
 
 struct RegistrationRun {
@@ -171,7 +171,7 @@ struct Table<SlmShow> {
             "sensor: the wavefront sensor; grating: base grating and correction only, for using "
             "the corrected beam; flat: flatness map only; identify: a test image that shows which "
             "screen is the SLM and how it is oriented")
-          .must()};
+          .mandatory()};
 };
 
 struct LoopOpen {
@@ -192,7 +192,7 @@ struct Table<ExperimentCell> {
   static constexpr const char* kName = "ExperimentCell";
   static constexpr auto kFields =
       Fields{field("cell", &ExperimentCell::cell, "number of the cell, from 0", limits::kSweepCell)
-                 .must()};
+                 .mandatory()};
 };
 
 }  // namespace ovws

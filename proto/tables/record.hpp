@@ -58,7 +58,7 @@ struct Table<RecordStart> {
   static constexpr auto kFields = Fields{
       field("name", &RecordStart::name,
             "file name without the extension .h5; the file must not exist yet")
-          .must()
+          .mandatory()
           .checked(not_plain),
       field("pictures_every", &RecordStart::pictures_every,
             "record the camera image of every n-th frame; 0: no images", limits::kPicturesEvery),

@@ -25,19 +25,19 @@ inline constexpr auto kOrientation =
     constant("orientation", "x-right-y-down",
              "x along columns, y down along rows; theta from +x towards +y");
 
-/// An array of numbers that are all encoded as null unless `known`.
+/// An array of numbers that are all encoded as null unless `valid`.
 template <class T>
-struct IfKnown {
+struct NumbersOrNull {
   std::span<const T> values;
-  bool known = false;
+  bool valid = false;
   std::size_t count = values.size();
 };
 template <class T>
-struct Wire<IfKnown<T>> {
-  static Json to_json(const IfKnown<T>& numbers) {
+struct Wire<NumbersOrNull<T>> {
+  static Json to_json(const NumbersOrNull<T>& numbers) {
     Json out = Json::array();
     for (std::size_t k = 0; k < numbers.count; ++k) {
-      out.push_back(numbers.known ? ovws::to_json(numbers.values[k]) : Json());
+      out.push_back(numbers.valid ? ovws::to_json(numbers.values[k]) : Json());
     }
     return out;
   }
@@ -115,7 +115,7 @@ struct Table<WavefrontMessage> {
              computed<M>(
                  "coefficients",
                  [](const M& m) {
-                   return IfKnown<float>{m.coefficients, m.valid};
+                   return NumbersOrNull<float>{m.coefficients, m.valid};
                  },
                  "present aberration minus the reference, RMS-normalised waves, as many as j; "
                  "all null if not valid")};
@@ -263,14 +263,14 @@ struct Table<RefinedMessage> {
       computed<M>(
           "coefficients",
           [](const M& m) {
-            return IfKnown<double>{m.coefficients, m.valid, m.j.size()};
+            return NumbersOrNull<double>{m.coefficients, m.valid, m.j.size()};
           },
           "present aberration minus the reference, RMS-normalised waves, as many as j; all null if "
           "not valid"),
       computed<M>(
           "sigma",
           [](const M& m) {
-            return IfKnown<double>{m.sigma, m.valid, m.j.size()};
+            return NumbersOrNull<double>{m.sigma, m.valid, m.j.size()};
           },
           "standard errors of the coefficients, including those of the reference, waves, as many "
           "as j; all null if not valid",

@@ -13,7 +13,7 @@ from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 M = TypeVar("M", bound=Message)
 OnLoss = Literal["report", "raise"]
-MOST_PICTURES = 10  # queued at most: each is as large as a frame
+MAX_IMAGES = 10  # queued at most: each is as large as a frame
 
 
 class Losses:
@@ -50,7 +50,7 @@ class Decoder(Generic[M]):
             socket.subscribe(topic)
         homes = {NUMBERS: endpoint, IMAGES: image_endpoint}
         for home in sorted({kind.endpoint for kind in self._kinds.values()}):
-            socket.rcvhwm = min(queue_messages, MOST_PICTURES) if home == IMAGES else queue_messages  # applies to later connections
+            socket.rcvhwm = min(queue_messages, MAX_IMAGES) if home == IMAGES else queue_messages  # applies to later connections
             socket.connect(homes[home])
 
     def decode(self, frames: Sequence[zmq.Frame]) -> M | None:
