@@ -23,11 +23,11 @@ Result<Listing> look_up(const std::string& id) {
     const bool by_address = camera->gige && !camera->address.empty();
     return Listing{by_address ? camera->address : camera->id, camera->gige};
   }
-  const std::string seen = names_of(cameras);
+  const std::string found = names_of(cameras);
   return fail(Errc::unavailable, kField,
               "no camera has the id or serial number " + id + "; " +
-                  (seen.empty() ? "no camera was found at all; check cable, power and network"
-                                : "cameras found: " + seen));
+                  (found.empty() ? "no camera was found at all; check cable, power and network"
+                                 : "cameras found: " + found));
 }
 
 }  // namespace

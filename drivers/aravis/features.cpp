@@ -59,7 +59,7 @@ Result<void> CameraFeatures::turn_triggers_off() {
   return {};
 }
 
-Result<void> CameraFeatures::choose_a_known_pixel_format() {
+Result<void> CameraFeatures::choose_supported_pixel_format() {
   auto now = device_->text("PixelFormat");
   if (!now) return at_field<void>("camera.pixel_format", fail(now.error()));
   if (pixel_format_from_name(*now)) return {};
@@ -87,9 +87,9 @@ Result<void> CameraFeatures::prepare() {
   for (const auto& [feature, choice] : kChoices)
     if (auto done = device_->choose_if_offered(feature, choice); !done) return done;
   for (const auto& [feature, on] : kSwitches)
-    if (auto done = device_->switch_if_there(feature, on); !done) return done;
+    if (auto done = device_->switch_if_offered(feature, on); !done) return done;
   if (auto done = turn_triggers_off(); !done) return done;
-  return choose_a_known_pixel_format();
+  return choose_supported_pixel_format();
 }
 
 CameraInfo CameraFeatures::info(const std::string& address) {
@@ -154,12 +154,12 @@ Result<CameraSettings> CameraFeatures::read() {
   CameraSettings settings;
   auto format = device_->text("PixelFormat");
   if (!format) return at_field<CameraSettings>("camera.pixel_format", fail(format.error()));
-  const auto known = pixel_format_from_name(*format);
-  if (!known)
+  const auto supported = pixel_format_from_name(*format);
+  if (!supported)
     return fail(
         Errc::device, "camera.pixel_format",
         "the camera has switched to the unsupported format " + printable(*format, kMaxNameBytes));
-  settings.pixel_format = *known;
+  settings.pixel_format = *supported;
 
   Result<void> all;
   const auto take = [&](const char* field, const char* feature, auto& out) {

@@ -44,7 +44,7 @@ class CameraFeatures {
   using Undo = std::vector<std::function<void()>>;
 
   Result<void> turn_triggers_off();
-  Result<void> choose_a_known_pixel_format();
+  Result<void> choose_supported_pixel_format();
   Result<int> sensor_extent(const char* sensor, const char* extent, const char* offset);
   Result<RoiSteps> roi_steps();
   Result<CameraSettings> fit(const CameraSettings& wanted, const CameraSettings& current);

@@ -29,13 +29,13 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   auto steps = roi_steps();
   if (!steps) return fail(steps.error());
   CameraSettings fitted = wanted;
-  if (auto known = check_pixel_format(wanted.pixel_format, *now); !known)
-    return fail(known.error());
+  if (auto offered = check_pixel_format(wanted.pixel_format, *now); !offered)
+    return fail(offered.error());
   auto roi = fit_roi(wanted.roi, *now, *steps);
   if (!roi) return fail(roi.error());
   fitted.roi = *roi;
-  if (auto whole = check_region_suits_format(fitted.pixel_format, fitted.roi); !whole)
-    return fail(whole.error());
+  if (auto suits = check_region_suits_format(fitted.pixel_format, fitted.roi); !suits)
+    return fail(suits.error());
   if (auto done = fit_gain(current, *now, fitted); !done) return fail(done.error());
   // The ranges of exposure and rate may depend on each other, so they are checked when written.
   // They are checked here only if the two exclude each other, to report the better reason.
@@ -53,12 +53,12 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
 /// Replaces the requested gain in `settings` by the one to write, in the camera's unit only.
 Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const CameraLimits& limits,
                                       CameraSettings& settings) const {
-  const bool asked_in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
-  const bool asked_raw = !std::isnan(settings.gain_raw);
-  if (gain_is_raw_ && asked_in_db)
+  const bool requested_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
+  const bool requested_raw = !std::isnan(settings.gain_raw);
+  if (gain_is_raw_ && requested_db)
     return fail(Errc::invalid, "camera.gain_db",
                 "this camera has no gain in dB, only in device-specific steps: set gain_raw");
-  if (!gain_is_raw_ && asked_raw)
+  if (!gain_is_raw_ && requested_raw)
     return fail(Errc::invalid, "camera.gain_raw", "this camera has its gain in dB: set gain_db");
   if (gain_is_raw_) settings.gain_db = kNotKnown;
   double& gain = gain_of(settings);
@@ -81,7 +81,7 @@ Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
                 "the frame size cannot change while the camera is streaming; stop it first");
   Undo undo;
   auto applied = write_and_read(*fitted, current, undo);
-  if (applied && streaming && changed_unasked(*fitted, current, *applied)) {
+  if (applied && streaming && has_unrequested_change(*fitted, current, *applied)) {
     device_->give_up();
     return fail(Errc::device, "", kCameraWasReset);
   }
@@ -98,7 +98,7 @@ Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& want
   if (auto done = write(wanted, current, undo); !done) return fail(done.error());
   auto applied = read();
   if (!applied) return applied;
-  if (auto mine = device_->check_control(); !mine) return fail(mine.error());
+  if (auto control = device_->check_control(); !control) return fail(control.error());
   return applied;
 }
 

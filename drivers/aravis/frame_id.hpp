@@ -20,7 +20,8 @@ class FrameIdUnwrapper {
   /// RT-safe.
   std::uint64_t next(std::uint64_t raw) {
     if (any_ && same_stream_)
-      if (const std::uint64_t behind = steps_behind(raw); behind < kLatest && behind <= unwrapped_)
+      if (const std::uint64_t behind = steps_behind(raw);
+          behind < kLateLimit && behind <= unwrapped_)
         return unwrapped_ - behind;
     if (!any_)
       unwrapped_ = raw;
@@ -35,20 +36,20 @@ class FrameIdUnwrapper {
   void restart() { same_stream_ = false; }
 
  private:
-  static constexpr std::uint64_t kTurn = 65535;
-  static constexpr std::uint64_t kLatest = 100;
+  static constexpr std::uint64_t kMaxId16 = 65535;
+  static constexpr std::uint64_t kLateLimit = 100;
 
-  /// Distance behind the last number (0: the same number); kLatest or more: not behind it.
+  /// Distance behind the last number (0: the same number); kLateLimit or more: not behind it.
   std::uint64_t steps_behind(std::uint64_t raw) const {
-    if (width_ == Width::bits64) return raw <= last_ ? last_ - raw : kLatest;
-    return (last_ + kTurn - raw % kTurn) % kTurn;
+    if (width_ == Width::bits64) return raw <= last_ ? last_ - raw : kLateLimit;
+    return (last_ + kMaxId16 - raw % kMaxId16) % kMaxId16;
   }
 
   /// Distance ahead of the last number; 0: not ahead of it.
   std::uint64_t steps_from_last(std::uint64_t raw) const {
     if (width_ == Width::bits64) return raw > last_ ? raw - last_ : 0;
-    const std::uint64_t step = (raw + kTurn - last_ % kTurn) % kTurn;
-    return step <= kTurn / 2 ? step : 0;
+    const std::uint64_t step = (raw + kMaxId16 - last_ % kMaxId16) % kMaxId16;
+    return step <= kMaxId16 / 2 ? step : 0;
   }
 
   Width width_;

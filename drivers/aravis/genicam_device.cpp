@@ -35,7 +35,7 @@ auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
   GErrorSlot error;
   auto answer = call(error.out());
   if (!error) return answer;
-  if (error.is_silence()) alive_.store(false, std::memory_order_relaxed);
+  if (error.is_connection_loss()) alive_.store(false, std::memory_order_relaxed);
   return fail(error.to_error(Errc::device, std::string(verb) + " " + feature));
 }
 
@@ -148,7 +148,7 @@ Result<void> GenicamDevice::choose_if_offered(const char* feature, const char* c
   return set_text(feature, choice);
 }
 
-Result<void> GenicamDevice::switch_if_there(const char* feature, bool on) {
+Result<void> GenicamDevice::switch_if_offered(const char* feature, bool on) {
   if (!ARV_IS_GC_BOOLEAN(arv_device_get_feature(device_.get(), feature)) || !has(feature))
     return {};
   auto done = ask("switching", feature, [&](GError** error) {

@@ -48,7 +48,7 @@ class GenicamDevice {
 
   /// No-ops without an error if the camera has no such feature or choice.
   Result<void> choose_if_offered(const char* feature, const char* choice);
-  Result<void> switch_if_there(const char* feature, bool on);
+  Result<void> switch_if_offered(const char* feature, bool on);
 
   Result<void> execute(const char* command);
 

@@ -33,7 +33,7 @@ class GErrorSlot {
   explicit operator bool() const { return error_ != nullptr; }
 
   /// Whether the camera did not answer within Aravis's retries (2.5 s) or is disconnected.
-  bool is_silence() const {
+  bool is_connection_loss() const {
     return error_ && error_->domain == ARV_DEVICE_ERROR &&
            (error_->code == ARV_DEVICE_ERROR_TIMEOUT ||
             error_->code == ARV_DEVICE_ERROR_NOT_CONNECTED ||

@@ -85,10 +85,10 @@ class Gvcp {
 
  private:
   bool send(std::uint16_t command, Bytes payload) {
-    constexpr std::uint8_t kKey = 0x42, kAnswerWanted = 0x01;
+    constexpr std::uint8_t kKey = 0x42, kAckRequired = 0x01;
     if (++id_ == 0) ++id_;  // request id 0 is invalid in GVCP
     std::array<std::uint8_t, kHeaderBytes + 4> packet{kKey,
-                                                      kAnswerWanted,
+                                                      kAckRequired,
                                                       std::uint8_t(command >> 8),
                                                       std::uint8_t(command),
                                                       0,
@@ -148,8 +148,8 @@ Result<GigeAnswer> ask_gige_camera(const std::string& address) {
   const auto size = gvcp.read(kPacketSize, status);
   if (size && (*size & kPacketSizeBits) != 0) answer.packet_size_bytes = *size & kPacketSizeBits;
   const auto speed = gvcp.read(kLinkSpeed, status);
-  constexpr std::uint32_t kMostMbps = 1'000'000;  // larger values are no link speed
-  if (speed && *speed > 0 && *speed <= kMostMbps) answer.link_mbps = int(*speed);
+  constexpr std::uint32_t kMaxMbps = 1'000'000;  // larger values are no link speed
+  if (speed && *speed > 0 && *speed <= kMaxMbps) answer.link_mbps = int(*speed);
   return answer;
 }
 

@@ -113,8 +113,8 @@ Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const Camera
                   describe(wanted.frame_rate_hz) + " Hz; shorten it, or lower the frame rate");
 }
 
-bool changed_unasked(const CameraSettings& wanted, const CameraSettings& before,
-                     const CameraSettings& applied) {
+bool has_unrequested_change(const CameraSettings& wanted, const CameraSettings& before,
+                            const CameraSettings& applied) {
   const bool same_times =
       wanted.exposure_us == before.exposure_us && wanted.frame_rate_hz == before.frame_rate_hz;
   return (wanted.roi == before.roi && applied.roi != before.roi) ||

@@ -36,7 +36,7 @@ Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const Camera
 /// Whether `applied`, read back from a streaming camera after a change from `before` to `wanted`,
 /// differs in a setting that was not to change: the camera was reset meanwhile. Exposure and frame
 /// rate limit each other, so one may follow the other.
-bool changed_unasked(const CameraSettings& wanted, const CameraSettings& before,
-                     const CameraSettings& applied);
+bool has_unrequested_change(const CameraSettings& wanted, const CameraSettings& before,
+                            const CameraSettings& applied);
 
 }  // namespace ovws

@@ -22,12 +22,12 @@ class StrayFrames {
 
   /// Notes a delivered frame. An incomplete one has no number; see delivered_incomplete.
   void delivered(std::uint64_t frame_id) {
-    const std::uint64_t left_out = any_ && frame_id > last_ ? frame_id - last_ - 1 : 0;
-    if (left_out > incomplete_) {
-      missing_ = std::min(missing_ + left_out - incomplete_, kLatest);
+    const std::uint64_t skipped = any_ && frame_id > last_ ? frame_id - last_ - 1 : 0;
+    if (skipped > incomplete_) {
+      missing_ = std::min(missing_ + skipped - incomplete_, kMaxLate);
       newest_gap_ = frame_id;
     }
-    if (frame_id > newest_gap_ + kLatest) missing_ = 0;
+    if (frame_id > newest_gap_ + kMaxLate) missing_ = 0;
     any_ = true;
     last_ = std::max(last_, frame_id);
     incomplete_ = 0;
@@ -36,12 +36,12 @@ class StrayFrames {
 
   /// The frames discarded since the last call. `packets`: all packets ignored since the stream
   /// began.
-  Counts thrown_away(std::uint64_t packets) {
-    const std::uint64_t fresh = packets > packets_ ? packets - packets_ : 0;
+  Counts discarded(std::uint64_t packets) {
+    const std::uint64_t added = packets > packets_ ? packets - packets_ : 0;
     packets_ = std::max(packets_, packets);
     // Reset when no packets are added, so that single ones (such as resent parts) never add up to a
     // frame.
-    rest_ = fresh > 0 ? rest_ + fresh : 0;
+    rest_ = added > 0 ? rest_ + added : 0;
     Counts counts;
     for (; rest_ >= packets_per_frame_; rest_ -= packets_per_frame_) {
       ++(missing_ > 0 ? counts.out_of_order : counts.duplicate);
@@ -51,7 +51,7 @@ class StrayFrames {
   }
 
  private:
-  static constexpr std::uint64_t kLatest = 99;
+  static constexpr std::uint64_t kMaxLate = 99;
 
   std::uint64_t packets_per_frame_;
   std::uint64_t packets_ = 0;

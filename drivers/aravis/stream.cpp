@@ -133,35 +133,36 @@ std::optional<AravisStream::PacketCounts> AravisStream::packet_counts(ArvStream*
     }
     return std::nullopt;
   };
-  const auto ignored = number("n_ignored_packets"), starved = number("n_underruns");
-  if (!ignored || !starved) return std::nullopt;
-  return PacketCounts{*ignored, *starved};
+  const auto ignored = number("n_ignored_packets"), without_buffer = number("n_underruns");
+  if (!ignored || !without_buffer) return std::nullopt;
+  return PacketCounts{*ignored, *without_buffer};
 }
 
 void AravisStream::count_strays() {
   if (!packets_) return;
   // Ignored packets include those without a free buffer, whose frames are simply missing.
   const std::uint64_t ignored = arv_stream_get_info_uint64(stream_.get(), packets_->ignored);
-  const std::uint64_t starved = arv_stream_get_info_uint64(stream_.get(), packets_->starved);
-  const auto fresh = strays_.thrown_away(ignored - std::min(ignored, starved));
-  untold_.duplicate += fresh.duplicate;
-  untold_.out_of_order += fresh.out_of_order;
+  const std::uint64_t without_buffer =
+      arv_stream_get_info_uint64(stream_.get(), packets_->without_buffer);
+  const auto counts = strays_.discarded(ignored - std::min(ignored, without_buffer));
+  unreported_.duplicate += counts.duplicate;
+  unreported_.out_of_order += counts.out_of_order;
 }
 
 /// The next discarded frame that was not reported yet; timeout: none.
 GrabStatus AravisStream::stray() {
-  if (untold_.out_of_order > 0) {
-    --untold_.out_of_order;
+  if (unreported_.out_of_order > 0) {
+    --unreported_.out_of_order;
     return GrabStatus::out_of_order;
   }
-  if (untold_.duplicate == 0) return GrabStatus::timeout;
-  --untold_.duplicate;
+  if (unreported_.duplicate == 0) return GrabStatus::timeout;
+  --unreported_.duplicate;
   return GrabStatus::duplicate;
 }
 
 GrabStatus AravisStream::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
   requeue_released();
-  if (const GrabStatus told = stray(); told != GrabStatus::timeout) return told;
+  if (const GrabStatus status = stray(); status != GrabStatus::timeout) return status;
   ArvBuffer* buffer = timeout.count() > 0 ? arv_stream_timeout_pop_buffer(
                                                 stream_.get(), std::uint64_t(timeout.count()))
                                           : arv_stream_try_pop_buffer(stream_.get());

@@ -56,7 +56,7 @@ class AravisStream {
 
   /// Indices of Aravis's stream statistics, looked up once: a lookup by name is a search.
   struct PacketCounts {
-    guint ignored = 0, starved = 0;
+    guint ignored = 0, without_buffer = 0;
   };
   static std::optional<PacketCounts> packet_counts(ArvStream* stream);
 
@@ -67,7 +67,7 @@ class AravisStream {
   FrameShape shape_;
   FrameIdUnwrapper* ids_;
   StrayFrames strays_;
-  StrayFrames::Counts untold_;
+  StrayFrames::Counts unreported_;
   std::optional<PacketCounts> packets_;      ///< none for USB cameras, which have no packets
   std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, which writes into it
   GRef<ArvStream> stream_;

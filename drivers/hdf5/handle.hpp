@@ -13,7 +13,7 @@ class Handle {
 
   Handle() = default;
   /// A negative id, as a failed call returns it, is an empty handle.
-  Handle(hid_t id, Close how) : id_(id), close_(how) {}
+  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
   Handle& operator=(Handle&& other) noexcept {
@@ -40,7 +40,7 @@ class Handle {
 
 /// Silences HDF5; call it before any other call of the library, in each thread. Otherwise the
 /// library prints its errors, and its atexit handler crashes on a file that could not be closed.
-inline void be_quiet() {
+inline void silence_errors() {
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

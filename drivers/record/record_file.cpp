@@ -26,8 +26,8 @@ using hdf5::Table;
 constexpr hsize_t kTableChunk = 1024;   // rows
 constexpr hsize_t kNumberChunk = 8192;  // rows of spots, and of coefficients
 constexpr hsize_t kTextChunk = 1 << 16;
-constexpr unsigned kDeflated = 0;  // filter mask of H5Dwrite_chunk: all filters applied
-constexpr unsigned kAsItIs = 1;    // filter mask: the first filter (deflate) is skipped
+constexpr unsigned kDeflated = 0;      // filter mask of H5Dwrite_chunk: all filters applied
+constexpr unsigned kUncompressed = 1;  // filter mask: the first filter (deflate) is skipped
 
 tl::unexpected<Error> failed(const std::string& path, const std::string& what) {
   const std::string why = errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
@@ -135,7 +135,7 @@ struct RecordFile::Impl {
   bool begin_swmr();
   bool write_summary(const RecordedSummary& now);
   bool append_all();
-  tl::unexpected<Error> broke(const std::string& what) {
+  tl::unexpected<Error> mark_broken(const std::string& what) {
     broken = true;
     return failed(path, what);
   }
@@ -186,13 +186,13 @@ RecordFile::~RecordFile() = default;
 
 Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
                                                        const RecordingHeader& header) {
-  hdf5::be_quiet();
+  hdf5::silence_errors();
   auto impl = std::make_unique<Impl>(path, header);
   if (!impl->create(header)) {
     const auto error = failed(path, "the recording cannot be started");
-    const bool ours = bool(impl->file);
+    const bool file_created = bool(impl->file);
     impl.reset();
-    if (ours) ::unlink(path.c_str());
+    if (file_created) ::unlink(path.c_str());
     return error;
   }
   (void)::stat(path.c_str(), &impl->created);
@@ -202,15 +202,15 @@ Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
 Result<std::int64_t> RecordFile::add_picture(std::span<const std::byte> pixels, bool compress) {
   Impl& m = *impl_;
   errno = 0;
-  if (m.broken) return m.broke("an earlier write failed");
+  if (m.broken) return m.mark_broken("an earlier write failed");
   const auto packed = compress ? m.packer.pack(pixels) : std::span<const std::byte>{};
   const auto chunk = packed.empty() ? pixels : packed;
   const std::array<hsize_t, 3> extent{m.picture_count + 1, m.height, m.columns};
   const std::array<hsize_t, 3> at{m.picture_count, 0, 0};
   if (H5Dset_extent(m.pictures, extent.data()) < 0 ||
-      H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kAsItIs : kDeflated, at.data(),
+      H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kUncompressed : kDeflated, at.data(),
                      chunk.size(), chunk.data()) < 0) {
-    return m.broke("an image cannot be written");
+    return m.mark_broken("an image cannot be written");
   }
   return std::int64_t(m.picture_count++);
 }
@@ -245,7 +245,7 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
   row.bytes = text.size();
   errno = 0;
   if (m.broken || !m.text.append(std::span(text.data(), text.size()), H5T_STD_U8LE)) {
-    return m.broke("a document cannot be written");
+    return m.mark_broken("a document cannot be written");
   }
   m.new_documents.push_back(row);
   return {};
@@ -284,13 +284,13 @@ bool RecordFile::Impl::append_all() {
 Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
   Impl& m = *impl_;
   errno = 0;
-  if (m.broken || !m.append_all()) return m.broke("the recording cannot be written");
+  if (m.broken || !m.append_all()) return m.mark_broken("the recording cannot be written");
   m.new_documents.clear();
   m.new_spots.clear();
   m.new_coefficients.clear();
   m.new_frames.clear();
   RecordedSummary now{m.frames.rows(), frames_dropped, m.picture_count, pictures_dropped, utc_ns()};
-  if (!m.write_summary(now)) return m.broke("the recording cannot be written");
+  if (!m.write_summary(now)) return m.mark_broken("the recording cannot be written");
   m.flushed_frames = now.frames;
   m.flushed_pictures = now.pictures;
   return {};
@@ -305,7 +305,7 @@ Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictu
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
                       m.frames.close() && m.spots.close() && m.coefficients.close() &&
                       m.documents.close() && m.text.close() && m.file.close();
-  if (!closed) return m.broke("the recording cannot be closed");
+  if (!closed) return m.mark_broken("the recording cannot be closed");
   return {};
 }
 

@@ -17,15 +17,15 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr hsize_t kMostRows = hsize_t(1) << 34;
-constexpr hsize_t kMostChunkBytes = 64 << 20;
-constexpr std::uint32_t kMostParts = 4096;  // spots or coefficients of one frame
+constexpr hsize_t kMaxRows = hsize_t(1) << 34;
+constexpr hsize_t kMaxChunkBytes = 64 << 20;
+constexpr std::uint32_t kMaxPartsPerFrame = 4096;  // spots or coefficients of one frame
 // Metadata that an active writer is replacing is complete within microseconds. HDF5 doubles its
 // wait before each retry and by default makes a hundred attempts, which never ends on a damaged
 // file.
 constexpr unsigned kReadAttempts = 20;
-constexpr int kMostSide = 1 << 16;
-constexpr std::size_t kMostAttribute = 256;  // bytes
+constexpr int kMaxSidePx = 1 << 16;
+constexpr std::size_t kMaxAttributeBytes = 256;
 
 /// One dataset of one dimension.
 struct Rows {
@@ -45,10 +45,10 @@ bool read_attribute(hid_t file, const char* name, hid_t type, void* value) {
 bool read_variable_text(hid_t attribute, hid_t type, std::string& text) {
   char* read = nullptr;
   if (H5Aread(attribute, type, static_cast<void*>(&read)) < 0 || read == nullptr) return false;
-  const std::size_t size = ::strnlen(read, kMostAttribute + 1);
+  const std::size_t size = ::strnlen(read, kMaxAttributeBytes + 1);
   text.assign(read, size);
   H5free_memory(read);
-  return size <= kMostAttribute;
+  return size <= kMaxAttributeBytes;
 }
 
 /// Reads a text attribute of variable length, or of fixed length as in recordings of older
@@ -64,7 +64,7 @@ bool read_attribute(hid_t file, const char* name, std::string& text) {
   }
   if (H5Tis_variable_str(stored) > 0) return read_variable_text(attribute, stored, text);
   const std::size_t size = H5Tget_size(stored);
-  if (size == 0 || size > kMostAttribute) return false;
+  if (size == 0 || size > kMaxAttributeBytes) return false;
   text.assign(size, '\0');
   if (H5Aread(attribute, stored, text.data()) < 0) return false;
   text.resize(std::strlen(text.c_str()));
@@ -73,13 +73,13 @@ bool read_attribute(hid_t file, const char* name, std::string& text) {
 
 /// Whether the file is large enough for so many rows, which are stored uncompressed. Protects from
 /// huge allocations.
-bool fits_the_file(hid_t file, hsize_t rows, std::size_t row_bytes) {
+bool fits_file_size(hid_t file, hsize_t rows, std::size_t row_bytes) {
   hsize_t bytes = 0;
   return H5Fget_filesize(file, &bytes) >= 0 && rows <= bytes / row_bytes;
 }
 
 /// Opens a dataset. False unless it exists, has exactly this type, and its chunks fit into memory.
-bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t most,
+bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t max_rows,
                Rows& out) {
   out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
   if (!out.set) return false;
@@ -91,13 +91,13 @@ bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, 
       H5Pget_external_count(layout) != 0) {
     return false;
   }
-  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > most ||
-      !fits_the_file(file, out.count, row_bytes)) {
+  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > max_rows ||
+      !fits_file_size(file, out.count, row_bytes)) {
     return false;
   }
   if (H5Pget_layout(layout) != H5D_CHUNKED) return H5Pget_layout(layout) == H5D_CONTIGUOUS;
   hsize_t chunk = 0;
-  return H5Pget_chunk(layout, 1, &chunk) == 1 && chunk <= kMostChunkBytes / row_bytes;
+  return H5Pget_chunk(layout, 1, &chunk) == 1 && chunk <= kMaxChunkBytes / row_bytes;
 }
 
 bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void* out) {
@@ -116,7 +116,7 @@ std::string text_of(const std::array<char, N>& text) {
 }
 
 /// Why a file cannot be opened, found without HDF5, which gives no reason.
-std::string why_not_opened(const std::string& path) {
+std::string open_failure(const std::string& path) {
   if (::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0) {
     return "cannot be opened as HDF5: it is damaged, or not a recording";
   }
@@ -146,7 +146,7 @@ struct RecordingReader::Impl {
   std::vector<std::byte> packed;
   PictureUnpacker unpacker;
 
-  tl::unexpected<Error> unfit(const std::string& what) const {
+  tl::unexpected<Error> unreadable(const std::string& what) const {
     return fail(Errc::invalid, "path", path + ": " + what);
   }
   bool open_file();
@@ -154,7 +154,7 @@ struct RecordingReader::Impl {
   bool open_pictures();
   bool open_tables();
   bool read_frames();
-  bool is_whole(const RecordedFrame& frame) const;
+  bool is_complete(const RecordedFrame& frame) const;
 };
 
 /// Opens for SWMR reading, which ignores the flags that a killed writer has left in the file.
@@ -187,8 +187,8 @@ bool RecordingReader::Impl::read_header() {
   const auto known = pixel_format_from_name(format);
   if (!read || !known) return false;
   header.format = *known;
-  return header.width > 0 && header.width <= kMostSide && header.height > 0 &&
-         header.height <= kMostSide && header.width % pixels_per_group(header.format) == 0 &&
+  return header.width > 0 && header.width <= kMaxSidePx && header.height > 0 &&
+         header.height <= kMaxSidePx && header.width % pixels_per_group(header.format) == 0 &&
          row_bytes(header.format, header.width) * std::size_t(header.height) <=
              kMostRecordedPictureBytes &&
          header.frame_rate_hz > 0.0 && header.frame_rate_hz < 1e6;
@@ -222,16 +222,16 @@ bool RecordingReader::Impl::open_tables() {
       !read_rows(last, summary_type, 0, 1, &summary)) {
     return false;
   }
-  return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMostRows, spots) &&
-         open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMostRows, coefficients) &&
+  return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
+         open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
                    kMostRecordedDocuments, documents) &&
          open_rows(file, "text", H5T_STD_U8LE, 1, kMostRecordedTextBytes, text);
 }
 
-bool RecordingReader::Impl::is_whole(const RecordedFrame& frame) const {
+bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
   const auto fits = [](std::uint64_t first, std::uint32_t count, hsize_t all) {
-    return count <= kMostParts && first <= all && count <= all - first;
+    return count <= kMaxPartsPerFrame && first <= all && count <= all - first;
   };
   return fits(frame.first_spot, frame.spots, spots.count) &&
          fits(frame.first_coefficient, frame.coefficients, coefficients.count) &&
@@ -252,24 +252,24 @@ RecordingReader::RecordingReader(std::unique_ptr<Impl> impl) : impl_(std::move(i
 RecordingReader::~RecordingReader() = default;
 
 Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
-  hdf5::be_quiet();
+  hdf5::silence_errors();
   H5PLset_loading_state(0);  // no filter plug-ins requested by the file
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   if (!impl->open_file()) {
-    return fail(Errc::unavailable, "path", path + ": " + why_not_opened(path));
+    return fail(Errc::unavailable, "path", path + ": " + open_failure(path));
   }
   if (!impl->read_header()) {
-    return impl->unfit(std::string("is not a recording of schema ") + kRecordingSchema);
+    return impl->unreadable(std::string("is not a recording of schema ") + kRecordingSchema);
   }
   // Frames first: in a recording that is still being written, all that they refer to exists by
   // then.
-  if (!impl->read_frames()) return impl->unfit("its frames are damaged");
-  if (!impl->open_pictures()) return impl->unfit("its images are damaged");
-  if (!impl->open_tables()) return impl->unfit("its tables are damaged");
+  if (!impl->read_frames()) return impl->unreadable("its frames are damaged");
+  if (!impl->open_pictures()) return impl->unreadable("its images are damaged");
+  if (!impl->open_tables()) return impl->unreadable("its tables are damaged");
   const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
-                                 [&](const RecordedFrame& one) { return impl->is_whole(one); });
-  if (!whole) return impl->unfit("a frame refers to missing data");
+                                 [&](const RecordedFrame& one) { return impl->is_complete(one); });
+  if (!whole) return impl->unreadable("a frame refers to missing data");
   return std::unique_ptr<RecordingReader>(new RecordingReader(std::move(impl)));
 }
 
@@ -286,7 +286,7 @@ std::size_t RecordingReader::picture_bytes() const {
 Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& frame) {
   std::vector<RecordedSpot> all(frame.spots);
   if (!read_rows(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
-    return impl_->unfit("spots of a frame cannot be read");
+    return impl_->unreadable("spots of a frame cannot be read");
   }
   return all;
 }
@@ -295,7 +295,7 @@ Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& fr
   std::vector<float> all(frame.coefficients);
   if (!read_rows(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
                  all.data())) {
-    return impl_->unfit("coefficients of a frame cannot be read");
+    return impl_->unreadable("coefficients of a frame cannot be read");
   }
   return all;
 }
@@ -308,17 +308,17 @@ Result<void> RecordingReader::picture(const RecordedFrame& frame, std::span<std:
   if (frame.picture < 0 || out.size() != picture_bytes() ||
       H5Dget_chunk_storage_size(m.pictures, at.data(), &bytes) < 0 || bytes == 0 ||
       bytes > out.size()) {
-    return m.unfit("an image is missing");
+    return m.unreadable("an image is missing");
   }
   m.packed.resize(bytes);
   if (H5Dread_chunk(m.pictures, H5P_DEFAULT, at.data(), &left_out, m.packed.data()) < 0) {
-    return m.unfit("an image cannot be read");
+    return m.unreadable("an image cannot be read");
   }
   if (left_out != 0) {
-    if (bytes != out.size()) return m.unfit("an image is incomplete");
+    if (bytes != out.size()) return m.unreadable("an image is incomplete");
     std::memcpy(out.data(), m.packed.data(), bytes);
   } else if (!m.unpacker.unpack(m.packed, out)) {
-    return m.unfit("an image is damaged");
+    return m.unreadable("an image is damaged");
   }
   return {};
 }
@@ -327,17 +327,17 @@ Result<std::vector<RecordedText>> RecordingReader::documents() {
   Impl& m = *impl_;
   std::vector<RecordedDocument> rows(m.documents.count);
   if (!read_rows(m.documents, m.document_type, 0, m.documents.count, rows.data())) {
-    return m.unfit("documents cannot be read");
+    return m.unreadable("documents cannot be read");
   }
   std::vector<RecordedText> all;
   std::uint64_t bytes = 0;
   for (const RecordedDocument& row : rows) {
     bytes += std::min(row.bytes, kMostRecordedTextBytes);
     if (bytes > kMostRecordedTextBytes || row.bytes > m.text.count)
-      return m.unfit("a document is too long");
+      return m.unreadable("a document is too long");
     RecordedText one{text_of(row.kind), text_of(row.sha256), std::string(row.bytes, '\0')};
     if (!read_rows(m.text, H5T_STD_U8LE, row.first_byte, row.bytes, one.text.data())) {
-      return m.unfit("a document cannot be read");
+      return m.unreadable("a document cannot be read");
     }
     all.push_back(std::move(one));
   }

@@ -14,17 +14,17 @@ namespace ovws {
 namespace {
 
 constexpr int kBuffers = 16;
-constexpr Range<double> kPaceHz{0.01, 10'000.0, 0.0};
+constexpr Range<double> kRateHz{0.01, 10'000.0, 0.0};
 
 /// Frame numbers made monotonic: where the recorded camera was reopened and restarted its count,
 /// the numbers continue after the previous ones.
 std::vector<std::uint64_t> rising_ids(const std::vector<RecordedFrame>& frames) {
   std::vector<std::uint64_t> ids;
-  std::uint64_t moved = 0;
+  std::uint64_t offset = 0;
   for (const RecordedFrame& frame : frames) {
-    if (!ids.empty() && frame.frame_id + moved <= ids.back())
-      moved = ids.back() + 1 - frame.frame_id;
-    ids.push_back(frame.frame_id + moved);
+    if (!ids.empty() && frame.frame_id + offset <= ids.back())
+      offset = ids.back() + 1 - frame.frame_id;
+    ids.push_back(frame.frame_id + offset);
   }
   return ids;
 }
@@ -90,7 +90,7 @@ Result<CameraLimits> ReplayCamera::limits() {
   limits.gain_db = {-100.0, 100.0, 0.0};
   if (std::isnan(settings_.gain_db)) limits.gain_raw = {-1e9, 1e9, 0.0};
   limits.exposure_us = {0.0, 1e9, 0.0};
-  limits.frame_rate_hz = kPaceHz;
+  limits.frame_rate_hz = kRateHz;
   limits.roi_width = {settings_.roi.width, settings_.roi.width, 1};
   limits.roi_height = {settings_.roi.height, settings_.roi.height, 1};
   limits.sensor_width = settings_.roi.x + settings_.roi.width;
@@ -112,7 +112,7 @@ Result<CameraSettings> ReplayCamera::apply(const CameraSettings& wanted) {
                 "the recording's format is " +
                     std::string(pixel_format_name(settings_.pixel_format)) + ": set this one");
   }
-  if (!(wanted.frame_rate_hz >= kPaceHz.min && wanted.frame_rate_hz <= kPaceHz.max)) {
+  if (!(wanted.frame_rate_hz >= kRateHz.min && wanted.frame_rate_hz <= kRateHz.max)) {
     return fail(Errc::invalid, "camera.frame_rate_hz",
                 "must be 0.01 to 10000 frames/s for a replay");
   }

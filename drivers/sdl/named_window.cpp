@@ -79,7 +79,7 @@ class NamedWindow final : public OutputWindow {
     while (SDL_PollEvent(&event)) {
       lost_ |= event.type == SDL_QUIT;  // SDL's sign that the compositor is gone
       seen.redraw |= event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED;
-      seen.look |= event.type == SDL_WINDOWEVENT || event.type == SDL_DISPLAYEVENT;
+      seen.verify_needed |= event.type == SDL_WINDOWEVENT || event.type == SDL_DISPLAYEVENT;
     }
     return seen;
   }

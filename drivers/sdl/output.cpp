@@ -16,21 +16,21 @@ bool overlap(const Output& a, const Output& b) {
          b.y < a.y + a.height;
 }
 
-constexpr std::string_view kOtherOutput =
+constexpr std::string_view kRemedy =
     "; extend the desktop to another output, or set slm.allow_primary";
 
 // The SLM must not cover the user's desktop.
 Result<void> check_not_primary(const Output& output, const std::vector<Output>& outputs) {
   if (!output.primary) return {};
   return fail(Errc::refused, "slm.display",
-              "output " + output.name + " is the primary output" + std::string(kOtherOutput) +
+              "output " + output.name + " is the primary output" + std::string(kRemedy) +
                   "; there are: " + list_outputs(outputs));
 }
 
 Result<void> check_alone(const Output& output, const std::vector<Output>& outputs) {
   if (std::ranges::count_if(outputs, &Output::on) < 2) {
     return fail(Errc::refused, "slm.display",
-                "output " + output.name + " is the only output" + std::string(kOtherOutput));
+                "output " + output.name + " is the only output" + std::string(kRemedy));
   }
   for (const Output& other : outputs) {
     if (other.name != output.name && overlap(output, other)) {

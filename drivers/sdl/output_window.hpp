@@ -20,8 +20,8 @@ class OutputWindow {
   virtual SDL_Window* window() const = 0;
 
   struct Events {
-    bool redraw = false;  ///< the window's contents were lost: draw again
-    bool look = false;    ///< something changed: verify now
+    bool redraw = false;         ///< the window's contents were lost: draw again
+    bool verify_needed = false;  ///< something changed: verify now
   };
   /// Drains the event queue, so that events do not pile up.
   virtual Events take_events() = 0;

@@ -59,7 +59,7 @@ class SdlDisplay final : public Display {
       if (auto shown = flush(); !shown) return shown;
     }
     const std::int64_t now = monotonic_ns();
-    if (!events.look && now < verify_at_ns_) return {};
+    if (!events.verify_needed && now < verify_at_ns_) return {};
     verify_at_ns_ = now + kVerifyEveryNs;
     return window_->verify();
   }

@@ -16,11 +16,11 @@ int on_broken_connection(Display*) {
   return 0;
 }
 
-void instead_of_exit(Display*, void*) {
+void on_io_error_exit(Display*, void*) {
   lost = true;
 }
 
-int on_refusal(Display* display, XErrorEvent* event) {
+int on_request_error(Display* display, XErrorEvent* event) {
   XGetErrorText(display, event->error_code, refusal.data(), int(refusal.size()));
   return 0;
 }
@@ -34,7 +34,7 @@ extern "C" Display* XOpenDisplay(const char* name) {
   using Open = Display* (*)(const char*);
   static const auto open = reinterpret_cast<Open>(dlsym(RTLD_NEXT, "XOpenDisplay"));
   Display* display = open(name);
-  if (display != nullptr) XSetIOErrorExitHandler(display, instead_of_exit, nullptr);
+  if (display != nullptr) XSetIOErrorExitHandler(display, on_io_error_exit, nullptr);
   return display;
 }
 
@@ -51,7 +51,7 @@ namespace ovws::sdl {
 
 void guard_x_connections() {
   XSetIOErrorHandler(on_broken_connection);
-  XSetErrorHandler(on_refusal);
+  XSetErrorHandler(on_request_error);
   lost = false;
   refusal[0] = '\0';
 }

@@ -123,7 +123,7 @@ class XWindow final : public OutputWindow {
       XEvent event;
       XNextEvent(display_.get(), &event);
       seen.redraw |= event.type == Expose;
-      seen.look |= event.type != Expose;
+      seen.verify_needed |= event.type != Expose;
     }
     take_x_error();  // SDL queries outputs that may be gone; only drawing errors count
     return seen;

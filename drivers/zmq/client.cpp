@@ -26,7 +26,7 @@ std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
   return parts;
 }
 
-Result<void> take_keys(zmq::socket_t& socket, const std::optional<ClientKeys>& keys) {
+Result<void> set_keys(zmq::socket_t& socket, const std::optional<ClientKeys>& keys) {
   if (!keys) return {};
   if (!is_curve_key(keys->server_key)) {
     return fail(
@@ -47,7 +47,7 @@ constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
 
 /// Why a CURVE handshake failed, as far as the client can tell.
-std::string why_not_let_in(int event, bool has_keys) {
+std::string rejection_reason(int event, bool has_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     return "the daemon does not know this client's key: add its public key to the daemon's file of "
            "security.clients";
@@ -86,7 +86,7 @@ struct ControlClient::Impl {
   Result<void> open() {
     socket = zmq::socket_t(context, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
-    if (auto taken = take_keys(socket, keys); !taken) return taken;
+    if (auto keys_set = set_keys(socket, keys); !keys_set) return keys_set;
     const std::string events = "inproc://handshakes-" + std::to_string(opened++);
     zmq_socket_monitor(socket.handle(), events.c_str(), kHandshakeEvents);
     monitor = zmq::socket_t(context, zmq::socket_type::pair);
@@ -137,7 +137,7 @@ Result<std::string> ControlClient::request(std::string_view bytes,
   if (auto opened = impl_->open(); !opened) return fail(opened.error());
   if (event != 0) {
     return fail(Errc::refused, "",
-                impl_->endpoint + ": " + why_not_let_in(event, impl_->keys.has_value()));
+                impl_->endpoint + ": " + rejection_reason(event, impl_->keys.has_value()));
   }
   return fail(Errc::unavailable, "",
               "no answer from " + impl_->endpoint + " within " + std::to_string(timeout.count()) +
@@ -158,7 +158,7 @@ Result<Subscriber> Subscriber::connect(const std::string& endpoint,
                                        const std::vector<std::string>& topics, int receive_queue,
                                        const std::optional<ClientKeys>& keys) {
   auto impl = std::make_unique<Impl>();
-  if (auto taken = take_keys(impl->socket, keys); !taken) return fail(taken.error());
+  if (auto keys_set = set_keys(impl->socket, keys); !keys_set) return fail(keys_set.error());
   impl->socket.set(zmq::sockopt::linger, 0);
   impl->socket.set(zmq::sockopt::rcvhwm, receive_queue);
   for (const auto& topic : topics) impl->socket.set(zmq::sockopt::subscribe, topic);

@@ -14,8 +14,8 @@ namespace ovws {
 namespace {
 
 constexpr long kWaitMs = 50;
-constexpr int kLingerMs = 100;  // time for the last replies to be sent before the socket closes
-constexpr int kTurn = 64;       // requests received before any is served
+constexpr int kLingerMs = 100;   // time for the last replies to be sent before the socket closes
+constexpr int kMaxPerTurn = 64;  // requests received before any is served
 constexpr auto kServeFor = std::chrono::milliseconds(10);  // before replies are sent
 // Unlimited, because ROUTER drops replies beyond a client's high-water mark, and its count lags
 // behind what was already written. ReplyBox bounds the outstanding replies instead.
@@ -42,7 +42,7 @@ std::size_t envelope_size(const Incoming& in) {
 }
 
 /// The client's public key as authenticated by the gate.
-std::string asker_of(const zmq::message_t& part) {
+std::string client_key_of(const zmq::message_t& part) {
   const char* key = zmq_msg_gets(part.handle(), "User-Id");
   return key == nullptr ? "" : key;
 }
@@ -52,7 +52,7 @@ std::string asker_of(const zmq::message_t& part) {
 struct ControlServer::Impl {
   explicit Impl(Gate* by)
       : gate(by), context(context_of(gate)), socket(*context, zmq::socket_type::router) {
-    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::Stranger::ends);
+    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::UnknownKey::reject);
   }
 
   Gate* gate;
@@ -136,7 +136,7 @@ void ControlServer::Impl::take(const Incoming& in) {
   const bool one_frame = in.count == size + 1;
   request.well_sized = one_frame && in.parts[size].size() <= limits.max_request_bytes;
   if (request.well_sized) request.bytes = in.parts[size].to_string();
-  if (gate != nullptr) request.asker = asker_of(in.parts[size]);
+  if (gate != nullptr) request.client_key = client_key_of(in.parts[size]);
   Envelope envelope = request.envelope;
   if (turns.push(std::move(request))) return;
   auto client = turns.load_of(envelope.front());
@@ -154,7 +154,7 @@ bool ControlServer::Impl::serve() {
     const auto reply =
         box->reply_to(std::move(request.envelope), turn->client, request.bytes.size());
     if (request.well_sized) {
-      handler(request.bytes, request.asker, reply);
+      handler(request.bytes, request.client_key, reply);
     } else {
       reply(limits.oversize_reply);
     }
@@ -192,7 +192,7 @@ bool ControlServer::do_work() {
   impl_->wait();
   if (impl_->gate != nullptr) impl_->gate->parts().serve();
   bool worked = impl_->send_replies();
-  for (int k = 0; k < kTurn && impl_->receive(); ++k) worked = true;
+  for (int k = 0; k < kMaxPerTurn && impl_->receive(); ++k) worked = true;
   worked = impl_->serve() || worked;
   return impl_->send_replies() || worked;
 }

@@ -16,7 +16,7 @@ namespace ovws {
 /// Handles one request: its bytes, the client's public key (empty without a gate), and a function
 /// to call once with the reply's bytes. The function may be called from any thread at any time;
 /// after the server is gone it does nothing. An empty reply sends nothing.
-using ControlHandler = std::function<void(std::string_view request, const std::string& asker,
+using ControlHandler = std::function<void(std::string_view request, const std::string& client_key,
                                           std::function<void(std::string)> reply)>;
 
 struct ControlLimits {

@@ -46,7 +46,7 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
 
 /// Whether another process listens at the socket file. libzmq removes the file before it binds,
 /// which would take the endpoint from a running program.
-bool somebody_listens(const std::string& path) {
+bool is_in_use(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, path.c_str(), path.size());
@@ -64,7 +64,7 @@ bool somebody_listens(const std::string& path) {
 Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
   if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
   const std::string path = file_of(endpoint);
-  if (!path.empty() && somebody_listens(path)) return refusal(EADDRINUSE, endpoint);
+  if (!path.empty() && is_in_use(path)) return refusal(EADDRINUSE, endpoint);
   if (zmq_bind(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
   if (path.empty() || ::chmod(path.c_str(), kSocketMode) == 0) return {};
   const int error = errno;

@@ -11,10 +11,10 @@ namespace ovws {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
-constexpr const char* kEnds = "ends";  // ZAP domains, by the treatment of unknown keys
-constexpr const char* kComesAgain = "comes again";
+constexpr const char* kRejectDomain = "ends";  // ZAP domains, by the treatment of unknown keys
+constexpr const char* kRetryDomain = "comes again";
 constexpr int kIoThreads = 3;  // one per socket: encrypting images delays no measurement
-constexpr int kTurn = 64;
+constexpr int kMaxPerTurn = 64;
 constexpr int kHandshakeMs = 5000;  // a client refused with 300 hangs in its handshake until then
 /// Handshake failures that never reach ZAP. A client without a key may notice the required
 /// mechanism and hang up first; that gives no detail.
@@ -82,13 +82,14 @@ void Gate::end_streams() {
   parts_->generation.fetch_add(1);
 }
 
-void Gate::Parts::guard(zmq::socket_t& socket, Stranger stranger) {
+void Gate::Parts::guard(zmq::socket_t& socket, UnknownKey unknown_key) {
   const std::size_t k = monitors.size();
   socket.set(zmq::sockopt::affinity, std::uint64_t(1) << (k % kIoThreads));
   socket.set(zmq::sockopt::curve_server, true);
   socket.set(zmq::sockopt::curve_secretkey, secret_key);
   socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
-  socket.set(zmq::sockopt::zap_domain, stranger == Stranger::ends ? kEnds : kComesAgain);
+  socket.set(zmq::sockopt::zap_domain,
+             unknown_key == UnknownKey::reject ? kRejectDomain : kRetryDomain);
   const std::string endpoint = "inproc://gate-" + std::to_string(k);
   zmq_socket_monitor(socket.handle(), endpoint.c_str(), kEvents);
   monitors.emplace_back(*context, zmq::socket_type::pair);
@@ -102,10 +103,10 @@ void Gate::Parts::add_to(std::vector<zmq_pollitem_t>& items) {
 }
 
 void Gate::Parts::serve() {
-  for (int k = 0; k < kTurn && answer_one(); ++k) {
+  for (int k = 0; k < kMaxPerTurn && answer_one(); ++k) {
   }
   for (auto& monitor : monitors) {
-    for (int k = 0; k < kTurn && note_one(monitor, calls); ++k) {
+    for (int k = 0; k < kMaxPerTurn && note_one(monitor, calls); ++k) {
     }
   }
 }
@@ -121,8 +122,8 @@ bool Gate::Parts::answer_one() {
                    " is not among the clients");
   }
   const std::string number = request.size() > 1 ? request[1].to_string() : "";
-  const bool ends = request.size() > 2 && request[2].to_string_view() == kEnds;
-  const char* const refusal = ends ? "400" : "300";
+  const bool reject = request.size() > 2 && request[2].to_string_view() == kRejectDomain;
+  const char* const refusal = reject ? "400" : "300";
   const std::array<std::string, 6> reply{
       "1.0", number, known ? "200" : refusal, known ? "OK" : "unknown key", known ? key : "", ""};
   for (std::size_t k = 0; k < reply.size(); ++k) {

@@ -20,13 +20,13 @@ struct Gate::Parts {
   std::atomic<unsigned> generation{0};  ///< a publisher of an older generation must rebind
 
   /// Reply to a client with an unknown key, as ZAP status code.
-  enum class Stranger {
-    ends,         ///< 400: permanent error; the connection ends with a reason
-    comes_again,  ///< 300: temporary error; the client retries, because a subscriber never learns
-                  ///< the reason and its key may be restored
+  enum class UnknownKey {
+    reject,  ///< 400: permanent error; the connection ends with a reason
+    retry,   ///< 300: temporary error; the client retries, because a subscriber never learns
+             ///< the reason and its key may be restored
   };
   /// Protects a socket with CURVE. Call it before the socket is bound.
-  void guard(zmq::socket_t& socket, Stranger stranger);
+  void guard(zmq::socket_t& socket, UnknownKey unknown_key);
   /// Appends the sockets to poll for `serve`.
   void add_to(std::vector<zmq_pollitem_t>& items);
   /// Answers waiting ZAP requests and reports failed handshakes; never blocks.

@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kMostBytes =
+constexpr std::int64_t kMaxIncomingBytes =
     4096;  // incoming messages are only handshakes and subscriptions
 constexpr auto kBetweenTries = std::chrono::milliseconds(100);
 constexpr auto kPatience = std::chrono::seconds(1);  // the old listener takes a moment to close
@@ -25,7 +25,7 @@ struct Publisher::Impl {
         gate(by),
         context(context_of(gate)),
         socket(*context, zmq::socket_type::pub) {
-    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::Stranger::comes_again);
+    if (gate != nullptr) gate->parts().guard(socket, Gate::Parts::UnknownKey::retry);
   }
 
   std::string endpoint;
@@ -36,7 +36,7 @@ struct Publisher::Impl {
   unsigned generation = 0;
   bool bound = false;
   Clock::time_point next_try{}, unbound_since{};
-  bool failure_told = false;
+  bool failure_reported = false;
 
   Result<void> bind() {
     if (auto done = bind_endpoint(socket.handle(), endpoint); !done) return done;
@@ -59,15 +59,15 @@ struct Publisher::Impl {
     if (bound || Clock::now() < next_try) return bound && generation == wanted;
     next_try = Clock::now() + kBetweenTries;
     const auto done = bind();
-    tell(done);
+    report(done);
     return done.has_value();
   }
 
   /// Reports a lasting failure to rebind once, and its end.
-  void tell(const Result<void>& done) {
-    if (!done && (failure_told || Clock::now() - unbound_since < kPatience)) return;
-    if (done && !failure_told) return;
-    failure_told = !done;
+  void report(const Result<void>& done) {
+    if (!done && (failure_reported || Clock::now() - unbound_since < kPatience)) return;
+    if (done && !failure_reported) return;
+    failure_reported = !done;
     gate->parts().calls.rebound(endpoint, done);
   }
 
@@ -88,7 +88,7 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
   impl->socket.set(zmq::sockopt::sndhwm, send_queue);
   impl->socket.set(zmq::sockopt::linger, 0);
   // libzmq allocates the size that a frame announces even before the client is authenticated.
-  impl->socket.set(zmq::sockopt::maxmsgsize, kMostBytes);
+  impl->socket.set(zmq::sockopt::maxmsgsize, kMaxIncomingBytes);
   if (auto bound = impl->bind(); !bound) return fail(bound.error());
   return Publisher(std::move(impl));
 }

@@ -16,9 +16,9 @@ bool idle(const ClientLoad& load) {
   return load.requests == 0 && load.replies == 0;
 }
 
-bool within(const ClientLoad& load, const ClientLoad& most) {
-  return load.requests < most.requests && load.request_bytes < most.request_bytes &&
-         load.replies < most.replies && load.reply_bytes < most.reply_bytes;
+bool within(const ClientLoad& load, const ClientLoad& limit) {
+  return load.requests < limit.requests && load.request_bytes < limit.request_bytes &&
+         load.replies < limit.replies && load.reply_bytes < limit.reply_bytes;
 }
 
 void end_request(ClientLoad& load, std::size_t bytes) {
@@ -51,12 +51,12 @@ class ReplyBox::Ticket {
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
   ~Ticket() {
-    if (!used_.exchange(true)) box_->forget(*client_, request_bytes_);
+    if (!used_.exchange(true)) box_->release(*client_, request_bytes_);
   }
 
   void reply(std::string bytes) {
     if (used_.exchange(true)) return;
-    if (bytes.empty()) return box_->forget(*client_, request_bytes_);
+    if (bytes.empty()) return box_->release(*client_, request_bytes_);
     box_->put({std::move(envelope_), std::move(bytes), client_}, request_bytes_);
   }
 
@@ -94,15 +94,14 @@ std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope,
 
 bool ReplyBox::has_room(const ClientLoad& client) {
   const std::lock_guard lock(mutex_);
-  const bool room =
-      idle(client) || (within(client, kMostOfOneClient) && within(all_, kMostOfAllClients));
-  if (!room) one_waits_ = true;
+  const bool room = idle(client) || (within(client, kMaxPerClient) && within(all_, kMaxAllClients));
+  if (!room) request_waits_ = true;
   return room;
 }
 
 bool ReplyBox::can_refuse(const ClientLoad& client) const {
   const std::lock_guard lock(mutex_);
-  return client.replies < kMaxRefusals && all_.replies < kMostOfAllClients.replies;
+  return client.replies < kMaxRefusals && all_.replies < kMaxAllClients.replies;
 }
 
 bool ReplyBox::is_idle(const ClientLoad& client) const {
@@ -123,7 +122,7 @@ void ReplyBox::sent(ClientLoad& client, std::size_t reply_bytes) {
   {
     const std::lock_guard lock(mutex_);
     for (ClientLoad* load : {&client, &all_}) end_reply(*load, reply_bytes);
-    waits = std::exchange(one_waits_, false);
+    waits = std::exchange(request_waits_, false);
   }
   if (waits) wake();
 }
@@ -141,7 +140,7 @@ void ReplyBox::put(Reply reply, std::size_t request_bytes) {
   wake();
 }
 
-void ReplyBox::forget(ClientLoad& client, std::size_t request_bytes) {
+void ReplyBox::release(ClientLoad& client, std::size_t request_bytes) {
   {
     const std::lock_guard lock(mutex_);
     for (ClientLoad* load : {&client, &all_}) end_request(*load, request_bytes);

@@ -21,9 +21,9 @@ struct ClientLoad {
 };
 
 /// Limits per client; beyond them its next request waits.
-constexpr ClientLoad kMostOfOneClient{64, 8 << 10, 128, 4 << 20};
+constexpr ClientLoad kMaxPerClient{64, 8 << 10, 128, 4 << 20};
 /// Limits of all clients together; beyond them only a client with nothing outstanding is served.
-constexpr ClientLoad kMostOfAllClients{128, 1 << 20, 16384, 32 << 20};
+constexpr ClientLoad kMaxAllClients{128, 1 << 20, 16384, 32 << 20};
 
 /// Limit of a client's unread replies, beyond which further refusals to it are dropped.
 constexpr std::size_t kMaxRefusals = 1024;
@@ -65,13 +65,13 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
  private:
   class Ticket;
   void put(Reply reply, std::size_t request_bytes);
-  void forget(ClientLoad& client, std::size_t request_bytes);
+  void release(ClientLoad& client, std::size_t request_bytes);
   void wake() const;
 
   mutable std::mutex mutex_;
   std::vector<Reply> replies_;
   ClientLoad all_;
-  bool one_waits_ = false;  ///< a request waits for has_room
+  bool request_waits_ = false;  ///< a request waits for has_room
   int wake_fd_ = -1;
 };
 

@@ -11,22 +11,22 @@ constexpr std::size_t kOverheadBytes = 256;  // memory of one request besides it
 }  // namespace
 
 std::size_t Request::size() const {
-  std::size_t size = kOverheadBytes + bytes.size() + asker.size();
+  std::size_t size = kOverheadBytes + bytes.size() + client_key.size();
   for (const std::string& frame : envelope) size += frame.size();
   return size;
 }
 
 std::shared_ptr<ClientLoad> RequestTurns::load_of(const std::string& routing_id) {
-  if (clients_.size() >= sweep_at_) forget_idle_clients();
+  if (clients_.size() >= sweep_at_) remove_idle_clients();
   return clients_[routing_id].load;
 }
 
 bool RequestTurns::push(Request request) {
   const std::size_t size = request.size();
-  if (clients_.size() >= sweep_at_) forget_idle_clients();
+  if (clients_.size() >= sweep_at_) remove_idle_clients();
   Client& client = clients_[request.envelope.front()];
   const bool fits =
-      client.waiting_bytes + size <= kMostOfOneBytes && waiting_bytes_ + size <= kMostOfAllBytes;
+      client.waiting_bytes + size <= kMaxClientBytes && waiting_bytes_ + size <= kMaxTotalBytes;
   if (!fits && !client.waiting.empty()) return false;
   if (client.waiting.empty()) turns_.push_back(&client);
   client.waiting.push_back(std::move(request));
@@ -55,12 +55,12 @@ std::optional<RequestTurns::Turn> RequestTurns::next() {
 
 /// Removes idle clients, because clients leave without notice. The table is swept when it has
 /// doubled, so the cost per request is constant on average.
-void RequestTurns::forget_idle_clients() {
-  constexpr std::size_t kLeast = 64;
+void RequestTurns::remove_idle_clients() {
+  constexpr std::size_t kMinSweep = 64;
   std::erase_if(clients_, [this](const auto& entry) {
     return entry.second.waiting.empty() && box_->is_idle(*entry.second.load);
   });
-  sweep_at_ = std::max(kLeast, 2 * clients_.size());
+  sweep_at_ = std::max(kMinSweep, 2 * clients_.size());
 }
 
 }  // namespace ovws

@@ -17,7 +17,7 @@ namespace ovws {
 struct Request {
   Envelope envelope;
   std::string bytes;
-  std::string asker;         ///< the client's public key, or empty
+  std::string client_key;    ///< the client's public key, or empty
   bool well_sized = true;    ///< false: to be answered with an error; `bytes` is empty
   std::size_t size() const;  ///< memory use, bytes
 };
@@ -29,8 +29,8 @@ class RequestTurns {
 
   /// Limits of queued requests per client and in total. A client without a queued request may
   /// always add one.
-  static constexpr std::size_t kMostOfOneBytes = 8 << 20;
-  static constexpr std::size_t kMostOfAllBytes = 32 << 20;
+  static constexpr std::size_t kMaxClientBytes = 8 << 20;
+  static constexpr std::size_t kMaxTotalBytes = 32 << 20;
 
   /// The load of the client with this routing id; created if new.
   std::shared_ptr<ClientLoad> load_of(const std::string& routing_id);
@@ -51,7 +51,7 @@ class RequestTurns {
     std::size_t waiting_bytes = 0;
     std::shared_ptr<ClientLoad> load = std::make_shared<ClientLoad>();
   };
-  void forget_idle_clients();
+  void remove_idle_clients();
 
   std::shared_ptr<ReplyBox> box_;
   std::unordered_map<std::string, Client> clients_;  ///< by routing id

@@ -270,10 +270,10 @@ TEST(AStreamingCamera, ChangesWhatWasAskedAndOfTimesWhatGoesWithIt) {
   const CameraSettings before{3.0, 300.0, 60.0, PixelFormat::mono12, {0, 0, 512, 480}};
   CameraSettings wanted = before;
   wanted.gain_db = 5.0;
-  EXPECT_FALSE(changed_unasked(wanted, before, wanted));
+  EXPECT_FALSE(has_unrequested_change(wanted, before, wanted));
   CameraSettings rounded = wanted;
   rounded.gain_db = 5.1;
-  EXPECT_FALSE(changed_unasked(wanted, before, rounded));
+  EXPECT_FALSE(has_unrequested_change(wanted, before, rounded));
   for (const auto change :
        {+[](CameraSettings& s) { s.exposure_us = 2000.0; },
         +[](CameraSettings& s) { s.frame_rate_hz = 100.0; },
@@ -281,15 +281,15 @@ TEST(AStreamingCamera, ChangesWhatWasAskedAndOfTimesWhatGoesWithIt) {
         +[](CameraSettings& s) { s.roi.height = 512; }, +[](CameraSettings& s) { s.roi.x = 8; }}) {
     CameraSettings applied = wanted;
     change(applied);
-    EXPECT_TRUE(changed_unasked(wanted, before, applied));
+    EXPECT_TRUE(has_unrequested_change(wanted, before, applied));
   }
   CameraSettings longer = before;
   longer.exposure_us = 20'000.0;
   CameraSettings slower = longer;
   slower.frame_rate_hz = 50.0;
-  EXPECT_FALSE(changed_unasked(longer, before, slower));
+  EXPECT_FALSE(has_unrequested_change(longer, before, slower));
   slower.gain_db = 0.0;
-  EXPECT_TRUE(changed_unasked(longer, before, slower));
+  EXPECT_TRUE(has_unrequested_change(longer, before, slower));
 }
 
 TEST(PackedRows, MustEndAtAWholeByte) {

@@ -16,18 +16,18 @@ void expect(const StrayFrames::Counts& counts, int duplicate, int out_of_order) 
 TEST(StrayFrames, AWholeFrameMoreThanWasDeliveredIsADuplicate) {
   StrayFrames strays(kPackets);
   strays.delivered(7);
-  expect(strays.thrown_away(kPackets), 1, 0);
+  expect(strays.discarded(kPackets), 1, 0);
   strays.delivered(8);
-  expect(strays.thrown_away(kPackets), 0, 0);
-  expect(strays.thrown_away(3 * kPackets), 2, 0);
+  expect(strays.discarded(kPackets), 0, 0);
+  expect(strays.discarded(3 * kPackets), 2, 0);
 }
 
 TEST(StrayFrames, AfterANumberLeftOutItIsTheFrameOfThatNumber) {
   StrayFrames strays(kPackets);
   strays.delivered(7);
   strays.delivered(9);
-  expect(strays.thrown_away(kPackets), 0, 1);
-  expect(strays.thrown_away(2 * kPackets), 1, 0);
+  expect(strays.discarded(kPackets), 0, 1);
+  expect(strays.discarded(2 * kPackets), 1, 0);
 }
 
 TEST(StrayFrames, AnIncompleteFrameLeavesNoNumberOut) {
@@ -35,30 +35,30 @@ TEST(StrayFrames, AnIncompleteFrameLeavesNoNumberOut) {
   strays.delivered(7);
   strays.delivered_incomplete();
   strays.delivered(9);
-  expect(strays.thrown_away(kPackets), 1, 0);
+  expect(strays.discarded(kPackets), 1, 0);
 }
 
 TEST(StrayFrames, WhatIsMissingFor100FramesDoesNotComeAnyMore) {
   StrayFrames strays(kPackets);
   strays.delivered(1);
   for (std::uint64_t id = 3; id <= 103; ++id) strays.delivered(id);
-  expect(strays.thrown_away(kPackets), 1, 0);
+  expect(strays.discarded(kPackets), 1, 0);
 }
 
 TEST(StrayFrames, AFrameMayBeThrownAwayBitByBit) {
   StrayFrames strays(kPackets);
   strays.delivered(7);
-  expect(strays.thrown_away(kPackets - 10), 0, 0);
+  expect(strays.discarded(kPackets - 10), 0, 0);
   strays.delivered(8);
-  expect(strays.thrown_away(kPackets), 1, 0);
+  expect(strays.discarded(kPackets), 1, 0);
 }
 
 TEST(StrayFrames, SinglePacketsAreNoFrame) {
   StrayFrames strays(kPackets);
   for (std::uint64_t id = 1; id <= 2 * kPackets; ++id) {
     strays.delivered(id);
-    expect(strays.thrown_away(id), 0, 0);
-    expect(strays.thrown_away(id), 0, 0);
+    expect(strays.discarded(id), 0, 0);
+    expect(strays.discarded(id), 0, 0);
   }
 }
 

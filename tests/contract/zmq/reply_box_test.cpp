@@ -64,7 +64,7 @@ TEST(ReplyBox, IsFreeAgainAfterEmptyAndForgottenReplies) {
 TEST(ReplyBox, WakesTheServerWhenAClientWithoutRoomHasSomeAgain) {
   const auto box = std::make_shared<ReplyBox>();
   const auto client = someone(), other = someone();
-  const std::string large(kMostOfOneClient.reply_bytes, 'x');
+  const std::string large(kMaxPerClient.reply_bytes, 'x');
   box->reply_to({"a"}, client, 10)(large);
   box->collect();
   EXPECT_FALSE(box->has_room(*client));
@@ -78,7 +78,7 @@ TEST(ReplyBox, WakesTheServerWhenAClientWithoutRoomHasSomeAgain) {
 TEST(ReplyBox, GivesAClientRoomForOneRequestWhateverOthersHaveOutstanding) {
   const auto box = std::make_shared<ReplyBox>();
   std::vector<std::function<void(std::string)>> held;
-  for (std::size_t k = 0; k < kMostOfAllClients.requests; ++k) {
+  for (std::size_t k = 0; k < kMaxAllClients.requests; ++k) {
     held.push_back(box->reply_to({"a"}, someone(), 10));
   }
   const auto one = someone();

@@ -38,10 +38,10 @@ TEST(RequestTurns, PassesOverAClientWithoutRoomUntilItHasSome) {
   rig.push("b", "b1");
   auto first = rig.turns.next();
   ASSERT_TRUE(first);
-  rig.box->reply_to({"a"}, first->client, 2)(std::string(kMostOfOneClient.reply_bytes, 'x'));
+  rig.box->reply_to({"a"}, first->client, 2)(std::string(kMaxPerClient.reply_bytes, 'x'));
   rig.push("a", "a2");
   EXPECT_EQ(rig.next(2), "b1 - ");
-  rig.box->sent(*first->client, kMostOfOneClient.reply_bytes);
+  rig.box->sent(*first->client, kMaxPerClient.reply_bytes);
   EXPECT_EQ(rig.next(1), "a2 ");
 }
 
@@ -51,13 +51,13 @@ TEST(RequestTurns, BoundsTheBytesThatWaitForAClientAndLetsOthersIn) {
   std::size_t taken = 0;
   while (taken < 1000 && rig.push("a", large)) ++taken;
   EXPECT_GT(taken, 100u);
-  EXPECT_LE(taken * large.size(), RequestTurns::kMostOfOneBytes);
+  EXPECT_LE(taken * large.size(), RequestTurns::kMaxClientBytes);
   EXPECT_TRUE(rig.push("b", large));
   for (int k = 0; k < 10; ++k) {
     const std::string client = "c" + std::to_string(k);
     while (rig.push(client, large)) ++taken;
   }
-  EXPECT_LE(taken * large.size(), RequestTurns::kMostOfAllBytes + 12 * large.size());
+  EXPECT_LE(taken * large.size(), RequestTurns::kMaxTotalBytes + 12 * large.size());
   EXPECT_TRUE(rig.push("d", large));
 }
 
