@@ -21,7 +21,7 @@ namespace test {
 
 using namespace std::chrono_literals;
 
-// The one bench of this process, for open_display and open_camera.
+// The optics of this process' bench, for open_display and open_camera.
 SimulatedOptics* optics_in_use = nullptr;
 
 struct SimulatedOptics::Model {
@@ -34,7 +34,7 @@ struct SimulatedOptics::Model {
   twin::BenchModel bench;
   Image<std::uint8_t> grey;
   std::optional<Roi> window;
-  std::optional<Image<float>> intensity;  ///< of all that is above; none: something has changed
+  std::optional<Image<float>> intensity;  ///< cached for the values above; none: outdated
   std::optional<Detector> detector;
   Image<float> photons;
 };
@@ -109,7 +109,7 @@ class SimulatedDisplay final : public ovws::Display {
   DisplayInfo info_;
 };
 
-/// Mono8, as fast as the settings say.
+/// Simulated Mono8 camera that runs at the configured frame rate.
 class SimulatedCamera final : public Camera {
  public:
   SimulatedCamera() { info_ = {"ovws", "simulated", "1", "here"}; }
@@ -297,7 +297,7 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
   start(*procedures_);
 }
 
-/// The last thread that was started ends first: each finds those that it needs.
+/// Ends threads in reverse order of their start, because later ones use earlier ones.
 SimulatedBench::~SimulatedBench() {
   procedures_->end_soon();
   operators_.end_soon();

@@ -1,6 +1,6 @@
-/// A whole bench in one process, without X server, camera or sockets: the daemon's own actors on a
-/// display and a camera behind which the twin's optics are. A program that links it has its
-/// open_display and open_camera instead of the driver table's.
+/// Simulated bench in one process, without X server, camera or sockets: the daemon's actors on a
+/// display and a camera that are connected by the twin's optics. Its open_display and open_camera
+/// replace those of the driver table at link time.
 #pragma once
 
 #include <atomic>
@@ -22,17 +22,16 @@
 
 namespace ovws::test {
 
-/// What is between the display and the camera; shared by both.
+/// The simulated optics between display and camera; shared by both. Thread-safe.
 class SimulatedOptics {
  public:
   explicit SimulatedOptics(const twin::Config& config);
   ~SimulatedOptics();
 
-  // Any thread.
   void show(const Image<std::uint8_t>& grey);
   void set_truth(const twin::Truth& truth);
   twin::Truth truth() const;
-  /// A frame of what is shown now.
+  /// Exposes a frame of the current hologram.
   void expose(const CameraSettings& settings, Image<std::uint16_t>& dn);
 
  private:
@@ -41,26 +40,26 @@ class SimulatedOptics {
   std::unique_ptr<Model> model_;
 };
 
-/// The configurations of a bench that is quick to simulate: 7 subapertures on an SLM of 320 x 192.
+/// Configurations of a bench that is fast to simulate: 7 subapertures on an SLM of 320 x 192.
 Config small_daemon_config();
 twin::Config small_twin_config();
 
-/// One at a time in a process. All threads run from the constructor to the destructor.
+/// One instance per process at a time. Its threads run from construction to destruction.
 class SimulatedBench {
  public:
   explicit SimulatedBench(Config daemon = small_daemon_config(),
                           const twin::Config& twin = small_twin_config());
   ~SimulatedBench();
 
-  /// Waits until frames of the first hologram are measured; false if none comes within 10 s.
+  /// Waits until frames of the first hologram are measured; false if none arrives within 10 s.
   bool is_running();
-  /// Carries out a procedure as the daemon does, and returns when the sensor is free again. Errors:
-  /// the procedure's own; Errc::unavailable after a minute.
+  /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
+  /// procedure's own; Errc::unavailable after a minute.
   Result<nlohmann::json> run(const std::string& kind, Procedure procedure);
-  /// Changes the sensor, and returns when the change is active.
+  /// Changes the sensor and returns when the change is active.
   Result<SensorView> edit(SensorChange change);
-  /// The mean coefficients of the next `frames` settled and valid frames of what the sensor shows;
-  /// empty if they do not come within 10 s.
+  /// The mean coefficients, waves, of the next `frames` settled and valid frames of the current
+  /// hologram; empty if they do not arrive within 10 s.
   std::vector<double> mean_waves(int frames);
 
   SensorView sensor() const { return keeper_->snapshot(); }
@@ -69,9 +68,9 @@ class SimulatedBench {
   const Config& config() const { return config_; }
 
  private:
-  class Publish;   ///< plays the publish and the images thread
+  class Publish;   ///< stands for the publish and images threads
   class Display;   ///< closes the SLM's loop when it ends
-  struct Turning;  ///< a thread that turns an agent
+  struct Turning;  ///< a thread that runs an agent
   void start(Agent& agent);
 
   std::string folder_;
@@ -92,7 +91,7 @@ class SimulatedBench {
   std::unique_ptr<SensorKeeper> keeper_;
   std::unique_ptr<Procedures> procedures_;
   std::vector<std::unique_ptr<Agent>> own_agents_;
-  std::vector<std::unique_ptr<Turning>> threads_;  ///< in the order in which they end
+  std::vector<std::unique_ptr<Turning>> threads_;  ///< in start order; ended in reverse order
 };
 
 }  // namespace ovws::test

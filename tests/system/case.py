@@ -38,12 +38,12 @@ def wait_for(condition, timeout_s=10.0, what="the condition"):
 
 
 def merged(config, changes):
-    """A configuration with sections laid over those of another."""
+    """Recursively merges the sections of `changes` into a configuration."""
     return config | {key: merged(config[key], value) if isinstance(value, dict) and isinstance(config.get(key), dict) else value
                      for key, value in changes.items()}
 
 
-# An SLM of half the size behind a lens of half the focal length: the camera sees the same, and a hologram and its far field
+# An SLM of half the size with a lens of half the focal length: the camera image is the same, and holograms and propagation
 # take a quarter of the time.
 SMALL_SIZE = (640, 384)
 SMALL_DAEMON = {"slm": {"width": 640, "height": 384}, "optics": {"focal_length_mm": 100.0},
@@ -59,7 +59,7 @@ class BenchCase(unittest.TestCase):
 
     twin_config = {}
     daemon_config = {}
-    small = False  # SMALL_SIZE instead of 1280 x 768
+    small = False  # use SMALL_SIZE instead of 1280 x 768
 
     def setUp(self):
         self.bench = bench_module.Bench()
