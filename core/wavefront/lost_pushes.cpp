@@ -48,7 +48,9 @@ void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, 
 void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
                PushPull& poke) {
   const std::vector<int> lost = lost_by(poke, resting);
-  if (double(lost.size()) > kMaxLostByMode * double(resting.at_px.size())) return;
+  std::size_t spots = 0;
+  for (std::size_t i = 0; i < resting.at_px.size(); ++i) spots += is_found(resting, i) ? 1 : 0;
+  if (double(lost.size()) > kMaxLostByMode * double(spots)) return;
   const double factor = factor_of(poke, model);
   for (const int spot : lost) {
     const auto i = std::size_t(spot);

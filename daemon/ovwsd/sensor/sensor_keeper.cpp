@@ -63,8 +63,14 @@ Result<void> SensorKeeper::begin() {
   const auto planned = [&] {
     return plans_.build(state, bind(state, edit.knowledge, bench_.optics), bench_.hologram_id);
   };
-  if (state.registration && !planned()) state.registration.reset();
   auto plan = planned();
+  if (!plan && state.registration) {
+    deps_.events.emit("registration", Severity::warning,
+                      "the stored registration is not used: " + plan.error().reason,
+                      {{"used", false}});
+    state.registration.reset();
+    plan = planned();
+  }
   if (!plan) return fail(plan.error());
   bench_.grey = picture_of(state);
   deps_.slm.show_when_possible(

@@ -60,6 +60,14 @@ TEST_F(LostPushes, AreLeftAloneIfThereAreTooMany) {
   EXPECT_TRUE(lost_by(push_, resting_).empty());
 }
 
+/// The limit counts the spots that are found at rest, as interaction_matrix does.
+TEST_F(LostPushes, AreTooManyOfThoseThatAreFoundAtRest) {
+  for (std::size_t i = 10; i < 15; ++i) resting_.at_px[i] = kLost;  // 14 of 19 are left
+  for (std::size_t i = 0; i < 4; ++i) push_.plus.at_px[i] = kLost;
+  fill();
+  EXPECT_EQ(lost_by(push_, resting_).size(), 4U);
+}
+
 TEST_F(LostPushes, OfASpotThatDoesNotRestAnywhereStayLost) {
   resting_.at_px[3] = kLost;
   push_.plus.at_px[3] = kLost;
