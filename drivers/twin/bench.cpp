@@ -24,18 +24,18 @@ void Bench::note_change() {
 
 void Bench::show(const Image<std::uint8_t>& grey, Deadline since) {
   const std::lock_guard lock(mutex_);
-  const auto& newest = turning_.empty() ? state_.grey : turning_.back().grey;
+  const auto& newest = pending_.empty() ? state_.grey : pending_.back().grey;
   if (newest->pixels == grey.pixels) return;
-  turning_.push_back({std::make_shared<Image<std::uint8_t>>(grey), since + settle_});
-  if (settle_.count() == 0) turn_crystal();
+  pending_.push_back({std::make_shared<Image<std::uint8_t>>(grey), since + settle_});
+  if (settle_.count() == 0) show_due_images();
 }
 
-void Bench::turn_crystal() {
+void Bench::show_due_images() {
   const auto now = std::chrono::steady_clock::now();
-  while (!turning_.empty() && (settle_.count() == 0 || turning_.front().due <= now)) {
-    state_.grey = turning_.front().grey;
-    shown_since_ = turning_.front().due;
-    turning_.pop_front();
+  while (!pending_.empty() && (settle_.count() == 0 || pending_.front().due <= now)) {
+    state_.grey = pending_.front().grey;
+    shown_since_ = pending_.front().due;
+    pending_.pop_front();
     note_change();
   }
 }
@@ -56,7 +56,7 @@ Truth Bench::truth() const {
 
 std::shared_ptr<const Image<std::uint8_t>> Bench::shown() const {
   const std::lock_guard lock(mutex_);
-  return turning_.empty() ? state_.grey : turning_.back().grey;
+  return pending_.empty() ? state_.grey : pending_.back().grey;
 }
 
 void Bench::set_truth(const Truth& truth) {
@@ -68,10 +68,10 @@ void Bench::set_truth(const Truth& truth) {
 
 std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
   const std::lock_guard lock(mutex_);
-  turn_crystal();
-  const bool moved = state_.truth.turbulence && state_.t_ns != t_ns;
+  show_due_images();
+  const bool new_moment = state_.truth.turbulence && state_.t_ns != t_ns;
   state_.t_ns = t_ns;
-  if (state_.window != window || moved) {
+  if (state_.window != window || new_moment) {
     state_.window = window;
     note_change();
     ordered_ = state_.number;
@@ -83,17 +83,17 @@ std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
 /// is never sent.
 bool Bench::may_be_sent() const {
   if (computed_ == state_.number) return true;
-  return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kTurning;
+  return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kStaleFrameTime;
 }
 
 std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
                                           const std::shared_ptr<const Scene>& ready,
                                           Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  const bool there = changed_.wait_until(lock, stop, deadline, [&] {
+  const bool ready_in_time = changed_.wait_until(lock, stop, deadline, [&] {
     return computed_ >= begun && (scene_ != ready || may_be_sent());
   });
-  return there ? scene_ : nullptr;
+  return ready_in_time ? scene_ : nullptr;
 }
 
 void Bench::note_sent(std::uint64_t frame_id, const Scene& scene) {
@@ -116,7 +116,7 @@ BenchStatus Bench::status() const {
 }
 
 /// Moves the turbulence to the time of `now`; returns whether the light has changed.
-bool Bench::move_air(const State& now) {
+bool Bench::update_turbulence(const State& now) {
   const std::optional<TurbulenceConfig>& wanted = now.truth.turbulence;
   if (!wanted && !turbulence_) return false;
   const bool same = wanted && turbulence_ && turbulence_->config() == *wanted;
@@ -137,8 +137,8 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
   if (light_changed) model_.set_aberration(now.truth.aberration, now.truth.shades);
   if (window_changed) model_.set_window(*now.window, now.truth.geometry);
-  const bool air_moved = move_air(now);
-  if (light_changed || window_changed || air_moved || now.grey != last_.grey) {
+  const bool turbulence_changed = update_turbulence(now);
+  if (light_changed || window_changed || turbulence_changed || now.grey != last_.grey) {
     last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
   }
   last_ = now;

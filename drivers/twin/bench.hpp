@@ -49,7 +49,7 @@ class Bench {
   /// Without it, no frame could be sent while the display changes faster than far fields are
   /// computed. It is shorter than the daemon's settle_ms, with a margin for delivery and for the
   /// delay in noticing a change: the daemon never takes such a frame for a settled one.
-  static constexpr auto kTurning = std::chrono::milliseconds(10);
+  static constexpr auto kStaleFrameTime = std::chrono::milliseconds(10);
 
   explicit Bench(const Config& config);
 
@@ -87,9 +87,9 @@ class Bench {
     std::uint64_t number = 0;  ///< counts the changes
   };
   std::shared_ptr<const Scene> compute(const State& now);
-  bool move_air(const State& now);
+  bool update_turbulence(const State& now);
   void note_change();        // call with mutex_ locked
-  void turn_crystal();       // call with mutex_ locked: shows images that are due
+  void show_due_images();    // call with mutex_ locked: shows images that are due
   bool may_be_sent() const;  // call with mutex_ locked
 
   mutable std::mutex mutex_;
@@ -98,11 +98,11 @@ class Bench {
   std::shared_ptr<const Scene> scene_;
   std::uint64_t computed_ = 0;  ///< the State::number that scene_ shows
   std::uint64_t ordered_ = 0;   ///< State::number of the newest change of truth or window
-  struct Turning {
+  struct PendingImage {
     std::shared_ptr<const Image<std::uint8_t>> grey;
     Deadline due;
   };
-  std::deque<Turning> turning_;  ///< on the display, but not yet on the liquid crystal
+  std::deque<PendingImage> pending_;  ///< on the display, but not yet on the liquid crystal
   std::chrono::steady_clock::duration settle_{};
   Deadline shown_since_;  ///< when state_.grey appeared on the SLM
   BenchStatus status_;

@@ -17,14 +17,14 @@ double vortex_peak_intensity(const SensorConfig& sensor) {
   return peak * peak;
 }
 
-std::complex<float> turn(double turns) {
+std::complex<float> phasor(double turns) {
   const double angle = 2.0 * std::numbers::pi * std::remainder(turns, 1.0);
   return {float(std::cos(angle)), float(std::sin(angle))};
 }
 
 /// Runs work(0) and work(1) in parallel.
 template <class Work>
-void in_two(const Work& work) {
+void in_parallel(const Work& work) {
   const std::jthread helper([&] { work(1); });
   work(0);
 }
@@ -49,11 +49,11 @@ void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   for (Half& half : halves_) {
     const double middle = half.first_row + (half.field.height - slm.height_px) / 2.0;
     for (int r = 0; r < grid.rows; ++r) {
-      half.turns.push_back(turn(-(grid.origin_cpp.y + r * step_y) * middle));
+      half.phase_factors.push_back(phasor(-(grid.origin_cpp.y + r * step_y) * middle));
     }
   }
   whole_ = {grid.cols, grid.rows};
-  seen_ = {window.width, window.height};
+  pixel_field_ = {window.width, window.height};
 }
 
 void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
@@ -65,7 +65,8 @@ void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
 void BenchModel::collect(int first_row, int end_row) {
   const Half &upper = halves_.front(), &lower = halves_.back();
   for (int r = first_row; r < end_row; ++r) {
-    const std::complex<float> a = upper.turns[std::size_t(r)], b = lower.turns[std::size_t(r)];
+    const std::complex<float> a = upper.phase_factors[std::size_t(r)],
+                              b = lower.phase_factors[std::size_t(r)];
     const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
     std::complex<float>* out = whole_.row(r);
     for (int c = 0; c < whole_.width; ++c) {
@@ -79,21 +80,23 @@ void BenchModel::collect(int first_row, int end_row) {
 }
 
 const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
-  in_two([&](int half) { propagate(grey, halves_[std::size_t(half)]); });
+  in_parallel([&](int half) { propagate(grey, halves_[std::size_t(half)]); });
   const auto share = [](int rows, int half) { return half * rows / 2; };
-  in_two([&](int half) { collect(share(whole_.height, half), share(whole_.height, half + 1)); });
-  in_two([&](int half) {
-    view_->read(whole_, share(seen_.height, half), share(seen_.height, half + 1), seen_);
+  in_parallel(
+      [&](int half) { collect(share(whole_.height, half), share(whole_.height, half + 1)); });
+  in_parallel([&](int half) {
+    view_->read(whole_, share(pixel_field_.height, half), share(pixel_field_.height, half + 1),
+                pixel_field_);
   });
-  return seen_;
+  return pixel_field_;
 }
 
 Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
-  const Image<std::complex<float>>& seen = field(grey);
-  Image<float> intensity(seen.width, seen.height);
+  const Image<std::complex<float>>& pixel_field = field(grey);
+  Image<float> intensity(pixel_field.width, pixel_field.height);
   const float scale = float(1.0 / unit_);
-  for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
-    const float re = seen.pixels[i].real(), im = seen.pixels[i].imag();
+  for (std::size_t i = 0; i < pixel_field.pixels.size(); ++i) {
+    const float re = pixel_field.pixels[i].real(), im = pixel_field.pixels[i].imag();
     intensity.pixels[i] = scale * (re * re + im * im);
   }
   return intensity;

@@ -46,7 +46,8 @@ class BenchModel {
     int first_row = 0;
     FarField far_field;
     Image<std::complex<float>> field, far;
-    std::vector<std::complex<float>> turns;  ///< phase factor from its centre to the SLM's, by row
+    /// From the half's centre to the SLM's, by row.
+    std::vector<std::complex<float>> phase_factors;
   };
   void propagate(const Image<std::uint8_t>& grey, Half& half) const;
 
@@ -55,7 +56,7 @@ class BenchModel {
 
   std::optional<CameraView> view_;
   std::vector<Half> halves_;
-  Image<std::complex<float>> whole_, seen_;
+  Image<std::complex<float>> whole_, pixel_field_;
 };
 
 /// Expected spot positions of the configured sensor, in pixels of the camera's sensor, for the

@@ -9,8 +9,8 @@ namespace {
 /// (cos, sin), exact where the angle is a multiple of 90 degrees.
 Vec2 direction(double degrees) {
   const double quarters = std::round(degrees / 90.0);
-  const double rest = (degrees - 90.0 * quarters) * std::numbers::pi / 180.0;
-  Vec2 d{std::cos(rest), std::sin(rest)};
+  const double angle = (degrees - 90.0 * quarters) * std::numbers::pi / 180.0;
+  Vec2 d{std::cos(angle), std::sin(angle)};
   for (int k = ((int(quarters) % 4) + 4) % 4; k > 0; --k) d = {-d.y, d.x};
   return d;
 }
@@ -27,7 +27,7 @@ Vec2 CameraMap::frequency(Vec2 px) const {
   return base_cpp + Vec2{of_x.x * p.x + of_x.y * p.y, of_y.x * p.x + of_y.y * p.y};
 }
 
-CameraMap CameraMap::seen_from(Vec2 corner_px) const {
+CameraMap CameraMap::relative_to(Vec2 corner_px) const {
   CameraMap map = *this;
   map.centre_px = centre_px - corner_px;
   return map;

@@ -10,7 +10,7 @@ namespace ovws::twin {
 /// pixel, u_base the frequency of the base grating, S = camera_px_per_cycle. A positive angle turns
 /// +x towards +y; the mirror comes first: "x" changes the sign of u's x, "y" that of its y.
 struct CameraMap {
-  Vec2 centre_px;    ///< pixel of u_base, relative to the sensor or (seen_from) a window
+  Vec2 centre_px;    ///< pixel of u_base, relative to the sensor or (relative_to) a window
   Vec2 base_cpp;     ///< u_base
   double scale = 0;  ///< S
   Vec2 of_x, of_y;   ///< R M (1, 0) and R M (0, 1); for multiples of 90 degrees 0 and +-1 exactly
@@ -18,7 +18,7 @@ struct CameraMap {
   Vec2 pixel(Vec2 cpp) const;
   Vec2 frequency(Vec2 px) const;
   /// The same map with pixels relative to `corner_px`.
-  CameraMap seen_from(Vec2 corner_px) const;
+  CameraMap relative_to(Vec2 corner_px) const;
   bool axis_aligned() const;  ///< rotated by a multiple of 90 degrees, mirrored or not
 };
 

@@ -9,7 +9,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kTaps = CameraView::kTaps;
-constexpr int kPlaces = 512;  ///< kernel samples per grid step; linear between them: within 1e-6
+constexpr int kKernelSteps = 512;  ///< per grid step; linear between them: within 1e-6
 constexpr double kOversampling = 2.0;
 /// Kaiser window's beta (Kaiser, "Nonrecursive digital filter design using the I0-sinh window
 /// function", 1974) for a transition from 0.5 to 1.5 times the Nyquist frequency over 12 taps.
@@ -26,28 +26,28 @@ double windowed_sinc(double t) {
 
 template <class Taps>
 std::vector<Taps> make_kernel() {
-  std::vector<Taps> kernel(kPlaces + 1);
-  for (int place = 0; place <= kPlaces; ++place) {
+  std::vector<Taps> kernel(kKernelSteps + 1);
+  for (int step = 0; step <= kKernelSteps; ++step) {
     for (int k = 0; k < kTaps; ++k) {
-      const double at = double(place) / kPlaces + (kTaps / 2 - 1) - k;
-      kernel[std::size_t(place)][std::size_t(k)] = float(windowed_sinc(at));
+      const double at = double(step) / kKernelSteps + (kTaps / 2 - 1) - k;
+      kernel[std::size_t(step)][std::size_t(k)] = float(windowed_sinc(at));
     }
   }
   return kernel;
 }
 
 /// Interpolation along one axis: the first grid point to read, and the weights.
-struct Place {
+struct Interpolation {
   int first;
   Eigen::Array<float, kTaps, 1> weights;
 };
 
 template <class Taps>
-Place place(double at, int period, const std::vector<Taps>& kernel) {
+Interpolation interpolate_at(double at, int period, const std::vector<Taps>& kernel) {
   at -= period * std::floor((at - kTaps / 2) / period);
   const double whole = std::floor(at);
-  const double fine = (at - whole) * kPlaces;
-  const int step = std::min(int(fine), kPlaces - 1);
+  const double fine = (at - whole) * kKernelSteps;
+  const int step = std::min(int(fine), kKernelSteps - 1);
   using Row = Eigen::Map<const Eigen::Array<float, kTaps, 1>>;
   const Row below(kernel[std::size_t(step)].data()), above(kernel[std::size_t(step) + 1].data());
   return {int(whole) - (kTaps / 2 - 1), below + float(fine - step) * (above - below)};
@@ -57,26 +57,27 @@ Place place(double at, int period, const std::vector<Taps>& kernel) {
 
 CameraView::CameraView(const CameraMap& map, const SlmGeometry& slm, const Roi& window)
     : width_(window.width), height_(window.height), aligned_(map.axis_aligned()) {
-  const CameraMap here = map.seen_from({double(window.x), double(window.y)});
+  const CameraMap here = map.relative_to({double(window.x), double(window.y)});
   if (aligned_) {
-    align(here);
+    use_pixel_grid(here);
   } else {
-    turn(here, slm);
+    use_oversampled_grid(here, slm);
   }
 }
 
-void CameraView::align(const CameraMap& map) {
-  const bool lies = map.of_x.x == 0.0;
+void CameraView::use_pixel_grid(const CameraMap& map) {
+  const bool transposed = map.of_x.x == 0.0;
   const bool from_right = map.of_x.x < 0.0 || map.of_y.x < 0.0;
   const bool from_below = map.of_x.y < 0.0 || map.of_y.y < 0.0;
   const Vec2 first{from_right ? width_ - 1.0 : 0.0, from_below ? height_ - 1.0 : 0.0};
-  grid_ = {lies ? height_ : width_, lies ? width_ : height_, map.frequency(first), 1.0 / map.scale};
+  grid_ = {transposed ? height_ : width_, transposed ? width_ : height_, map.frequency(first),
+           1.0 / map.scale};
   per_column_ = {map.of_x.x, map.of_y.x};
   per_row_ = {map.of_x.y, map.of_y.y};
   start_ = Vec2{} - (first.x * per_column_ + first.y * per_row_);
 }
 
-void CameraView::turn(const CameraMap& map, const SlmGeometry& slm) {
+void CameraView::use_oversampled_grid(const CameraMap& map, const SlmGeometry& slm) {
   const Vec2 step{1.0 / (kOversampling * slm.width_px), 1.0 / (kOversampling * slm.height_px)};
   period_ = {int(kOversampling) * slm.width_px, int(kOversampling) * slm.height_px};
   const auto on_grid = [&](Vec2 px) {
@@ -127,7 +128,8 @@ void CameraView::read(const Image<std::complex<float>>& far, int first_row, int 
     std::complex<float>* to = out.row(r);
     for (int c = 0; c < width_; ++c) {
       const Vec2 at = start_ + double(c) * per_column_ + double(r) * per_row_;
-      const Place x = place(at.x, period_[0], kernel_), y = place(at.y, period_[1], kernel_);
+      const Interpolation x = interpolate_at(at.x, period_[0], kernel_),
+                          y = interpolate_at(at.y, period_[1], kernel_);
       Line columns = Line::Zero();
       for (int k = 0; k < kTaps; ++k) {
         const std::complex<float>* line = far.row(y.first + k) + x.first;

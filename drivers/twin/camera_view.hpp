@@ -33,8 +33,8 @@ class CameraView {
   static constexpr int kTaps = 12;
 
  private:
-  void align(const CameraMap& map);
-  void turn(const CameraMap& map, const SlmGeometry& slm);
+  void use_pixel_grid(const CameraMap& map);
+  void use_oversampled_grid(const CameraMap& map, const SlmGeometry& slm);
   void copy(const Image<std::complex<float>>& far, int first_row, int end_row,
             Image<std::complex<float>>& out) const;
 

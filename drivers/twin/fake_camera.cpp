@@ -24,8 +24,8 @@ constexpr auto kBetweenPlugs = std::chrono::milliseconds(200);
 std::unique_ptr<Descriptor> genicam_file() {
   auto file = std::make_unique<Descriptor>(memfd_create("ovws-twin.xml", MFD_CLOEXEC));
   const std::string_view xml = genicam_xml();
-  const bool whole = write(file->get(), xml.data(), xml.size()) == ssize_t(xml.size());
-  return whole ? std::move(file) : nullptr;
+  const bool written = write(file->get(), xml.data(), xml.size()) == ssize_t(xml.size());
+  return written ? std::move(file) : nullptr;
 }
 
 tl::unexpected<Error> no_camera(const std::string& reason) {

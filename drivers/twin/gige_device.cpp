@@ -24,8 +24,7 @@ namespace {
 constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
-constexpr auto kFreshNews =
-    std::chrono::milliseconds(2);  // an older display state is queried again
+constexpr auto kMaxDisplayAge = std::chrono::milliseconds(2);  // older: queried again
 
 // Bootstrap registers of GigE Vision that hold text.
 constexpr std::uint32_t kVendorAddress = 0x48, kModelAddress = 0x68, kInfoAddress = 0xa8;
@@ -47,8 +46,8 @@ bool inside(const Roi& roi, const CameraConfig& sensor) {
 
 /// Memory of a buffer for a frame of this size and format; empty if there is none.
 std::span<std::byte> pixels_of(ArvBuffer* buffer, const CameraSettings& settings) {
-  size_t not_known_here = 0;  // Aravis sets the size after `fill`
-  const void* pixels = arv_buffer_get_data(buffer, &not_known_here);
+  size_t unused_size = 0;  // Aravis sets the size after `fill`
+  const void* pixels = arv_buffer_get_data(buffer, &unused_size);
   if (pixels == nullptr || settings.roi.width <= 0 || settings.roi.height <= 0) return {};
   return {static_cast<std::byte*>(const_cast<void*>(pixels)),
           frame_bytes(settings.pixel_format, settings.roi.width, settings.roi.height)};
@@ -150,7 +149,7 @@ void GigeDevice::fill(ArvBuffer* buffer) {
   const std::uint32_t period_us =
       std::max(read(kRegisterWantedPeriodUs), std::uint32_t(now.exposure_us));
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
-  lose_packets(send_again(buffer, now) ? FrameFate::send : befall(buffer, now));
+  lose_packets(send_again(buffer, now) ? FrameFate::send : inject_fault(buffer, now));
   period_ns_ = std::int64_t(period_us) * 1000;
   filled_ns_ = monotonic_ns();
   filling_ = false;
@@ -170,7 +169,7 @@ bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
 }
 
 /// Makes a new frame and applies the active fault to it.
-FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) {
+FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& settings) {
   frame_id_ = frame_id_ % 65535 + 1;
   arv_buffer_set_frame_id(buffer, frame_id_);
   const FrameFate fate = kept_ ? FrameFate::send : deps_.faults.next_frame(stop_);
@@ -189,12 +188,12 @@ FrameFate GigeDevice::befall(ArvBuffer* buffer, const CameraSettings& settings) 
   return swapped ? FrameFate::drop : FrameFate::send;
 }
 
-/// Moves the device timestamp of a slowly computed frame to kTurning before now. A real camera
-/// delivers soon after the exposure, and clients take the smallest delay from stamp to arrival as
-/// the camera's latency. If all frames were slow, that estimate would be too long, and late frames
-/// would count as settled.
+/// Moves the device timestamp of a slowly computed frame to kStaleFrameTime before now. A real
+/// camera delivers soon after the exposure, and clients take the smallest delay from stamp to
+/// arrival as the camera's latency. If all frames were slow, that estimate would be too long, and
+/// late frames would count as settled.
 void GigeDevice::stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun) {
-  const auto late = std::chrono::steady_clock::now() - begun - Bench::kTurning;
+  const auto late = std::chrono::steady_clock::now() - begun - Bench::kStaleFrameTime;
   if (late.count() <= 0) return;
   const auto late_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(late).count();
   arv_buffer_set_timestamp(buffer, arv_buffer_get_timestamp(buffer) + guint64(late_ns));
@@ -229,7 +228,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
     // Computing the frame is slow on a busy machine. Query the display again: its present image
     // decides whether the frame may be sent.
     const auto made = std::chrono::steady_clock::now();
-    if (made > start + kFreshNews) deps_.screen.catch_up(made + kDisplayTime, stop_);
+    if (made > start + kMaxDisplayAge) deps_.screen.catch_up(made + kDisplayTime, stop_);
   }
   ++tally_.late;
   return FrameFate::drop;

@@ -55,7 +55,7 @@ class GigeDevice {
   void power_up();
   void fill(ArvBuffer* buffer);
   bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
-  FrameFate befall(ArvBuffer* buffer, const CameraSettings& settings);
+  FrameFate inject_fault(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
   static void stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun);
   void lose_packets(FrameFate fate);

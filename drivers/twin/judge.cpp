@@ -27,13 +27,13 @@ double rms(const PupilBlocks& blocks, const Eigen::VectorXd& waves) {
   return std::sqrt(weights.dot((waves.array() - mean).square().matrix()) / weights.sum());
 }
 
-/// Strehl ratio |sum A exp(i phi)|^2 / (sum A)^2, phi being the modes plus the residual `rest`.
-double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::VectorXd& rest) {
+/// Strehl ratio |sum A exp(i phi)|^2 / (sum A)^2, phi being the modes plus `residual`.
+double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::VectorXd& residual) {
   for (Mode& mode : modes) mode.waves = -mode.waves;
   const Eigen::VectorXcd sums = blocks.sums(nullptr, modes);
   std::complex<double> sum = 0.0;
   for (Eigen::Index b = 0; b < sums.size(); ++b) {
-    sum += sums[b] * std::polar(1.0, 2.0 * std::numbers::pi * rest[b]);
+    sum += sums[b] * std::polar(1.0, 2.0 * std::numbers::pi * residual[b]);
   }
   return std::norm(sum / blocks.weights().sum());
 }
@@ -44,19 +44,20 @@ Judge::Judge(const Config& config)
     : config_(config), slm_(config), aberration_(config.truth.aberration) {}
 
 const Judge::Expected& Judge::expected(Pattern pattern) {
-  std::unique_ptr<Expected>& made = expected_[std::size_t(pattern)];
-  if (made) return *made;
+  std::unique_ptr<Expected>& cached = expected_[std::size_t(pattern)];
+  if (cached) return *cached;
   Image<std::complex<float>> ideal = ideal_hologram(config_, pattern);
-  Image<float> light(ideal.width, ideal.height);
-  for (int y = 0; y < light.height; ++y) {
-    for (int x = 0; x < light.width; ++x) {
-      if (ideal.at(x, y) != std::complex<float>{}) light.at(x, y) = slm_.amplitude(x, y);
+  Image<float> amplitude(ideal.width, ideal.height);
+  for (int y = 0; y < amplitude.height; ++y) {
+    for (int x = 0; x < amplitude.width; ++x) {
+      if (ideal.at(x, y) != std::complex<float>{}) amplitude.at(x, y) = slm_.amplitude(x, y);
     }
   }
-  const Vec2 centre{(light.width - 1) / 2.0, (light.height - 1) / 2.0};
-  made = std::make_unique<Expected>(Expected{
-      std::move(ideal), PupilBlocks(std::move(light), centre, config_.sensor.pupil_diameter_px)});
-  return *made;
+  const Vec2 centre{(amplitude.width - 1) / 2.0, (amplitude.height - 1) / 2.0};
+  cached = std::make_unique<Expected>(
+      Expected{std::move(ideal),
+               PupilBlocks(std::move(amplitude), centre, config_.sensor.pupil_diameter_px)});
+  return *cached;
 }
 
 std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& grey,
@@ -74,13 +75,14 @@ std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& 
   const WavefrontFit fit = fit_wavefront(blocks, field);
   if (!fit.unwrapped) return std::nullopt;
   const auto beyond_piston = tail(fit.modes, 1), beyond_tilt = tail(fit.modes, 3);
-  const std::complex<double> left = blocks.sums(&field, fit.modes).sum() / blocks.weights().sum();
+  const std::complex<double> coherent =
+      blocks.sums(&field, fit.modes).sum() / blocks.weights().sum();
   return Verdict{fit.modes,
-                 rms(blocks, waves_of(blocks, beyond_tilt) + fit.rest_waves),
-                 rms(blocks, waves_of(blocks, beyond_piston) + fit.rest_waves),
-                 strehl(blocks, beyond_tilt, fit.rest_waves),
-                 strehl(blocks, beyond_piston, fit.rest_waves),
-                 std::norm(left)};
+                 rms(blocks, waves_of(blocks, beyond_tilt) + fit.residual_waves),
+                 rms(blocks, waves_of(blocks, beyond_piston) + fit.residual_waves),
+                 strehl(blocks, beyond_tilt, fit.residual_waves),
+                 strehl(blocks, beyond_piston, fit.residual_waves),
+                 std::norm(coherent)};
 }
 
 std::optional<std::vector<Mode>> Judge::flatness_modes() {

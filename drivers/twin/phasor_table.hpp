@@ -21,9 +21,9 @@ class PhasorTable {
   /// Requires |turns| < 1e5.
   std::complex<float> operator()(float turns) const {
     // Floor written out: std::floor is a function call without SSE 4.1.
-    const float place = turns * kSize + 0.5F;
-    const int whole = int(place);
-    return table_[std::size_t((whole - (place < float(whole) ? 1 : 0)) & (kSize - 1))];
+    const float position = turns * kSize + 0.5F;
+    const int index = int(position);
+    return table_[std::size_t((index - (position < float(index) ? 1 : 0)) & (kSize - 1))];
   }
 
  private:

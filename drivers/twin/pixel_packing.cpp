@@ -15,7 +15,7 @@ void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, u
 
 /// GigE Vision 1 packing of two pixels in three bytes: the high eight bits of each in a byte of its
 /// own, the low bits of both in the byte between.
-void put_in_three(std::vector<std::byte>& bytes, std::size_t pixel, int bits, unsigned value) {
+void put_packed_pair(std::vector<std::byte>& bytes, std::size_t pixel, int bits, unsigned value) {
   const std::size_t first = pixel / 2 * 3, odd = pixel % 2;
   bytes[first + 2 * odd] = std::byte(value >> (bits - 8));
   bytes[first + 1] |= std::byte((value & ((1U << (bits - 8)) - 1)) << (4 * odd));
@@ -50,7 +50,7 @@ std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFor
         break;
       case PixelLayout::packed10:
       case PixelLayout::packed12:
-        put_in_three(bytes, i, traits.bits, value);
+        put_packed_pair(bytes, i, traits.bits, value);
         break;
     }
   }
@@ -65,8 +65,9 @@ void filter_colours(Image<float>& photons, PixelFormat format, double wavelength
   };
   for (int y = 0; y < photons.height; ++y) {
     for (int x = 0; x < photons.width; ++x) {
-      const bool seen = passes(lit.lattice, x, y) || (lit.diagonal && passes(lit.other(), x, y));
-      if (!seen) photons.at(x, y) *= kLeak;
+      const bool transmitted =
+          passes(lit.lattice, x, y) || (lit.diagonal && passes(lit.other(), x, y));
+      if (!transmitted) photons.at(x, y) *= kLeak;
     }
   }
 }

@@ -12,12 +12,12 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kBlocksAcross = 96;
-constexpr double kLeastLight = 0.25;
+constexpr double kMinAmplitudeShare = 0.25;
 
 }  // namespace
 
-PupilBlocks::PupilBlocks(Image<float> light, Vec2 centre_px, double diameter_px)
-    : light_(std::move(light)),
+PupilBlocks::PupilBlocks(Image<float> amplitude, Vec2 centre_px, double diameter_px)
+    : amplitude_(std::move(amplitude)),
       centre_px_(centre_px),
       diameter_px_(diameter_px),
       step_px_(std::max(1, int(diameter_px / kBlocksAcross))),
@@ -30,24 +30,24 @@ PupilBlocks::PupilBlocks(Image<float> light, Vec2 centre_px, double diameter_px)
 
 void PupilBlocks::place_blocks() {
   struct Sum {
-    double light = 0.0;
+    double amplitude = 0.0;
     Vec2 at_px;
   };
   std::vector<Sum> sums(number_.size());
-  for (int y = 0; y < light_.height; ++y) {
-    const Columns pupil = columns_in_circle(centre_px_, diameter_px_, y, light_.width);
+  for (int y = 0; y < amplitude_.height; ++y) {
+    const Columns pupil = columns_in_circle(centre_px_, diameter_px_, y, amplitude_.width);
     for (int x = pupil.begin; x < pupil.end; ++x) {
-      Sum& sum = sums[cell(x, y)];
-      const double light = light_.at(x, y);
-      sum.light += light;
-      sum.at_px = sum.at_px + light * Vec2{double(x), double(y)};
+      Sum& sum = sums[bin(x, y)];
+      const double amplitude = amplitude_.at(x, y);
+      sum.amplitude += amplitude;
+      sum.at_px = sum.at_px + amplitude * Vec2{double(x), double(y)};
     }
   }
-  double most = 0.0;
-  for (const Sum& sum : sums) most = std::max(most, sum.light);
+  double brightest = 0.0;
+  for (const Sum& sum : sums) brightest = std::max(brightest, sum.amplitude);
   std::vector<Sum> kept;
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (sums[i].light <= kLeastLight * most) continue;
+    if (sums[i].amplitude <= kMinAmplitudeShare * brightest) continue;
     number_[i] = int(kept.size());
     kept.push_back(sums[i]);
   }
@@ -55,8 +55,8 @@ void PupilBlocks::place_blocks() {
   modes_.resize(weights_.size(), kModes);
   for (Eigen::Index b = 0; b < weights_.size(); ++b) {
     const Sum& sum = kept[std::size_t(b)];
-    const Vec2 at = (2.0 / diameter_px_) * ((1.0 / sum.light) * sum.at_px - centre_px_);
-    weights_[b] = sum.light;
+    const Vec2 at = (2.0 / diameter_px_) * ((1.0 / sum.amplitude) * sum.at_px - centre_px_);
+    weights_[b] = sum.amplitude;
     for (int j = 0; j < kModes; ++j) modes_(b, j) = zernike(j, at);
   }
   join_neighbours();
@@ -73,7 +73,7 @@ void PupilBlocks::join_neighbours() {
   }
 }
 
-std::size_t PupilBlocks::cell(int x, int y) const {
+std::size_t PupilBlocks::bin(int x, int y) const {
   const int column = (x - first_x_px_) / step_px_, row = (y - first_y_px_) / step_px_;
   return std::size_t(row) * std::size_t(across_) + std::size_t(column);
 }
@@ -82,19 +82,19 @@ Eigen::VectorXcd PupilBlocks::sums(const Image<std::complex<float>>* field,
                                    std::span<const Mode> modes) const {
   static const PhasorTable kPhasor;
   const WavefrontRows wavefront(modes, centre_px_, diameter_px_);
-  std::vector<double> waves(std::size_t(light_.width));
+  std::vector<double> waves(std::size_t(amplitude_.width));
   Eigen::VectorXcd sums = Eigen::VectorXcd::Zero(weights_.size());
-  for (int y = 0; y < light_.height; ++y) {
-    const Columns pupil = columns_in_circle(centre_px_, diameter_px_, y, light_.width);
+  for (int y = 0; y < amplitude_.height; ++y) {
+    const Columns pupil = columns_in_circle(centre_px_, diameter_px_, y, amplitude_.width);
     if (pupil.begin == pupil.end) continue;
     wavefront.waves(y, pupil.begin, std::span(waves).subspan(pupil.begin, pupil.end - pupil.begin));
     for (int x = pupil.begin; x < pupil.end; ++x) {
-      const int block = number_[cell(x, y)];
+      const int block = number_[bin(x, y)];
       if (block < 0) continue;
       const double turns = waves[std::size_t(x)];
-      const std::complex<float> back = kPhasor(float(std::remainder(-turns, 1.0)));
-      const std::complex<float> light = field ? field->at(x, y) : light_.at(x, y);
-      sums[block] += std::complex<double>(product(light, back));
+      const std::complex<float> conjugate = kPhasor(float(std::remainder(-turns, 1.0)));
+      const std::complex<float> value = field ? field->at(x, y) : amplitude_.at(x, y);
+      sums[block] += std::complex<double>(product(value, conjugate));
     }
   }
   return sums;

@@ -19,9 +19,9 @@ class PupilBlocks {
  public:
   static constexpr int kModes = 21;  ///< j = 0 .. 20
 
-  /// `light`: the amplitude at each pixel, 0 where the field is to be ignored. Blocks with at most
-  /// a quarter of the brightest block's light are left out.
-  PupilBlocks(Image<float> light, Vec2 centre_px, double diameter_px);
+  /// `amplitude`: of the light at each pixel, 0 where the field is to be ignored. Blocks with at
+  /// most a quarter of the brightest block's sum are left out.
+  PupilBlocks(Image<float> amplitude, Vec2 centre_px, double diameter_px);
 
   int count() const { return int(weights_.size()); }
   const Eigen::VectorXd& weights() const {
@@ -32,8 +32,8 @@ class PupilBlocks {
   /// Pairs of adjacent blocks, side by side or one below the other.
   const std::vector<std::pair<int, int>>& neighbours() const { return neighbours_; }
 
-  /// For each block the sum of field * exp(-2 pi i waves(modes)). `field`: of the light's size;
-  /// null: the light itself.
+  /// For each block the sum of field * exp(-2 pi i waves(modes)). `field`: of the amplitude's size;
+  /// null: the amplitude itself.
   Eigen::VectorXcd sums(const Image<std::complex<float>>* field, std::span<const Mode> modes) const;
 
   /// Smooths block sums by diffusion between neighbours: a ripple of 12 cycles across the pupil
@@ -41,15 +41,15 @@ class PupilBlocks {
   Eigen::VectorXcd smoothed(Eigen::VectorXcd sums) const;
 
  private:
-  std::size_t cell(int x, int y) const;
+  std::size_t bin(int x, int y) const;
   void place_blocks();
   void join_neighbours();
 
-  Image<float> light_;
+  Image<float> amplitude_;
   Vec2 centre_px_;
   double diameter_px_;
   int step_px_, first_x_px_, first_y_px_, across_;
-  std::vector<int> number_;  ///< block of each grid cell; -1: left out
+  std::vector<int> number_;  ///< block of each bin; -1: left out
   Eigen::VectorXd weights_;
   Eigen::MatrixXd modes_;
   std::vector<std::pair<int, int>> neighbours_;

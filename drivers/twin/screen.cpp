@@ -23,12 +23,12 @@ Screen::Screen(const SlmConfig& slm, std::string x_display, Bench& bench)
     : slm_(slm),
       x_display_(std::move(x_display)),
       bench_(bench),
-      bell_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+      wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   status_.text = "not connected yet";
 }
 
 Screen::~Screen() {
-  close(bell_);
+  close(wake_fd_);
 }
 
 void Screen::work(const std::stop_token& stop) {
@@ -48,33 +48,33 @@ void Screen::work(const std::stop_token& stop) {
     const auto next_try = std::chrono::steady_clock::now() + kBetweenTries;
     while (!stop.stop_requested() && std::chrono::steady_clock::now() < next_try) {
       answer(asked());
-      wait_for_news(-1);
+      wait_for_events(-1);
     }
   }
 }
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Image<std::uint8_t> grey;
-  // A change found now happened after the previous look, or after the wait that it ended.
+  // A change found now happened after the previous check, or after the wait that it ended.
   auto since = std::chrono::steady_clock::now();
-  if (!tell(output, grey, since)) return;
+  if (!forward(output, grey, since)) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
     // catch_up needs a round trip to the server; otherwise received events are enough.
-    const auto looked = std::chrono::steady_clock::now();
-    XOutput::News news = asked_now != answered_ ? output.ask_news() : output.read_news();
-    if (news == XOutput::News::lost) return;
-    if (news == XOutput::News::pixels && !tell(output, grey, since)) return;
+    const auto checked_at = std::chrono::steady_clock::now();
+    XOutput::Change change = asked_now != answered_ ? output.sync_changes() : output.read_changes();
+    if (change == XOutput::Change::lost) return;
+    if (change == XOutput::Change::pixels && !forward(output, grey, since)) return;
     answer(asked_now);
-    since = looked;
-    if (news == XOutput::News::none) {
-      wait_for_news(output.descriptor());
+    since = checked_at;
+    if (change == XOutput::Change::none) {
+      wait_for_events(output.descriptor());
       since = std::chrono::steady_clock::now();
     }
   }
 }
 
-bool Screen::tell(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since) {
+bool Screen::forward(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since) {
   if (!output.grab(grey)) return false;
   bench_.show(grey, since);
   const std::lock_guard lock(mutex_);
@@ -82,18 +82,19 @@ bool Screen::tell(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline si
   return true;
 }
 
-void Screen::wait_for_news(int descriptor) {
-  std::array<pollfd, 2> readable{{{bell_, POLLIN, 0}, {descriptor, POLLIN, 0}}};
+void Screen::wait_for_events(int descriptor) {
+  std::array<pollfd, 2> readable{{{wake_fd_, POLLIN, 0}, {descriptor, POLLIN, 0}}};
   poll(readable.data(), descriptor < 0 ? 1 : 2, kPollMs);
   eventfd_t rung = 0;
-  eventfd_read(bell_, &rung);
+  eventfd_read(wake_fd_, &rung);
 }
 
 bool Screen::catch_up(Bench::Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  const std::uint64_t mine = ++asked_;
-  eventfd_write(bell_, 1);
-  return answered_now_.wait_until(lock, stop, deadline, [this, mine] { return answered_ >= mine; });
+  const std::uint64_t request = ++asked_;
+  eventfd_write(wake_fd_, 1);
+  return answered_now_.wait_until(lock, stop, deadline,
+                                  [this, request] { return answered_ >= request; });
 }
 
 std::uint64_t Screen::asked() const {

@@ -39,8 +39,8 @@ class Screen {
 
  private:
   void follow(XOutput& output, const std::stop_token& stop);
-  bool tell(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since);
-  void wait_for_news(int descriptor);
+  bool forward(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since);
+  void wait_for_events(int descriptor);
   void answer(std::uint64_t asked);
   std::uint64_t asked() const;
   void report(bool shown, const std::string& text);
@@ -48,7 +48,7 @@ class Screen {
   const SlmConfig slm_;
   const std::string x_display_;
   Bench& bench_;
-  int bell_;  ///< eventfd that wakes the screen's thread
+  int wake_fd_;  ///< eventfd that wakes the screen's thread
   mutable std::mutex mutex_;
   std::condition_variable_any answered_now_;
   std::uint64_t asked_ = 0, answered_ = 0;  ///< calls of catch_up

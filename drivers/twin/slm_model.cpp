@@ -36,7 +36,7 @@ std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
 /// Flatness error: a few long waves in random directions, smooth like the bend of an SLM's glass.
 Image<float> make_surface(const SlmConfig& slm) {
   constexpr int kWaves = 8;
-  constexpr double kLeastCycles = 0.5;
+  constexpr double kMinCycles = 0.5;
   Image<float> surface(slm.geometry.width_px, slm.geometry.height_px);
   std::mt19937_64 random{std::uint64_t(slm.flatness_seed)};
   const auto uniform = [&random] { return double(random() >> 11) * 0x1.0p-53; };
@@ -45,7 +45,7 @@ Image<float> make_surface(const SlmConfig& slm) {
   for (int k = 0; k < kWaves; ++k) {
     const double direction = kTwoPi * uniform(), start = uniform();
     const double cycles =
-        (kLeastCycles + (slm.flatness_cycles - kLeastCycles) * uniform()) / surface.height;
+        (kMinCycles + (slm.flatness_cycles - kMinCycles) * uniform()) / surface.height;
     const double fx = cycles * std::cos(direction), fy = cycles * std::sin(direction);
     for (int y = 0; y < surface.height; ++y) {
       float* row = surface.row(y);

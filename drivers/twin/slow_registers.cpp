@@ -10,7 +10,7 @@
 namespace ovws::twin {
 namespace {
 
-std::atomic<const Faults*> in_force{nullptr};
+std::atomic<const Faults*> active_faults{nullptr};
 
 /// Whether a packet is a GVCP write acknowledge: status and command of 16 bits each, then length
 /// and id, then 4 bytes. No packet of a frame is as short.
@@ -23,11 +23,11 @@ bool is_write_ack(const gchar* packet, gsize size) {
 }  // namespace
 
 SlowRegisters::SlowRegisters(const Faults& faults) {
-  in_force = &faults;
+  active_faults = &faults;
 }
 
 SlowRegisters::~SlowRegisters() {
-  in_force = nullptr;
+  active_faults = nullptr;
 }
 
 }  // namespace ovws::twin
@@ -37,7 +37,7 @@ extern "C" gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, con
                                    gsize size, GCancellable* cancellable, GError** error) {
   using Send = decltype(&g_socket_send_to);
   static const Send send = reinterpret_cast<Send>(dlsym(RTLD_NEXT, "g_socket_send_to"));
-  const ovws::twin::Faults* const faults = ovws::twin::in_force;
+  const ovws::twin::Faults* const faults = ovws::twin::active_faults;
   if (faults != nullptr && ovws::twin::is_write_ack(buffer, size)) {
     const ovws::twin::Fault fault = faults->active();
     if (fault.kind == ovws::twin::FaultKind::slow_registers) {

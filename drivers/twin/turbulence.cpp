@@ -11,7 +11,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kWaves = 300;
-constexpr int kTaken = 3;  ///< modes that `tilt: false` takes out: j = 0, 1, 2
+constexpr int kRemoved = 3;  ///< modes that `tilt: false` takes out: j = 0, 1, 2
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// 2 J_(n+1)(kappa) / kappa, kappa in radians per pupil radius.
@@ -25,8 +25,8 @@ double power_beyond_tilt(double kappa) {
   return std::max(0.0, 1.0 - piston * piston - 4.0 * tilt * tilt);
 }
 
-double kappa_of(Vec2 turns_per_radius) {
-  return kTwoPi * norm(turns_per_radius);
+double kappa_of(Vec2 cycles_per_radius) {
+  return kTwoPi * norm(cycles_per_radius);
 }
 
 std::complex<double> power_of_i(int m) {
@@ -47,8 +47,8 @@ Turbulence::Turbulence(const TurbulenceConfig& config) : config_(config), waves_
     Wave& wave = waves_[std::size_t(k)];
     const double cycles = std::exp(lowest + (highest - lowest) * (k + uniform()) / kWaves);
     const double direction = kTwoPi * uniform();
-    wave.turns_per_radius = (0.5 * cycles) * Vec2{std::cos(direction), std::sin(direction)};
-    wave.start_turns = uniform();
+    wave.cycles_per_radius = (0.5 * cycles) * Vec2{std::cos(direction), std::sin(direction)};
+    wave.start_cycles = uniform();
     const double knee = 1.0 / config.outer_scale_pupils;
     // Power in a ring of the spectrum of width d ln f: f^2 times the spectral density.
     wave.waves = cycles * std::pow(cycles * cycles + knee * knee, -11.0 / 12.0);
@@ -60,31 +60,31 @@ Turbulence::Turbulence(const TurbulenceConfig& config) : config_(config), waves_
 void Turbulence::scale_to_rms() {
   double power = 0.0;
   for (const Wave& wave : waves_) {
-    power += 0.5 * wave.waves * wave.waves * power_beyond_tilt(kappa_of(wave.turns_per_radius));
+    power += 0.5 * wave.waves * wave.waves * power_beyond_tilt(kappa_of(wave.cycles_per_radius));
   }
   for (Wave& wave : waves_) wave.waves *= config_.rms_waves / std::sqrt(power);
 }
 
 void Turbulence::fill_modes(Wave& wave) const {
-  const double kappa = kappa_of(wave.turns_per_radius);
-  const double direction = std::atan2(wave.turns_per_radius.y, wave.turns_per_radius.x);
+  const double kappa = kappa_of(wave.cycles_per_radius);
+  const double direction = std::atan2(wave.cycles_per_radius.y, wave.cycles_per_radius.x);
   for (int j = 0; j < kModes; ++j) {
     const ZernikeIndex index = zernike_index(j);
     const int m = std::abs(index.m);
-    const double turn = index.m < 0 ? std::sin(m * direction) : std::cos(m * direction);
+    const double angular = index.m < 0 ? std::sin(m * direction) : std::cos(m * direction);
     const double sign = (index.n - m) / 2 % 2 == 0 ? 1.0 : -1.0;
-    wave.modes[std::size_t(j)] = wave.waves * zernike_rms_factor(j) * sign * turn *
+    wave.modes[std::size_t(j)] = wave.waves * zernike_rms_factor(j) * sign * angular *
                                  bessel_ratio(index.n, kappa) * power_of_i(m);
   }
 }
 
 double Turbulence::phase_at_centre(const Wave& wave, std::int64_t t_ns) const {
-  // Decades of nanoseconds to a fraction of a turn need more digits than a double has.
-  const long double turns_per_s =
-      (long double)(wave.turns_per_radius.x) * (long double)(radii_per_s_.x) +
-      (long double)(wave.turns_per_radius.y) * (long double)(radii_per_s_.y);
-  const long double moved = turns_per_s * (long double)(t_ns)*1e-9L;
-  return kTwoPi * (wave.start_turns - double(moved - std::floor(moved)));
+  // Decades of nanoseconds to a fraction of a cycle need more digits than a double has.
+  const long double cycles_per_s =
+      (long double)(wave.cycles_per_radius.x) * (long double)(radii_per_s_.x) +
+      (long double)(wave.cycles_per_radius.y) * (long double)(radii_per_s_.y);
+  const long double cycles = cycles_per_s * (long double)(t_ns)*1e-9L;
+  return kTwoPi * (wave.start_cycles - double(cycles - std::floor(cycles)));
 }
 
 Turbulence::Modes Turbulence::all_modes(std::int64_t t_ns) const {
@@ -101,19 +101,19 @@ Turbulence::Modes Turbulence::all_modes(std::int64_t t_ns) const {
 
 Turbulence::Modes Turbulence::modes(std::int64_t t_ns) const {
   Modes modes = all_modes(t_ns);
-  if (!config_.tilt) std::fill(modes.begin(), modes.begin() + kTaken, 0.0);
+  if (!config_.tilt) std::fill(modes.begin(), modes.begin() + kRemoved, 0.0);
   return modes;
 }
 
 double Turbulence::waves(Vec2 at, std::int64_t t_ns) const {
   double sum = 0.0;
   for (const Wave& wave : waves_) {
-    const Vec2 f = wave.turns_per_radius;
+    const Vec2 f = wave.cycles_per_radius;
     sum += wave.waves * std::cos(phase_at_centre(wave, t_ns) + kTwoPi * (f.x * at.x + f.y * at.y));
   }
   if (config_.tilt) return sum;
-  const Modes taken = all_modes(t_ns);
-  for (int j = 0; j < kTaken; ++j) sum -= taken[std::size_t(j)] * zernike(j, at);
+  const Modes removed = all_modes(t_ns);
+  for (int j = 0; j < kRemoved; ++j) sum -= removed[std::size_t(j)] * zernike(j, at);
   return sum;
 }
 
@@ -123,7 +123,7 @@ Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int
   Eigen::MatrixXf along_x(points, 2 * waves), along_y(2 * waves, points);
   for (Eigen::Index k = 0; k < waves; ++k) {
     const Wave& wave = waves_[std::size_t(k)];
-    const Vec2 f = kTwoPi * wave.turns_per_radius;
+    const Vec2 f = kTwoPi * wave.cycles_per_radius;
     std::complex<double> x = std::polar(1.0, f.x * first.x);
     std::complex<double> y = std::polar(wave.waves, f.y * first.y + phase_at_centre(wave, t_ns));
     const auto next_x = std::polar(1.0, f.x * step), next_y = std::polar(1.0, f.y * step);
@@ -136,14 +136,14 @@ Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int
   }
   Eigen::MatrixXf sum = along_x * along_y;
   if (config_.tilt) return sum;
-  const Modes taken = all_modes(t_ns);
-  const Eigen::ArrayXf place = Eigen::ArrayXf::LinSpaced(points, 0.0F, float(points - 1));
+  const Modes removed = all_modes(t_ns);
+  const Eigen::ArrayXf index = Eigen::ArrayXf::LinSpaced(points, 0.0F, float(points - 1));
   const auto tilt = [&](double slope, double start) {
-    return (place * float(slope * step) + float(slope * start)).matrix().eval();
+    return (index * float(slope * step) + float(slope * start)).matrix().eval();
   };
-  sum.array() -= float(taken[0]);
-  sum.rowwise() -= tilt(zernike_gradient(1, {}).y * taken[1], first.y).transpose();
-  sum.colwise() -= tilt(zernike_gradient(2, {}).x * taken[2], first.x);
+  sum.array() -= float(removed[0]);
+  sum.rowwise() -= tilt(zernike_gradient(1, {}).y * removed[1], first.y).transpose();
+  sum.colwise() -= tilt(zernike_gradient(2, {}).x * removed[2], first.x);
   return sum;
 }
 

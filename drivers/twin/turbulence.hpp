@@ -51,8 +51,8 @@ class Turbulence {
 
  private:
   struct Wave {
-    Vec2 turns_per_radius;  ///< spatial frequency
-    double start_turns = 0.0;
+    Vec2 cycles_per_radius;  ///< spatial frequency
+    double start_cycles = 0.0;
     double waves = 0.0;  ///< amplitude
     /// Coefficient of mode j for this wave: Re(modes[j] exp(i phase at the pupil's centre)).
     std::array<std::complex<double>, kModes> modes{};

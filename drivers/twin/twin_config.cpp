@@ -132,10 +132,10 @@ void read_aberration(ObjectReader& r, Truth& truth) {
 }
 
 void read_shades(ObjectReader& r, Truth& truth) {
-  constexpr std::size_t kMostShades = 64;
+  constexpr std::size_t kMaxShades = 64;
   if (!r.has("shades")) return;
   truth.shades.clear();
-  r.objects("shades", kMostShades, [&truth](ObjectReader& in, std::size_t) {
+  r.objects("shades", kMaxShades, [&truth](ObjectReader& in, std::size_t) {
     Shade shade;
     in.require("x_px");
     in.require("y_px");

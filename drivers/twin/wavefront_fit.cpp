@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kModes = PupilBlocks::kModes;
 constexpr int kGradientFits = 3, kPhaseFits = 20;
-constexpr double kStillWaves = 1e-7;
-constexpr double kFarWaves = 0.4, kMostFar = 0.01;
+constexpr double kConvergedWaves = 1e-7;
+constexpr double kOutlierWaves = 0.4, kMaxOutlierShare = 0.01;
 
 double waves_of(std::complex<double> phasor) {
   return std::arg(phasor) / (2.0 * std::numbers::pi);
@@ -25,19 +25,19 @@ std::vector<Mode> modes_of(const Eigen::VectorXd& waves) {
 /// Weighted least-squares fit of the modes, without piston, to phase differences between
 /// neighbours.
 Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd& sums) {
-  constexpr int kTold = kModes - 1;
-  using Matrix = Eigen::Matrix<double, kTold, kTold>;
+  constexpr int kFitted = kModes - 1;
+  using Matrix = Eigen::Matrix<double, kFitted, kFitted>;
   Matrix normal = 1e-12 * Matrix::Identity();
-  Eigen::Matrix<double, kTold, 1> right = Eigen::Matrix<double, kTold, 1>::Zero();
+  Eigen::Matrix<double, kFitted, 1> rhs = Eigen::Matrix<double, kFitted, 1>::Zero();
   for (const auto& [a, b] : blocks.neighbours()) {
-    const std::complex<double> turn = std::conj(sums[a]) * sums[b];
-    const Eigen::Matrix<double, kTold, 1> step =
-        (blocks.modes().row(b) - blocks.modes().row(a)).tail<kTold>();
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(step, std::abs(turn));
-    right += std::abs(turn) * waves_of(turn) * step;
+    const std::complex<double> ratio = std::conj(sums[a]) * sums[b];
+    const Eigen::Matrix<double, kFitted, 1> step =
+        (blocks.modes().row(b) - blocks.modes().row(a)).tail<kFitted>();
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(step, std::abs(ratio));
+    rhs += std::abs(ratio) * waves_of(ratio) * step;
   }
   Eigen::VectorXd modes = Eigen::VectorXd::Zero(kModes);
-  modes.tail<kTold>() = normal.selfadjointView<Eigen::Lower>().llt().solve(right);
+  modes.tail<kFitted>() = normal.selfadjointView<Eigen::Lower>().llt().solve(rhs);
   return modes;
 }
 
@@ -55,22 +55,22 @@ WavefrontFit fit_wavefront(const PupilBlocks& blocks, const Image<std::complex<f
   const Eigen::MatrixXd& modes = blocks.modes();
   const Eigen::MatrixXd weighted = blocks.weights().asDiagonal() * modes;
   const Eigen::LLT<Eigen::MatrixXd> normal(modes.transpose() * weighted);
-  Eigen::VectorXd found = Eigen::VectorXd::Zero(kModes);
+  Eigen::VectorXd estimate = Eigen::VectorXd::Zero(kModes);
   for (int n = 0; n < kGradientFits; ++n) {
-    found += fit_gradients(blocks, blocks.sums(&field, modes_of(found)));
+    estimate += fit_gradients(blocks, blocks.sums(&field, modes_of(estimate)));
   }
-  Eigen::VectorXd rest;
+  Eigen::VectorXd residual;
   for (int n = 0; n < kPhaseFits; ++n) {
-    rest = phases(blocks.smoothed(blocks.sums(&field, modes_of(found))));
-    const Eigen::VectorXd more = normal.solve(weighted.transpose() * rest);
-    found += more;
-    rest -= modes * more;
-    if (more.cwiseAbs().maxCoeff() < kStillWaves) break;
+    residual = phases(blocks.smoothed(blocks.sums(&field, modes_of(estimate))));
+    const Eigen::VectorXd update = normal.solve(weighted.transpose() * residual);
+    estimate += update;
+    residual -= modes * update;
+    if (update.cwiseAbs().maxCoeff() < kConvergedWaves) break;
   }
-  WavefrontFit fit{modes_of(found), rest, false};
-  const Eigen::ArrayXd far = (rest.array().abs() > kFarWaves).cast<double>();
-  fit.unwrapped = found.allFinite() &&
-                  (far * blocks.weights().array()).sum() <= kMostFar * blocks.weights().sum();
+  WavefrontFit fit{modes_of(estimate), residual, false};
+  const Eigen::ArrayXd outliers = (residual.array().abs() > kOutlierWaves).cast<double>();
+  fit.unwrapped = estimate.allFinite() && (outliers * blocks.weights().array()).sum() <=
+                                              kMaxOutlierShare * blocks.weights().sum();
   return fit;
 }
 

@@ -13,7 +13,7 @@ struct WavefrontFit {
   /// Modes j = 0 .. 20 by least squares over the light, RMS-normalised waves; piston within half a
   /// wave.
   std::vector<Mode> modes;
-  Eigen::VectorXd rest_waves;  ///< residual of each block, within half a wave
+  Eigen::VectorXd residual_waves;  ///< residual of each block, within half a wave
   /// Whether the modes explain the field, so that the residual needs no unwrapping: at most 1 % of
   /// the light deviates by more than 0.4 wave, and there are enough blocks to determine the modes.
   /// If false, the other fields are meaningless.

@@ -24,12 +24,12 @@ int note_error(::Display*, XErrorEvent*) {
 int note_io_error(::Display*) {
   return 0;
 }
-void stay_alive(::Display*, void* dead) {
+void on_io_error_exit(::Display*, void* dead) {
   *static_cast<bool*>(dead) = true;
 }
 
 /// True if no X error came since `x_error` was last cleared.
-bool all_well(::Display* display) {
+bool requests_succeeded(::Display* display) {
   XSync(display, False);
   return !std::exchange(x_error, false);
 }
@@ -40,26 +40,26 @@ struct Rectangle {
 
 /// The output's rectangle on the X screen.
 Result<Rectangle> find_output(::Display* display, const std::string& name) {
-  Rectangle place;
-  std::string known;
+  Rectangle area;
+  std::string names;
   bool found = false;
   XRRScreenResources* all = XRRGetScreenResourcesCurrent(display, DefaultRootWindow(display));
   for (int i = 0; all != nullptr && i < all->noutput; ++i) {
     XRROutputInfo* output = XRRGetOutputInfo(display, all, all->outputs[i]);
     if (output == nullptr) continue;
     XRRCrtcInfo* crtc = output->crtc != 0 ? XRRGetCrtcInfo(display, all, output->crtc) : nullptr;
-    if (crtc != nullptr) known += std::string(known.empty() ? "" : ", ") + output->name;
+    if (crtc != nullptr) names += std::string(names.empty() ? "" : ", ") + output->name;
     if (crtc != nullptr && name == output->name) {
-      place = {crtc->x, crtc->y, int(crtc->width), int(crtc->height)};
+      area = {crtc->x, crtc->y, int(crtc->width), int(crtc->height)};
       found = true;
     }
     if (crtc != nullptr) XRRFreeCrtcInfo(crtc);
     XRRFreeOutputInfo(output);
   }
   if (all != nullptr) XRRFreeScreenResources(all);
-  if (found) return place;
+  if (found) return area;
   return fail(Errc::unavailable, "slm.display",
-              "no output " + name + " is on; there are: " + (known.empty() ? "none" : known));
+              "no output " + name + " is on; there are: " + (names.empty() ? "none" : names));
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ struct XOutput::Impl {
 
   bool dead = false;  // set by Xlib's I/O error handler, which keeps this address
   ::Display* display = nullptr;
-  Rectangle place;
+  Rectangle area;
   XShmSegmentInfo segment{};
   XImage* image = nullptr;
   Damage damage = 0;
@@ -102,7 +102,7 @@ Result<void> XOutput::Impl::connect(const std::string& name) {
     return fail(Errc::unavailable, "", "no X server answers at display '" + name + "'");
   }
   // Without it Xlib ends the process when the server goes away.
-  XSetIOErrorExitHandler(display, stay_alive, &dead);
+  XSetIOErrorExitHandler(display, on_io_error_exit, &dead);
   int error = 0;
   if (!XDamageQueryExtension(display, &damage_event, &error) ||
       !XRRQueryExtension(display, &randr_event, &error) || !XShmQueryExtension(display)) {
@@ -116,7 +116,7 @@ bool XOutput::Impl::share_memory() {
   const int screen = DefaultScreen(display);
   XImage* shared = XShmCreateImage(display, DefaultVisual(display, screen),
                                    unsigned(DefaultDepth(display, screen)), ZPixmap, nullptr,
-                                   &segment, unsigned(place.width), unsigned(place.height));
+                                   &segment, unsigned(area.width), unsigned(area.height));
   if (shared == nullptr) return false;
   const std::size_t size = std::size_t(shared->bytes_per_line) * std::size_t(shared->height);
   segment.shmid = shmget(IPC_PRIVATE, size, IPC_CREAT | 0600);
@@ -126,7 +126,7 @@ bool XOutput::Impl::share_memory() {
   if (mapped) {
     segment.shmaddr = static_cast<char*>(address);
     shared->data = segment.shmaddr;
-    attached = XShmAttach(display, &segment) != 0 && all_well(display);
+    attached = XShmAttach(display, &segment) != 0 && requests_succeeded(display);
   }
   // Marked for removal now: the segment is freed when both sides have detached, however they end.
   if (segment.shmid >= 0) shmctl(segment.shmid, IPC_RMID, nullptr);
@@ -146,12 +146,12 @@ bool XOutput::Impl::share_memory() {
 Result<void> XOutput::Impl::watch(const std::string& output, int width, int height) {
   const auto found = find_output(display, output);
   if (!found) return fail(found.error());
-  place = *found;
-  if (place.width != width || place.height != height) {
+  area = *found;
+  if (area.width != width || area.height != height) {
     return fail(Errc::refused, "slm.width",
-                output + " shows " + std::to_string(place.width) + " x " +
-                    std::to_string(place.height) + ", the SLM has " + std::to_string(width) +
-                    " x " + std::to_string(height) + " pixels");
+                output + " shows " + std::to_string(area.width) + " x " +
+                    std::to_string(area.height) + ", the SLM has " + std::to_string(width) + " x " +
+                    std::to_string(height) + " pixels");
   }
   if (!share_memory()) {
     return fail(Errc::unavailable, "slm.display",
@@ -160,7 +160,7 @@ Result<void> XOutput::Impl::watch(const std::string& output, int width, int heig
   const Window root = DefaultRootWindow(display);
   XRRSelectInput(display, root, RRScreenChangeNotifyMask | RRCrtcChangeNotifyMask);
   damage = XDamageCreate(display, root, XDamageReportNonEmpty);
-  if (!all_well(display) || dead) {
+  if (!requests_succeeded(display) || dead) {
     return fail(Errc::unavailable, "", "the X server refused to report changes of the screen");
   }
   return {};
@@ -181,40 +181,40 @@ int XOutput::descriptor() const {
   return ConnectionNumber(impl_->display);
 }
 
-XOutput::News XOutput::read_news() {
-  News news = News::none;
+XOutput::Change XOutput::read_changes() {
+  Change change = Change::none;
   while (!impl_->dead && XPending(impl_->display) > 0) {
     XEvent event;
     XNextEvent(impl_->display, &event);
     if (event.type == impl_->damage_event + XDamageNotify) {
       // Cleared before the pixels are read, so that a change during the read is reported again.
       XDamageSubtract(impl_->display, impl_->damage, None, None);
-      news = News::pixels;
+      change = Change::pixels;
     } else if (event.type == impl_->randr_event + RRScreenChangeNotify ||
                event.type == impl_->randr_event + RRNotify) {
-      return News::lost;
+      return Change::lost;
     }
   }
-  return impl_->dead || x_error ? News::lost : news;
+  return impl_->dead || x_error ? Change::lost : change;
 }
 
-XOutput::News XOutput::ask_news() {
+XOutput::Change XOutput::sync_changes() {
   if (!impl_->dead) XSync(impl_->display, False);
-  return read_news();
+  return read_changes();
 }
 
 bool XOutput::grab(Image<std::uint8_t>& grey) {
-  const Rectangle& place = impl_->place;
-  if (grey.width != place.width || grey.height != place.height) {
-    grey = Image<std::uint8_t>(place.width, place.height);
+  const Rectangle& area = impl_->area;
+  if (grey.width != area.width || grey.height != area.height) {
+    grey = Image<std::uint8_t>(area.width, area.height);
   }
-  const bool given = XShmGetImage(impl_->display, DefaultRootWindow(impl_->display), impl_->image,
-                                  place.x, place.y, AllPlanes) != 0;
-  if (!given || impl_->dead || x_error) return false;
-  for (int y = 0; y < place.height; ++y) {
+  const bool received = XShmGetImage(impl_->display, DefaultRootWindow(impl_->display),
+                                     impl_->image, area.x, area.y, AllPlanes) != 0;
+  if (!received || impl_->dead || x_error) return false;
+  for (int y = 0; y < area.height; ++y) {
     const char* from = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
     std::uint8_t* to = grey.row(y);
-    for (int x = 0; x < place.width; ++x) to[x] = std::uint8_t(from[4 * std::ptrdiff_t(x)]);
+    for (int x = 0; x < area.width; ++x) to[x] = std::uint8_t(from[4 * std::ptrdiff_t(x)]);
   }
   return true;
 }

@@ -23,11 +23,11 @@ class XOutput {
 
   int descriptor() const;  ///< readable when the server has sent events
 
-  enum class News { none, pixels, lost };
+  enum class Change { none, pixels, lost };
   /// Processes all received events. `lost`: the server died or its screens were rearranged; the
   /// object can no longer be used.
-  News read_news();
-  News ask_news();  ///< the same after a round trip, so that all earlier changes are included
+  Change read_changes();
+  Change sync_changes();  ///< the same after a round trip, so that all earlier changes are included
 
   /// Reads the blue channel of each pixel, width x height. False if the server refuses: then as
   /// `lost`.
