@@ -1,4 +1,5 @@
-/// Replays a corpus where there is no libFuzzer: the fuzz target sees every file of the folder given.
+/// Replays a corpus where there is no libFuzzer: the fuzz target sees every file of the folder
+/// given.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

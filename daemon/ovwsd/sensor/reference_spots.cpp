@@ -38,8 +38,7 @@ Growth growth_without(const std::vector<int>& lost, const ModeOperator& modes) {
 
 }  // namespace
 
-Result<ReferenceSpots> judge_spots(const SpotAverage& average,
-                                   const ModeOperator& modes) {
+Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperator& modes) {
   ReferenceSpots spots;
   for (std::size_t i = 0; i < average.found.size(); ++i) {
     const int found = average.found[i];

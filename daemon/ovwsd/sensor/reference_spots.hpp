@@ -23,8 +23,7 @@ constexpr double kWeakGrowth = 1.5;
 
 /// Errors (Errc::refused): without the lost spots a mode is not determined, by the criterion of
 /// Reconstructor. `modes`: as many spots as `average`.
-Result<ReferenceSpots> judge_spots(const SpotAverage& average,
-                                   const ModeOperator& modes);
+Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperator& modes);
 
 /// Predicts positions for the lost spots, as start points for trackers: the model's position plus
 /// the affine displacement fitted to the other spots. Sets their standard error to NaN. `model_px`:
