@@ -52,7 +52,6 @@ class BenchModel {
   void propagate(const Image<std::uint8_t>& grey, Half& half) const;
 
   void collect(int first_row, int end_row);
-  void look(int first_row, int end_row, Image<float>& intensity) const;
 
   std::optional<CameraView> view_;
   std::vector<Half> halves_;

@@ -191,7 +191,7 @@ FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& sett
 /// Moves the device timestamp of a slowly computed frame to kStaleFrameTime before now. A real
 /// camera delivers soon after the exposure, and clients take the smallest delay from stamp to
 /// arrival as the camera's latency. If all frames were slow, that estimate would be too long, and
-/// late frames would count as settled.
+/// late frames would count as settled. With turbulence the timestamp stays the moment of the air.
 void GigeDevice::stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun) {
   const auto late = std::chrono::steady_clock::now() - begun - Bench::kStaleFrameTime;
   if (late.count() <= 0) return;
@@ -216,7 +216,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   std::shared_ptr<const Scene> ready;
   while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
     if (scene == ready) {
-      stamp_as_delivered(buffer, start);
+      if (!scene->truth.turbulence) stamp_as_delivered(buffer, start);
       deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
       return FrameFate::send;
     }
