@@ -208,6 +208,7 @@ twin::Config small_twin_config() {
   config.sensor = daemon.sensor;
   config.light.diameter_px = 300.0;
   config.truth.geometry.centre_px = {127.5, 127.5};
+  config.truth.peak_electrons = 4000.0;
   return config;
 }
 

@@ -69,7 +69,7 @@ TEST_F(SlmFiles, AWrongFlatnessNamesWhatIsWrong) {
     return map ? "" : map.error().reason;
   };
   EXPECT_NE(reason("0 0\n0 0\n0 0\n").find("is 2 x 3 pixels, the SLM 3 x 2"), std::string::npos);
-  EXPECT_NE(reason("0 0 0\n0 0\n").find("row 2 holds 2 numbers, the first 3"), std::string::npos);
+  EXPECT_NE(reason("0 0 0\n0 0\n").find("row 2 has 2 numbers, the first row 3"), std::string::npos);
   EXPECT_NE(reason("0 0 0\n0 nan 0\n").find("\"nan\" is not a finite"), std::string::npos);
   EXPECT_NE(reason("0 0 0\n0 inf 0\n").find("\"inf\" is not a finite"), std::string::npos);
   EXPECT_NE(reason("").find("is 0 x 0 pixels"), std::string::npos);
