@@ -188,12 +188,14 @@ FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& sett
   return swapped ? FrameFate::drop : FrameFate::send;
 }
 
-/// Moves the device timestamp of a slowly computed frame to kStaleFrameTime before now. A real
-/// camera delivers soon after the exposure, and clients take the smallest delay from stamp to
-/// arrival as the camera's latency. If all frames were slow, that estimate would be too long, and
-/// late frames would count as settled. With turbulence the timestamp stays the moment of the air.
-void GigeDevice::stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun) {
-  const auto late = std::chrono::steady_clock::now() - begun - Bench::kStaleFrameTime;
+/// Moves the device timestamp of a slowly computed frame to kStaleFrameTime before `verified`, when
+/// the display was last known to show the frame's image. A real camera delivers soon after the
+/// exposure, and clients take the smallest delay from stamp to arrival as the camera's latency. If
+/// all frames were slow, that estimate would be too long, and late frames would count as settled.
+/// With turbulence the timestamp stays the moment of the air.
+void GigeDevice::stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun,
+                                    Bench::Deadline verified) {
+  const auto late = verified - begun - Bench::kStaleFrameTime;
   if (late.count() <= 0) return;
   const auto late_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(late).count();
   arv_buffer_set_timestamp(buffer, arv_buffer_get_timestamp(buffer) + guint64(late_ns));
@@ -213,10 +215,11 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   deps_.screen.catch_up(start + kDisplayTime, stop_);
   const std::uint64_t begun =
       deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
+  auto verified = start;
   std::shared_ptr<const Scene> ready;
   while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
     if (scene == ready) {
-      if (!scene->truth.turbulence) stamp_as_delivered(buffer, start);
+      if (!scene->truth.turbulence) stamp_as_delivered(buffer, start, verified);
       deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
       return FrameFate::send;
     }
@@ -228,7 +231,9 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
     // Computing the frame is slow on a busy machine. Query the display again: its present image
     // decides whether the frame may be sent.
     const auto made = std::chrono::steady_clock::now();
-    if (made > start + kMaxDisplayAge) deps_.screen.catch_up(made + kDisplayTime, stop_);
+    if (made > start + kMaxDisplayAge && deps_.screen.catch_up(made + kDisplayTime, stop_)) {
+      verified = made;
+    }
   }
   ++tally_.late;
   return FrameFate::drop;

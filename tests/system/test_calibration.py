@@ -128,7 +128,7 @@ class Rules(CalibrationCase):
         self.assertEqual(self.call("sensor.get")["modes_j"], [1, 2, 3, 4, 5])
         origin = first["origin"]
         self.assertEqual((origin["aberration"], origin["camera"]["serial"], origin["settings"]["gain_db"], origin["slm"]["width"],
-                          origin["roi"]["width"], origin["registration"]), ([{"j": 3, "waves": 0.05}], "TWIN0001", 0.0, 1280, 512, None))
+                          origin["roi"]["width"], origin["registration"]), ([{"j": 3, "waves": 0.05}], "TWIN0001", 0.0, 640, 512, None))
         for change, back, field in (({"charge": 2}, {"charge": 1}, "charge"), ({"subapertures_across": 4}, {"subapertures_across": 5}, "subapertures_across")):
             self.call("sensor.set", change)
             self.expect_fallback(field)
