@@ -52,7 +52,7 @@ class Operator(BenchCase):
         # Another sensor: slopes are used until its matrix is ready.
         self.call("sensor.set", {"subapertures_across": 4})
         self.assertEqual(self.in_use()[:2], ("diffractive", "slopes"))
-        self.assertIn("being made", self.in_use()[2])
+        self.assertIn("being computed", self.in_use()[2])
         self.call("sensor.set", {"subapertures_across": 5, "tracker": "lg"})  # cancels the previous computation
         self.wait_for_operator("diffractive")
         self.assertEqual(self.call("sensor.get")["operator_in_force"], "diffractive")

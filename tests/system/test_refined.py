@@ -126,7 +126,7 @@ class Refined(RefinedCase):
     def test_what_cannot_be_is_refused_with_its_field(self):
         before = self.call("refine.get")
         self.assertFalse(before["enabled"])
-        for params, field, words in (({"enabled": True}, "electrons_per_dn", "state how many"),
+        for params, field, words in (({"enabled": True}, "electrons_per_dn", "set the number of electrons"),
                                      ({"enabled": 1}, "enabled", "true or false"),
                                      ({"rate_hz": 2.0, "spot_amplitudes": None}, "spot_amplitudes", "true or false"),
                                      ({"rate_hz": 0}, "rate_hz", "0.001"),
