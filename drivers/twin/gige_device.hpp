@@ -57,8 +57,6 @@ class GigeDevice {
   bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate inject_fault(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
-  static void stamp_as_delivered(ArvBuffer* buffer, Bench::Deadline begun,
-                                 Bench::Deadline verified);
   void lose_packets(FrameFate fate);
   std::uint32_t read(std::uint32_t address) const;
   void write(std::uint32_t address, std::uint32_t value);
