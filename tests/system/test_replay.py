@@ -114,11 +114,13 @@ class Replay(BenchCase):
         self.take_reference(20)
         self.call("record.start", {"name": "still"})
         time.sleep(1.0)
-        self.call("record.stop")
-        self.assertGreater(self.replayed("still")["frames"], 50)
+        lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may have dropped some
         still = self.replayed("still")
-        self.assertEqual({still[key] for key in ("frames", "replayed", "same", "valid")}, {still["frames"]})
-        self.assertEqual((still["first_not_replayed"], still["first_difference"]), (None, None))
+        self.assertGreater(still["frames"], 50)
+        self.assertEqual({still[key] for key in ("replayed", "same", "valid")}, {still["frames"] - lacking}, still)
+        self.assertIsNone(still["first_difference"])
+        if lacking == 0:
+            self.assertIsNone(still["first_not_replayed"])
         begun = time.monotonic()
         self.replayed("still", "--speed", "1")
         self.assertGreater(time.monotonic() - begun, 0.7)
