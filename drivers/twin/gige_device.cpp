@@ -200,7 +200,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto start = std::chrono::steady_clock::now();
   const auto deadline = start + kFarFieldTime;
   // If the X server hangs, the last known image is used.
-  deps_.screen.catch_up(start + kDisplayTime, stop_);
+  bool answers = deps_.screen.catch_up(start + kDisplayTime, stop_);
   const std::uint64_t begun =
       deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
   std::shared_ptr<const Scene> ready;
@@ -209,13 +209,13 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
     if (scene == ready) {
       const auto now = std::chrono::steady_clock::now();
-      if (now <= verified + kMaxDisplayAge) {
+      if (!answers || now <= verified + kMaxDisplayAge) {
         deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
         return FrameFate::send;
       }
       // Slow, on a busy machine: what the display shows now decides whether the frame may be sent.
       if (++checks > kMaxDisplayChecks) break;
-      deps_.screen.catch_up(now + kDisplayTime, stop_);
+      answers = deps_.screen.catch_up(now + kDisplayTime, stop_);
       verified = now;
       continue;
     }

@@ -322,11 +322,16 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
                      [&begun](Result<int> job) { begun.set_value(std::move(job)); });
   const Result<int> job = begun.get_future().get();
   if (!job) return fail(job.error());
+  job_ = *job;
   for (const auto end = std::chrono::steady_clock::now() + 60s;
        std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(2ms)) {
     const auto report = jobs_.get(*job);
     if (report->state == JobState::running) continue;
+    std::promise<void> free;  // a cancelled job ends before the sensor is given back
+    procedures_->when_free([&free] { free.set_value(); });
+    free.get_future().get();
     if (report->error) return fail(*report->error);
+    if (report->state == JobState::cancelled) return fail(Errc::refused, "", "it was cancelled");
     return report->result;
   }
   return fail(Errc::unavailable, "", "the job does not end");

@@ -56,6 +56,8 @@ class SimulatedBench {
   /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
   /// procedure's own; Errc::unavailable after a minute.
   Result<nlohmann::json> run(const std::string& kind, Procedure procedure);
+  /// Cancels the procedure that runs. Any thread.
+  void cancel() { (void)jobs_.cancel(job_); }
   /// Changes the sensor and returns when the change is active.
   Result<SensorView> edit(SensorChange change);
   /// The mean coefficients, waves, of the next `frames` settled and valid frames of the current
@@ -90,6 +92,7 @@ class SimulatedBench {
   std::unique_ptr<CameraActor> camera_;
   std::unique_ptr<SensorKeeper> keeper_;
   std::unique_ptr<Procedures> procedures_;
+  std::atomic<int> job_{0};  ///< the last one that was started
   std::vector<std::unique_ptr<Agent>> own_agents_;
   std::vector<std::unique_ptr<Turning>> threads_;  ///< in start order; ended in reverse order
 };

@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -24,6 +25,12 @@ double FrameBroker::Request::idle_s() const {
   return 1e-9 * double(monotonic_ns() - t_last_used_ns_.load());
 }
 
+void FrameBroker::Request::look_at(const FrameRecord& record) {
+  if (!take_(record)) return;
+  t_last_used_ns_ = monotonic_ns();
+  ++used_;
+}
+
 void FrameBroker::Line::remove(const Request* request) {
   const auto at = std::find(open.begin(), open.end(), request);
   if (at == open.end()) return;
@@ -42,12 +49,14 @@ std::unique_ptr<FrameBroker::Request> FrameBroker::request(Needs needs, int fram
 
 void FrameBroker::serve(Line& line, const FrameRecord& record) {
   if (line.open_count.load() == 0) return;
+  std::exception_ptr failure;
   const std::lock_guard lock(line.mutex);
   for (std::size_t i = 0; i < line.open.size();) {
     Request& request = *line.open[i];
-    if (request.take_(record)) {
-      request.t_last_used_ns_ = monotonic_ns();
-      ++request.used_;
+    try {
+      request.look_at(record);
+    } catch (...) {  // the other requests are served
+      failure = std::current_exception();
     }
     if (!request.done()) {
       ++i;
@@ -56,6 +65,7 @@ void FrameBroker::serve(Line& line, const FrameRecord& record) {
     line.remove(&request);
     line.served.notify_all();
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace ovws

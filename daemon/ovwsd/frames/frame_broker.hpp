@@ -49,6 +49,7 @@ class FrameBroker {
    private:
     friend class FrameBroker;
     Request(Line& line, int frames, Take take);
+    void look_at(const FrameRecord& record);
 
     Line& line_;
     const int frames_;

@@ -16,6 +16,7 @@ FrameSeries::FrameSeries(int frames, int subapertures, std::vector<Vec2> windows
 
 bool FrameSeries::add(const FrameRecord& record) {
   if (count_ == frames_.size() || std::size_t(record.spot_count) != subapertures_) return false;
+  if (needs_pixels() && windows_px_.size() != subapertures_) return false;
   SeriesFrame& frame = frames_[count_++];
   frame.frame_id = record.frame.frame_id;
   frame.t_arrival_ns = record.frame.t_arrival_ns;

@@ -24,8 +24,8 @@ class FrameSeries {
   FrameSeries(int frames, int subapertures, std::vector<Vec2> windows_px = {});
 
   bool needs_pixels() const { return !windows_px_.empty(); }
-  /// False: it is full, or the frame has another number of spots. Reads the pixels if it needs
-  /// them.
+  /// False: it is full, or the frame has another number of spots, or of windows. Reads the pixels
+  /// if it needs them.
   bool add(const FrameRecord& record);
   /// Those that were added. Call once.
   std::vector<SeriesFrame> take();

@@ -200,8 +200,8 @@ Result<SpotAverage> Bench::spots(int frames, const Check& check) {
   SpotAverager averager(frames, now->subapertures);
   const auto request =
       deps_.frames.request(FrameBroker::Needs::numbers, frames,
-                           [&, shown = measured_under(*now)](const FrameRecord& record) {
-                             return record.settled && shown(record) && averager.add(record);
+                           [&, under = measured_under(*now)](const FrameRecord& record) {
+                             return under.settled(record) && averager.add(record);
                            });
   if (auto taken = wait_for(*request, check); !taken) return fail(taken.error());
   return averager.average();
@@ -231,13 +231,10 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> win
   FrameSeries taken(frames, now->subapertures, std::move(windows_px));
   const auto needs =
       taken.needs_pixels() ? FrameBroker::Needs::pixels : FrameBroker::Needs::numbers;
-  const auto request = deps_.frames.request(
-      needs, frames,
-      [&, shown = measured_under(*now), tracker = now->tracking.tracker,
-       gain_db = camera().settings.gain_db](const FrameRecord& record) {
-        return record.settled && record.settings_known && same_number(record.gain_db, gain_db) &&
-               record.plan->tracker_kind == tracker && shown(record) && taken.add(record);
-      });
+  const MeasuredWith with{measured_under(*now), now->tracking.tracker, camera().settings.gain_db};
+  const auto request = deps_.frames.request(needs, frames, [&](const FrameRecord& record) {
+    return with.settled(record) && taken.add(record);
+  });
   if (auto all = wait_for(*request, no_check); !all) return fail(all.error());
   return taken.take();
 }
@@ -245,9 +242,8 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> win
 /// Averages images into `to`, which must outlive the request.
 std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, PictureMean& to) const {
   return deps_.frames.request(FrameBroker::Needs::pixels, frames,
-                              [&to, shown = measured_under(*sensor())](const FrameRecord& record) {
-                                return record.still && record.settings_known && shown(record) &&
-                                       to.add(record);
+                              [&to, under = measured_under(*sensor())](const FrameRecord& record) {
+                                return under.still(record) && to.add(record);
                               });
 }
 

@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kTurnNs = 50'000'000;
-constexpr std::int64_t kPauseNs = 10'000'000;  // between two looks at what the takers want
+constexpr std::int64_t kPauseNs = 10'000'000;  // between two looks for open requests
 
 }  // namespace
 

@@ -53,6 +53,13 @@ TEST_F(FrameSeriesTest, RefusesFramesWithAnotherNumberOfSpots) {
   }
 }
 
+TEST_F(FrameSeriesTest, RefusesFramesWithAnotherNumberOfWindows) {
+  for (const std::size_t windows : {1U, 3U}) {
+    FrameSeries series(1, 2, std::vector<Vec2>(windows, Vec2{10.0, 10.0}));
+    EXPECT_FALSE(series.add(next()));
+  }
+}
+
 /// Windows of half-width 10 px: each spot stands at the one bright pixel of its window.
 TEST_F(FrameSeriesTest, MeasuresCentroidsInItsWindows) {
   Image<std::uint8_t> image(40, 20);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "daemon/ovwsd/procedures/calibration.hpp"
 #include "daemon/ovwsd/procedures/lut.hpp"
 #include "daemon/ovwsd/procedures/reference.hpp"
 #include "daemon/ovwsd/procedures/registration.hpp"
-#include "daemon/ovwsd/procedures/settle.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
 
@@ -64,9 +64,9 @@ TEST(Procedures, ARegistrationFindsHowTheCameraStands) {
   auto twin = small_twin_config();
   twin.truth.geometry.rotation_deg = 20.0;
   twin.truth.geometry.magnification = 1.05;
+  Registration found;
   SimulatedBench bench(small_daemon_config(), twin);
   ASSERT_TRUE(bench.is_running());
-  Registration found;
   const auto run = bench.run("registration.run", [&](Bench& on) -> Result<nlohmann::json> {
     auto measured = measure_registration(on, bench.config().slm.geometry, 2);
     if (!measured) return fail(measured.error());
@@ -85,10 +85,10 @@ TEST(Procedures, ARegistrationFindsHowTheCameraStands) {
 }
 
 TEST(Procedures, ACalibrationReadsWhatTheSlmShows) {
+  MeasuredCalibration found;
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 20));
-  MeasuredCalibration found;
   const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
     const std::uint64_t epoch = on.sensor()->sensor_epoch;
     auto measured = measure_calibration(on, bench.config().slm.geometry, {0.1, 5, {1, 2, 3, 4, 5}});
@@ -113,9 +113,9 @@ TEST_P(LutProcedure, FindsThePhaseOfEveryGreyLevel) {
   auto twin = small_twin_config();
   twin.slm.gamma = gamma;
   twin.slm.depth_waves = depth_waves;
+  MeasuredLut found;
   SimulatedBench bench(small_daemon_config(), twin);
   ASSERT_TRUE(bench.is_running());
-  MeasuredLut found;
   const auto run = bench.run("lut.run", [&](Bench& on) -> Result<nlohmann::json> {
     auto measured = measure_lut(on, bench.config().slm.geometry, {17, 2});
     if (!measured) return fail(measured.error());
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(Slms, LutProcedure,
                          testing::Values(std::pair{1.4, 0.9}, std::pair{1.4, -1.2},
                                          std::pair{0.7, 1.1}));
 
-TEST(Procedures, AProcedureThatIsCancelledGivesTheSensorBack) {
+TEST(Procedures, AProcedureThatFailsGivesTheSensorBack) {
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
   const auto before = bench.sensor();
@@ -150,6 +150,22 @@ TEST(Procedures, AProcedureThatIsCancelledGivesTheSensorBack) {
   EXPECT_EQ(run.error().reason, "as the test wants");
   EXPECT_EQ(bench.sensor()->aberration.size(), before->aberration.size());
   EXPECT_TRUE(bench.edit(set_aberration({{4, 0.1}})));
+}
+
+TEST(Procedures, ACancelledProcedureEndsAndGivesTheSensorBack) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  std::thread canceller;
+  const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
+    if (auto shown = on.show({{4, 0.1}}); !shown) return fail(shown.error());
+    canceller = std::thread([&bench] { bench.cancel(); });
+    const auto spots = on.spots(1'000'000);
+    EXPECT_FALSE(spots);
+    return fail(spots.error());
+  });
+  canceller.join();
+  ASSERT_FALSE(run);
+  EXPECT_TRUE(bench.sensor()->aberration.empty());
 }
 
 }  // namespace

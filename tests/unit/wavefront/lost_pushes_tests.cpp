@@ -60,7 +60,7 @@ TEST_F(LostPushes, AreLeftAloneIfThereAreTooMany) {
   EXPECT_TRUE(lost_by(push_, resting_).empty());
 }
 
-/// The limit counts the spots that are found at rest, as interaction_matrix does.
+/// The limit counts the spots that were found at rest.
 TEST_F(LostPushes, AreTooManyOfThoseThatAreFoundAtRest) {
   for (std::size_t i = 10; i < 15; ++i) resting_.at_px[i] = kLost;  // 14 of 19 are left
   for (std::size_t i = 0; i < 4; ++i) push_.plus.at_px[i] = kLost;
