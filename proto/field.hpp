@@ -198,7 +198,6 @@ struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>..
 /// that includes a message compiles its table.
 template <class... Entries>
 struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
-  static constexpr std::size_t kCount = sizeof...(Entries);
   constexpr explicit Fields(Entries... entries)
       : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...) {}
 };
