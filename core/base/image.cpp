@@ -12,19 +12,19 @@ ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format) {
           std::ptrdiff_t(image.width) * 2, format};
 }
 
-ImageView on_lattice(const ImageView& image, const PixelLattice& lattice) {
+ImageView on_plane(const ImageView& image, const ColourPlane& plane) {
   ImageView view = image;
-  view.width = lattice.count(image.width, lattice.x);
-  view.height = lattice.count(image.height, lattice.y);
-  view.lattice = lattice;
+  view.width = plane.count(image.width, plane.x);
+  view.height = plane.count(image.height, plane.y);
+  view.plane = plane;
   return view;
 }
 
-Image<float> on_lattice(const Image<float>& image, const PixelLattice& lattice) {
-  Image<float> out(lattice.count(image.width, lattice.x), lattice.count(image.height, lattice.y));
+Image<float> on_plane(const Image<float>& image, const ColourPlane& plane) {
+  Image<float> out(plane.count(image.width, plane.x), plane.count(image.height, plane.y));
   for (int y = 0; y < out.height; ++y) {
-    const float* const from = image.row(lattice.y + y * lattice.step);
-    for (int x = 0; x < out.width; ++x) out.at(x, y) = from[lattice.x + x * lattice.step];
+    const float* const from = image.row(plane.y + y * plane.step);
+    for (int x = 0; x < out.width; ++x) out.at(x, y) = from[plane.x + x * plane.step];
   }
   return out;
 }

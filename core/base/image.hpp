@@ -13,12 +13,12 @@ namespace ovws {
 /// the buffer is held. Read the pixels with core/base/pixels.hpp, which knows every format.
 struct ImageView {
   const std::byte* data = nullptr;
-  int width = 0;   ///< columns of the colour plane `lattice`
+  int width = 0;   ///< columns of the colour plane `plane`
   int height = 0;  ///< its rows
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::mono8;
   int left_justified_bits = 0;  ///< right shift for MSB-aligned 16-bit pixels
-  PixelLattice lattice{};       ///< which of the camera's pixels the view holds
+  ColourPlane plane{};          ///< which of the camera's pixels the view holds
 
   /// The first pixel of row y of the whole camera image as T, std::uint8_t or std::uint16_t. These
   /// are pixel values only if in_place(image), see core/base/pixels.hpp.
@@ -48,7 +48,7 @@ ImageView view_of(const Image<std::uint8_t>& image);
 ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format);
 
 /// One colour plane of an image: as a view (no copy, RT-safe), and as a copy.
-ImageView on_lattice(const ImageView& image, const PixelLattice& lattice);
-Image<float> on_lattice(const Image<float>& image, const PixelLattice& lattice);
+ImageView on_plane(const ImageView& image, const ColourPlane& plane);
+Image<float> on_plane(const Image<float>& image, const ColourPlane& plane);
 
 }  // namespace ovws

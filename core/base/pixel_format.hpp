@@ -82,7 +82,7 @@ int pixels_per_group(PixelFormat format);
 
 /// A Bayer colour plane: every `step`-th pixel of a camera image along both axes, from (x, y) on.
 /// Step 1 is the whole image.
-struct PixelLattice {
+struct ColourPlane {
   int step = 1;
   int x = 0, y = 0;
 
@@ -93,15 +93,15 @@ struct PixelLattice {
   Vec2 to_image(Vec2 at) const { return {x + step * at.x, y + step * at.y}; }
   Vec2 from_image(Vec2 px) const { return {(px.x - x) / step, (px.y - y) / step}; }
 
-  friend bool operator==(const PixelLattice&, const PixelLattice&) = default;
+  friend bool operator==(const ColourPlane&, const ColourPlane&) = default;
 };
 
 /// The pixels that see the laser: all of them, or the colour plane that passes its wavelength.
 struct LitPixels {
-  PixelLattice lattice{};
+  ColourPlane plane{};
   bool diagonal = false;  ///< green: the diagonal plane, other(), sees it too
 
-  PixelLattice other() const { return {lattice.step, lattice.x ^ 1, lattice.y ^ 1}; }
+  ColourPlane other() const { return {plane.step, plane.x ^ 1, plane.y ^ 1}; }
 
   friend bool operator==(const LitPixels&, const LitPixels&) = default;
 };

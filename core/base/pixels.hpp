@@ -15,7 +15,7 @@ namespace ovws {
 /// Whether ImageView::row gives pixel values: bytes or words, no colour plane, no shift.
 inline bool in_place(const ImageView& image) {
   const PixelLayout layout = traits_of(image.format).layout;
-  return image.lattice.everything() && image.left_justified_bits == 0 &&
+  return image.plane.everything() && image.left_justified_bits == 0 &&
          (layout == PixelLayout::bytes || layout == PixelLayout::words);
 }
 

@@ -44,7 +44,7 @@ void clear_image(const SlmGeometry& slm, Image<std::uint8_t>& grey) {
 FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share,
                              const LitPixels& lit) {
   FringePatches patches;
-  const int apart = lit.diagonal ? 1 : lit.lattice.step;
+  const int apart = lit.diagonal ? 1 : lit.plane.step;
   patches.distance_px =
       std::min(kPupilShare * sensor.pupil_diameter_px, map.scale() / (kMinFringePx * apart));
   patches.diameter_px = std::min(share * sensor.pupil_diameter_px / sensor.subapertures_across,

@@ -19,7 +19,7 @@ static_assert(kMinDistance < kReach);          // the neighbourhood of a peak li
 constexpr std::size_t kPeaksPerCandidate = 4;  // leaves room for a broad spot's side maxima
 
 int bin_px(const SpotModel& spots) {
-  return std::max(1, int(std::lround(spots.on_lattice().lambda_d_px / kGridPerLambdaD)));
+  return std::max(1, int(std::lround(spots.on_plane().lambda_d_px / kGridPerLambdaD)));
 }
 
 int padded(int pixels, int bin, int margin) {
@@ -30,11 +30,9 @@ int padded(int pixels, int bin, int margin) {
 
 CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int image_height,
                                  int max_candidates)
-    : lattice_(spots.lit.lattice),
-      bin_(bin_px(spots)),
-      max_candidates_(std::size_t(max_candidates)) {
+    : plane_(spots.lit.plane), bin_(bin_px(spots)), max_candidates_(std::size_t(max_candidates)) {
   const double dark = spot_geometry(spots.charge).dark;
-  const double unit = spots.on_lattice().lambda_d_px / bin_;  // lambda/d in bins
+  const double unit = spots.on_plane().lambda_d_px / bin_;  // lambda/d in bins
   const double reach = kReach * dark * unit;
   margin_ = int(std::ceil(reach));
   min_distance_ = kMinDistance * dark * unit;
@@ -54,8 +52,8 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
       if (std::hypot(dx, dy) < min_distance_) near_offsets_.push_back({dx, dy, 0.0F});
     }
   }
-  const int columns = padded(lattice_.count(image_width, lattice_.x), bin_, margin_);
-  const int rows = padded(lattice_.count(image_height, lattice_.y), bin_, margin_);
+  const int columns = padded(plane_.count(image_width, plane_.x), bin_, margin_);
+  const int rows = padded(plane_.count(image_height, plane_.y), bin_, margin_);
   grid_ = Grid::Zero(rows, columns);
   score_ = Grid::Zero(rows, columns);
   suppressed_ = Mask::Constant(rows, columns, false);
@@ -64,7 +62,7 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
 }
 
 std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
-  average(on_lattice(image, lattice_));
+  average(on_plane(image, plane_));
   correlate();
   collect_peaks();
   suppress_neighbours();
@@ -159,7 +157,7 @@ void CandidateFinder::suppress_neighbours() {
   for (const Peak& peak : peaks_) {
     if (suppressed_(peak.row, peak.column)) continue;
     for (const Tap& by : near_offsets_) suppressed_(peak.row + by.dy, peak.column + by.dx) = true;
-    candidates_.push_back(lattice_.to_image(
+    candidates_.push_back(plane_.to_image(
         {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5}));
     if (candidates_.size() == max_candidates_) return;
   }

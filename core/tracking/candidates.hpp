@@ -46,9 +46,9 @@ class CandidateFinder {
   void collect_peaks();
   void suppress_neighbours();
 
-  PixelLattice lattice_;  ///< the lit colour plane, in whose pixels all sizes below count
-  int bin_;               ///< pixels per side of a bin
-  int margin_;            ///< bins around the image that repeat its edge
+  ColourPlane plane_;  ///< the lit colour plane, in whose pixels all sizes below count
+  int bin_;            ///< pixels per side of a bin
+  int margin_;         ///< bins around the image that repeat its edge
   double min_distance_;
   std::vector<Tap> taps_;
   std::vector<Tap>

@@ -28,11 +28,11 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
-CellImage average_cells(const ImageView& image, const PixelLattice& lattice, int bin) {
+CellImage average_cells(const ImageView& image, const ColourPlane& plane, int bin) {
   CellImage cells;
   cells.bin = bin;
-  cells.lattice = lattice;
-  const ImageView lit = on_lattice(image, lattice);
+  cells.plane = plane;
+  const ImageView lit = on_plane(image, plane);
   cells.light.resize(lit.height / bin, lit.width / bin);
   average(lit, bin, cells.light);
   std::vector<float> values(cells.light.data(), cells.light.data() + cells.light.size());

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/tracking/lattice_tracker.hpp"
+#include "core/tracking/plane_tracker.hpp"
 
 namespace ovws {
 namespace {
@@ -20,8 +20,8 @@ MixedTracker::MixedTracker(std::unique_ptr<const SpotTracker> others, const Spot
                            std::vector<std::shared_ptr<const TemplateBank>> own)
     : others_(std::move(others)),
       has_own_(present(own)),
-      matched_(on_lattice(std::make_unique<MatchedTracker>(spots.on_lattice(), std::move(own)),
-                          spots)) {}
+      matched_(
+          on_plane(std::make_unique<MatchedTracker>(spots.on_plane(), std::move(own)), spots)) {}
 
 int MixedTracker::window_half_px() const {
   return std::max(others_->window_half_px(), matched_->window_half_px());

@@ -186,9 +186,9 @@ ShapeSample ReferenceShape::at(Vec2 from_centre) const {
 std::vector<std::shared_ptr<const TemplateBank>> reference_templates(
     const SpotModel& camera_spots, const Image<float>& camera_average,
     std::span<const Vec2> reference_px) {
-  const PixelLattice& lit = camera_spots.lit.lattice;
-  const SpotModel spots = camera_spots.on_lattice();
-  const Image<float> average = on_lattice(camera_average, lit);
+  const ColourPlane& lit = camera_spots.lit.plane;
+  const SpotModel spots = camera_spots.on_plane();
+  const Image<float> average = on_plane(camera_average, lit);
   const ModelShape shape(spots, 1.5 * matched_window(spots.charge) + 1.0);
   const TemplateBank model(spots, shape);
   std::vector<std::shared_ptr<const TemplateBank>> banks(reference_px.size());

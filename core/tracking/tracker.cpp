@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "core/tracking/centroid.hpp"
-#include "core/tracking/lattice_tracker.hpp"
 #include "core/tracking/lg.hpp"
 #include "core/tracking/lg_contour.hpp"
 #include "core/tracking/matched.hpp"
+#include "core/tracking/plane_tracker.hpp"
 
 namespace ovws {
 namespace {
@@ -27,7 +27,7 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
     return fail(Errc::invalid, "tracking.kernel_radius",
                 "must be from 0.1 to 2 in units of lambda/d");
   }
-  const int step = spots.lit.lattice.step;
+  const int step = spots.lit.plane.step;
   if (!(spots.lambda_d_px >= kMinSpotPx * step && spots.lambda_d_px <= kMaxSpotPx * step)) {
     return fail(
         Errc::invalid, "optics",
@@ -74,9 +74,9 @@ Result<std::unique_ptr<const SpotTracker>> make_tracker(
     const TrackingConfig& config, const SpotModel& spots,
     std::vector<std::shared_ptr<const TemplateBank>> own) {
   if (auto ok = check(config, spots); !ok) return fail(ok.error());
-  auto tracker = make(config, spots.on_lattice(), std::move(own));
+  auto tracker = make(config, spots.on_plane(), std::move(own));
   if (!tracker) return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
-  return on_lattice(std::move(tracker), spots);
+  return on_plane(std::move(tracker), spots);
 }
 
 }  // namespace ovws

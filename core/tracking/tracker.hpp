@@ -41,9 +41,9 @@ struct SpotModel {
   double lambda_d_px = 12.55;  ///< diffraction scale of one subaperture on the camera
   LitPixels lit{};             ///< the camera pixels that receive the spots' light
 
-  /// The same spots in an image of the lit colour plane alone, whose pixels are `lit.lattice.step`
+  /// The same spots in an image of the lit colour plane alone, whose pixels are `lit.plane.step`
   /// camera pixels apart.
-  SpotModel on_lattice() const { return {charge, lambda_d_px / lit.lattice.step}; }
+  SpotModel on_plane() const { return {charge, lambda_d_px / lit.plane.step}; }
 
   friend bool operator==(const SpotModel&, const SpotModel&) = default;
 };
@@ -78,7 +78,7 @@ class SpotTracker {
 };
 
 /// Makes a tracker. `own`: per-spot templates, see MatchedTracker; other trackers ignore them.
-/// Positions are camera pixels, even if only one colour plane is lit (see lattice_tracker.hpp).
+/// Positions are camera pixels, even if only one colour plane is lit (see plane_tracker.hpp).
 ///
 /// Errors (Errc::invalid), by field: "tracking.kernel_radius" outside [0.1, 2]; "tracking.tracker":
 /// a tracker of the centroid family, but the charge is not 0; "sensor.charge" outside [-8, 8];

@@ -15,7 +15,7 @@ namespace ovws {
 /// The sensor model, which does not depend on the image.
 struct ShapeModel {
   SpotOptics optics;  ///< its images have bins of bin_px() camera pixels
-  PixelLattice lit;   ///< the colour plane that is binned
+  ColourPlane lit;    ///< the colour plane that is binned
   int bin = 1;        ///< pixels of the plane per side of a bin
   double lambda_d_px = 12.55;
   Eigen::MatrixXd slopes;  ///< as of slope_matrix, for the modes of `optics`

@@ -32,8 +32,8 @@ int max_seen(std::size_t subapertures) {
 ShapeModel model_of(const Lattice& lattice, const SensorConfig& sensor, const SpotModel& spots,
                     const PxPerCycle& px_per_cycle, const std::vector<int>& modes_j,
                     const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference_px) {
-  const PixelLattice& lit = spots.lit.lattice;
-  const int bin = std::max(1, int(spots.on_lattice().lambda_d_px / kBinsPerLambdaD));
+  const ColourPlane& lit = spots.lit.plane;
+  const int bin = std::max(1, int(spots.on_plane().lambda_d_px / kBinsPerLambdaD));
   const int bin_px = bin * lit.step;
   const int half = int(std::ceil(kSpotHalf * spots.lambda_d_px / bin_px));
   return {SpotOptics(lattice, sensor, modes_j, px_per_cycle / bin_px, half),

@@ -59,14 +59,14 @@ std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFor
 
 void filter_colours(Image<float>& photons, PixelFormat format, double wavelength_nm) {
   const LitPixels lit = lit_pixels(format, wavelength_nm);
-  if (lit.lattice.everything()) return;
-  const auto passes = [](const PixelLattice& lattice, int x, int y) {
-    return x % 2 == lattice.x && y % 2 == lattice.y;
+  if (lit.plane.everything()) return;
+  const auto passes = [](const ColourPlane& plane, int x, int y) {
+    return x % 2 == plane.x && y % 2 == plane.y;
   };
   for (int y = 0; y < photons.height; ++y) {
     for (int x = 0; x < photons.width; ++x) {
       const bool transmitted =
-          passes(lit.lattice, x, y) || (lit.diagonal && passes(lit.other(), x, y));
+          passes(lit.plane, x, y) || (lit.diagonal && passes(lit.other(), x, y));
       if (!transmitted) photons.at(x, y) *= kLeak;
     }
   }

@@ -62,7 +62,7 @@ struct Frame {
 void unpack_alike(const ImageView& image, Bytes& from) {
   const int y = from.below(image.height), x = from.below(image.width);
   const int count = from.below(image.width - x + 1);
-  const PixelLattice& l = image.lattice;
+  const ColourPlane& l = image.plane;
   const PackedRow row{image.row<std::byte>(l.y + y * l.step),
                       std::ptrdiff_t(row_bytes(image.format, l.x + (image.width - 1) * l.step + 1)),
                       image.left_justified_bits};
@@ -114,7 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   frame.view.left_justified_bits = detector.shift_bits(frame.view);
   const LitPixels lit = lit_pixels(frame.view.format, 400.0 + from.below(400));
   unpack_alike(frame.view, from);
-  const ImageView image = on_lattice(frame.view, lit.lattice);
+  const ImageView image = on_plane(frame.view, lit.plane);
   unpack_alike(image, from);
   std::vector<float> samples(std::size_t(patch_floats(24)));
   load_patch(image, from.below(image.width), from.below(image.height), 24, samples);

@@ -63,7 +63,7 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
                   [](int j) { return j < 0 || j > kMaxZernikeIndex; })) {
     return unfit("has modes that do not exist");
   }
-  const PixelLattice& lit = plan.spots.lit.lattice;
+  const ColourPlane& lit = plan.spots.lit.plane;
   if (plan.roi.width < 1 || plan.roi.width > kMaxSide || plan.roi.height < 1 ||
       plan.roi.height > kMaxSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
       lit.y < 0 || lit.y > 1) {

@@ -160,8 +160,8 @@ bool SpotFinder::do_work() {
 /// Searches the frame if a search is due.
 bool SpotFinder::search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
-  const int bin = std::max(1, int(kCell * spots.on_lattice().lambda_d_px));
-  CellImage cells = average_cells(frame.image, spots.lit.lattice, bin);
+  const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
+  CellImage cells = average_cells(frame.image, spots.lit.plane, bin);
   const bool changed = !searched_ || is_other_image(*searched_, cells);
   if (!policy_.is_due(doubt, changed, monotonic_ns())) {
     next_check_ns_ = monotonic_ns() + kCheckPauseNs;
@@ -212,7 +212,7 @@ std::optional<SplitSpots> SpotFinder::explain(const FrameCopy& frame) {
   const std::vector<bool>& split = acquisition.torn();
   if (std::none_of(split.begin(), split.end(), [](bool one) { return one; })) return out;
   out.templates =
-      shape_templates(bench_->optics, bench_->spots.on_lattice(), acquisition.waves(), split);
+      shape_templates(bench_->optics, bench_->spots.on_plane(), acquisition.waves(), split);
   return out;
 }
 
@@ -254,8 +254,8 @@ bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
             std::move(scratch), spots,
             ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
                               reference_px, cols, rows),
-            template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.lattice.step,
-                            spots.on_lattice()),
+            template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.plane.step,
+                            spots.on_plane()),
             Reconstructor(slopes, sensor.modes_j,
                           sensor.reference ? known_positions(*sensor.reference) : reference_px,
                           rotation_column(*lattice, sensor.sensor, map, sensor.reference.get()))});

@@ -67,28 +67,28 @@ TEST(LitPixels, AreThoseUnderTheFilterOfTheLasersColour) {
     for (const auto& [nm, colour] : lasers) {
       const LitPixels lit = lit_pixels(format.format, nm);
       if (format.filter == ColourFilter::none) {
-        EXPECT_TRUE(lit.lattice.everything() && !lit.diagonal) << format.name;
+        EXPECT_TRUE(lit.plane.everything() && !lit.diagonal) << format.name;
         continue;
       }
-      ASSERT_EQ(lit.lattice.step, 2) << format.name;
-      EXPECT_EQ(filter_at(format.format, lit.lattice.x, lit.lattice.y), colour)
+      ASSERT_EQ(lit.plane.step, 2) << format.name;
+      EXPECT_EQ(filter_at(format.format, lit.plane.x, lit.plane.y), colour)
           << format.name << " at " << nm;
       EXPECT_EQ(lit.diagonal, colour == 'G');
       if (!lit.diagonal) continue;
       EXPECT_EQ(filter_at(format.format, lit.other().x, lit.other().y), 'G') << format.name;
-      EXPECT_FALSE(lit.other() == lit.lattice);
+      EXPECT_FALSE(lit.other() == lit.plane);
     }
   }
 }
 
-TEST(PixelLattice, TurnsPositionsAsItsPixelsLie) {
-  const PixelLattice lattice{2, 1, 0};
-  EXPECT_EQ(lattice.to_image({0.0, 0.0}), (Vec2{1.0, 0.0}));
-  EXPECT_EQ(lattice.to_image({10.25, 3.5}), (Vec2{21.5, 7.0}));
-  EXPECT_EQ(lattice.from_image({21.5, 7.0}), (Vec2{10.25, 3.5}));
-  EXPECT_EQ(lattice.count(8, 1), 4);
-  EXPECT_EQ(lattice.count(7, 1), 3);
-  EXPECT_EQ(lattice.count(7, 0), 4);
+TEST(ColourPlane, TurnsPositionsAsItsPixelsLie) {
+  const ColourPlane plane{2, 1, 0};
+  EXPECT_EQ(plane.to_image({0.0, 0.0}), (Vec2{1.0, 0.0}));
+  EXPECT_EQ(plane.to_image({10.25, 3.5}), (Vec2{21.5, 7.0}));
+  EXPECT_EQ(plane.from_image({21.5, 7.0}), (Vec2{10.25, 3.5}));
+  EXPECT_EQ(plane.count(8, 1), 4);
+  EXPECT_EQ(plane.count(7, 1), 3);
+  EXPECT_EQ(plane.count(7, 0), 4);
 }
 
 }  // namespace

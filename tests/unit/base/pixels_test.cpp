@@ -49,15 +49,14 @@ TEST_P(Pixels, OfARegionAreThoseOfThePicture) {
 TEST_P(Pixels, OfALatticeAreEverySecondOfThePicture) {
   const std::vector<std::byte> bytes = test::pack(picture_, format_, kPadding);
   const ImageView whole = test::packed_view(bytes, kWidth, kHeight, format_, kPadding);
-  for (const PixelLattice& lattice : {PixelLattice{2, 0, 0}, PixelLattice{2, 1, 0},
-                                      PixelLattice{2, 0, 1}, PixelLattice{2, 1, 1}}) {
-    const ImageView view = on_lattice(whole, lattice);
+  for (const ColourPlane& plane :
+       {ColourPlane{2, 0, 0}, ColourPlane{2, 1, 0}, ColourPlane{2, 0, 1}, ColourPlane{2, 1, 1}}) {
+    const ImageView view = on_plane(whole, plane);
     ASSERT_EQ(view.width, kWidth / 2);
     ASSERT_EQ(view.height, kHeight / 2);
     for (const Place& at : {Place{0, 0, view.width, view.height}, Place{17, 2, 270, 3}}) {
-      expect_visited(view, at, [&](int x, int y) {
-        return picture_.at(lattice.x + 2 * x, lattice.y + 2 * y);
-      });
+      expect_visited(view, at,
+                     [&](int x, int y) { return picture_.at(plane.x + 2 * x, plane.y + 2 * y); });
     }
   }
 }

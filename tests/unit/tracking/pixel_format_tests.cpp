@@ -37,8 +37,8 @@ struct Packed {
 Image<std::uint16_t> filtered(Image<std::uint16_t> dn, const LitPixels& lit) {
   for (int y = 0; y < dn.height; ++y) {
     for (int x = 0; x < dn.width; ++x) {
-      const auto on = [&](const PixelLattice& l) { return x % 2 == l.x && y % 2 == l.y; };
-      if (!on(lit.lattice) && !(lit.diagonal && on(lit.other()))) dn.at(x, y) /= 30;
+      const auto on = [&](const ColourPlane& l) { return x % 2 == l.x && y % 2 == l.y; };
+      if (!on(lit.plane) && !(lit.diagonal && on(lit.other()))) dn.at(x, y) /= 30;
     }
   }
   return dn;

@@ -1,4 +1,4 @@
-#include "core/tracking/lattice_tracker.hpp"
+#include "core/tracking/plane_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,23 +16,23 @@ class ColourPlaneTracker final : public SpotTracker {
         lit_(spots.lit),
         agree_px_(float(kAgree * spots.lambda_d_px)) {}
 
-  int window_half_px() const override { return lit_.lattice.step * tracker_->window_half_px(); }
+  int window_half_px() const override { return lit_.plane.step * tracker_->window_half_px(); }
   TrackScratch make_scratch() const override { return tracker_->make_scratch(); }
   bool per_spot() const override { return tracker_->per_spot(); }
 
   SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
                 int spot) const OVWS_NONBLOCKING override {
-    const SpotFix fix = track_on(lit_.lattice, image, start_px, scratch, spot);
+    const SpotFix fix = track_on(lit_.plane, image, start_px, scratch, spot);
     if (!lit_.diagonal) return fix;
     return merged(fix, track_on(lit_.other(), image, start_px, scratch, spot));
   }
 
  private:
-  SpotFix track_on(const PixelLattice& lattice, const ImageView& image, Vec2 start_px,
+  SpotFix track_on(const ColourPlane& plane, const ImageView& image, Vec2 start_px,
                    TrackScratch& scratch, int spot) const OVWS_NONBLOCKING {
     SpotFix fix =
-        tracker_->track(on_lattice(image, lattice), lattice.from_image(start_px), scratch, spot);
-    const Vec2 at = lattice.to_image({double(fix.x), double(fix.y)});
+        tracker_->track(on_plane(image, plane), plane.from_image(start_px), scratch, spot);
+    const Vec2 at = plane.to_image({double(fix.x), double(fix.y)});
     fix.x = float(at.x);  // NaN stays NaN
     fix.y = float(at.y);
     return fix;
@@ -62,9 +62,9 @@ class ColourPlaneTracker final : public SpotTracker {
 
 }  // namespace
 
-std::unique_ptr<const SpotTracker> on_lattice(std::unique_ptr<const SpotTracker> tracker,
-                                              const SpotModel& spots) {
-  if (spots.lit.lattice.everything()) return tracker;
+std::unique_ptr<const SpotTracker> on_plane(std::unique_ptr<const SpotTracker> tracker,
+                                            const SpotModel& spots) {
+  if (spots.lit.plane.everything()) return tracker;
   return std::make_unique<ColourPlaneTracker>(std::move(tracker), spots);
 }
 

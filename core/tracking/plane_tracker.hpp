@@ -7,11 +7,11 @@
 
 namespace ovws {
 
-/// Wraps `tracker`, which is made for SpotModel::on_lattice, so that it sees the lit pixels alone;
+/// Wraps `tracker`, which is made for SpotModel::on_plane, so that it sees the lit pixels alone;
 /// starts and fixes are camera pixels. With two lit planes (green) the fix is the mean of both, or
 /// the only one found; fixes that disagree by more than 0.4 lambda/d along x or y are lost. Returns
 /// `tracker` itself if all pixels are lit.
-std::unique_ptr<const SpotTracker> on_lattice(std::unique_ptr<const SpotTracker> tracker,
-                                              const SpotModel& spots);
+std::unique_ptr<const SpotTracker> on_plane(std::unique_ptr<const SpotTracker> tracker,
+                                            const SpotModel& spots);
 
 }  // namespace ovws
