@@ -147,7 +147,7 @@ struct Table<ConfiguredPipeline> {
                  .checked(is_no_power_of_two),
              field("cpus", &ConfiguredPipeline::cpus,
                    "CPUs that the threads of the frame path may use; empty: any", limits::kCpu)
-                 .sized(0, limits::kMostCpus)
+                 .sized(0, limits::kMaxCpus)
                  .unlike()};
 };
 

@@ -32,7 +32,7 @@ constexpr Numbers kMagnification{0.001, 1000.0};
 constexpr Numbers kCameraPitchUm{0.1, 100.0};
 constexpr Numbers kCentrePx{-65535.0, 65535.0};
 constexpr Numbers kPxPerCycle{-1e7, 1e7};
-constexpr double kLeastPxPerCycle = 1.0;
+constexpr double kMinPxPerCycle = 1.0;
 
 constexpr Integers kCharge{-8, 8};
 constexpr Integers kSubaperturesAcross{1, 31};
@@ -51,8 +51,8 @@ constexpr Integers kPictureFrames{1, 100};
 constexpr Integers kGreyLevels{9, 256};  ///< measured by lut.run
 constexpr Integers kSettleRepetitions{3, 200};
 constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< after each change, by slm.settle
-constexpr Numbers kPushWaves{0.005, 0.2};    ///< poke amplitude of a calibration
-constexpr Integers kPushFrames{2, 10000};    ///< averaged for each poke
+constexpr Numbers kPokeWaves{0.005, 0.2};    ///< poke amplitude of a calibration
+constexpr Integers kPokeFrames{2, 10000};    ///< averaged for each poke
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< of a cell and of a reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
@@ -75,6 +75,6 @@ constexpr Numbers kImageRateHz{0.0, 1000.0};
 constexpr Integers kWorkers{0, 16};
 constexpr Integers kRecords{8, 4096};  ///< must be a power of two
 constexpr Integers kCpu{0, 1023};
-constexpr std::size_t kMostCpus = 64;
+constexpr std::size_t kMaxCpus = 64;
 
 }  // namespace ovws::limits

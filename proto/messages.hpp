@@ -61,7 +61,7 @@ struct RefinedMessage {
   std::string reason;              ///< why it is not valid; empty if it is
   bool against_reference = false;  ///< false: coefficients count from the model
   double wavelength_nm = 632.0;
-  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
   std::vector<int> j;
   /// Waves, as many as `j`; all encoded as null if not valid.

@@ -49,9 +49,9 @@ enum class PixelLayout : std::uint8_t {
   bytes,     ///< one byte a pixel
   words,     ///< two bytes a pixel, LSB-aligned
   p10,       ///< 10 bits a pixel without padding, from the first byte's lowest bit on
-  p12,       ///< 12 bits a pixel, likewise
+  p12,       ///< 12 bits a pixel, packed in the same way
   packed10,  ///< GigE Vision 1: 2 pixels in 3 bytes, the middle byte holds both pixels' low bits
-  packed12,  ///< likewise with 12 bits
+  packed12,  ///< the same with 12 bits
 };
 
 /// Bayer pattern: the colours in the first row of the repeating 2 x 2 square of filters.

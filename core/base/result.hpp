@@ -30,7 +30,7 @@ template <class T>
 using Result = tl::expected<T, Error>;
 
 /// Whether a retry is pointless until a person changes a value or the state.
-inline bool needs_a_person(const Error& error) {
+inline bool needs_intervention(const Error& error) {
   return error.code == Errc::invalid || error.code == Errc::refused;
 }
 

@@ -36,7 +36,7 @@ Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeome
   return model;
 }
 
-Result<Image<float>> SensorModel::light(std::span<const Mode> modes) {
+Result<Image<float>> SensorModel::intensity(std::span<const Mode> modes) {
   if (auto sampled = renderer_.check_sampling(modes); !sampled) return fail(sampled.error());
   static const auto kPhasors = phasors();
   renderer_.render(HologramKind::sensor, modes, grey_);
@@ -52,7 +52,8 @@ Result<Image<float>> SensorModel::light(std::span<const Mode> modes) {
   return result;
 }
 
-double SensorModel::peak_of_spots(const Image<float>& light, std::span<const Mode> modes) const {
+double SensorModel::peak_of_spots(const Image<float>& intensity,
+                                  std::span<const Mode> modes) const {
   float peak = 0.0F;
   const int reach = int(std::ceil(2.0 * lambda_d_px_));
   for (std::size_t i = 0; i < spots_px_.size(); ++i) {
@@ -60,21 +61,21 @@ double SensorModel::peak_of_spots(const Image<float>& light, std::span<const Mod
     const Vec2 slope = (1.0 / pupil_radius_px_) * wavefront_gradient(modes, at);
     const Vec2 spot = spots_px_[i] + px_per_cycle_ * slope;
     const int left = std::max(0, int(spot.x) - reach);
-    const int right = std::min(light.width, int(spot.x) + reach + 1);
-    const int bottom = std::min(light.height, int(spot.y) + reach + 1);
+    const int right = std::min(intensity.width, int(spot.x) + reach + 1);
+    const int bottom = std::min(intensity.height, int(spot.y) + reach + 1);
     for (int y = std::max(0, int(spot.y) - reach); y < bottom; ++y) {
-      for (int x = left; x < right; ++x) peak = std::max(peak, light.at(x, y));
+      for (int x = left; x < right; ++x) peak = std::max(peak, intensity.at(x, y));
     }
   }
   return double(peak);
 }
 
-void scale(Image<float>& light, double factor) {
-  for (float& pixel : light.pixels) pixel = float(pixel * factor);
+void scale(Image<float>& intensity, double factor) {
+  for (float& pixel : intensity.pixels) pixel = float(pixel * factor);
 }
 
-double total(const Image<float>& light) {
-  return std::accumulate(light.pixels.begin(), light.pixels.end(), 0.0);
+double total(const Image<float>& intensity) {
+  return std::accumulate(intensity.pixels.begin(), intensity.pixels.end(), 0.0);
 }
 
 }  // namespace ovws

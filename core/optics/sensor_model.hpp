@@ -29,10 +29,10 @@ class SensorModel {
 
   /// Far-field intensity |F|^2 at each camera pixel with these modes (RMS-normalised waves) in the
   /// hologram; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
-  Result<Image<float>> light(std::span<const Mode> modes);
+  Result<Image<float>> intensity(std::span<const Mode> modes);
   /// Peak intensity of the spots: the brightest pixel within 2 lambda/d of where the modes move
   /// them. Excludes everything else, above all the tail of the zeroth order.
-  double peak_of_spots(const Image<float>& light, std::span<const Mode> modes) const;
+  double peak_of_spots(const Image<float>& intensity, std::span<const Mode> modes) const;
 
  private:
   SensorModel(HologramRenderer renderer, FarField far_field)
@@ -50,8 +50,8 @@ class SensorModel {
 };
 
 /// Multiplies every pixel.
-void scale(Image<float>& light, double factor);
+void scale(Image<float>& intensity, double factor);
 /// Sum of all pixels.
-double total(const Image<float>& light);
+double total(const Image<float>& intensity);
 
 }  // namespace ovws

@@ -60,7 +60,7 @@ SpotOptics::SpotOptics(const Lattice& lattice, const SensorConfig& sensor, std::
     local_.push_back(to_local * (phase.rowwise() - phase.colwise().mean()));
     phase_.push_back(std::move(phase));
   }
-  const Picture flat = light(0, Eigen::VectorXd::Zero(Eigen::Index(modes_j_.size())), {});
+  const Picture flat = intensity(0, Eigen::VectorXd::Zero(Eigen::Index(modes_j_.size())), {});
   to_light_ = 1.0 / double(flat.maxCoeff());
 }
 
@@ -93,8 +93,8 @@ SpotOptics::Field SpotOptics::kernel(double at) const {
   return kernel;
 }
 
-SpotOptics::Picture SpotOptics::light(int subaperture, const Eigen::VectorXd& waves,
-                                      Vec2 at) const {
+SpotOptics::Picture SpotOptics::intensity(int subaperture, const Eigen::VectorXd& waves,
+                                          Vec2 at) const {
   const auto phasor = phasors(subaperture, waves);
   Field field = Field::Zero(kPlacesAcross, kPlacesAcross);
   for (std::size_t p = 0; p < places_.size(); ++p) {
@@ -121,7 +121,7 @@ SpotOptics::Derived SpotOptics::derive(int subaperture, const Eigen::VectorXd& w
   const Field along_x = kernel(at.x).transpose();
   const Field far = half.leftCols(kPlacesAcross) * along_x;
   Derived derived;
-  derived.light = float(to_light_) * far.cwiseAbs2();
+  derived.intensity = float(to_light_) * far.cwiseAbs2();
   const auto scale = float(-4.0 * std::numbers::pi * to_light_);  // 2 Re(2 pi i conj(F) F_k)
   for (int k = 0; k < kLocal; ++k) {
     const Field part = half.middleCols((k + 1) * kPlacesAcross, kPlacesAcross) * along_x;

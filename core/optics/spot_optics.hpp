@@ -39,10 +39,10 @@ class SpotOptics {
 
   /// Intensity for the modes `waves` (RMS-normalised) without their mean slope, centred `at` cells
   /// from the middle cell. Normalised: the brightest cell for a flat wavefront is 1.
-  Picture light(int subaperture, const Eigen::VectorXd& waves, Vec2 at) const;
+  Picture intensity(int subaperture, const Eigen::VectorXd& waves, Vec2 at) const;
   /// The same, with its derivative with respect to each local mode, per wave.
   struct Derived {
-    Picture light;
+    Picture intensity;
     std::array<Picture, kLocal> per_wave;
   };
   Derived derive(int subaperture, const Eigen::VectorXd& waves, Vec2 at) const;

@@ -37,7 +37,7 @@ struct ShownHologram {
 struct AppliedSettings {
   double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
   double previous_gain_db = 0.0, previous_exposure_us = 0.0;
-  double gain_raw = kNotKnown, previous_gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_raw = kUnknownGain, previous_gain_raw = kUnknownGain;  ///< see CameraSettings
   Roi roi;                                  ///< does not change within one stream
   std::int64_t t_previous_end_mono_ns = 0;  ///< end of the write of the previous values
   std::int64_t t_write_begin_mono_ns = 0;
@@ -64,7 +64,7 @@ struct FrameRecord {
   bool still = false;           ///< hologram_id was settled during the whole exposure; not late
   bool settled = false;         ///< still, and the hologram is the sensor that the plan measures
   bool settings_known = false;  ///< gain and exposure are certain for this frame
-  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
 
   std::uint64_t number = 0;    ///< sequence number of published records, from 1

@@ -11,7 +11,7 @@ namespace ovws {
 
 struct SettingsVerdict {
   bool known = false;  ///< false: the exposure overlaps a change, or nothing was applied yet
-  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
   /// Earliest CLOCK_MONOTONIC time at which the exposure can have begun: arrival - exposure -
   /// transfer. If the settings are unknown, with the longer of the two exposures.

@@ -21,7 +21,7 @@ struct Roi {
 };
 
 /// NaN: a number that is unknown, or that a camera does not have.
-inline constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kUnknownGain = std::numeric_limits<double>::quiet_NaN();
 
 /// Equal, or both not known.
 inline bool same_number(double a, double b) {
@@ -29,15 +29,16 @@ inline bool same_number(double a, double b) {
 }
 
 struct CameraSettings {
-  /// dB. A camera that has gain_raw instead reports kNotKnown; requesting 0 leaves its gain alone.
+  /// dB. A camera that has gain_raw instead reports kUnknownGain; requesting 0 leaves its gain
+  /// alone.
   double gain_db = 0.0;
   double exposure_us = 2000.0;
   double frame_rate_hz = 100.0;
   PixelFormat pixel_format = PixelFormat::mono8;
   Roi roi;
   /// GenICam GainRaw, in the camera's own steps, of a camera without gain in dB; otherwise
-  /// kNotKnown. Requesting kNotKnown leaves the gain unchanged.
-  double gain_raw = kNotKnown;
+  /// kUnknownGain. Requesting kUnknownGain leaves the gain unchanged.
+  double gain_raw = kUnknownGain;
 
   friend bool same_gain(const CameraSettings& a, const CameraSettings& b) {
     return same_number(a.gain_db, b.gain_db) && same_number(a.gain_raw, b.gain_raw);

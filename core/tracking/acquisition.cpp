@@ -31,7 +31,7 @@ Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px,
       image_width_(image_width),
       image_height_(image_height),
       candidates_(spots, image_width, image_height, max_candidates(predicted_px.size())),
-      consensus_(predicted_px, max_candidates(predicted_px.size())) {
+      assignment_(predicted_px, max_candidates(predicted_px.size())) {
   verified_.reserve(std::size_t(max_candidates(predicted_px.size())));
   positions_.reserve(verified_.capacity());
 }
@@ -43,10 +43,10 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   bright_ = {};
   if (image.width != image_width_ || image.height != image_height_) return 0;
   verify(image, tracker, scratch);
-  const std::span<const int> matched = consensus_.match(positions_);
+  const std::span<const int> matched = assignment_.match(positions_);
   bool any = false;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    if (matched[i] == Consensus::kNone) continue;
+    if (matched[i] == SpotAssignment::kNone) continue;
     out[i] = verified_[std::size_t(matched[i])];
     if (tracker.per_spot()) track_with_own_template(int(i), image, tracker, scratch, out[i]);
     any = true;
@@ -68,7 +68,7 @@ void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
     const SpotFix fix = tracker.track(image, start, scratch);
     if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
   }
-  drop_faint(verified_, consensus_.size());
+  drop_faint(verified_, assignment_.size());
   positions_.clear();
   std::erase_if(verified_, [](const SpotFix& fix) { return !fix.found(); });
   for (const SpotFix& fix : verified_) positions_.push_back(position(fix));
@@ -76,7 +76,7 @@ void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
 
 std::vector<Vec2> Acquisition::seen() const {
   std::vector<Vec2> seen = positions_;
-  const std::size_t count = std::min(bright_.size(), std::size_t(consensus_.size() * 4 / 3));
+  const std::size_t count = std::min(bright_.size(), std::size_t(assignment_.size() * 4 / 3));
   for (const Vec2 at : bright_.first(count)) {
     const auto near = [&](Vec2 other) { return closer(other, at, spots_.lambda_d_px); };
     if (std::none_of(seen.begin(), seen.end(), near)) seen.push_back(at);
@@ -87,9 +87,9 @@ std::vector<Vec2> Acquisition::seen() const {
 SpotFix Acquisition::search_where_expected(int i, const ImageView& image,
                                            const SpotTracker& tracker,
                                            TrackScratch& scratch) const {
-  const Vec2 expected = consensus_.expected(i);
+  const Vec2 expected = assignment_.expected(i);
   const SpotFix fix = tracker.track(image, expected, scratch, i);
-  if (!fix.found() || norm(position(fix) - expected) > consensus_.tolerance_px()) return {};
+  if (!fix.found() || norm(position(fix) - expected) > assignment_.tolerance_px()) return {};
   return fix;
 }
 

@@ -8,7 +8,7 @@
 #include "core/base/realtime.hpp"
 #include "core/base/vec2.hpp"
 #include "core/tracking/candidates.hpp"
-#include "core/tracking/consensus.hpp"
+#include "core/tracking/spot_assignment.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws {
@@ -20,8 +20,8 @@ class Acquisition {
               int image_height);
 
   /// Finds candidates in the whole image, verifies them with `tracker` and assigns those that pass
-  /// to subapertures (Consensus). The assignment fits the displacements from `predicted_px` by an
-  /// affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. It then
+  /// to subapertures (SpotAssignment). The assignment fits the displacements from `predicted_px` by
+  /// an affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. It then
   /// searches missing spots where their neighbours predict them. Spots that fail are lost.
   ///
   /// Writes one fix per subaperture and returns how many were found: 0, or at least 3 and half of
@@ -45,7 +45,7 @@ class Acquisition {
   int image_width_;
   int image_height_;
   CandidateFinder candidates_;
-  Consensus consensus_;
+  SpotAssignment assignment_;
   std::vector<SpotFix> verified_;
   std::vector<Vec2> positions_;   ///< of verified_
   std::span<const Vec2> bright_;  ///< candidates of the last image

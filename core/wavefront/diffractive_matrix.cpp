@@ -21,10 +21,11 @@ std::vector<Vec2> predicted(const SensorModel& model, const SensorConfig& sensor
   return spots;
 }
 
-Image<std::uint16_t> rounded(const Image<float>& light) {
-  Image<std::uint16_t> image(light.width, light.height);
-  const float scale = float(kPeak) / *std::max_element(light.pixels.begin(), light.pixels.end());
-  std::transform(light.pixels.begin(), light.pixels.end(), image.pixels.begin(),
+Image<std::uint16_t> rounded(const Image<float>& intensity) {
+  Image<std::uint16_t> image(intensity.width, intensity.height);
+  const float scale =
+      float(kPeak) / *std::max_element(intensity.pixels.begin(), intensity.pixels.end());
+  std::transform(intensity.pixels.begin(), intensity.pixels.end(), image.pixels.begin(),
                  [scale](float value) { return std::uint16_t(std::lround(value * scale)); });
   return image;
 }
@@ -33,9 +34,9 @@ Image<std::uint16_t> rounded(const Image<float>& light) {
 
 Result<std::vector<SpotFix>> model_fixes(SensorModel& model, const SensorConfig& sensor,
                                          const SpotTracker& tracker, std::span<const Mode> modes) {
-  const auto light = model.light(modes);
-  if (!light) return fail(light.error());
-  const Image<std::uint16_t> image = rounded(*light);
+  const auto intensity = model.intensity(modes);
+  if (!intensity) return fail(intensity.error());
+  const Image<std::uint16_t> image = rounded(*intensity);
   const ImageView view = view_of(image, PixelFormat::mono16);
   TrackScratch scratch = tracker.make_scratch();
   std::vector<SpotFix> fixes;

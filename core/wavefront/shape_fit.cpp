@@ -50,7 +50,7 @@ bool is_known(Vec2 at) {
 
 }  // namespace
 
-ShapeFit::ShapeFit(const ShapeModel& model, const CellImage& image)
+ShapeFit::ShapeFit(const ShapeModel& model, const BinnedImage& image)
     : model_(model),
       image_(image),
       waves_(Eigen::VectorXd::Zero(model.slopes.cols())),
@@ -127,7 +127,7 @@ void ShapeFit::fit_modes_to_positions(std::span<const Vec2> starts_px) {
 
 Vec2 ShapeFit::predicted_bin(int spot) const {
   const Eigen::Vector2d moved = model_.slopes.middleRows(2 * Eigen::Index(spot), 2) * waves_;
-  return image_.to_cells(model_.reference_px[std::size_t(spot)] + Vec2{moved.x(), moved.y()});
+  return image_.to_bins(model_.reference_px[std::size_t(spot)] + Vec2{moved.x(), moved.y()});
 }
 
 void ShapeFit::render(int spot) {
@@ -135,7 +135,7 @@ void ShapeFit::render(int spot) {
   const Vec2 at = predicted_bin(spot) + rendered.offset;
   const double column = std::round(at.x), row = std::round(at.y);
   const int half = model_.optics.half_cells();
-  rendered.light = model_.optics.light(spot, waves_, {at.x - column, at.y - row});
+  rendered.intensity = model_.optics.intensity(spot, waves_, {at.x - column, at.y - row});
   rendered.column = int(column) - half;
   rendered.row = int(row) - half;
 }
@@ -156,19 +156,20 @@ void each_cell(const Eigen::MatrixXf& picture, int row, int column, Eigen::Index
 void ShapeFit::add(int spot, double sign) {
   const Rendered& rendered = rendered_[std::size_t(spot)];
   const auto amplitude = float(sign * spots_[std::size_t(spot)].amplitude);
-  each_cell(rendered.light, rendered.row, rendered.column, others_.rows(), others_.cols(),
-            [&](int y, int x, float light) { others_(y, x) += amplitude * light; });
+  each_cell(rendered.intensity, rendered.row, rendered.column, others_.rows(), others_.cols(),
+            [&](int y, int x, float intensity) { others_(y, x) += amplitude * intensity; });
 }
 
 ShapeFit::Match ShapeFit::match(int spot, int right, int down) const {
   const Rendered& rendered = rendered_[std::size_t(spot)];
-  const float threshold = float(kMinIntensity) * rendered.light.maxCoeff();
+  const float threshold = float(kMinIntensity) * rendered.intensity.maxCoeff();
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  each_cell(rendered.light, rendered.row + down, rendered.column + right, image_.light.rows(),
-            image_.light.cols(), [&](int row, int column, float light) {
-              if (light < threshold) return;
+  each_cell(rendered.intensity, rendered.row + down, rendered.column + right,
+            image_.intensity.rows(), image_.intensity.cols(),
+            [&](int row, int column, float intensity) {
+              if (intensity < threshold) return;
               const float over = others_.size() > 0 ? others_(row, column) : 0.0F;
-              const auto t = double(light), v = double(image_.light(row, column) - over);
+              const auto t = double(intensity), v = double(image_.intensity(row, column) - over);
               n += 1.0, x += t, y += v, xx += t * t, xy += t * v, yy += v * v;
             });
   if (n < kMinBins) return {};
@@ -239,10 +240,10 @@ void ShapeFit::search(int spot, const Rules& rules) {
 }
 
 void ShapeFit::update_spots(const Rules& rules) {
-  others_.setZero(image_.light.rows(), image_.light.cols());
+  others_.setZero(image_.intensity.rows(), image_.intensity.cols());
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     rendered_[i].offset =
-        spots_[i].found ? image_.to_cells(spots_[i].at_px) - predicted_bin(int(i)) : Vec2{};
+        spots_[i].found ? image_.to_bins(spots_[i].at_px) - predicted_bin(int(i)) : Vec2{};
     render(int(i));
     if (spots_[i].found) add(int(i), 1.0);
   }
@@ -262,7 +263,7 @@ ShapeFit::Information ShapeFit::information(int spot) const {
   const auto derived =
       model_.optics.derive(spot, waves_, {at.x - std::round(at.x), at.y - std::round(at.y)});
   const double amplitude = spots_[std::size_t(spot)].amplitude;
-  const float threshold = float(kMinIntensity) * derived.light.maxCoeff();
+  const float threshold = float(kMinIntensity) * derived.intensity.maxCoeff();
   const double variance = std::pow(image_.noise, 2) + std::pow(kShapeError * amplitude, 2);
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(kAll, kAll);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kAll), row(kAll);
@@ -270,14 +271,14 @@ ShapeFit::Information ShapeFit::information(int spot) const {
   for (int c = 0; c < side; ++c) {
     for (int r = 0; r < side; ++r) {
       const int y = rendered.row + r, x = rendered.column + c;
-      if (derived.light(r, c) < threshold || y < 0 || x < 0 || y >= image_.light.rows() ||
-          x >= image_.light.cols()) {
+      if (derived.intensity(r, c) < threshold || y < 0 || x < 0 || y >= image_.intensity.rows() ||
+          x >= image_.intensity.cols()) {
         continue;
       }
       for (int k = 0; k < kLocal; ++k) row(k) = amplitude * double(derived.per_wave[k](r, c));
-      row(kLocal) = double(derived.light(r, c));
+      row(kLocal) = double(derived.intensity(r, c));
       row(kLocal + 1) = 1.0;
-      const double off = double(image_.light(y, x) - others_(y, x)) - amplitude * row(kLocal);
+      const double off = double(image_.intensity(y, x) - others_(y, x)) - amplitude * row(kLocal);
       all.selfadjointView<Eigen::Lower>().rankUpdate(row, 1.0 / variance);
       gradient += off / variance * row;
     }

@@ -8,7 +8,7 @@
 
 #include "core/base/vec2.hpp"
 #include "core/optics/spot_optics.hpp"
-#include "core/tracking/cell_image.hpp"
+#include "core/tracking/binned_image.hpp"
 
 namespace ovws {
 
@@ -42,7 +42,7 @@ struct ShapedSpot {
 class ShapeFit {
  public:
   /// Both must outlive it.
-  ShapeFit(const ShapeModel& model, const CellImage& image);
+  ShapeFit(const ShapeModel& model, const BinnedImage& image);
 
   /// Fits from estimated spot positions; NaN: unknown. Returns how many spots are found, all of
   /// which agree with one wavefront to half of lambda/d.
@@ -55,7 +55,7 @@ class ShapeFit {
  private:
   /// A spot's computed image, aligned with the bins of the camera's image.
   struct Rendered {
-    SpotOptics::Picture light;
+    SpotOptics::Picture intensity;
     int row = 0, column = 0;  ///< of its first bin
     Vec2 offset;              ///< bins, from where the wavefront puts it
   };
@@ -88,7 +88,7 @@ class ShapeFit {
   void refine_positions();
 
   const ShapeModel& model_;
-  const CellImage& image_;
+  const BinnedImage& image_;
   Eigen::VectorXd waves_;
   std::vector<ShapedSpot> spots_;
   std::vector<Rendered> rendered_;

@@ -65,7 +65,7 @@ std::vector<std::shared_ptr<const TemplateBank>> shape_templates(const SpotOptic
   std::vector<std::shared_ptr<const TemplateBank>> templates(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i]) continue;
-    const RenderedShape shape(optics.light(int(i), waves, {}), bins_per_px(spots));
+    const RenderedShape shape(optics.intensity(int(i), waves, {}), bins_per_px(spots));
     auto bank = std::make_shared<TemplateBank>(spots, shape);
     if (bank->regular()) templates[i] = std::move(bank);
   }

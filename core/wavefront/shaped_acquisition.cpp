@@ -52,7 +52,7 @@ ShapedAcquisition::ShapedAcquisition(const Lattice& lattice, const SensorConfig&
                                      const std::vector<Vec2>& reference_px, int image_width,
                                      int image_height)
     : plain_(spots, reference_px, image_width, image_height),
-      consensus_(reference_px, max_seen(reference_px.size())),
+      assignment_(reference_px, max_seen(reference_px.size())),
       lambda_d_px_(spots.lambda_d_px),
       make_model_([=] {
         return model_of(lattice, sensor, spots, px_per_cycle, modes_j, slopes, reference_px);
@@ -69,15 +69,15 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   });
   if ((all_confident && trust_tracker) || plain_.seen().empty()) return found;
   if (!model_) model_.emplace(make_model_());
-  const CellImage cells = average_cells(image, model_->lit, model_->bin);
+  const BinnedImage bins = binned(image, model_->lit, model_->bin);
   int most_explained = (3 * int(out.size()) - 1) / 4;
   // Several starts: the whole lattice may be assigned one pitch off, with one row unexplained.
   for (const auto& starts :
        {starts_of_seen({}),
-        starts_of_seen({kMinStartShare, kMaxStartShift * consensus_.pitch_px()}), starts_of(out),
+        starts_of_seen({kMinStartShare, kMaxStartShift * assignment_.pitch_px()}), starts_of(out),
         followed}) {
     if (starts.size() != out.size()) continue;
-    ShapeFit fit(*model_, cells);
+    ShapeFit fit(*model_, bins);
     const int explained = fit.run(starts);
     if (explained <= most_explained) continue;
     most_explained = explained;
@@ -89,12 +89,12 @@ int ShapedAcquisition::acquire(const ImageView& image, const SpotTracker& tracke
   return int(std::count_if(out.begin(), out.end(), [](const SpotFix& s) { return s.found(); }));
 }
 
-std::vector<Vec2> ShapedAcquisition::starts_of_seen(const Consensus::Rules& rules) {
+std::vector<Vec2> ShapedAcquisition::starts_of_seen(const SpotAssignment::Rules& rules) {
   std::vector<Vec2> starts(split_.size(), kNowhere);
   const std::vector<Vec2> seen = plain_.seen();
-  const std::span<const int> owned = consensus_.match(seen, rules);
+  const std::span<const int> owned = assignment_.match(seen, rules);
   for (std::size_t i = 0; i < starts.size(); ++i) {
-    if (owned[i] != Consensus::kNone) starts[i] = seen[std::size_t(owned[i])];
+    if (owned[i] != SpotAssignment::kNone) starts[i] = seen[std::size_t(owned[i])];
   }
   return starts;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/tracking/acquisition.hpp"
-#include "core/tracking/consensus.hpp"
+#include "core/tracking/spot_assignment.hpp"
 #include "core/wavefront/shape_fit.hpp"
 
 namespace ovws {
@@ -46,14 +46,14 @@ class ShapedAcquisition {
   /// Position of each spot, and which were found. Empty if ShapeFit was not needed or failed.
   const std::vector<ShapedSpot>& shapes() const { return shapes_; }
   /// Split spots: those found by ShapeFit, but not there by the tracker.
-  const std::vector<bool>& torn() const { return split_; }
+  const std::vector<bool>& split() const { return split_; }
 
  private:
-  std::vector<Vec2> starts_of_seen(const Consensus::Rules& rules);
+  std::vector<Vec2> starts_of_seen(const SpotAssignment::Rules& rules);
   bool apply(const ImageView& image, const ShapedSpot& shaped, SpotFix& fix) const;
 
   Acquisition plain_;
-  Consensus consensus_;
+  SpotAssignment assignment_;
   double lambda_d_px_;
   std::function<ShapeModel()> make_model_;
   std::optional<ShapeModel> model_;  ///< made on first use: it is expensive for large lattices

@@ -169,7 +169,7 @@ Result<CameraSettings> CameraFeatures::read() {
     else
       all = fail(number.error());
   };
-  settings.gain_db = kNotKnown;
+  settings.gain_db = kUnknownGain;
   take(gain_field(), gain_, gain_of(settings));
   take("camera.exposure_us", exposure_, settings.exposure_us);
   take("camera.frame_rate_hz", rate_, settings.frame_rate_hz);

@@ -60,7 +60,7 @@ Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const Camer
                 "this camera has no gain in dB, only in device-specific steps: set gain_raw");
   if (!gain_is_raw_ && requested_raw)
     return fail(Errc::invalid, "camera.gain_raw", "this camera has its gain in dB: set gain_db");
-  if (gain_is_raw_) settings.gain_db = kNotKnown;
+  if (gain_is_raw_) settings.gain_db = kUnknownGain;
   double& gain = gain_of(settings);
   if (std::isnan(gain) && gain_is_raw_) gain = gain_of(current);
   auto fitted =

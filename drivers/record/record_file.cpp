@@ -232,8 +232,8 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
 Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,
                                       std::string_view text) {
   Impl& m = *impl_;
-  if (m.text.rows() + text.size() > kMostRecordedTextBytes ||
-      m.documents.rows() + m.new_documents.size() >= kMostRecordedDocuments) {
+  if (m.text.rows() + text.size() > kMaxRecordedTextBytes ||
+      m.documents.rows() + m.new_documents.size() >= kMaxRecordedDocuments) {
     return fail(Errc::refused, "path",
                 m.path + ": the recording holds its maximum of documents: start another one");
   }

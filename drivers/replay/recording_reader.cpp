@@ -190,7 +190,7 @@ bool RecordingReader::Impl::read_header() {
   return header.width > 0 && header.width <= kMaxSidePx && header.height > 0 &&
          header.height <= kMaxSidePx && header.width % pixels_per_group(header.format) == 0 &&
          row_bytes(header.format, header.width) * std::size_t(header.height) <=
-             kMostRecordedPictureBytes &&
+             kMaxRecordedPictureBytes &&
          header.frame_rate_hz > 0.0 && header.frame_rate_hz < 1e6;
 }
 
@@ -225,8 +225,8 @@ bool RecordingReader::Impl::open_tables() {
   return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
-                   kMostRecordedDocuments, documents) &&
-         open_rows(file, "text", H5T_STD_U8LE, 1, kMostRecordedTextBytes, text);
+                   kMaxRecordedDocuments, documents) &&
+         open_rows(file, "text", H5T_STD_U8LE, 1, kMaxRecordedTextBytes, text);
 }
 
 bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
@@ -241,7 +241,7 @@ bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
 
 bool RecordingReader::Impl::read_frames() {
   Rows rows;
-  if (!open_rows(file, "frames", frame_type, sizeof(RecordedFrame), kMostRecordedFrames, rows)) {
+  if (!open_rows(file, "frames", frame_type, sizeof(RecordedFrame), kMaxRecordedFrames, rows)) {
     return false;
   }
   frames.resize(rows.count);
@@ -332,8 +332,8 @@ Result<std::vector<RecordedText>> RecordingReader::documents() {
   std::vector<RecordedText> all;
   std::uint64_t bytes = 0;
   for (const RecordedDocument& row : rows) {
-    bytes += std::min(row.bytes, kMostRecordedTextBytes);
-    if (bytes > kMostRecordedTextBytes || row.bytes > m.text.count)
+    bytes += std::min(row.bytes, kMaxRecordedTextBytes);
+    if (bytes > kMaxRecordedTextBytes || row.bytes > m.text.count)
       return m.unreadable("a document is too long");
     RecordedText one{text_of(row.kind), text_of(row.sha256), std::string(row.bytes, '\0')};
     if (!read_rows(m.text, H5T_STD_U8LE, row.first_byte, row.bytes, one.text.data())) {

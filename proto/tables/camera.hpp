@@ -50,8 +50,8 @@ struct Table<CameraSettings> {
   }
   /// Clears the other gain, because a camera has its gain in one unit only.
   static void begin_change(CameraSettings& settings, const Json& given) {
-    if (!given.value("gain_db", Json()).is_null()) settings.gain_raw = kNotKnown;
-    if (!given.value("gain_raw", Json()).is_null()) settings.gain_db = kNotKnown;
+    if (!given.value("gain_db", Json()).is_null()) settings.gain_raw = kUnknownGain;
+    if (!given.value("gain_raw", Json()).is_null()) settings.gain_db = kUnknownGain;
   }
 };
 

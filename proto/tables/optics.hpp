@@ -18,7 +18,7 @@ struct Wire<PxPerCycle> {
       read = {m[0], m[1], m[2], m[3]};
     });
     if (reader.failed() || !reader.has(field.key)) return;
-    if (read.scale() < limits::kLeastPxPerCycle) {
+    if (read.scale() < limits::kMinPxPerCycle) {
       return reader.fault(field.key,
                           "this matrix is almost singular: give [xx, xy, yx, yy] in camera pixels "
                           "per cycle per SLM pixel");

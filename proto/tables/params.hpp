@@ -133,9 +133,9 @@ struct Table<CalibrationRun> {
   static constexpr const char* kName = "CalibrationRun";
   static constexpr auto kFields =
       Fields{field("amplitude_waves", &CalibrationRun::amplitude_waves,
-                   "poke amplitude, RMS-normalised waves", limits::kPushWaves),
+                   "poke amplitude, RMS-normalised waves", limits::kPokeWaves),
              field("frames", &CalibrationRun::frames,
-                   "number of settled frames to average for each poke", limits::kPushFrames),
+                   "number of settled frames to average for each poke", limits::kPokeFrames),
              field("modes", &CalibrationRun::modes_j,
                    "OSA/ANSI indices of the modes to measure and reconstruct; default: every "
                    "mode that the lattice determines",

@@ -339,7 +339,7 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
 
 Result<SensorView> SimulatedBench::edit(SensorChange change) {
   std::promise<Result<SensorView>> done;
-  keeper_->edit(Hold::of_nobody(), std::move(change),
+  keeper_->edit(Hold::unheld(), std::move(change),
                 [&done](Result<SensorView> now) { done.set_value(std::move(now)); });
   return done.get_future().get();
 }

@@ -62,20 +62,20 @@ class Measure(unittest.TestCase):
             self.assertEqual(len(line["spots"]), 19)
             self.assertEqual(sorted(line["spots"][0]), ["i", "quality", "x", "y"])
 
-    def test_spots_that_the_wavefront_has_torn_are_found_and_said_to_be(self):
+    def test_split_spots_are_found_and_reported(self):
         drawn = random.Random(2)
         waves = {j: drawn.gauss(0.0, 1.0) for j in range(3, 19)}
         scale = 0.5 / sum(v * v for v in waves.values()) ** 0.5
         osa = {(n * (n + 2) + m) // 2: (n, m) for n in range(6) for m in range(-n, n + 1, 2)}
         modes = ";".join(f"{osa[j][0]},{osa[j][1]}:{scale * v:.6f}" for j, v in waves.items())
-        torn = self.farfield("torn.png", modes, 12, "--read-noise", 30)
-        (line,) = self.measure(torn)
+        split = self.farfield("split.png", modes, 12, "--read-noise", 30)
+        (line,) = self.measure(split)
         error = sum((value - scale * waves.get(j, 0.0)) ** 2 for j, value in zip(line["j"], line["coefficients"])) ** 0.5
-        print(f"\n  torn: {line['torn']}, {line['tracked']} of 19 found, error of all modes {error:.3f} wave")
+        print(f"\n  split: {line['torn']}, {line['tracked']} of 19 found, error of all modes {error:.3f} wave")
         self.assertGreaterEqual(line["tracked"], 18)
         self.assertTrue(line["torn"])
         self.assertLess(error, 0.05)
-        (line,) = self.ovws("measure", "--reference", torn, self.farfield("flat.png"), status=1)
+        (line,) = self.ovws("measure", "--reference", split, self.farfield("flat.png"), status=1)
         self.assertIn("not found", json.dumps(line))
 
     def test_the_model_is_a_reference_too(self):

@@ -76,7 +76,7 @@ std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
 
 /// The numbers of spots without a usable reference position: not found, or split. Empty: none.
 std::string missing(const Measured& measured) {
-  std::vector<int> numbers = measured.torn;
+  std::vector<int> numbers = measured.split;
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
     if (!measured.spots[i].found()) numbers.push_back(int(i));
   }
@@ -164,7 +164,7 @@ void Measurement::relinearise(Measured& measured) {
     measured.mode_operator.reason = "too few spots were found for a start";
     return;
   }
-  const auto found = relineariser_->measure(measured.spots, measured.torn, measured.coefficients);
+  const auto found = relineariser_->measure(measured.spots, measured.split, measured.coefficients);
   if (!found) {
     measured.mode_operator.reason = found.error().reason;
     return;
@@ -185,7 +185,7 @@ Measured Measurement::measure(const ImageView& image) {
   measured.coefficients.resize(plan_->reconstructor->modes_j().size(), NAN);
   measured.tracked = acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
-    if (acquisition_.torn()[i]) measured.torn.push_back(int(i));
+    if (acquisition_.split()[i]) measured.split.push_back(int(i));
   }
   measured.reconstruction = plan_->reconstructor->solve_without_outliers(
       measured.spots, solve_scratch_, measured.coefficients,

@@ -29,7 +29,7 @@ Result<Picture> read_picture(const std::string& path);
 /// The measurement of one image.
 struct Measured {
   std::vector<SpotFix> spots;  ///< one per subaperture
-  std::vector<int> torn;       ///< split spots, placed by the shape that the wavefront gives them
+  std::vector<int> split;      ///< split spots, placed by the shape that the wavefront gives them
   int tracked = 0;
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid

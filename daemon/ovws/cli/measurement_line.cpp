@@ -53,7 +53,7 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   }
   line["file"] = file;
   line["spots"] = spots_of(measured);
-  line["torn"] = measured.torn;
+  line["torn"] = measured.split;
   line["template"] = template_name(config.tracking.templates);
   put_fields(line, measurement.templates());
   line["operator"] = operator_name(config.tracking.mode_operator);

@@ -96,12 +96,12 @@ Result<Image<float>> electrons(const Config& config, const FarFieldOptions& opti
   auto model =
       SensorModel::make(config.sensor, config.slm.geometry, config.optics, roi.width, roi.height);
   if (!model) return fail(model.error());
-  auto light = model->light(*modes);
-  if (!light) return light;
+  auto intensity = model->intensity(*modes);
+  if (!intensity) return intensity;
   const double peak_e = options.peak_e.value_or(0.8 * full_well_e);
-  scale(*light, options.total_e ? *options.total_e / total(*light)
-                                : peak_e / model->peak_of_spots(*light, *modes));
-  return light;
+  scale(*intensity, options.total_e ? *options.total_e / total(*intensity)
+                                    : peak_e / model->peak_of_spots(*intensity, *modes));
+  return intensity;
 }
 
 Result<void> make_farfield(const FarFieldOptions& options) {

@@ -33,14 +33,14 @@ Result<Relineariser> Relineariser::make(const Config& config, const MeasurementP
 }
 
 Result<Relinearised> Relineariser::measure(const std::vector<SpotFix>& spots,
-                                           const std::vector<int>& torn,
+                                           const std::vector<int>& split,
                                            const std::vector<float>& linear) {
   std::vector<SpotFix> fixes = spots;
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     fixes[i].x += float(to_model_px_[i].x);
     fixes[i].y += float(to_model_px_[i].y);
   }
-  for (const int i : torn) fixes[std::size_t(i)] = {};
+  for (const int i : split) fixes[std::size_t(i)] = {};
   auto found = relinearise(model_, sensor_, *tracker_, slopes_.slopes, slopes_.modes_j, fixes,
                            linear, kSteps);
   if (found && found->last_step_waves > kAtRest) {

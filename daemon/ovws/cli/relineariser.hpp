@@ -22,9 +22,9 @@ class Relineariser {
   static Result<Relineariser> make(const Config& config, const MeasurementPlan& plan,
                                    bool measured);
 
-  /// Ignores split spots (`torn`): the tracker does not find them at their true place. Errors: as
+  /// Ignores split spots (`split`): the tracker does not find them at their true place. Errors: as
   /// relinearise; Errc::refused if the steps do not converge.
-  Result<Relinearised> measure(const std::vector<SpotFix>& spots, const std::vector<int>& torn,
+  Result<Relinearised> measure(const std::vector<SpotFix>& spots, const std::vector<int>& split,
                                const std::vector<float>& linear);
 
  private:

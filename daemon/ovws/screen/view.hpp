@@ -30,7 +30,7 @@ struct View {
   bool status_is_current = false;
   double silent_s = 0.0;     ///< time since the last message
   nlohmann::json status;     ///< null: none, or too old
-  nlohmann::json wavefront;  ///< likewise
+  nlohmann::json wavefront;  ///< null: none, or too old
   std::string not_valid;     ///< why the wavefront is not valid; set by the caller
   std::vector<SpotRow> spots;
   std::vector<Loss> losses;           ///< those that are not 0

@@ -167,7 +167,7 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
   for (int k = 1; k <= last; ++k, ++seed) {
     const double waves = k * steps.step_waves;
     const std::vector<Mode> modes{{j, sign * waves}};
-    const auto ring = vortex->light(modes), spot = bright->light(modes);
+    const auto ring = vortex->intensity(modes), spot = bright->intensity(modes);
     if (!ring || !spot) {
       for (ClimbState& state : states) state.end(Limit::sampling);
       break;

@@ -26,8 +26,9 @@ std::vector<int> modes_of(const Geometry& geometry) {
 }
 
 /// The factor that scales the model's image to kPeakE in the spots' brightest pixel.
-double to_peak(const SensorModel& model, const Image<float>& light, std::span<const Mode> modes) {
-  return kPeakE / model.peak_of_spots(light, modes);
+double to_peak(const SensorModel& model, const Image<float>& intensity,
+               std::span<const Mode> modes) {
+  return kPeakE / model.peak_of_spots(intensity, modes);
 }
 
 }  // namespace
@@ -113,10 +114,10 @@ std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge) {
 
 Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
                        Light light) {
-  Image<float> image = value_of(model.light(modes));
+  Image<float> image = value_of(model.intensity(modes));
   // Same laser and exposure: each subaperture sends the same number of photons for both charges.
   const bool as_vortex = light == Light::equal_photons && &model != &vortex;
-  scale(image, as_vortex ? to_peak(vortex, value_of(vortex.light(modes)), modes)
+  scale(image, as_vortex ? to_peak(vortex, value_of(vortex.intensity(modes)), modes)
                          : to_peak(model, image, modes));
   return image;
 }
@@ -130,7 +131,7 @@ Measurer::Measurer(const Geometry& geometry, const Method& method,
   const std::vector<int> modes_j = modes_of(geometry);
   slopes_ = slope_matrix(model_->lattice(), sensor, modes_j,
                          slope_model(method.charge, method.tracking), model_->px_per_cycle());
-  Image<float> flat = value_of(model_->light({}));
+  Image<float> flat = value_of(model_->intensity({}));
   scale(flat, to_peak(*model_, flat, {}));
   reference_px_ = model_->spots_px();
   cell_half_px_ = cell_half_px(reference_px_);
@@ -169,9 +170,9 @@ std::vector<double> Measurer::modes(std::span<const SpotFix> spots) const {
   return {found.begin(), found.end()};
 }
 
-std::vector<Vec2> Measurer::noise_free_px(const Image<float>& light,
+std::vector<Vec2> Measurer::noise_free_px(const Image<float>& intensity,
                                           std::span<const Vec2> near_px) const {
-  const Exposure exposure = noise_free(light);
+  const Exposure exposure = noise_free(intensity);
   std::vector<Vec2> found;
   for (const SpotFix& fix : track(exposure, near_px)) found.push_back({fix.x, fix.y});
   return found;

@@ -49,7 +49,7 @@ void Jobs::drop_oldest() {
   if (ended != jobs_.end()) jobs_.erase(ended);
 }
 
-void Jobs::tell_progress(int id) {
+void Jobs::report_progress(int id) {
   constexpr int kQuarters = 4;
   const auto now = get(id);
   if (!now || now->state != JobState::running) return;

@@ -25,7 +25,7 @@ class Jobs {
   /// `progress`, from any thread and without our lock.
   int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
   /// Emits an event when a running job has passed the next quarter.
-  void tell_progress(int id);
+  void report_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
   /// Errc::invalid if there is no such job. A job that has ended stays as it is.

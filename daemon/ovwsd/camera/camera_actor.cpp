@@ -101,7 +101,7 @@ void CameraActor::change_or_keep(CameraSet change, Applied done) {
   });
 }
 
-void CameraActor::put_back_gain(double gain_db, std::function<void()> then) {
+void CameraActor::restore_gain(double gain_db, std::function<void()> then) {
   mailbox_.post([this, gain_db, then = std::move(then)] {
     CameraSet change;
     change.put(&CameraSettings::gain_db, gain_db);
@@ -130,7 +130,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   if (const auto applied = apply(*wanted); !applied) {
     // Its settings are unknown: it was reset, or does not answer.
     if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
-    if (!camera_ && !needs_a_person(applied.error())) return reopen(change, done);
+    if (!camera_ && !needs_intervention(applied.error())) return reopen(change, done);
     return done(fail(in_params(applied.error())));
   }
   keep_asked(change);
@@ -336,7 +336,7 @@ void CameraActor::publish_connected() {
 void CameraActor::publish_absent(const Error& why) {
   CameraSnapshot now;
   now.fault = printable(why.reason, kMaxFaultBytes);
-  now.at_fault = needs_a_person(why);
+  now.at_fault = needs_intervention(why);
   publish(std::move(now));
 }
 

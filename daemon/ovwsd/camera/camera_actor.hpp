@@ -64,7 +64,7 @@ class CameraActor : public Agent {
   void change_or_keep(CameraSet change, Applied done);
   /// Thread-safe: restores `gain_db` after a job, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed if that has ended.
-  void put_back_gain(double gain_db, std::function<void()> then);
+  void restore_gain(double gain_db, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:

@@ -27,7 +27,7 @@ void get_registration(Services& services, Reply<KnownRegistration> reply) {
 }
 
 void clear_registration(Services& services, Reply<KnownRegistration> reply) {
-  services.keeper.edit(Hold::of_nobody(), forget_registration(),
+  services.keeper.edit(Hold::unheld(), forget_registration(),
                        [reply](const Result<SensorView>& cleared) {
                          if (!cleared) return reply(cleared.error());
                          reply(KnownRegistration{(*cleared)->registration});
@@ -90,7 +90,7 @@ void get_calibration(Services& services, Reply<KnownCalibration> reply) {
 }
 
 void clear_calibration(Services& services, Reply<KnownCalibration> reply) {
-  services.keeper.edit(Hold::of_nobody(), forget_calibration(),
+  services.keeper.edit(Hold::unheld(), forget_calibration(),
                        [reply](const Result<SensorView>& cleared) {
                          if (!cleared) return reply(cleared.error());
                          reply(calibration_of(**cleared));

@@ -28,11 +28,11 @@ void get_correction(Services& services, Reply<ModesReport> reply) {
 }
 
 void correct(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_nobody(), set_correction(set.modes), with_correction(reply));
+  services.keeper.edit(Hold::unheld(), set_correction(set.modes), with_correction(reply));
 }
 
 void clear_correction(Services& services, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_nobody(), set_correction({}), with_correction(reply));
+  services.keeper.edit(Hold::unheld(), set_correction({}), with_correction(reply));
 }
 
 constexpr std::array kRows{

@@ -41,11 +41,11 @@ void get(Services& services, Reply<KnownReference> reply) {
 }
 
 void clear(Services& services, Reply<KnownReference> reply) {
-  services.keeper.edit(Hold::of_nobody(), forget_reference(), with_reference(services, reply));
+  services.keeper.edit(Hold::unheld(), forget_reference(), with_reference(services, reply));
 }
 
 void set(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
-  services.keeper.edit(Hold::of_nobody(), use_model_reference(), with_reference(services, reply));
+  services.keeper.edit(Hold::unheld(), use_model_reference(), with_reference(services, reply));
 }
 
 void get_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {

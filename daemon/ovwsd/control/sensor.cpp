@@ -29,7 +29,7 @@ void set(Services& services, const SensorSet& change, Reply<SensorSetReport> rep
     const SensorSnapshot& now = **applied;
     reply(SensorSetReport{change, {now.sensor, now.tracking}, now.hologram_id});
   };
-  services.keeper.edit(Hold::of_nobody(), set_sensor(change), done);
+  services.keeper.edit(Hold::unheld(), set_sensor(change), done);
 }
 
 auto with_aberration(Reply<ModesReport> reply) {
@@ -53,7 +53,7 @@ void clear_aberration(Services& services, Reply<ModesReport> reply) {
 }
 
 void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
-  services.keeper.edit(Hold::of_nobody(), show_pattern(what.pattern.kind),
+  services.keeper.edit(Hold::unheld(), show_pattern(what.pattern.kind),
                        [reply](const Result<SensorView>& applied) {
                          if (!applied) return reply(applied.error());
                          reply(ShowReport{(*applied)->pattern, (*applied)->hologram_id});

@@ -35,7 +35,7 @@ void get_lut(Services& services, Reply<LutReport> reply) {
 }
 
 void clear_lut(Services& services, Reply<LutReport> reply) {
-  services.keeper.edit(Hold::of_nobody(), forget_lut(),
+  services.keeper.edit(Hold::unheld(), forget_lut(),
                        [&services, reply](const Result<SensorView>& cleared) {
                          if (!cleared) return reply(cleared.error());
                          reply(lut_of(services, **cleared));
@@ -76,7 +76,7 @@ void get_flatness(Services& services, Reply<FlatnessReport> reply) {
 }
 
 void clear_flatness(Services& services, Reply<FlatnessReport> reply) {
-  services.keeper.edit(Hold::of_nobody(), forget_flatness(),
+  services.keeper.edit(Hold::unheld(), forget_flatness(),
                        [&services, reply](const Result<SensorView>& cleared) {
                          if (!cleared) return reply(cleared.error());
                          reply(flatness_of(services, **cleared));

@@ -20,7 +20,7 @@ struct FrameCopy {
   std::uint64_t plan_id = 0;  ///< of the plan that measured it
   std::int64_t t_arrival_ns = 0;
   int charge = 1;
-  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
   bool valid = false;               ///< the coefficients are numbers
   std::vector<float> coefficients;  ///< minus the reference, in the order of the plan's modes

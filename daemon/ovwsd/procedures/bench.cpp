@@ -149,18 +149,18 @@ Result<double> Bench::set_gain(double gain_db) {
   const std::int64_t begin_ns = monotonic_ns();
   while (true) {
     auto set = try_gain(gain_db);
-    if (set || needs_a_person(set.error())) return set;
+    if (set || needs_intervention(set.error())) return set;
     if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before.settings)) return set;
     std::this_thread::sleep_for(kPollInterval);
   }
 }
 
-void Bench::put_back_gain() {
+void Bench::restore_gain() {
   if (!gain_before_db_) return;
-  auto put_back = std::make_shared<std::promise<void>>();
-  auto done = put_back->get_future();
-  deps_.camera.put_back_gain(*gain_before_db_, [put_back] { put_back->set_value(); });
-  put_back.reset();
+  auto restored = std::make_shared<std::promise<void>>();
+  auto done = restored->get_future();
+  deps_.camera.restore_gain(*gain_before_db_, [restored] { restored->set_value(); });
+  restored.reset();
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
@@ -178,7 +178,7 @@ Result<void> Bench::wait_watching(const IntensityWatch& watch, double min_ms, in
 
 void Bench::report_progress(double progress) {
   progress_.store(progress);
-  deps_.jobs.tell_progress(job_);
+  deps_.jobs.report_progress(job_);
 }
 
 Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& check) const {

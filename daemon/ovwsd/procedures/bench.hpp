@@ -94,7 +94,7 @@ class Bench {
   void report_progress(double progress);
   /// Procedure thread, after the procedure: restores the gain. Returns when that is done, or when
   /// the camera thread has ended.
-  void put_back_gain();
+  void restore_gain();
   bool stopped() const { return stop_.load(); }
 
  private:

@@ -5,7 +5,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/wavefront/lost_pushes.hpp"
+#include "core/wavefront/lost_pokes.hpp"
 #include "core/wavefront/matrix_comparison.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 

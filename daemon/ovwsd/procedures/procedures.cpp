@@ -114,7 +114,7 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
 /// Restores gain and hologram and releases the sensor before the job ends. A client may start the
 /// next job as soon as it sees the end. A disk that does not answer delays only the end of the job.
 void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
-  run->bench->put_back_gain();
+  run->bench->restore_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();
   deps_.bench.keeper.release(Hold::of_job(run->job), [given_back] { given_back->set_value(); });

@@ -55,7 +55,7 @@ json optics_content(const OpticsConfig& optics) {
   return out;
 }
 
-json slm_content(const SlmInForce& slm) {
+json slm_content(const ActiveSlm& slm) {
   json flatness;
   if (slm.flatness) flatness = modes(slm.flatness->modes);
   return {{"identity", slm.identity},
@@ -74,7 +74,7 @@ json plan_content(const PlanFacts& facts) {
           {"kernel_radius", now.tracking.kernel_radius},
           {"template", template_name(now.tracking.templates)},
           {"own_templates", now.templates.own},
-          {"torn", now.torn},
+          {"torn", now.split},
           {"lambda_d_px", facts.spots.lambda_d_px},
           {"lit",
            {{"step", lit.plane.step},

@@ -107,7 +107,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
     reference_sha256_ = sha256;
   }
   tracking.templates = TemplateKind::reference;
-  return shelf_.of(tracking, spots, reference_ ? &*reference_ : nullptr).banks;
+  return templates_.of(tracking, spots, reference_ ? &*reference_ : nullptr).banks;
 }
 
 /// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.

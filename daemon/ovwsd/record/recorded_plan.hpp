@@ -37,7 +37,7 @@ class RecordedPlans {
   std::map<std::string, std::string> documents_;  ///< text by checksum
   std::optional<Reference> reference_;            ///< the reference read last
   std::string reference_sha256_;
-  TemplateShelf shelf_;
+  TemplateCache templates_;
 };
 
 }  // namespace ovws

@@ -70,11 +70,11 @@ RecordingHeader header_of(const Recorder::Begin& begin) {
 Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
   const std::size_t bytes =
       row_bytes(camera.pixel_format, camera.roi.width) * std::size_t(camera.roi.height);
-  if (bytes <= kMostRecordedPictureBytes) return bytes;
+  if (bytes <= kMaxRecordedPictureBytes) return bytes;
   return fail(Errc::refused, "",
               fmt::format("an image has {} MiB, and a recording takes at most {}: reduce the "
                           "camera's region (camera.set, roi)",
-                          bytes >> 20, kMostRecordedPictureBytes >> 20));
+                          bytes >> 20, kMaxRecordedPictureBytes >> 20));
 }
 
 /// Allocates the frame buffer, which takes up to a second.
@@ -292,7 +292,7 @@ std::optional<Recorder::Ending> Recorder::flush() {
 
 std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   Running& r = *running_;
-  if (r.file->frames() >= kMostRecordedFrames) {
+  if (r.file->frames() >= kMaxRecordedFrames) {
     return Ending{"the recording has reached its maximum number of frames: start another one",
                   Rest::after};
   }

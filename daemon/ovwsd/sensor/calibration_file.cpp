@@ -66,13 +66,13 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
         "amplitudes_waves", "drift_px", "drift_noise_px", "slopes", "standard_error", "origin"}) {
     r.require(key);
   }
-  r.integer("frames", calibration.frames, limits::kPushFrames.min, limits::kPushFrames.max);
+  r.integer("frames", calibration.frames, limits::kPokeFrames.min, limits::kPokeFrames.max);
   r.string("t_taken", t_taken);
   const json* const t_taken_ns = r.raw("t_taken_ns");
-  r.number("amplitude_waves", calibration.amplitude_waves, limits::kPushWaves.min,
-           limits::kPushWaves.max);
+  r.number("amplitude_waves", calibration.amplitude_waves, limits::kPokeWaves.min,
+           limits::kPokeWaves.max);
   r.numbers("amplitudes_waves", matrix.amplitude_waves, 0, kMaxZernikeIndex, 0.0,
-            limits::kPushWaves.max);
+            limits::kPokeWaves.max);
   r.integer("spots", encoded.spots, 1, kMaxSpots);
   auto modes = integers(r, "modes_j", matrix.modes_j, kMaxZernikeIndex, 1, kMaxZernikeIndex);
   auto lost = integers(r, "lost_spots", matrix.lost_spots, kMaxSpots, 0, kMaxSpots - 1);

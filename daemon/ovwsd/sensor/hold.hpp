@@ -12,7 +12,7 @@ struct Hold {
   By by = By::nobody;
   int job = 0;
 
-  static Hold of_nobody() { return {}; }
+  static Hold unheld() { return {}; }
   static Hold of_job(int number) { return {By::job, number}; }
   static Hold of_loop() { return {By::loop, 0}; }
   static Hold of_reload() { return {By::reload, 0}; }

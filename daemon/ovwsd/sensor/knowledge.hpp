@@ -21,7 +21,7 @@ struct Knowledge {
   std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
   std::optional<CameraInfo> camera;                              ///< none: unknown
   /// Cache of computed diffractive operators, shared by all copies.
-  std::shared_ptr<OperatorShelf> operators = std::make_shared<OperatorShelf>();
+  std::shared_ptr<OperatorCache> operators = std::make_shared<OperatorCache>();
 };
 
 /// The reference, calibration and operator that apply to a state.

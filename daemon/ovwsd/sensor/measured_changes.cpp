@@ -95,15 +95,15 @@ void keep_reference(SensorEdit& edit, Reference reference) {
 /// Switches the SLM to another LUT or flatness. All holograms change, unless both are the same.
 void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
                 std::shared_ptr<const MeasuredFlatness> flatness) {
-  const SlmInForce& now = *edit.state.slm;
+  const ActiveSlm& now = *edit.state.slm;
   if (lut == now.lut && flatness == now.flatness) return;
   edit.state.slm =
-      slm_in_force(edit.bench.config, edit.bench.hologram, std::move(lut), std::move(flatness));
+      active_slm(edit.bench.config, edit.bench.hologram, std::move(lut), std::move(flatness));
 }
 
 template <class Kind, class T>
 void schedule_slm_write(Kept<Kind>& kept, SensorEdit& edit, T measured,
-                        std::shared_ptr<const T> SlmInForce::*part) {
+                        std::shared_ptr<const T> ActiveSlm::*part) {
   const auto item = std::make_shared<const T>(std::move(measured));
   edit.keep = [&kept, item](Written done) { kept.keep(*item, {}, std::move(done)); };
   edit.set_checksum = [part, t_taken_ns = item->t_taken_ns](SensorEdit& now,
@@ -112,7 +112,7 @@ void schedule_slm_write(Kept<Kind>& kept, SensorEdit& edit, T measured,
     if (!current || current->t_taken_ns != t_taken_ns) return;
     auto with_file = std::make_shared<T>(*current);
     with_file->sha256 = sha256;
-    auto slm = std::make_shared<SlmInForce>(*now.state.slm);
+    auto slm = std::make_shared<ActiveSlm>(*now.state.slm);
     (*slm).*part = std::move(with_file);
     now.state.slm = std::move(slm);
   };
@@ -120,7 +120,7 @@ void schedule_slm_write(Kept<Kind>& kept, SensorEdit& edit, T measured,
 
 template <class Kind>
 void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
-                          std::shared_ptr<const SlmInForce> before) {
+                          std::shared_ptr<const ActiveSlm> before) {
   edit.files_only = edit.state.slm == before;
   edit.drop = [&kept](DaemonStore::Dropped done) {
     kept.drop({kept.kind().name({})}, std::move(done));
@@ -245,7 +245,7 @@ SensorChange use_lut(MeasuredLut lut) {
     MeasuredLut measured = lut;
     measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
     switch_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
-    schedule_slm_write(edit.bench.luts, edit, std::move(measured), &SlmInForce::lut);
+    schedule_slm_write(edit.bench.luts, edit, std::move(measured), &ActiveSlm::lut);
     return {};
   };
 }
@@ -257,7 +257,7 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
     measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
     measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
     switch_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
-    schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &SlmInForce::flatness);
+    schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &ActiveSlm::flatness);
     return {};
   };
 }

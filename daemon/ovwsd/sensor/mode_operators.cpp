@@ -18,7 +18,7 @@ namespace {
 Result<std::unique_ptr<const SpotTracker>> tracker_for(const OperatorKey& key, SensorModel& model) {
   const SpotModel spots{key.sensor.charge, model.lambda_d_px()};
   if (key.tracking.templates == TemplateKind::model) return make_tracker(key.tracking, spots);
-  auto flat = model.light({});
+  auto flat = model.intensity({});
   if (!flat) return fail(flat.error());
   auto picture = std::make_shared<ReferencePicture>();
   picture->frames = 1;
@@ -82,13 +82,13 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
   }
 }
 
-OperatorShelf::Made OperatorShelf::find(const OperatorKey& key) const {
+OperatorCache::Made OperatorCache::find(const OperatorKey& key) const {
   const auto at = std::find_if(made_.begin(), made_.end(),
                                [&](const auto& entry) { return entry.first == key; });
   return at == made_.end() ? nullptr : at->second;
 }
 
-void OperatorShelf::forget_shortages(const OperatorKey* except) {
+void OperatorCache::forget_shortages(const OperatorKey* except) {
   std::erase_if(made_, [&](const auto& entry) {
     const auto& [key, made] = entry;
     return !*made && made->error().code == Errc::unavailable &&
@@ -96,7 +96,7 @@ void OperatorShelf::forget_shortages(const OperatorKey* except) {
   });
 }
 
-void OperatorShelf::put(const OperatorKey& key, Result<ModeOperator> made) {
+void OperatorCache::put(const OperatorKey& key, Result<ModeOperator> made) {
   std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
   if (made_.size() == kCapacity) made_.pop_front();
   made_.emplace_back(key, std::make_shared<const Result<ModeOperator>>(std::move(made)));

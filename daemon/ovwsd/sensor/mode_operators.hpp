@@ -50,7 +50,7 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
                                           const std::atomic<bool>* stop = nullptr);
 
 /// Cache of diffractive operators and of the errors of failed attempts. One thread at a time.
-class OperatorShelf {
+class OperatorCache {
  public:
   using Made = std::shared_ptr<const Result<ModeOperator>>;
   /// Null: not in the cache.

@@ -37,7 +37,7 @@ class Plans {
   BenchOptics bench_;
   int workers_;
   std::uint64_t next_id_ = 1;
-  TemplateShelf templates_;
+  TemplateCache templates_;
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active
 };
 

@@ -76,7 +76,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
   if (!pixel_format || !values)
     return invalid("picture", "does not match its pixel format, width and height");
-  picture->gain_db = gain_db.value_or(kNotKnown);
+  picture->gain_db = gain_db.value_or(kUnknownGain);
   picture->format = *pixel_format;
   picture->mean_dn.width = width;
   picture->mean_dn.height = height;

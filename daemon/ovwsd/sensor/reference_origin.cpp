@@ -29,7 +29,7 @@ Result<std::optional<Registration>> registration_from(const json& content) {
   Registration registration;
   registration.base_px = {base[0], base[1]};
   registration.px_per_cycle = {map[0], map[1], map[2], map[3]};
-  const bool mappable = registration.px_per_cycle.scale() >= limits::kLeastPxPerCycle;
+  const bool mappable = registration.px_per_cycle.scale() >= limits::kMinPxPerCycle;
   if (!t_taken_ns->is_number_integer() || !mappable) {
     return fail(Errc::invalid, "registration", "has no valid t_taken_ns or px_per_cycle");
   }
@@ -80,7 +80,7 @@ ReferenceBench::ReferenceBench(const Config& config, HologramConfig hologram)
             {"slm", slm_identity(hologram_, config.slm.lut.has_value())}};
 }
 
-void ReferenceBench::use_slm(const SlmInForce& slm) {
+void ReferenceBench::use_slm(const ActiveSlm& slm) {
   hologram_ = slm.hologram;
   bench_["slm"] = slm.identity;
 }

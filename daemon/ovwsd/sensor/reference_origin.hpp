@@ -41,7 +41,7 @@ class ReferenceBench {
   ReferenceBench(const Config& config, HologramConfig hologram);
 
   /// Replaces the configured LUT and flatness with these.
-  void use_slm(const SlmInForce& slm);
+  void use_slm(const ActiveSlm& slm);
 
   /// The field `origin` of reference.get.
   nlohmann::json origin(const OriginInputs& inputs) const;

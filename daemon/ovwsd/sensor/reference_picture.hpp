@@ -11,7 +11,7 @@ namespace ovws {
 /// Immutable once made.
 struct ReferencePicture {
   int frames = 0;
-  double gain_db = 0.0, gain_raw = kNotKnown;  ///< see CameraSettings
+  double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   PixelFormat format = PixelFormat::mono8;
   Image<float> mean_dn;  ///< NaN where a frame had a pixel at the format's full scale
 };

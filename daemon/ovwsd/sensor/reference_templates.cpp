@@ -69,7 +69,7 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
   return own;
 }
 
-const OwnTemplates& TemplateShelf::of(const TrackingSettings& tracking, const SpotModel& spots,
+const OwnTemplates& TemplateCache::of(const TrackingSettings& tracking, const SpotModel& spots,
                                       const Reference* reference) {
   const bool referenced = reference != nullptr;
   const auto picture = referenced ? reference->picture : nullptr;

@@ -24,7 +24,7 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
                            const Reference* reference);
 
 /// Caches the result of the last own_templates call. One thread at a time.
-class TemplateShelf {
+class TemplateCache {
  public:
   const OwnTemplates& of(const TrackingSettings& tracking, const SpotModel& spots,
                          const Reference* reference);

@@ -44,7 +44,7 @@ Result<Registration> registration_from(const json& content) {
   out.base_cpp = {grating[0], grating[1]};
   out.px_per_cycle = {map[0], map[1], map[2], map[3]};
   out.standard_error = {error[0], error[1], error[2], error[3]};
-  if (out.px_per_cycle.scale() < limits::kLeastPxPerCycle) {
+  if (out.px_per_cycle.scale() < limits::kMinPxPerCycle) {
     return fail(Errc::invalid, "registration.px_per_cycle", "has too small a scale");
   }
   return out;

@@ -53,7 +53,7 @@ Result<void> SensorKeeper::begin() {
   SensorState& state = edit.state;
   const auto lut = newest(bench_.luts.load());
   const auto flatness = newest(bench_.flatnesses.load());
-  state.slm = slm_in_force(bench_.config, bench_.hologram, lut, flatness);
+  state.slm = active_slm(bench_.config, bench_.hologram, lut, flatness);
   bench_.origins.use_slm(*state.slm);
   if (auto made = renew_renderer(state); !made) return made;
   add_references(edit.knowledge, bench_.references.load());
@@ -188,7 +188,7 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
                       "the flatness is not used, and its file is kept: it was measured with "
                       "another camera",
                       {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
-    state.slm = slm_in_force(bench_.config, bench_.hologram, state.slm->lut, nullptr);
+    state.slm = active_slm(bench_.config, bench_.hologram, state.slm->lut, nullptr);
   }
   if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
   if (activate(edit, Show::when_possible)) return;
@@ -242,7 +242,7 @@ Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologr
 
 /// Loads the references and calibrations that were set aside because they belong to this LUT and
 /// flatness. Returns whether there were any.
-bool SensorKeeper::load_for_slm(const SlmInForce& slm, Knowledge& knowledge) {
+bool SensorKeeper::load_for_slm(const ActiveSlm& slm, Knowledge& knowledge) {
   bench_.origins.use_slm(slm);
   auto references = bench_.references.load_again();
   auto calibrations = bench_.calibrations.load_again();
@@ -274,7 +274,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->subapertures = plan->subapertures();
   now->modes_j = plan->reconstructor->modes_j();
   now->layout_fault = events_.layout_fault(state_);
-  if (state_.split_spots) now->torn = state_.split_spots->numbers();
+  if (state_.split_spots) now->split = state_.split_spots->numbers();
   now->reference = bound.reference;
   now->calibration = bound.calibration;
   now->slm = state_.slm;

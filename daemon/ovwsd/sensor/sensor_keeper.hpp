@@ -73,7 +73,7 @@ class SensorKeeper : public Agent {
   // Prepare thread only.
 
   /// Whether the sensor is free. Errc::refused: the message says what to wait for.
-  Result<void> may_hold() const { return may_change(hold_, Hold::of_nobody()); }
+  Result<void> may_hold() const { return may_change(hold_, Hold::unheld()); }
   /// Reserves the sensor for `by` until `release`. It must be free.
   void hold(Hold by);
 
@@ -85,7 +85,7 @@ class SensorKeeper : public Agent {
   Result<void> activate(SensorEdit edit, Show show);
   Result<void> present(const SensorState& next, std::uint64_t hologram_id, Show show);
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
-  bool load_for_slm(const SlmInForce& slm, Knowledge& knowledge);
+  bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   OperatorReport report_operator(const MeasurementPlan& plan);
   void store_operator(const OperatorKey& key, Result<ModeOperator> made);
   void restore_lease();

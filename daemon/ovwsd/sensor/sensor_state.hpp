@@ -33,7 +33,7 @@ struct SensorState {
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
   std::optional<MeasuredRegistration> registration;  ///< pixels of the camera's whole sensor
-  std::shared_ptr<const SlmInForce> slm;             ///< never null
+  std::shared_ptr<const ActiveSlm> slm;              ///< never null
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;

@@ -11,7 +11,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/tracking/cell_image.hpp"
+#include "core/tracking/binned_image.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "core/wavefront/shape_templates.hpp"
 #include "core/wavefront/shaped_acquisition.hpp"
@@ -57,7 +57,7 @@ std::vector<Vec2> positions(std::span<const SpotFix> fixes) {
 /// already tracked where the search found it.
 bool is_tracked_already(const SplitSpots& found, const FrameCopy& frame,
                         const SensorSnapshot& sensor, double lambda_d_px) {
-  if (!sensor.torn.empty() || !found.numbers().empty() || !sensor.reference) return false;
+  if (!sensor.split.empty() || !found.numbers().empty() || !sensor.reference) return false;
   const std::vector<Vec2> reference_px = known_positions(*sensor.reference);
   for (std::size_t i = 0; i < reference_px.size(); ++i) {
     const Vec2 tracked_px{double(frame.spots[i].x), double(frame.spots[i].y)};
@@ -90,7 +90,7 @@ SpotFinder::SpotFinder(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper
 
 SpotFinder::~SpotFinder() = default;
 
-void SpotFinder::saw(const FrameRecord& record) {
+void SpotFinder::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool doubtful = is_doubtful(record);
   const bool blind = doubtful && !record.valid && record.plan->referenced();
@@ -101,8 +101,8 @@ void SpotFinder::saw(const FrameRecord& record) {
                                                               : Doubt::none;
   doubt_.store(doubt, std::memory_order_relaxed);
   if (!record.plan->referenced()) return;
-  validity_.saw(record.valid, {0, record.tracked, record.spot_count, record.explained},
-                monotonic_ns());
+  validity_.on_frame(record.valid, {0, record.tracked, record.spot_count, record.explained},
+                     monotonic_ns());
 }
 
 std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() const {
@@ -161,21 +161,21 @@ bool SpotFinder::do_work() {
 bool SpotFinder::search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
-  CellImage cells = average_cells(frame.image, spots.lit.plane, bin);
-  const bool changed = !searched_ || is_other_image(*searched_, cells);
+  BinnedImage image = binned(frame.image, spots.lit.plane, bin);
+  const bool changed = !searched_ || is_other_image(*searched_, image);
   if (!policy_.is_due(doubt, changed, monotonic_ns())) {
     next_check_ns_ = monotonic_ns() + kCheckPauseNs;
     return false;
   }
   policy_.begin(changed);
-  searched_ = std::move(cells);
+  searched_ = std::move(image);
   progress_.change([](SearchProgress& now) { now.running = true; });
   std::optional<SplitSpots> found = search(frame, sensor);
   if (found) found_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   // A failed search changes nothing while frames are valid: the current plan still works.
   if (found || doubt == Doubt::blind) {
     if (found && is_tracked_already(*found, frame, sensor, spots.lambda_d_px)) found.reset();
-    const bool changes = found || !sensor.torn.empty();
+    const bool changes = found || !sensor.split.empty();
     if (changes) replaced_plan_id_ = sensor.plan_id, replaced_ns_ = monotonic_ns();
     keeper_.track_split_spots(sensor.plan_id, std::move(found));
   }
@@ -209,7 +209,7 @@ std::optional<SplitSpots> SpotFinder::explain(const FrameCopy& frame) {
   if (acquisition.shapes().empty()) return std::nullopt;
   SplitSpots out;
   for (const ShapedSpot& spot : acquisition.shapes()) out.at_px.push_back(spot.at_px);
-  const std::vector<bool>& split = acquisition.torn();
+  const std::vector<bool>& split = acquisition.split();
   if (std::none_of(split.begin(), split.end(), [](bool one) { return one; })) return out;
   out.templates =
       shape_templates(bench_->optics, bench_->spots.on_plane(), acquisition.waves(), split);

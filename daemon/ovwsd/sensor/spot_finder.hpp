@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/rt/agent.hpp"
-#include "core/tracking/cell_image.hpp"
+#include "core/tracking/binned_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/sensor/search_policy.hpp"
@@ -32,7 +32,7 @@ class SpotFinder : public Agent {
   bool do_work() override;
 
   /// Publish thread: call for every frame.
-  void saw(const FrameRecord& record);
+  void on_frame(const FrameRecord& record);
   /// Any thread: why no frame is valid; nothing if frames are.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
   /// Any thread: CLOCK_MONOTONIC time of the last successful search; 0: none.
@@ -60,8 +60,8 @@ class SpotFinder : public Agent {
   int doubtful_in_a_row_ = 0, blind_in_a_row_ = 0;
   // Search thread only.
   SearchPolicy policy_;
-  std::optional<CellImage> searched_;  ///< the image searched last
-  std::int64_t doubted_ns_ = 0;        ///< when frames were last doubtful
+  std::optional<BinnedImage> searched_;  ///< the image searched last
+  std::int64_t doubted_ns_ = 0;          ///< when frames were last doubtful
   std::int64_t next_check_ns_ = 0;
   std::uint64_t replaced_plan_id_ = 0;  ///< the plan that the last search replaced
   std::int64_t replaced_ns_ = 0;

@@ -19,7 +19,7 @@ std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
 
 }  // namespace
 
-void ValidityWatch::saw(bool valid, const Lack& lack, std::int64_t now_ns) {
+void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) {
   tracked_ = lack.tracked;
   spots_ = lack.spots;
   explained_ = lack.explained;

@@ -16,8 +16,8 @@ struct SearchProgress {
   std::int64_t next_ns = 0;  ///< next search of the unchanged image
 };
 
-/// Watches settled frames of a sensor with a reference. One thread calls `saw`; any thread may call
-/// the rest.
+/// Watches settled frames of a sensor with a reference. One thread calls `on_frame`; any thread may
+/// call the rest.
 class ValidityWatch {
  public:
   /// What is wrong with the newest invalid frame.
@@ -27,7 +27,7 @@ class ValidityWatch {
     bool explained = true;  ///< false: no wavefront explains the spots' positions
   };
 
-  void saw(bool valid, const Lack& lack, std::int64_t now_ns);
+  void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
 
   /// None if the newest frame was valid, or if no frame came for 1.5 s, which has another cause.
   std::optional<Lack> lack(std::int64_t now_ns) const;

@@ -209,7 +209,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
   now.present_ms = present_ms_;
   if (why) now.fault = why->reason;
-  now.at_fault = why && needs_a_person(*why);
+  now.at_fault = why && needs_intervention(*why);
   const SlmSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {

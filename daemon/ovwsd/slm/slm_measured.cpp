@@ -20,11 +20,10 @@ nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut) {
   return to_json(slm);
 }
 
-std::shared_ptr<const SlmInForce> slm_in_force(const Config& config,
-                                               const HologramConfig& configured,
-                                               std::shared_ptr<const MeasuredLut> lut,
-                                               std::shared_ptr<const MeasuredFlatness> flatness) {
-  auto slm = std::make_shared<SlmInForce>();
+std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
+                                            std::shared_ptr<const MeasuredLut> lut,
+                                            std::shared_ptr<const MeasuredFlatness> flatness) {
+  auto slm = std::make_shared<ActiveSlm>();
   slm->hologram = configured;
   if (lut) slm->hologram.lut = lut->table.lut;
   if (flatness)

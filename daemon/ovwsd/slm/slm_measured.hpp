@@ -39,7 +39,7 @@ struct MeasuredFlatness {
 
 /// The SLM data in use; immutable. A null measurement means that the configuration's file is used,
 /// if there is one.
-struct SlmInForce {
+struct ActiveSlm {
   std::shared_ptr<const MeasuredLut> lut;
   std::shared_ptr<const MeasuredFlatness> flatness;
   HologramConfig hologram;  ///< its sensor settings are not used
@@ -57,9 +57,8 @@ nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 /// Combines measurements with `configured`, which holds the files of the configuration. A measured
 /// LUT replaces the file's; a measured flatness is added to the file's, which was active when it
 /// was measured.
-std::shared_ptr<const SlmInForce> slm_in_force(const Config& config,
-                                               const HologramConfig& configured,
-                                               std::shared_ptr<const MeasuredLut> lut,
-                                               std::shared_ptr<const MeasuredFlatness> flatness);
+std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
+                                            std::shared_ptr<const MeasuredLut> lut,
+                                            std::shared_ptr<const MeasuredFlatness> flatness);
 
 }  // namespace ovws

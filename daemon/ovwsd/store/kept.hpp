@@ -40,7 +40,7 @@ class Kept {
  public:
   using Item = typename Kind::Item;
   using Items = std::vector<std::shared_ptr<const Item>>;  ///< oldest first
-  using Told = std::function<void(const std::string& sha256)>;
+  using Stored = std::function<void(const std::string& sha256)>;
   /// Limit of stored items of a kind, whatever sensor and bench they belong to; the oldest is
   /// deleted first.
   static constexpr std::size_t kMax = 16;
@@ -75,7 +75,8 @@ class Kept {
   /// Stores an item. The items `replaced` are deleted once it is stored. `done` is called in the
   /// disk thread with the checksum; it is empty if the item could not be stored, which an event
   /// reports. A later success calls it again.
-  void keep(const Item& item, const std::vector<std::string>& replaced = {}, Told done = nullptr) {
+  void keep(const Item& item, const std::vector<std::string>& replaced = {},
+            Stored done = nullptr) {
     const std::string name = kind_.name(item);
     for (const std::string& other : replaced) forget(other);
     forget(name);

@@ -35,7 +35,7 @@ class AravisBench final : public CameraBench {
   }
   CameraSettings settings() const override {
     CameraSettings settings;
-    if (description_.gain_is_raw) settings.gain_db = kNotKnown;
+    if (description_.gain_is_raw) settings.gain_db = kUnknownGain;
     settings.*gain() = 0.0;
     settings.exposure_us = 2000.0;
     settings.frame_rate_hz = 200.0;
@@ -47,7 +47,7 @@ class AravisBench final : public CameraBench {
   }
   std::optional<CameraSettings> truth() override {
     CameraSettings truth;
-    if (description_.gain_is_raw) truth.gain_db = kNotKnown;
+    if (description_.gain_is_raw) truth.gain_db = kUnknownGain;
     truth.*gain() = read(0x110) * description_.gain_per_count;
     truth.exposure_us = read(0x120);
     truth.frame_rate_hz = 1e6 / read(0x138);
@@ -164,7 +164,7 @@ TEST(AravisCamera, GainThatIsInNoUnitIsNotGivenOutAsDb) {
   EXPECT_TRUE(std::isnan(applied->gain_db));
   EXPECT_EQ(applied->gain_raw, 7.0);
   EXPECT_EQ(bench->truth(), *applied);
-  wanted.gain_raw = kNotKnown;  // leaves the gain unchanged
+  wanted.gain_raw = kUnknownGain;  // leaves the gain unchanged
   EXPECT_EQ((*camera)->apply(wanted), *applied);
   wanted.gain_db = 6.0;
   const auto refused = (*camera)->apply(wanted);

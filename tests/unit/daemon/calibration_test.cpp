@@ -201,7 +201,7 @@ SensorState state_of(const Config& config) {
   state.sensor = config.sensor;
   state.tracking = config.tracking;
   state.roi = config.camera.settings.roi;
-  state.slm = std::make_shared<const SlmInForce>();
+  state.slm = std::make_shared<const ActiveSlm>();
   return state;
 }
 
@@ -245,7 +245,7 @@ TEST_F(Calibrations, OfAnotherBenchAreNotUsed) {
 
 TEST_F(Calibrations, OfAnotherLutAreFoundWhenItIsAsItWas) {
   started(config_)->put(measured(*started(config_), config_));
-  SlmInForce configured, other;
+  ActiveSlm configured, other;
   configured.hologram.slm = other.hologram.slm = config_.slm.geometry;
   configured.identity = slm_identity(configured.hologram, false);
   other.hologram.lut[200] = 7;

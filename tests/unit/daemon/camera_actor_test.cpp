@@ -98,9 +98,9 @@ class CameraActorTest : public testing::Test {
     actor_->do_work();
     return answer.value_or(fail(Errc::internal, "", "no answer"));
   }
-  bool put_back(double gain_db) {
+  bool restored(double gain_db) {
     bool told = false;
-    actor_->put_back_gain(gain_db, [&told] { told = true; });
+    actor_->restore_gain(gain_db, [&told] { told = true; });
     actor_->do_work();
     return told;
   }
@@ -130,7 +130,7 @@ class CameraActorTest : public testing::Test {
 TEST_F(CameraActorTest, GainIsPutBackWithoutAWord) {
   ASSERT_TRUE(set_for_job(20.0));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 20.0);
-  EXPECT_TRUE(put_back(3.0));
+  EXPECT_TRUE(restored(3.0));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   EXPECT_TRUE(events_with("gain_db").empty());
 }
@@ -141,7 +141,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().field, "gain_db");
   EXPECT_EQ(refused.error().reason, "the register is locked");
-  EXPECT_TRUE(needs_a_person(refused.error()));  // so a sweep does not retry it
+  EXPECT_TRUE(needs_intervention(refused.error()));  // so a sweep does not retry it
   EXPECT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
 }
@@ -155,7 +155,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
   ASSERT_TRUE(set_for_job(20.2));
-  EXPECT_TRUE(put_back(4.3));
+  EXPECT_TRUE(restored(4.3));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
   device_.refuses_gains = true;
@@ -177,7 +177,7 @@ TEST_F(CameraActorTest, GainBroughtIntoRangeIsAskedForAsThat) {
 TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   ASSERT_TRUE(set_for_job(20.0));
   device_.refuses_gains = true;
-  EXPECT_TRUE(put_back(3.0));
+  EXPECT_TRUE(restored(3.0));
   const auto events = events_with("gain_db");
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].kind, "camera");
@@ -204,7 +204,7 @@ TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
   device_.alive = false;
   actor_->do_work();
   ASSERT_FALSE(actor_->snapshot().connected);
-  EXPECT_TRUE(put_back(3.0));
+  EXPECT_TRUE(restored(3.0));
   EXPECT_TRUE(events_with("gain_db").empty());
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.alive = true;

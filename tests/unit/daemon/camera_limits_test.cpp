@@ -43,7 +43,7 @@ TEST(CameraLimits, AGainIsTakenInTheUnitOfTheCameraOnly) {
   wanted.gain_db = 3.0;
   EXPECT_EQ(within_limits(wanted, raw, false).error().field, "gain_db");
   EXPECT_EQ(within_limits(wanted, raw, true).error().field, "gain_db") << "cannot be clamped";
-  wanted.gain_db = kNotKnown;
+  wanted.gain_db = kUnknownGain;
   wanted.gain_raw = 11.0;
   EXPECT_EQ(within_limits(wanted, raw, false).error().field, "gain_raw");
   EXPECT_EQ(within_limits(wanted, raw, true)->gain_raw, 10.0);

@@ -84,7 +84,7 @@ TEST(CameraChange, HoldsWhatDiffersAndMakesTheOneOfTheOther) {
 TEST(CameraChange, OfAGainNamesTheOneThatIsStated) {
   CameraSettings in_db, raw;
   in_db.gain_db = 3.0;
-  raw.gain_db = kNotKnown;
+  raw.gain_db = kUnknownGain;
   raw.gain_raw = 7.0;
   const auto gives = [](const CameraSet& change) {
     return std::pair(change.gives(&CameraSettings::gain_db),

@@ -62,10 +62,10 @@ TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
   const int id = begin();
   for (const double progress : {0.0, 0.2, 0.25, 0.4, 0.8, 0.9, 1.0}) {
     progress_ = progress;
-    jobs_.tell_progress(id);
+    jobs_.report_progress(id);
   }
   jobs_.finish(id, {});
-  jobs_.tell_progress(id);
+  jobs_.report_progress(id);
   EXPECT_EQ(told(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
 }
 

@@ -172,7 +172,7 @@ TEST_F(KeptReferencesTest, OneOfAnotherLutOrFlatnessIsFoundWhenTheyAreAsTheyWere
   Reference reference = taken(*started(config_), config_);
   started(config_)->references.keep(reference, {},
                                     [&](const std::string& sha256) { reference.sha256 = sha256; });
-  SlmInForce configured, other;
+  ActiveSlm configured, other;
   configured.hologram = other.hologram = hologram_of(config_);
   configured.identity = slm_identity(configured.hologram, false);
   other.hologram.lut[200] = 7;
@@ -212,7 +212,7 @@ TEST_F(KeptReferencesTest, GainExposureAndFormatOnlyMakeItStale) {
   EXPECT_EQ(stale[1].then, 0.0);
   EXPECT_EQ(stale[1].now, 20.0);
   CameraSettings raw = config_.camera.settings;
-  raw.gain_db = kNotKnown;
+  raw.gain_db = kUnknownGain;
   raw.gain_raw = 7.0;
   const auto other_unit = stale_fields(reference, raw);
   ASSERT_EQ(other_unit.size(), 1U);

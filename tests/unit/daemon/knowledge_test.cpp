@@ -27,8 +27,8 @@ class Known : public testing::Test {
     EXPECT_TRUE(renew_renderer(state_));
   }
 
-  std::shared_ptr<const SlmInForce> driven(const PhaseLut& lut) const {
-    auto slm = std::make_shared<SlmInForce>();
+  std::shared_ptr<const ActiveSlm> driven(const PhaseLut& lut) const {
+    auto slm = std::make_shared<ActiveSlm>();
     slm->hologram = hologram_;
     slm->hologram.lut = lut;
     slm->identity = slm_identity(slm->hologram, true);

@@ -99,14 +99,14 @@ TEST(OwnTemplates, ThatAreTooLargeAreNotMade) {
   EXPECT_NE(own.report.reason.find("MiB"), std::string::npos);
 }
 
-TEST(TemplateShelf, KeepsThoseOfThePictureInUse) {
+TEST(TemplateCache, KeepsThoseOfThePictureInUse) {
   const SpotModel spots;
   const Reference reference = reference_of(spots);
-  TemplateShelf shelf;
-  const auto first = shelf.of(kAsked, spots, &reference).banks;
-  EXPECT_EQ(shelf.of(kAsked, spots, &reference).banks, first);
-  EXPECT_TRUE(shelf.of(kAsked, spots, nullptr).banks.empty());
-  EXPECT_NE(shelf.of(kAsked, spots, &reference).banks, first);
+  TemplateCache cache;
+  const auto first = cache.of(kAsked, spots, &reference).banks;
+  EXPECT_EQ(cache.of(kAsked, spots, &reference).banks, first);
+  EXPECT_TRUE(cache.of(kAsked, spots, nullptr).banks.empty());
+  EXPECT_NE(cache.of(kAsked, spots, &reference).banks, first);
 }
 
 TEST(ReferenceKey, HoldsTheTemplateOfATrackerThatHasOne) {

@@ -14,7 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr int kSpots = 3;
-constexpr double kMostMotionPx = 0.63;
+constexpr double kMaxMotionPx = 0.63;
 
 class ReferenceTest : public testing::Test {
  protected:
@@ -83,13 +83,13 @@ TEST_F(ReferenceTest, OneSaturatedSpotInATenthOfTheFramesIsNamedAndBorne) {
   peaks[4][1] = 255.0F;
   const auto average = averaged(peaks);
   EXPECT_EQ(average.saturated, (std::vector<int>{0, 1, 0}));
-  EXPECT_TRUE(check_average(average, kMostMotionPx));
+  EXPECT_TRUE(check_average(average, kMaxMotionPx));
   EXPECT_EQ(saturated_spots(average), std::vector<int>{1});
 }
 
 TEST_F(ReferenceTest, SpotsThatAreSaturatedAreRefusedEvenIfTheyAreFound) {
   const auto average = averaged(std::vector<std::vector<float>>(10, {200.0F, 255.0F, 90.0F}));
-  const auto checked = check_average(average, kMostMotionPx);
+  const auto checked = check_average(average, kMaxMotionPx);
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().field, "camera.exposure_us");
   EXPECT_NE(checked.error().reason.find("33 % of the spots are saturated"), std::string::npos);
@@ -106,7 +106,7 @@ TEST_F(ReferenceTest, ABenchThatMovesMeanwhileIsRefusedWithTheFigures) {
   const double rms_step = 3.0 * std::sqrt(2.25 / 6.0);  // of spots that move by 1, 1/2 and 1, in x
   EXPECT_NEAR(step.drift_px, rms_step, 0.01);
   EXPECT_NEAR(step.scatter_px, 0.5 * rms_step, 0.01);
-  const auto checked = check_average(step, kMostMotionPx);
+  const auto checked = check_average(step, kMaxMotionPx);
   ASSERT_FALSE(checked);
   for (const char* figure : {"1.84 px", "0.92 px", "0.63 px"}) {
     EXPECT_NE(checked.error().reason.find(figure), std::string::npos) << checked.error().reason;
@@ -114,22 +114,22 @@ TEST_F(ReferenceTest, ABenchThatMovesMeanwhileIsRefusedWithTheFigures) {
   // A bump that is over again has no drift.
   const auto bump = moving(100, 0.01, [](int k) { return k >= 40 && k < 60 ? 3.0 : 0.0; });
   EXPECT_LT(bump.drift_px, 0.1);
-  EXPECT_FALSE(check_average(bump, kMostMotionPx));
-  EXPECT_FALSE(check_average(moving(100, 0.3, [](int k) { return 0.03 * k; }), kMostMotionPx));
+  EXPECT_FALSE(check_average(bump, kMaxMotionPx));
+  EXPECT_FALSE(check_average(moving(100, 0.3, [](int k) { return 0.03 * k; }), kMaxMotionPx));
 }
 
 TEST_F(ReferenceTest, NoiseIsNoMotionHoweverStrong) {
   for (const double noise_px : {0.01, 0.5, 3.0}) {
     for (const int frames : {1, 2, 5, 100}) {
       const auto still = moving(frames, noise_px, [](int) { return 0.0; });
-      EXPECT_TRUE(check_average(still, kMostMotionPx)) << noise_px << " px, " << frames;
+      EXPECT_TRUE(check_average(still, kMaxMotionPx)) << noise_px << " px, " << frames;
       if (frames < 100) continue;
       EXPECT_NEAR(still.noise_px, noise_px, 0.15 * noise_px);
     }
   }
   // All spots shake together, from frame to frame.
   std::normal_distribution<double> shake(0.0, 2.0);
-  EXPECT_TRUE(check_average(moving(100, 0.01, [&](int) { return shake(random_); }), kMostMotionPx));
+  EXPECT_TRUE(check_average(moving(100, 0.01, [&](int) { return shake(random_); }), kMaxMotionPx));
 }
 
 /// 19 spots and 18 modes.

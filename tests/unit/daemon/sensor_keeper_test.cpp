@@ -115,9 +115,7 @@ class Keeper : public testing::Test {
     EXPECT_TRUE(answer);
     return answer ? *answer : fail(Errc::internal, "", "no answer");
   }
-  Result<SensorView> edit(SensorChange change) {
-    return edit(Hold::of_nobody(), std::move(change));
-  }
+  Result<SensorView> edit(SensorChange change) { return edit(Hold::unheld(), std::move(change)); }
   void work() {
     bool idle = false;
     keeper_->after_changes([] {});
@@ -199,7 +197,7 @@ TEST_F(Keeper, IsChangedByWhoHoldsItOnly) {
   keeper_->hold(job);
   EXPECT_FALSE(keeper_->may_hold());
   const Image<std::uint8_t> user = screen_.picture();
-  for (const Hold& other : {Hold::of_nobody(), Hold::of_loop(), Hold::of_job(8)}) {
+  for (const Hold& other : {Hold::unheld(), Hold::of_loop(), Hold::of_job(8)}) {
     const auto refused = edit(other, set_aberration({}));
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, Errc::refused);

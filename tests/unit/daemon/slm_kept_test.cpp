@@ -179,8 +179,8 @@ TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
 TEST_F(Slm, TheHologramShowsTheOppositeOfTheError) {
   HologramConfig file = configured();
   file.flatness_waves = std::make_shared<Image<float>>(160, 96, 0.125F);
-  const auto slm = slm_in_force(config_, file, std::make_shared<const MeasuredLut>(lut()),
-                                std::make_shared<const MeasuredFlatness>(flatness()));
+  const auto slm = active_slm(config_, file, std::make_shared<const MeasuredLut>(lut()),
+                              std::make_shared<const MeasuredFlatness>(flatness()));
   EXPECT_EQ(slm->hologram.lut, lut().table.lut);
   const Image<float>& map = *slm->hologram.flatness_waves;
   EXPECT_FLOAT_EQ(map.at(0, 0), 0.125F);  // outside the pupil
@@ -190,7 +190,7 @@ TEST_F(Slm, TheHologramShowsTheOppositeOfTheError) {
     EXPECT_NEAR(map.at(x, 40), 0.125 - error, 1e-5) << x;
   }
   EXPECT_NE(slm->identity, slm_identity(file, false));
-  const auto cleared = slm_in_force(config_, file, nullptr, nullptr);
+  const auto cleared = active_slm(config_, file, nullptr, nullptr);
   EXPECT_EQ(cleared->identity, slm_identity(file, false));
   EXPECT_EQ(cleared->hologram.lut, linear_lut());
 }

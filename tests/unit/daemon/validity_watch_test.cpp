@@ -11,23 +11,23 @@ constexpr std::int64_t kS = 1'000'000'000;
 TEST(ValidityWatch, CountsFromTheFirstInvalidFrame) {
   ValidityWatch watch;
   EXPECT_FALSE(watch.lack(kS));
-  watch.saw(true, {0, 19, 19, true}, kS);
+  watch.on_frame(true, {0, 19, 19, true}, kS);
   EXPECT_FALSE(watch.lack(kS));
-  watch.saw(false, {0, 7, 19, true}, 2 * kS);
-  watch.saw(false, {0, 5, 19, true}, 3 * kS);
+  watch.on_frame(false, {0, 7, 19, true}, 2 * kS);
+  watch.on_frame(false, {0, 5, 19, true}, 3 * kS);
   const auto lack = watch.lack(3 * kS);
   ASSERT_TRUE(lack);
   EXPECT_EQ(lack->since_ns, 2 * kS);
   EXPECT_EQ(lack->tracked, 5);
   EXPECT_FALSE(watch.is_valid());
-  watch.saw(true, {0, 19, 19, true}, 4 * kS);
+  watch.on_frame(true, {0, 19, 19, true}, 4 * kS);
   EXPECT_FALSE(watch.lack(4 * kS));
   EXPECT_TRUE(watch.is_valid());
 }
 
 TEST(ValidityWatch, SaysNothingWhenNoFramesCome) {
   ValidityWatch watch;
-  watch.saw(false, {0, 7, 19, true}, kS);
+  watch.on_frame(false, {0, 7, 19, true}, kS);
   EXPECT_TRUE(watch.lack(2 * kS));
   EXPECT_FALSE(watch.lack(3 * kS));
   EXPECT_FALSE(watch.is_valid());

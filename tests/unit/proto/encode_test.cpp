@@ -53,7 +53,7 @@ TEST(EncodeWavefront, SaysAllThatItHolds) {
 
 TEST(EncodeWavefront, AGainThatIsNotInDbIsNullAndGivenRaw) {
   WavefrontMessage m;
-  m.gain_db = kNotKnown;
+  m.gain_db = kUnknownGain;
   m.gain_raw = 7.0;
   m.exposure_us = 2000.0;
   std::string text;

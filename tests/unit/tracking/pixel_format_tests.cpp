@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/tracking/acquisition.hpp"
+#include "core/tracking/binned_image.hpp"
 #include "core/tracking/cell_centroid.hpp"
-#include "core/tracking/cell_image.hpp"
 #include "core/tracking/patch.hpp"
 #include "core/tracking/reference_shape.hpp"
 #include "tests/support/alloc_guard.hpp"
@@ -122,7 +122,7 @@ TEST_P(SameNumbers, AreTheSameToAllThatReadsWholeImages) {
   const Vec2 at = bench.model_px[4];
   EXPECT_EQ(cell_centroid(a.view, at, 30), cell_centroid(b.view, at, 30));
   EXPECT_EQ(brightest_pixel(a.view, at, 30), brightest_pixel(b.view, at, 30));
-  EXPECT_EQ(average_cells(a.view, {}, 3).light, average_cells(b.view, {}, 3).light);
+  EXPECT_EQ(binned(a.view, {}, 3).intensity, binned(b.view, {}, 3).intensity);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -41,12 +41,12 @@ double difference(const PixelBox& box, const auto& expected, const auto& got) {
 
 TEST(SensorField, IsTheModelsLightButForItsRounding) {
   SensorModel model = SensorModel::make({}, {}, {}, 512, 512).value();
-  const Image<float> light = model.light(kModes).value();
+  const Image<float> intensity = model.intensity(kModes).value();
   SensorField field = make_field(1);
   field.propagate(kModes, {});
-  const float most = *std::max_element(light.pixels.begin(), light.pixels.end());
-  for (std::size_t k = 0; k < light.pixels.size(); ++k) {
-    ASSERT_NEAR(std::norm(field.far().pixels[k]) / most, light.pixels[k] / most, 0.01);
+  const float most = *std::max_element(intensity.pixels.begin(), intensity.pixels.end());
+  for (std::size_t k = 0; k < intensity.pixels.size(); ++k) {
+    ASSERT_NEAR(std::norm(field.far().pixels[k]) / most, intensity.pixels[k] / most, 0.01);
   }
 }
 

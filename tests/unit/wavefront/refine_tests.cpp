@@ -77,8 +77,8 @@ class Refine : public testing::Test {
   }
   /// Electrons, with kPeakE at the brightest pixel of the spots. The zeroth order's tail on the
   /// left is brighter, but no spot.
-  static Image<float> light(SensorModel& model, const Waves& truth) {
-    Image<float> image = model.light(modes_of(truth)).value();
+  static Image<float> intensity(SensorModel& model, const Waves& truth) {
+    Image<float> image = model.intensity(modes_of(truth)).value();
     float most = 0.0F;
     for (const Vec2 spot : model.spots_px()) {
       for (int y = int(spot.y) - 28; y < int(spot.y) + 28; ++y) {
@@ -102,7 +102,7 @@ class Refine : public testing::Test {
 
 TEST_F(Refine, HalfAWaveWithoutNoiseIsRightToTwoThousandths) {
   const Waves truth = random(0.5);
-  const auto image = light(bench().model, truth);
+  const auto image = intensity(bench().model, truth);
   const auto r = bench().refiner.refine(image, {}, sum(truth, random(0.1))).value();
   std::printf("  error %.5f wave, %d iterations, chi2 %.4f\n", std::sqrt(squared_error(r, truth)),
               r.iterations, r.chi2_per_pixel);
@@ -114,7 +114,7 @@ TEST_F(Refine, HalfAWaveWithoutNoiseIsRightToTwoThousandths) {
 TEST_F(Refine, ModesThatLoseTheirSpotsAreRightFromAFlatStart) {
   Waves truth(18, 0.0);
   truth[17 - 1] = 0.3;  // six spots without a core at the rim
-  const auto image = light(bench().model, truth);
+  const auto image = intensity(bench().model, truth);
   const auto r = bench().refiner.refine(image, {}, Waves(18, 0.0)).value();
   EXPECT_LT(std::sqrt(squared_error(r, truth)), 0.002);
 }
@@ -152,7 +152,7 @@ class RefineNoise : public Refine, public testing::WithParamInterface<Case> {};
 TEST_P(RefineNoise, ReachesTheCramerRaoBound) {
   const Case c = GetParam();
   const Waves truth = random(0.1);
-  const auto clean = light(bench(c.charge).model, truth);
+  const auto clean = intensity(bench(c.charge).model, truth);
   constexpr int kDraws = 2;
   double squares = 0.0, bound = 0.0;
   for (int k = 0; k < kDraws; ++k) {
@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(Peaks, RefineNoise,
 TEST_F(Refine, ReadsCameraNumbersAndLeavesOutWhatIsSaturated) {
   Waves truth(18, 0.0);
   truth[4] = 0.1;
-  const auto electrons = light(bench().model, truth);
+  const auto electrons = intensity(bench().model, truth);
   Image<std::uint16_t> dn(512, 512);
   for (std::size_t k = 0; k < dn.pixels.size(); ++k) {
     // Saturates at 4095 DN, about half the peak; the black level is 16 DN, an electron 15 DN.
@@ -225,9 +225,9 @@ TEST_F(Refine, EndsSoonWhenToldTo) {
   RefineOptions options;
   options.stop = &stop;
   auto refiner = Refiner::make({}, {}, {}, 512, 512, modes_18(), options).value();
-  Image<float> light = bench().model.light({}).value();
-  scale(light, kPeakE / bench().model.peak_of_spots(light, {}));
-  const auto refused = refiner.refine(light, {}, Waves(18, 0.0));
+  Image<float> intensity = bench().model.intensity({}).value();
+  scale(intensity, kPeakE / bench().model.peak_of_spots(intensity, {}));
+  const auto refused = refiner.refine(intensity, {}, Waves(18, 0.0));
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, Errc::refused);
   EXPECT_NE(refused.error().reason.find("cancelled"), std::string::npos);

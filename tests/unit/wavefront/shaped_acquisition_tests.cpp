@@ -68,13 +68,13 @@ struct Bench {
   }
 
   Image<std::uint16_t> picture(const std::vector<Mode>& modes, double noise_dn) {
-    Image<float> light = model.light(modes).value();
-    scale(light, kPeakDn / model.peak_of_spots(light, modes));
+    Image<float> intensity = model.intensity(modes).value();
+    scale(intensity, kPeakDn / model.peak_of_spots(intensity, modes));
     Image<std::uint16_t> dn(kImagePx, kImagePx);
     std::mt19937_64 random(5);
     std::normal_distribution<double> noise(5.0 * noise_dn, noise_dn);
     for (std::size_t k = 0; k < dn.pixels.size(); ++k) {
-      const double value = double(light.pixels[k]) + (noise_dn > 0.0 ? noise(random) : 0.0);
+      const double value = double(intensity.pixels[k]) + (noise_dn > 0.0 ? noise(random) : 0.0);
       dn.pixels[k] = std::uint16_t(std::clamp(std::lround(value), 0L, 65535L));
     }
     return dn;
@@ -119,7 +119,7 @@ Eigen::MatrixXd direct_light(const SensorConfig& sensor, double radius_px,
                              const std::vector<Mode>& modes, const PxPerCycle& map, int half) {
   const Eigen::Matrix2d of_slope{{map.xx, map.xy}, {map.yx, map.yy}};
   const Eigen::Matrix2d to_slope = of_slope.inverse();
-  Eigen::MatrixXd light(2 * half + 1, 2 * half + 1);
+  Eigen::MatrixXd intensity(2 * half + 1, 2 * half + 1);
   for (int row = -half; row <= half; ++row) {
     for (int column = -half; column <= half; ++column) {
       const Eigen::Vector2d slope = to_slope * Eigen::Vector2d(column, row);
@@ -134,10 +134,10 @@ Eigen::MatrixXd direct_light(const SensorConfig& sensor, double radius_px,
           sum += std::polar(1.0, 2.0 * std::numbers::pi * (cycles - slope.x() * x - slope.y() * y));
         }
       }
-      light(row + half, column + half) = std::norm(sum);
+      intensity(row + half, column + half) = std::norm(sum);
     }
   }
-  return light;
+  return intensity;
 }
 
 TEST_P(Shaped, ATurnedOrMirroredCameraSeesTheSpotTurnedOrMirrored) {
@@ -153,7 +153,7 @@ TEST_P(Shaped, ATurnedOrMirroredCameraSeesTheSpotTurnedOrMirrored) {
         PxPerCycle(-kCos, -kSin, -kSin, kCos)}) {
     const PxPerCycle map = turned / (1.0 / (8.0 * radius_px));  // lambda/d is 4 bins
     const SpotOptics optics(lattice, sensor, modes_18(), map, kHalf);
-    const Eigen::MatrixXd own = optics.light(9, waves_of(modes), {}).cast<double>();
+    const Eigen::MatrixXd own = optics.intensity(9, waves_of(modes), {}).cast<double>();
     Eigen::MatrixXd direct = direct_light(sensor, radius_px, modes, map, kHalf);
     direct *= own.sum() / direct.sum();
     EXPECT_LT((own - direct).cwiseAbs().maxCoeff(), 0.05 * own.maxCoeff()) << turned.xy;
@@ -176,7 +176,7 @@ TEST_P(Shaped, SpotIsThatOfTheWholeSensorsModelWithTheOthersDark) {
     const Eigen::VectorXd tilts = optics.local_modes(spot) * waves_of(modes);
     const Vec2 at = flat[std::size_t(spot)] + optics.cells_per_tilt() * Vec2{tilts(1), tilts(0)};
     const int x = int(std::lround(at.x)), y = int(std::lround(at.y));
-    const auto own = optics.light(spot, waves_of(modes), {at.x - x, at.y - y});
+    const auto own = optics.intensity(spot, waves_of(modes), {at.x - x, at.y - y});
     Eigen::MatrixXf seen(own.rows(), own.cols());
     for (Eigen::Index r = 0; r < own.rows(); ++r) {
       for (Eigen::Index c = 0; c < own.cols(); ++c) {
@@ -194,7 +194,8 @@ TEST_P(Shaped, DerivativesAreThoseOfTheLight) {
   const SpotOptics optics(lattice, sensor, modes_18(), camera_px_per_cycle({}, {}) / 2.0, 19);
   const Eigen::VectorXd waves = waves_of(random_modes(4, 0.4));
   const auto derived = optics.derive(2, waves, {0.2, -0.3});
-  EXPECT_LT((derived.light - optics.light(2, waves, {0.2, -0.3})).cwiseAbs().maxCoeff(), 1e-5F);
+  EXPECT_LT((derived.intensity - optics.intensity(2, waves, {0.2, -0.3})).cwiseAbs().maxCoeff(),
+            1e-5F);
   constexpr double kStep = 0.01;
   for (int j = 1; j <= 18; ++j) {
     Eigen::VectorXd more = waves, less = waves;
@@ -205,15 +206,15 @@ TEST_P(Shaped, DerivativesAreThoseOfTheLight) {
     // The computed spot follows the mean slope, so that the tilts only move it.
     for (int k = 2; k < SpotOptics::kLocal; ++k) expected += float(local(k)) * derived.per_wave[k];
     const Eigen::MatrixXf seen =
-        (optics.light(2, more, {0.2, -0.3}) - optics.light(2, less, {0.2, -0.3})) /
+        (optics.intensity(2, more, {0.2, -0.3}) - optics.intensity(2, less, {0.2, -0.3})) /
         float(2.0 * kStep);
     const float off = (seen - expected).cwiseAbs().maxCoeff();
     EXPECT_LT(off, 0.05F * seen.cwiseAbs().maxCoeff() + 0.05F) << j;
   }
   const double step = 0.1;
-  const Eigen::MatrixXf moved =
-      (optics.light(2, waves, {0.2 + step, -0.3}) - optics.light(2, waves, {0.2 - step, -0.3})) /
-      float(2.0 * step / optics.cells_per_tilt());
+  const Eigen::MatrixXf moved = (optics.intensity(2, waves, {0.2 + step, -0.3}) -
+                                 optics.intensity(2, waves, {0.2 - step, -0.3})) /
+                                float(2.0 * step / optics.cells_per_tilt());
   EXPECT_LT((moved - derived.per_wave[1]).cwiseAbs().maxCoeff(),
             0.02F * moved.cwiseAbs().maxCoeff());
 }

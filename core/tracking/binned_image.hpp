@@ -8,14 +8,14 @@
 
 namespace ovws {
 
-struct CellImage {
+struct BinnedImage {
   int bin = 1;  ///< pixels of the colour plane per side of a bin
   ColourPlane plane{};
-  Eigen::MatrixXf light;  ///< means of the bins, rows along y; DN above the median
-  double noise = 1.0;     ///< RMS of a dark bin, DN, from the median absolute deviation
+  Eigen::MatrixXf intensity;  ///< means of the bins, rows along y; DN above the median
+  double noise = 1.0;         ///< RMS of a dark bin, DN, from the median absolute deviation
 
-  Vec2 to_cells(Vec2 px) const { return (1.0 / bin) * (plane.from_image(px) - middle()); }
-  Vec2 to_px(Vec2 cells) const { return plane.to_image(double(bin) * cells + middle()); }
+  Vec2 to_bins(Vec2 px) const { return (1.0 / bin) * (plane.from_image(px) - middle()); }
+  Vec2 to_px(Vec2 bins) const { return plane.to_image(double(bin) * bins + middle()); }
 
  private:
   Vec2 middle() const { return {0.5 * (bin - 1), 0.5 * (bin - 1)}; }  ///< centre of bin (0, 0)
@@ -23,10 +23,10 @@ struct CellImage {
 
 /// Bins `image` by bin x bin pixels of the colour plane `plane`. Incomplete bins at the right and
 /// at the bottom are dropped. Requires at least one bin. Allocates.
-CellImage average_cells(const ImageView& image, const ColourPlane& plane, int bin);
+BinnedImage binned(const ImageView& image, const ColourPlane& plane, int bin);
 
 /// Whether the images differ in size, or by more than noise and 2 % of their contrast energy: as if
 /// every spot moved by about 0.06 lambda/d.
-bool is_other_image(const CellImage& before, const CellImage& now);
+bool is_other_image(const BinnedImage& before, const BinnedImage& now);
 
 }  // namespace ovws

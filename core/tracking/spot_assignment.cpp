@@ -1,4 +1,4 @@
-#include "core/tracking/consensus.hpp"
+#include "core/tracking/spot_assignment.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
 
 }  // namespace
 
-Consensus::Consensus(std::vector<Vec2> predicted_px, int max_found)
+SpotAssignment::SpotAssignment(std::vector<Vec2> predicted_px, int max_found)
     : predicted_(std::move(predicted_px)),
       matched_(predicted_.size()),
       owner_(std::size_t(max_found)),
@@ -53,7 +53,7 @@ Consensus::Consensus(std::vector<Vec2> predicted_px, int max_found)
   find_seeds();
 }
 
-void Consensus::find_neighbours() {
+void SpotAssignment::find_neighbours() {
   neighbours_.resize(predicted_.size());
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     for (std::size_t k = 0; k < predicted_.size(); ++k) {
@@ -63,7 +63,7 @@ void Consensus::find_neighbours() {
   }
 }
 
-void Consensus::find_seeds() {
+void SpotAssignment::find_seeds() {
   const double offset = kSeedOffset * extent_;
   for (const Vec2 off : {Vec2{}, {0.0, offset}, {0.0, -offset}, {offset, 0.0}, {-offset, 0.0}}) {
     const auto nearest = std::min_element(
@@ -74,11 +74,11 @@ void Consensus::find_seeds() {
   }
 }
 
-double Consensus::tolerance_px() const {
+double SpotAssignment::tolerance_px() const {
   return kTolerance * pitch_;
 }
 
-std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& rules) {
+std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Rules& rules) {
   const int enough = std::max(3, int(std::ceil(rules.min_share * size())));
   int most_explained = 0;
   double smallest_shift = 0.0;
@@ -108,15 +108,15 @@ std::span<const int> Consensus::match(std::span<const Vec2> found, const Rules& 
   return adopt_best(found);
 }
 
-std::span<const int> Consensus::adopt_best(std::span<const Vec2> found) {
+std::span<const int> SpotAssignment::adopt_best(std::span<const Vec2> found) {
   field_ = best_field_;
   matched_ = best_matched_;
   update_residuals(found);
   return matched_;
 }
 
-int Consensus::nearest_positions(std::span<const Vec2> found, Vec2 at,
-                                 std::array<int, kStarts>& out) const {
+int SpotAssignment::nearest_positions(std::span<const Vec2> found, Vec2 at,
+                                      std::array<int, kStarts>& out) const {
   int count = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
     int place = count;
@@ -130,7 +130,7 @@ int Consensus::nearest_positions(std::span<const Vec2> found, Vec2 at,
   return count;
 }
 
-int Consensus::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
+int SpotAssignment::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
   field_ = {shift, {}};
   std::fill(matched_.begin(), matched_.end(), int(kNone));
   std::fill(residuals_.begin(), residuals_.end(), Vec2{});
@@ -146,13 +146,13 @@ int Consensus::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
   return count;
 }
 
-Vec2 Consensus::affine(int i) const {
+Vec2 SpotAssignment::affine(int i) const {
   const Vec2 p = predicted_[i] - centre_;
   const auto& a = field_.linear;
   return predicted_[i] + field_.shift + Vec2{a[0] * p.x + a[1] * p.y, a[2] * p.x + a[3] * p.y};
 }
 
-Vec2 Consensus::expected(int i) const {
+Vec2 SpotAssignment::expected(int i) const {
   Vec2 sum;
   int count = 0;
   for (const int k : neighbours_[i]) {
@@ -163,13 +163,13 @@ Vec2 Consensus::expected(int i) const {
   return count == 0 ? affine(i) : affine(i) + (1.0 / count) * sum;
 }
 
-void Consensus::update_residuals(std::span<const Vec2> found) {
+void SpotAssignment::update_residuals(std::span<const Vec2> found) {
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     residuals_[i] = matched_[i] == kNone ? Vec2{} : found[matched_[i]] - affine(int(i));
   }
 }
 
-Consensus::Choice Consensus::nearest(std::span<const Vec2> found, Vec2 at) const {
+SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, Vec2 at) const {
   Choice best{kNone, tolerance_px()};
   const auto first = std::lower_bound(by_y_.begin(), by_y_.end(), at.y - best.distance,
                                       [&](int k, double y) { return found[std::size_t(k)].y < y; });
@@ -182,7 +182,7 @@ Consensus::Choice Consensus::nearest(std::span<const Vec2> found, Vec2 at) const
 
 /// Assigns to each subaperture within `reach` of `from` the nearest position within the tolerance.
 /// A position chosen twice goes to the nearer subaperture; the other one gets none.
-int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
+int SpotAssignment::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   std::fill(owner_.begin(), owner_.end(), int(kNone));
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     choices_[i] = {};
@@ -202,7 +202,7 @@ int Consensus::assign(std::span<const Vec2> found, Vec2 from, double reach) {
 }
 
 /// Fits all matches, then again without the outliers.
-bool Consensus::fit(std::span<const Vec2> found) {
+bool SpotAssignment::fit(std::span<const Vec2> found) {
   if (!fit_within(found, std::numeric_limits<double>::infinity())) return false;
   update_residuals(found);
   int count = 0;
@@ -213,7 +213,7 @@ bool Consensus::fit(std::span<const Vec2> found) {
   return fit_within(found, std::max(kFitSlack * pitch_, kOutlier * sorted_[count / 2]));
 }
 
-bool Consensus::fit_within(std::span<const Vec2> found, double limit) {
+bool SpotAssignment::fit_within(std::span<const Vec2> found, double limit) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> rhs = Eigen::Matrix<double, 3, 2>::Zero();
   int count = 0;

@@ -1,4 +1,4 @@
-#include "core/wavefront/lost_pushes.hpp"
+#include "core/wavefront/lost_pokes.hpp"
 
 #include <cmath>
 

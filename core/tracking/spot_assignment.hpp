@@ -18,11 +18,11 @@ namespace ovws {
 /// the pitch as long as neighbours do not cross.
 ///
 /// Its memory is allocated at construction, for one lattice and a maximum number of positions.
-class Consensus {
+class SpotAssignment {
  public:
   static constexpr int kNone = -1;
 
-  Consensus(std::vector<Vec2> predicted_px, int max_found);
+  SpotAssignment(std::vector<Vec2> predicted_px, int max_found);
 
   int size() const { return int(predicted_.size()); }
 

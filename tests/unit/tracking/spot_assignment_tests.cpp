@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/tracking/consensus.hpp"
+#include "core/tracking/spot_assignment.hpp"
 #include "tests/support/alloc_guard.hpp"
 
 namespace ovws {
@@ -39,7 +39,7 @@ Shuffled moved(const std::vector<Vec2>& lattice, const std::vector<int>& missing
   }
   std::mt19937 random(5);
   std::shuffle(order.begin(), order.end(), random);
-  Shuffled out{{}, std::vector<int>(lattice.size(), Consensus::kNone)};
+  Shuffled out{{}, std::vector<int>(lattice.size(), SpotAssignment::kNone)};
   for (const int i : order) {
     out.of_subaperture[i] = int(out.positions.size());
     out.positions.push_back(lattice[i] + move(lattice[i] - Vec2{256, 256}));
@@ -47,61 +47,62 @@ Shuffled moved(const std::vector<Vec2>& lattice, const std::vector<int>& missing
   return out;
 }
 
-std::vector<int> match(Consensus& consensus, const std::vector<Vec2>& found) {
-  const auto span = consensus.match(found);
+std::vector<int> match(SpotAssignment& assignment, const std::vector<Vec2>& found) {
+  const auto span = assignment.match(found);
   return {span.begin(), span.end()};
 }
 
-TEST(Consensus, FindsTheIndexOrderOfAnUnmovedLattice) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, FindsTheIndexOrderOfAnUnmovedLattice) {
+  SpotAssignment assignment(hexagon(), 60);
   const Shuffled truth = moved(hexagon(), {}, [](Vec2) { return Vec2{}; });
-  EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+  EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture);
 }
 
-TEST(Consensus, FollowsAShiftOfMoreThanAPitch) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, FollowsAShiftOfMoreThanAPitch) {
+  SpotAssignment assignment(hexagon(), 60);
   for (const Vec2 shift :
        {Vec2{60, 0}, Vec2{-60, 0}, Vec2{30, 52}, Vec2{-90, 100}, Vec2{31, -3}, Vec2{200, 130}}) {
     const Shuffled truth = moved(hexagon(), {}, [&](Vec2) { return shift; });
-    EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture) << shift.x << "," << shift.y;
+    EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture)
+        << shift.x << "," << shift.y;
   }
 }
 
-TEST(Consensus, FollowsTiltWithFocusAndAstigmatism) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, FollowsTiltWithFocusAndAstigmatism) {
+  SpotAssignment assignment(hexagon(), 60);
   for (const double s : {-0.3, 0.3}) {
     const auto focus = moved(hexagon(), {}, [&](Vec2 p) { return Vec2{25, -20} + s * p; });
-    EXPECT_EQ(match(consensus, focus.positions), focus.of_subaperture);
+    EXPECT_EQ(match(assignment, focus.positions), focus.of_subaperture);
     const auto zero = moved(hexagon(), {}, [&](Vec2 p) {
       return Vec2{-30, 10} + Vec2{s * p.x, -s * p.y};
     });
-    EXPECT_EQ(match(consensus, zero.positions), zero.of_subaperture);
+    EXPECT_EQ(match(assignment, zero.positions), zero.of_subaperture);
     const auto oblique = moved(hexagon(), {}, [&](Vec2 p) {
       return Vec2{40, 30} + Vec2{s * p.y, s * p.x};
     });
-    EXPECT_EQ(match(consensus, oblique.positions), oblique.of_subaperture);
+    EXPECT_EQ(match(assignment, oblique.positions), oblique.of_subaperture);
   }
 }
 
-TEST(Consensus, AllowsMoreThanAnAffineMap) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, AllowsMoreThanAnAffineMap) {
+  SpotAssignment assignment(hexagon(), 60);
   const auto coma = moved(hexagon(), {}, [](Vec2 p) {
     const double x = p.x / 120, y = p.y / 120;
     return Vec2{5 * (3 * x * x + y * y - 0.7), 10 * x * y};
   });
-  EXPECT_EQ(match(consensus, coma.positions), coma.of_subaperture);
+  EXPECT_EQ(match(assignment, coma.positions), coma.of_subaperture);
 }
 
-TEST(Consensus, LeavesMissingSpotsWithoutAPosition) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, LeavesMissingSpotsWithoutAPosition) {
+  SpotAssignment assignment(hexagon(), 60);
   for (const auto& missing : {std::vector<int>{9}, {0}, {18, 17}, {0, 1, 2}, {3, 8, 12, 15}}) {
     const auto truth = moved(hexagon(), missing, [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; });
-    EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+    EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture);
   }
 }
 
-TEST(Consensus, IsNotMisledByFalsePositions) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, IsNotMisledByFalsePositions) {
+  SpotAssignment assignment(hexagon(), 60);
   auto truth = moved(hexagon(), {4, 13}, [](Vec2 p) { return Vec2{-25, 12} - 0.1 * p; });
   std::mt19937 random(9);
   std::uniform_real_distribution<double> anywhere(40.0, 470.0);
@@ -115,34 +116,34 @@ TEST(Consensus, IsNotMisledByFalsePositions) {
     }
     if (random() == 0) break;
   }
-  EXPECT_EQ(match(consensus, truth.positions), truth.of_subaperture);
+  EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture);
 }
 
-TEST(Consensus, SaysNothingOfTooFewPositions) {
-  Consensus consensus(hexagon(), 60);
-  const std::vector<int> none(19, Consensus::kNone);
-  EXPECT_EQ(match(consensus, {}), none);
-  EXPECT_EQ(match(consensus, {{256, 256}}), none);
+TEST(SpotAssignment, SaysNothingOfTooFewPositions) {
+  SpotAssignment assignment(hexagon(), 60);
+  const std::vector<int> none(19, SpotAssignment::kNone);
+  EXPECT_EQ(match(assignment, {}), none);
+  EXPECT_EQ(match(assignment, {{256, 256}}), none);
   const auto few =
       moved(hexagon(), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, [](Vec2) { return Vec2{}; });
-  EXPECT_EQ(match(consensus, few.positions), none);
+  EXPECT_EQ(match(assignment, few.positions), none);
 }
 
-TEST(Consensus, ExpectsAMissingSpotWhereItsNeighboursSay) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, ExpectsAMissingSpotWhereItsNeighboursSay) {
+  SpotAssignment assignment(hexagon(), 60);
   const auto move = [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; };
   const auto truth = moved(hexagon(), {7}, move);
-  match(consensus, truth.positions);
+  match(assignment, truth.positions);
   const Vec2 at = hexagon()[7] + move(hexagon()[7] - Vec2{256, 256});
-  EXPECT_NEAR(consensus.expected(7).x, at.x, 0.5);
-  EXPECT_NEAR(consensus.expected(7).y, at.y, 0.5);
+  EXPECT_NEAR(assignment.expected(7).x, at.x, 0.5);
+  EXPECT_NEAR(assignment.expected(7).y, at.y, 0.5);
 }
 
-TEST(Consensus, DoesNotAllocate) {
-  Consensus consensus(hexagon(), 60);
+TEST(SpotAssignment, DoesNotAllocate) {
+  SpotAssignment assignment(hexagon(), 60);
   const auto truth = moved(hexagon(), {7}, [](Vec2 p) { return Vec2{20, 8} + 0.15 * p; });
   const test::AllocGuard guard;
-  consensus.match(truth.positions);
+  assignment.match(truth.positions);
   EXPECT_EQ(guard.allocations(), 0U);
 }
 

@@ -1,4 +1,4 @@
-#include "core/tracking/cell_image.hpp"
+#include "core/tracking/binned_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,31 +28,31 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
-CellImage average_cells(const ImageView& image, const ColourPlane& plane, int bin) {
-  CellImage cells;
-  cells.bin = bin;
-  cells.plane = plane;
+BinnedImage binned(const ImageView& image, const ColourPlane& plane, int bin) {
+  BinnedImage out;
+  out.bin = bin;
+  out.plane = plane;
   const ImageView lit = on_plane(image, plane);
-  cells.light.resize(lit.height / bin, lit.width / bin);
-  average(lit, bin, cells.light);
-  std::vector<float> values(cells.light.data(), cells.light.data() + cells.light.size());
-  cells.light.array() -= median(values);
-  for (Eigen::Index k = 0; k < cells.light.size(); ++k) {
-    values[std::size_t(k)] = std::abs(cells.light.data()[k]);
+  out.intensity.resize(lit.height / bin, lit.width / bin);
+  average(lit, bin, out.intensity);
+  std::vector<float> values(out.intensity.data(), out.intensity.data() + out.intensity.size());
+  out.intensity.array() -= median(values);
+  for (Eigen::Index k = 0; k < out.intensity.size(); ++k) {
+    values[std::size_t(k)] = std::abs(out.intensity.data()[k]);
   }
   // Rounding to whole DN is the only noise of a noise-free image.
   constexpr double kRounding = 0.29;
-  cells.noise = std::max(kRounding / bin, kSigmaPerMedianDeviation * double(median(values)));
-  return cells;
+  out.noise = std::max(kRounding / bin, kSigmaPerMedianDeviation * double(median(values)));
+  return out;
 }
 
-bool is_other_image(const CellImage& before, const CellImage& now) {
+bool is_other_image(const BinnedImage& before, const BinnedImage& now) {
   constexpr double kOther = 0.02;   // of the contrast's energy
   constexpr double kOfNoise = 1.5;  // bright bins are noisier than dark ones
-  const Eigen::MatrixXf &a = before.light, &b = now.light;
+  const Eigen::MatrixXf &a = before.intensity, &b = now.intensity;
   if (a.rows() != b.rows() || a.cols() != b.cols()) return true;
-  const auto cells = double(a.size());
-  const double noise = kOfNoise * cells * (before.noise * before.noise + now.noise * now.noise);
+  const auto bins = double(a.size());
+  const double noise = kOfNoise * bins * (before.noise * before.noise + now.noise * now.noise);
   const double energy = 0.5 * double(a.squaredNorm() + b.squaredNorm());
   return double((a - b).squaredNorm()) - noise > kOther * std::max(energy - 0.5 * noise, 0.0);
 }
