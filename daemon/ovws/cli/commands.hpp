@@ -1,38 +1,121 @@
-/// The subcommands of ovws. Each add_… registers a command, whose callback sets the exit status.
+/// What the subcommands of ovws do. Each function prints its result or its error and returns the
+/// exit code; command_line.hpp declares the syntax that fills in the options.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "core/wavefront/refine.hpp"
+#include "daemon/ovws/cli/refined.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {
 
-/// Help of --config for commands that work offline. They ignore saved settings, so that the same
-/// file gives the same result on every machine.
-inline constexpr const char* kConfigHelp =
-    "the daemon's configuration file (default: every key's default); saved settings are ignored: "
-    "ovwsd --check-config --config FILE > NEW prints a file that includes them";
-
 /// Whether standard output is a pipe or terminal whose reader has gone.
 bool output_has_no_reader();
 
-/// Accepts a number from `min` to `max` and rejects NaN, which CLI::Range accepts.
-CLI::Validator number_from(double min, double max);
+// With a daemon.
 
-// `common` and `status` must outlive the parsing: the callbacks hold references to them.
-void add_status(CLI::App& app, const Common& common, int& status);
-void add_describe(CLI::App& app, const Common& common, int& status);
-void add_call(CLI::App& app, const Common& common, int& status);
-void add_watch(CLI::App& app, const Common& common, int& status);
-void add_metrics(CLI::App& app, const Common& common, int& status);
-void add_snapshot(CLI::App& app, const Common& common, int& status);
-void add_hologram(CLI::App& app, const Common& common, int& status);
-void add_farfield(CLI::App& app, const Common& common, int& status);
-void add_measure(CLI::App& app, const Common& common, int& status);
-void add_keygen(CLI::App& app, const Common& common, int& status);
-void add_doctor(CLI::App& app, const Common& common, int& status);
-void add_replay(CLI::App& app, const Common& common, int& status);
-void add_study(CLI::App& app, const Common& common, int& status);
-void add_completion(CLI::App& app);
+int show_status(const Common& common);
+int describe(const Common& common);
+
+struct CallOptions {
+  std::string method, params;
+  bool wait = false;
+};
+
+int call_method(const Common& common, const CallOptions& options);
+
+struct WatchOptions {
+  std::string topic = "wavefront";
+  int count = 0;  ///< messages; 0: until Ctrl-C
+  bool plain = false;
+  std::optional<double> timeout_s;  ///< for the next message; none: no limit
+};
+
+int watch(const Common& common, const WatchOptions& options);
+
+/// `prefix`: of the files to write, or a folder.
+int save_snapshot(const Common& common, const std::string& prefix);
+
+/// Serves HTTP at `address`, "ADDRESS:PORT", until a signal.
+int serve_metrics(const Common& common, const std::string& address);
+
+/// `endpoint`: of the daemon; empty: the configuration's.
+int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint);
+
+// Offline.
+
+struct PictureOptions {
+  std::string config_path;
+  std::string modes;
+  std::string norm = "rms";
+  std::string output;
+};
+
+int save_hologram(const Common& common, const PictureOptions& options);
+
+struct FarFieldOptions {
+  PictureOptions picture;
+  std::optional<double> peak_e;
+  std::optional<double> total_e;
+  double read_noise_e = 5.0;
+  double gain_db = 0.0;
+  int bits = 8;
+  std::uint64_t seed = 1;
+  bool noise_free = false;
+};
+
+int save_farfield(const Common& common, const FarFieldOptions& options);
+
+struct MeasureOptions {
+  std::string config_path;
+  std::string reference;
+  bool model_reference = false;
+  std::string tracker;
+  std::string templates;
+  std::string mode_operator;
+  bool refine = false;
+  RefineCamera camera;
+  RefineOptions fit;
+  std::vector<std::string> images;
+};
+
+int measure_images(const Common& common, const MeasureOptions& options);
+
+struct KeygenOptions {
+  std::string output;
+  bool replace = false;
+};
+
+int make_keys(const Common& common, const KeygenOptions& options);
+
+struct ReplayOptions {
+  std::string path;
+  double speed = 0.0;  ///< 0: as fast as possible
+  bool step = false;
+  bool frames = false;
+};
+
+int replay_recording(const Common& common, const ReplayOptions& options);
+
+// Studies; `experiment` and `rejection` run on a daemon's bench.
+
+inline constexpr const char* kExperiment = "experiment";
+inline constexpr const char* kRejection = "rejection";
+
+struct StudyOptions {
+  std::string name;
+  std::string folder;
+  bool quick = false;
+  int threads = 0;  ///< 0: one per core
+  std::uint64_t seed = 1;
+  std::string params;  ///< JSON; only for studies on a bench
+  double seconds = 60.0;
+};
+
+int study_command(const Common& common, const StudyOptions& options);
 
 }  // namespace ovws::cli

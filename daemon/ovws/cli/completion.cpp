@@ -1,13 +1,12 @@
-#include "daemon/ovws/cli/completion.hpp"
-
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 
-#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws::cli {
@@ -150,8 +149,6 @@ _ovws() {
 complete -o default -F _ovws ovws
 )bash";
 
-}  // namespace
-
 std::string bash_completion(const CLI::App& app) {
   Tables tables;
   std::string commands;
@@ -170,6 +167,8 @@ std::string bash_completion(const CLI::App& app) {
   text += table("_ovws_choices", tables.choices) + table("_ovws_keys", tables.keys);
   return text + table("_ovws_values", tables.values) + std::string(kFunctions);
 }
+
+}  // namespace
 
 void add_completion(CLI::App& app) {
   auto* command = app.add_subcommand(

@@ -80,42 +80,15 @@ doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
 
 }  // namespace
 
-void add_doctor(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("doctor",
-                                     "check this bench in a few seconds and print a fix for each "
-                                     "problem; read-only, works with or "
-                                     "without a daemon, needs no root");
-  command->footer(
-      "Checks the configuration, the camera and its link, the SLM's output, the state folder,\n"
-      "the real-time limits and the clock of this machine, and the daemon if one is running.\n"
-      "Run it as the daemon's user, on its display:\n"
-      "  sudo -u ovws DISPLAY=:0 XAUTHORITY=/var/lib/ovws/xauthority ovws doctor\n\n"
-      "Each finding is FAULT (does not work, or measures wrongly), warning (works or may work, "
-      "but\n"
-      "worse than it could), ok, or not here (cannot be checked, with the reason). \"fix:\" is "
-      "followed\n"
-      "by a shell command or a line for the configuration file.\n"
-      "--json prints one document: {\"schema\", \"version\", \"counts\": {\"fault\", …}, "
-      "\"findings\":\n"
-      "[{\"name\", \"verdict\": \"fault\" | \"warning\" | \"ok\" | \"not_here\", \"meaning\", "
-      "\"fix\"}]}.\n\n"
-      "Exit codes: 0 no fault; 1 at least one fault; 2 the command line is wrong.");
-  auto path = std::make_shared<std::string>();
-  command->add_option(
-      "--config,-c", *path,
-      "configuration file (default: /etc/ovws/ovwsd.json, or every key's default without it)");
-  const CLI::Option* const given = app.get_option("--endpoint");
-  command->callback([&common, &status, path, given] {
-    const std::string endpoint = given->count() > 0 ? common.endpoint : "";
-    const Findings found = doctor::examine(
-        *path, endpoint, [&common](const std::string& where) { return ask(common, where); });
-    if (common.json) {
-      print_json(found);
-    } else {
-      print_text(found);
-    }
-    status = count(found, Verdict::fault) > 0 ? kError : kOk;
-  });
+int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint) {
+  const Findings found = doctor::examine(
+      config_path, endpoint, [&common](const std::string& where) { return ask(common, where); });
+  if (common.json) {
+    print_json(found);
+  } else {
+    print_text(found);
+  }
+  return count(found, Verdict::fault) > 0 ? kError : kOk;
 }
 
 }  // namespace ovws::cli

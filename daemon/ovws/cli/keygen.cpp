@@ -5,14 +5,9 @@
 #include "daemon/shared/key_file.hpp"
 
 namespace ovws::cli {
-namespace {
+namespace {}  // namespace
 
-struct KeygenOptions {
-  std::string output;
-  bool replace = false;
-};
-
-int keygen(const Common& common, const KeygenOptions& options) {
+int make_keys(const Common& common, const KeygenOptions& options) {
   const auto pair = make_key_pair();
   if (!pair) return report(common, pair.error());
   if (!common.server_key.empty() && !is_curve_key(common.server_key)) {
@@ -29,20 +24,6 @@ int keygen(const Common& common, const KeygenOptions& options) {
     print("{}\n", pair->public_key);
   }
   return kOk;
-}
-
-}  // namespace
-
-void add_keygen(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "keygen",
-      "make a key pair for a daemon or a client, write it to a file that only you can read, and "
-      "print the public key; --server-key stores the daemon's public key in the same file; works "
-      "offline");
-  auto options = std::make_shared<KeygenOptions>();
-  command->add_option("--output,-o", options->output, "JSON file to write")->required();
-  command->add_flag("--replace", options->replace, "replace an existing file, and keep its owner");
-  command->callback([&common, &status, options] { status = keygen(common, *options); });
 }
 
 }  // namespace ovws::cli

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <iostream>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/reader.hpp"
@@ -80,19 +81,8 @@ int run(int argc, char** argv) {
   Common common;
   add_common_options(app, common);
   int status = kOk;
-  add_status(app, common, status);
-  add_describe(app, common, status);
-  add_call(app, common, status);
-  add_watch(app, common, status);
-  add_metrics(app, common, status);
-  add_snapshot(app, common, status);
-  add_hologram(app, common, status);
-  add_farfield(app, common, status);
-  add_measure(app, common, status);
-  add_keygen(app, common, status);
-  add_doctor(app, common, status);
-  add_replay(app, common, status);
-  add_study(app, common, status);
+  add_online_commands(app, common, status);
+  add_offline_commands(app, common, status);
   add_completion(app);
   try {
     app.parse(argc, argv);

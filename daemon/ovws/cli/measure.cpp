@@ -16,19 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-struct MeasureOptions {
-  std::string config_path;
-  std::string reference;
-  bool model_reference = false;
-  std::string tracker;
-  std::string templates;
-  std::string mode_operator;
-  bool refine = false;
-  RefineCamera camera;
-  RefineOptions fit;
-  std::vector<std::string> images;
-};
-
 Result<Config> config_of(const MeasureOptions& options) {
   auto config =
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
@@ -150,8 +137,10 @@ void print_line(const Common& common, const json& line) {
   }
 }
 
+}  // namespace
+
 /// Measures every image. An image that fails does not stop the rest.
-int measure(const Common& common, const MeasureOptions& options) {
+int measure_images(const Common& common, const MeasureOptions& options) {
   if (const auto fault = fault_of(options)) {
     report(common, *fault);
     return kUsage;
@@ -174,65 +163,6 @@ int measure(const Common& common, const MeasureOptions& options) {
     }
   }
   return status;
-}
-
-}  // namespace
-
-void add_measure(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); works offline");
-  auto options = std::make_shared<MeasureOptions>();
-  command->add_option("--config,-c", options->config_path, kConfigHelp);
-  auto* reference =
-      command->add_option("--reference,-r", options->reference,
-                          "image without aberration, from which displacements are measured");
-  command
-      ->add_flag("--model-reference", options->model_reference,
-                 "measure displacements from the positions that the configuration predicts")
-      ->excludes(reference);
-  command->add_option("--tracker", options->tracker, "tracker, instead of the configuration's")
-      ->check(CLI::IsMember(tracker_names()));
-  command
-      ->add_option("--template", options->templates,
-                   "templates of the tracker matched, instead of the configuration's")
-      ->check(CLI::IsMember(template_names()));
-  command
-      ->add_option(
-          "--operator", options->mode_operator,
-          "operator from displacements to modes, instead of the configuration's: "
-          "diffractive is better up to about 0.1 wave; relinearised is better beyond, too, "
-          "but takes 0.1 s")
-      ->check(CLI::IsMember(operator_names()));
-  auto* refine = command->add_flag("--refine", options->refine,
-                                   "fit every pixel to the diffraction model: takes seconds per "
-                                   "image");
-  command
-      ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
-                   "camera gain for --refine")
-      ->check(number_from(1e-6, 1e6))
-      ->needs(refine)
-      ->capture_default_str();
-  command
-      ->add_option("--read-noise", options->camera.read_noise_e,
-                   "read noise for --refine, electrons RMS")
-      ->check(number_from(0.0, 1e6))
-      ->needs(refine)
-      ->capture_default_str();
-  command
-      ->add_option("--saturation", options->camera.saturated_dn,
-                   "for --refine: ignore pixels from this DN on (default: the file's full scale)")
-      ->check(number_from(1.0, 65535.0))
-      ->needs(refine);
-  command->add_option("--black-level", options->camera.black_dn, "black level for --refine, DN")
-      ->check(number_from(0.0, 65535.0))
-      ->needs(refine)
-      ->capture_default_str();
-  command
-      ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
-                 "for --refine: also fit each subaperture's amplitude, for uneven light")
-      ->needs(refine);
-  command->add_option("images", options->images, "image files, each a camera frame")->required();
-  command->callback([&common, &status, options] { status = measure(common, *options); });
 }
 
 }  // namespace ovws::cli

@@ -15,6 +15,8 @@ constexpr std::chrono::milliseconds kCallTimeout{1000};
 
 std::atomic<bool> stop_requested{false};
 
+}  // namespace
+
 int serve_metrics(const Common& common, const std::string& address) {
   auto exporter = metrics::Exporter::serve(address);
   if (!exporter) return report(common, exporter.error());
@@ -28,22 +30,6 @@ int serve_metrics(const Common& common, const std::string& address) {
     if (message) exporter->take(message->topic, std::move(message->json));
   }
   return kOk;
-}
-
-}  // namespace
-
-void add_metrics(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "metrics",
-      "serve the daemon's metrics to Prometheus (http://ADDRESS:PORT/metrics) until Ctrl-C; "
-      "reconnects when the daemon restarts");
-  auto address = std::make_shared<std::string>("127.0.0.1:7705");
-  command
-      ->add_option("--listen", *address,
-                   "ADDRESS:PORT with a numeric loopback address, because metrics need no key")
-      ->envname("OVWS_METRICS_LISTEN")
-      ->capture_default_str();
-  command->callback([&common, &status, address] { status = serve_metrics(common, *address); });
 }
 
 }  // namespace ovws::cli

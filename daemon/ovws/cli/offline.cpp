@@ -16,37 +16,6 @@
 namespace ovws::cli {
 namespace {
 
-struct PictureOptions {
-  std::string config_path;
-  std::string modes;
-  std::string norm = "rms";
-  std::string output;
-};
-
-struct FarFieldOptions {
-  PictureOptions picture;
-  std::optional<double> peak_e;
-  std::optional<double> total_e;
-  double read_noise_e = 5.0;
-  double gain_db = 0.0;
-  int bits = 8;
-  std::uint64_t seed = 1;
-  bool noise_free = false;
-};
-
-void add_picture_options(CLI::App& command, PictureOptions& options) {
-  command.add_option("--config,-c", options.config_path, kConfigHelp);
-  command.add_option(
-      "--modes", options.modes,
-      "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
-  command
-      .add_option("--norm", options.norm,
-                  "normalisation of modes: RMS over the pupil, or unit amplitude at its edge")
-      ->check(CLI::IsMember({"rms", "unit"}))
-      ->capture_default_str();
-  command.add_option("--output,-o", options.output, "PNG file to write")->required();
-}
-
 Result<Config> config_of(const PictureOptions& options) {
   if (options.config_path.empty()) return Config{};
   return load_config(options.config_path);
@@ -137,53 +106,12 @@ int finish(const Common& common, const std::string& output, const Result<void>& 
 
 }  // namespace
 
-void add_hologram(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "hologram",
-      "write the sensor's hologram for a configuration as PNG: the SLM's grey levels pixel by "
-      "pixel, with the configuration's LUT and flatness; works offline");
-  auto options = std::make_shared<PictureOptions>();
-  add_picture_options(*command, *options);
-  command->callback([&common, &status, options] {
-    status = finish(common, options->output, make_hologram(*options));
-  });
+int save_hologram(const Common& common, const PictureOptions& options) {
+  return finish(common, options.output, make_hologram(options));
 }
 
-void add_farfield(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("farfield",
-                                     "write the camera image of that hologram on an ideal bench as "
-                                     "PNG, computed with noise; works "
-                                     "offline");
-  auto options = std::make_shared<FarFieldOptions>();
-  add_picture_options(*command, options->picture);
-  auto* peak =
-      command
-          ->add_option("--peak", options->peak_e,
-                       "light level: electrons in the spots' brightest pixel (default 8000)")
-          ->check(number_from(1e-3, 1e9));
-  command
-      ->add_option("--photons", options->total_e,
-                   "light level: electrons in the whole image, instead of --peak")
-      ->check(number_from(1e-3, 1e15))
-      ->excludes(peak);
-  command
-      ->add_option("--read-noise", options->read_noise_e, "read noise of the camera, electrons RMS")
-      ->check(number_from(0.0, 1e6))
-      ->capture_default_str();
-  command->add_option("--gain-db", options->gain_db, "camera gain, dB")
-      ->check(number_from(limits::kGainDb.min, limits::kGainDb.max))
-      ->capture_default_str();
-  command->add_option("--bits", options->bits, "bits per pixel; above 8 the PNG has 16")
-      ->check(CLI::Range(8, 16))
-      ->capture_default_str();
-  command
-      ->add_option("--seed", options->seed, "seed of the noise: the same seed gives the same image")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_flag("--noise-free", options->noise_free, "no noise of any kind");
-  command->callback([&common, &status, options] {
-    status = finish(common, options->picture.output, make_farfield(*options));
-  });
+int save_farfield(const Common& common, const FarFieldOptions& options) {
+  return finish(common, options.picture.output, make_farfield(options));
 }
 
 }  // namespace ovws::cli

@@ -143,21 +143,6 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
-int show_status(const Common& common) {
-  const auto status = call(common, "system.status", json::object());
-  if (!status) return report_failure(common, status.error());
-  if (common.json) {
-    print("{}\n", status->dump());
-    return kOk;
-  }
-  const auto loop = call(common, "loop.get", json::object());
-  if (!loop) return report_failure(common, loop.error());
-  const auto aberration = call(common, "aberration.get", json::object());
-  if (!aberration) return report_failure(common, aberration.error());
-  print_status(*status, *loop, *aberration);
-  return kOk;
-}
-
 /// A progress line on standard error. Prints nothing if that is not a terminal.
 class ProgressLine {
  public:
@@ -218,12 +203,28 @@ std::string readable(const json& value, const std::string& margin = "") {
   return text + "\n" + margin + (value.is_array() ? "]" : "}");
 }
 
-struct CallOptions {
-  std::string method, params;
-  bool wait = false;
-};
+}  // namespace
 
-int call_anything(const Common& common, const CallOptions& options) {
+int show_status(const Common& common) {
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  if (common.json) {
+    print("{}\n", status->dump());
+    return kOk;
+  }
+  const auto loop = call(common, "loop.get", json::object());
+  if (!loop) return report_failure(common, loop.error());
+  const auto aberration = call(common, "aberration.get", json::object());
+  if (!aberration) return report_failure(common, aberration.error());
+  print_status(*status, *loop, *aberration);
+  return kOk;
+}
+
+int describe(const Common& common) {
+  return call_and_print(common, "system.describe", json::object(), print_description);
+}
+
+int call_method(const Common& common, const CallOptions& options) {
   const std::string& text = options.params;
   const json params = text.empty() ? json::object() : json::parse(text, nullptr, false);
   if (params.is_discarded()) {
@@ -237,37 +238,6 @@ int call_anything(const Common& common, const CallOptions& options) {
   if (!answer) return report_failure(common, answer.error());
   print("{}\n", common.json ? answer->dump() : readable(*answer));
   return kOk;
-}
-
-}  // namespace
-
-void add_status(CLI::App& app, const Common& common, int& status) {
-  auto* command =
-      app.add_subcommand("status", "show the state of the daemon, the camera and the SLM");
-  command->callback([&common, &status] { status = show_status(common); });
-}
-
-void add_describe(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "describe", "list every method and stream of the daemon (with --json: their schemas)");
-  command->callback([&common, &status] {
-    status = call_and_print(common, "system.describe", json::object(), print_description);
-  });
-}
-
-void add_call(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("call",
-                                     "call any method of the daemon, e.g. ovws call aberration.set "
-                                     "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
-  auto options = std::make_shared<CallOptions>();
-  command->add_option("method", options->method, "name of the method; ovws describe lists all")
-      ->required();
-  command->add_option("params", options->params, "params as a JSON object (default: none)");
-  command->add_flag(
-      "--wait,-w", options->wait,
-      "if the method starts a job, wait for its end and print its result, or why it failed; on a "
-      "terminal also show its progress");
-  command->callback([&common, &status, options] { status = call_anything(common, *options); });
 }
 
 }  // namespace ovws::cli

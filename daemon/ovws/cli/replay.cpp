@@ -1,5 +1,4 @@
 /// ovws replay: measures a recording again and compares the results bit for bit.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -14,13 +13,6 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
-
-struct Options {
-  std::string path;
-  double speed = 0.0;  ///< 0: as fast as possible
-  bool step = false;
-  bool frames = false;
-};
 
 struct Tally {
   std::uint64_t frames = 0, replayed = 0, same = 0, valid = 0;
@@ -75,7 +67,7 @@ json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
 }
 
-int print_summary(const Common& common, const Options& options, const Tally& tally) {
+int print_summary(const Common& common, const ReplayOptions& options, const Tally& tally) {
   const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
   if (common.json) {
     print("{}\n", json{{"frames", tally.frames},
@@ -94,7 +86,9 @@ int print_summary(const Common& common, const Options& options, const Tally& tal
   return all_same ? kOk : kError;
 }
 
-int replay(const Common& common, const Options& options) {
+}  // namespace
+
+int replay_recording(const Common& common, const ReplayOptions& options) {
   auto player = Player::open(options.path);
   if (!player) return report(common, player.error());
   const auto& recorded = (*player)->reader().frames();
@@ -113,22 +107,6 @@ int replay(const Common& common, const Options& options) {
     if (!wait_for_enter()) break;
   }
   return print_summary(common, options, tally);
-}
-
-}  // namespace
-
-void add_replay(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "replay",
-      "measure the images of a recording again with the recorded settings and compare the results; "
-      "exit code 1 if they differ or if there is nothing to measure");
-  auto options = std::make_shared<Options>();
-  command->add_option("file", options->path, "recording made by record.start")->required();
-  command->add_option("--speed", options->speed, "1: as recorded; 0 (default): as fast as possible")
-      ->check(number_from(0.0, 1e6));
-  command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
-  command->add_flag("--frames", options->frames, "print each frame as one line of JSON");
-  command->callback([&common, &status, options] { status = replay(common, *options); });
 }
 
 }  // namespace ovws::cli

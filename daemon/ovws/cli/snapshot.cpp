@@ -231,7 +231,9 @@ int write_pictures(const Common& common, const Messages& messages, const std::st
   return kOk;
 }
 
-int snapshot(const Common& common, const std::string& prefix) {
+}  // namespace
+
+int save_snapshot(const Common& common, const std::string& prefix) {
   const auto endpoint = stream_endpoint(common, "endpoint");
   if (!endpoint) return report_failure(common, endpoint.error());
   const auto image_endpoint = stream_endpoint(common, "image_endpoint");
@@ -247,21 +249,6 @@ int snapshot(const Common& common, const std::string& prefix) {
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
   return write_pictures(common, *messages, warning_of(messages->at("spots"), *status), prefix);
-}
-
-}  // namespace
-
-void add_snapshot(CLI::App& app, const Common& common, int& status) {
-  auto* command =
-      app.add_subcommand("snapshot",
-                         "write the camera image with its spots and the wavefront as PNG; waits up "
-                         "to --timeout for a valid frame");
-  auto prefix = std::make_shared<std::string>("ovws");
-  command
-      ->add_option("--output,-o", *prefix,
-                   "prefix of the files PREFIX-camera.png and PREFIX-phase.png, or a folder")
-      ->capture_default_str();
-  command->callback([&common, &status, prefix] { status = snapshot(common, *prefix); });
 }
 
 }  // namespace ovws::cli

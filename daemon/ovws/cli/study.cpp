@@ -17,20 +17,6 @@
 namespace ovws::cli {
 namespace {
 
-struct StudyOptions {
-  std::string name;
-  std::string folder;
-  bool quick = false;
-  int threads = 0;  ///< 0: one per core
-  std::uint64_t seed = 1;
-  std::string params;  ///< JSON; only for studies on a bench
-  double seconds = 60.0;
-};
-
-// These run on a daemon's bench.
-constexpr const char* kExperiment = "experiment";
-constexpr const char* kRejection = "rejection";
-
 /// Creates the folder and checks that it is writable, before minutes of work.
 Result<void> check_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -85,6 +71,8 @@ int bench_command(const Common& common, const StudyOptions& options) {
   return run_rejection(common, params, options.seconds, options.folder);
 }
 
+}  // namespace
+
 int study_command(const Common& common, const StudyOptions& options) {
   if (const auto usable = check_folder(options.folder); !usable) {
     return report(common, usable.error());
@@ -103,51 +91,6 @@ int study_command(const Common& common, const StudyOptions& options) {
           options.folder);
   }
   return written ? kOk : report(common, written.error());
-}
-
-}  // namespace
-
-void add_study(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("study",
-                                     "run a study and write its figures, numbers and summary to a "
-                                     "folder; experiment and rejection "
-                                     "run on a daemon's bench, the others work offline");
-  auto options = std::make_shared<StudyOptions>();
-  std::vector<std::string> names;
-  std::string help = "one of:";
-  for (const study::Study& one : study::kStudies) {
-    names.emplace_back(one.name);
-    help += std::string("\n") + one.name + ": " + one.what;
-  }
-  names.emplace_back(kExperiment);
-  help += std::string("\n") + kExperiment +
-          ": the paper's experiment on a daemon's bench: residual variance against camera gain";
-  names.emplace_back(kRejection);
-  help += std::string("\n") + kRejection +
-          ": on a daemon's bench, the closed loop's disturbance rejection by frequency";
-  command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
-  command
-      ->add_option("--output,-o", options->folder,
-                   "folder for the files; replaces those of the same study")
-      ->required();
-  command->add_flag("--quick", options->quick,
-                    "fewer levels and realisations: seconds instead of minutes");
-  command->add_option("--threads", options->threads, "number of threads; 0: one per core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "random seed: the same seed gives the same numbers")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--seconds", options->seconds,
-                   "rejection only: duration of each recording, loop open and loop closed")
-      ->check(number_from(5.0, 86400.0))
-      ->capture_default_str();
-  command->add_option(
-      "--params", options->params,
-      "experiment and rejection only: params of experiment.gain_sweep or loop.close as a JSON "
-      "object; see ovws describe");
-  command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 
 }  // namespace ovws::cli

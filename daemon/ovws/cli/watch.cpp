@@ -19,13 +19,6 @@ namespace {
 
 using nlohmann::json;
 
-struct WatchOptions {
-  std::string topic = "wavefront";
-  int count = 0;  ///< messages; 0: until Ctrl-C
-  bool plain = false;
-  std::optional<double> timeout_s;  ///< for the next message; none: no limit
-};
-
 std::atomic<bool> stop_requested{false};
 
 /// Prints one topic's messages on standard output.
@@ -96,6 +89,8 @@ bool is_for_screen(const Common& common, const WatchOptions& options) {
          can_show_screen();
 }
 
+}  // namespace
+
 int watch(const Common& common, const WatchOptions& options) {
   if (is_for_screen(common, options)) return show_screen(common);
   const bool is_picture = options.topic == "image" || options.topic == "phase";
@@ -117,28 +112,6 @@ int watch(const Common& common, const WatchOptions& options) {
   std::signal(SIGINT, [](int) { stop_requested.store(true); });
   std::signal(SIGTERM, [](int) { stop_requested.store(true); });
   return Watch(common, options, *status).run(*stream);
-}
-
-}  // namespace
-
-void add_watch(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "watch",
-      "show the bench full-screen (press ? for help). Piped, or with --plain or "
-      "-n: the topics wavefront and refined as a table. With --json, and for "
-      "other topics: one JSON object per line. With --timeout: end if no message "
-      "arrives for that long");
-  auto options = std::make_shared<WatchOptions>();
-  command->add_option("topic", options->topic, "stream")
-      ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
-      ->capture_default_str();
-  command->add_option("-n,--count", options->count, "end after this many messages; 0: never")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
-  command->add_flag("--plain", options->plain, "print a table on a terminal too");
-  command->callback([&app, &common, &status, options] {
-    if (app.count("--timeout") > 0) options->timeout_s = common.timeout_s;
-    status = watch(common, *options);
-  });
 }
 
 }  // namespace ovws::cli

@@ -1,0 +1,215 @@
+#include "daemon/ovws/cli/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/study/studies.hpp"
+#include "proto/limits.hpp"
+#include "proto/names.hpp"
+
+namespace ovws::cli {
+namespace {
+
+/// Help of --config. Saved settings are ignored, so that the same file gives the same result on
+/// every machine.
+constexpr const char* kConfigHelp =
+    "the daemon's configuration file (default: every key's default); saved settings are ignored: "
+    "ovwsd --check-config --config FILE > NEW prints a file that includes them";
+
+void add_picture_options(CLI::App& command, PictureOptions& options) {
+  command.add_option("--config,-c", options.config_path, kConfigHelp);
+  command.add_option(
+      "--modes", options.modes,
+      "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
+  command
+      .add_option("--norm", options.norm,
+                  "normalisation of modes: RMS over the pupil, or unit amplitude at its edge")
+      ->check(CLI::IsMember({"rms", "unit"}))
+      ->capture_default_str();
+  command.add_option("--output,-o", options.output, "PNG file to write")->required();
+}
+
+void add_hologram(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "hologram",
+      "write the sensor's hologram for a configuration as PNG: the SLM's grey levels pixel by "
+      "pixel, with the configuration's LUT and flatness; works offline");
+  auto options = std::make_shared<PictureOptions>();
+  add_picture_options(*command, *options);
+  command->callback([&common, &status, options] { status = save_hologram(common, *options); });
+}
+
+void add_farfield(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("farfield",
+                                     "write the camera image of that hologram on an ideal bench as "
+                                     "PNG, computed with noise; works "
+                                     "offline");
+  auto options = std::make_shared<FarFieldOptions>();
+  add_picture_options(*command, options->picture);
+  auto* peak =
+      command
+          ->add_option("--peak", options->peak_e,
+                       "light level: electrons in the spots' brightest pixel (default 8000)")
+          ->check(number_from(1e-3, 1e9));
+  command
+      ->add_option("--photons", options->total_e,
+                   "light level: electrons in the whole image, instead of --peak")
+      ->check(number_from(1e-3, 1e15))
+      ->excludes(peak);
+  command
+      ->add_option("--read-noise", options->read_noise_e, "read noise of the camera, electrons RMS")
+      ->check(number_from(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--gain-db", options->gain_db, "camera gain, dB")
+      ->check(number_from(limits::kGainDb.min, limits::kGainDb.max))
+      ->capture_default_str();
+  command->add_option("--bits", options->bits, "bits per pixel; above 8 the PNG has 16")
+      ->check(CLI::Range(8, 16))
+      ->capture_default_str();
+  command
+      ->add_option("--seed", options->seed, "seed of the noise: the same seed gives the same image")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--noise-free", options->noise_free, "no noise of any kind");
+  command->callback([&common, &status, options] { status = save_farfield(common, *options); });
+}
+
+void add_measure(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "measure", "measure the wavefronts of image files (PNG, TIFF, PGM); works offline");
+  auto options = std::make_shared<MeasureOptions>();
+  command->add_option("--config,-c", options->config_path, kConfigHelp);
+  auto* reference =
+      command->add_option("--reference,-r", options->reference,
+                          "image without aberration, from which displacements are measured");
+  command
+      ->add_flag("--model-reference", options->model_reference,
+                 "measure displacements from the positions that the configuration predicts")
+      ->excludes(reference);
+  command->add_option("--tracker", options->tracker, "tracker, instead of the configuration's")
+      ->check(CLI::IsMember(tracker_names()));
+  command
+      ->add_option("--template", options->templates,
+                   "templates of the tracker matched, instead of the configuration's")
+      ->check(CLI::IsMember(template_names()));
+  command
+      ->add_option(
+          "--operator", options->mode_operator,
+          "operator from displacements to modes, instead of the configuration's: "
+          "diffractive is better up to about 0.1 wave; relinearised is better beyond, too, "
+          "but takes 0.1 s")
+      ->check(CLI::IsMember(operator_names()));
+  auto* refine = command->add_flag("--refine", options->refine,
+                                   "fit every pixel to the diffraction model: takes seconds per "
+                                   "image");
+  command
+      ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
+                   "camera gain for --refine")
+      ->check(number_from(1e-6, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      ->add_option("--read-noise", options->camera.read_noise_e,
+                   "read noise for --refine, electrons RMS")
+      ->check(number_from(0.0, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      ->add_option("--saturation", options->camera.saturated_dn,
+                   "for --refine: ignore pixels from this DN on (default: the file's full scale)")
+      ->check(number_from(1.0, 65535.0))
+      ->needs(refine);
+  command->add_option("--black-level", options->camera.black_dn, "black level for --refine, DN")
+      ->check(number_from(0.0, 65535.0))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
+                 "for --refine: also fit each subaperture's amplitude, for uneven light")
+      ->needs(refine);
+  command->add_option("images", options->images, "image files, each a camera frame")->required();
+  command->callback([&common, &status, options] { status = measure_images(common, *options); });
+}
+
+void add_keygen(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "keygen",
+      "make a key pair for a daemon or a client, write it to a file that only you can read, and "
+      "print the public key; --server-key stores the daemon's public key in the same file; works "
+      "offline");
+  auto options = std::make_shared<KeygenOptions>();
+  command->add_option("--output,-o", options->output, "JSON file to write")->required();
+  command->add_flag("--replace", options->replace, "replace an existing file, and keep its owner");
+  command->callback([&common, &status, options] { status = make_keys(common, *options); });
+}
+
+void add_replay(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "replay",
+      "measure the images of a recording again with the recorded settings and compare the results; "
+      "exit code 1 if they differ or if there is nothing to measure");
+  auto options = std::make_shared<ReplayOptions>();
+  command->add_option("file", options->path, "recording made by record.start")->required();
+  command->add_option("--speed", options->speed, "1: as recorded; 0 (default): as fast as possible")
+      ->check(number_from(0.0, 1e6));
+  command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
+  command->add_flag("--frames", options->frames, "print each frame as one line of JSON");
+  command->callback([&common, &status, options] { status = replay_recording(common, *options); });
+}
+
+void add_study(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("study",
+                                     "run a study and write its figures, numbers and summary to a "
+                                     "folder; experiment and rejection "
+                                     "run on a daemon's bench, the others work offline");
+  auto options = std::make_shared<StudyOptions>();
+  std::vector<std::string> names;
+  std::string help = "one of:";
+  for (const study::Study& one : study::kStudies) {
+    names.emplace_back(one.name);
+    help += std::string("\n") + one.name + ": " + one.what;
+  }
+  names.emplace_back(kExperiment);
+  help += std::string("\n") + kExperiment +
+          ": the paper's experiment on a daemon's bench: residual variance against camera gain";
+  names.emplace_back(kRejection);
+  help += std::string("\n") + kRejection +
+          ": on a daemon's bench, the closed loop's disturbance rejection by frequency";
+  command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
+  command
+      ->add_option("--output,-o", options->folder,
+                   "folder for the files; replaces those of the same study")
+      ->required();
+  command->add_flag("--quick", options->quick,
+                    "fewer levels and realisations: seconds instead of minutes");
+  command->add_option("--threads", options->threads, "number of threads; 0: one per core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "random seed: the same seed gives the same numbers")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", options->seconds,
+                   "rejection only: duration of each recording, loop open and loop closed")
+      ->check(number_from(5.0, 86400.0))
+      ->capture_default_str();
+  command->add_option(
+      "--params", options->params,
+      "experiment and rejection only: params of experiment.gain_sweep or loop.close as a JSON "
+      "object; see ovws describe");
+  command->callback([&common, &status, options] { status = study_command(common, *options); });
+}
+
+}  // namespace
+
+void add_offline_commands(CLI::App& app, const Common& common, int& status) {
+  add_hologram(app, common, status);
+  add_farfield(app, common, status);
+  add_measure(app, common, status);
+  add_keygen(app, common, status);
+  add_replay(app, common, status);
+  add_study(app, common, status);
+}
+
+}  // namespace ovws::cli
