@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram_row_phases.hpp"
@@ -126,6 +127,22 @@ Vec2 max_slope(const WavefrontRows& modes, const Subaperture& s, const Lattice& 
 }
 
 }  // namespace
+
+std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
+                              std::span<const Mode> correction) {
+  std::vector<Mode> modes;
+  if (kind != HologramKind::grating) modes = std::move(aberration);
+  for (const Mode& correcting : correction) {
+    const auto same = std::find_if(modes.begin(), modes.end(),
+                                   [&](const Mode& mode) { return mode.j == correcting.j; });
+    if (same == modes.end()) {
+      modes.push_back({correcting.j, -correcting.waves});
+    } else {
+      same->waves -= correcting.waves;
+    }
+  }
+  return modes;
+}
 
 PhaseLut linear_lut() {
   PhaseLut lut{};

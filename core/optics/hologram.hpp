@@ -55,6 +55,11 @@ struct HologramConfig {
   std::shared_ptr<const Image<float>> flatness_waves;
 };
 
+/// The modes that a hologram of `kind` shows, waves: the aberration minus the correction.
+/// `grating`, the corrected beam, leaves out the aberration.
+std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
+                              std::span<const Mode> correction);
+
 /// Renders holograms. Immutable after construction, which takes milliseconds; all methods are
 /// thread-safe. Outside the subapertures the sensor's phase is 0 (plus flatness).
 class HologramRenderer {

@@ -24,23 +24,6 @@ std::vector<Mode> modes_of(const json& list) {
   return modes;
 }
 
-/// The modes in the hologram: aberration minus correction. The other patterns have only the
-/// correction.
-std::vector<Mode> shown_modes(const HologramSources& sources, HologramKind kind) {
-  std::vector<Mode> modes;
-  if (kind == HologramKind::sensor) modes = modes_of(sources.aberration["modes"]);
-  for (const Mode& correction : modes_of(sources.correction["modes"])) {
-    const auto same = std::find_if(modes.begin(), modes.end(),
-                                   [&](const Mode& mode) { return mode.j == correction.j; });
-    if (same == modes.end()) {
-      modes.push_back({correction.j, -correction.waves});
-    } else {
-      same->waves -= correction.waves;
-    }
-  }
-  return modes;
-}
-
 Result<HologramConfig> ingredients(const HologramSources& sources, const Config& config) {
   HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr};
   configured.lut = sources.lut["grey_levels"].get<PhaseLut>();
@@ -79,7 +62,10 @@ Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
   if (!renderer) return fail(renderer.error());
   const auto kind = HologramKind(name - names.begin());
   Image<std::uint8_t> grey;
-  renderer->render(kind, shown_modes(sources, kind), grey);
+  renderer->render(kind,
+                   shown_modes(kind, modes_of(sources.aberration["modes"]),
+                               modes_of(sources.correction["modes"])),
+                   grey);
   auto png = encode_grey8_png(grey);
   if (!png) return fail(png.error());
   HologramPicture picture;

@@ -8,18 +8,7 @@
 namespace ovws {
 
 std::vector<Mode> shown_modes(const SensorState& state) {
-  std::vector<Mode> modes;
-  if (state.pattern != HologramKind::grating) modes = state.aberration;
-  for (const Mode& correction : state.correction) {
-    const auto same = std::find_if(modes.begin(), modes.end(),
-                                   [&](const Mode& mode) { return mode.j == correction.j; });
-    if (same == modes.end()) {
-      modes.push_back({correction.j, -correction.waves});
-    } else {
-      same->waves -= correction.waves;
-    }
-  }
-  return modes;
+  return shown_modes(state.pattern, state.aberration, state.correction);
 }
 
 std::uint64_t shown_epoch(const SensorState& state) {

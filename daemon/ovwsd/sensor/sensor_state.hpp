@@ -40,8 +40,7 @@ struct SensorState {
   std::optional<SplitSpots> split_spots;  ///< tracked by templates of their shape
 };
 
-/// Modes that are added to the pattern: the introduced aberration minus the correction. The pattern
-/// `grating`, which shows the corrected beam, leaves out the introduced aberration.
+/// Modes of the hologram shown, see shown_modes in core/optics/hologram.hpp.
 std::vector<Mode> shown_modes(const SensorState& state);
 /// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.
 std::uint64_t shown_epoch(const SensorState& state);
