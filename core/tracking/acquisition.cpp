@@ -7,6 +7,7 @@
 namespace ovws {
 namespace {
 
+constexpr int kMinFound = 3;
 constexpr double kSameSpot = 0.5;  // lambda/d: two fixes closer than this are one spot
 
 int max_candidates(std::size_t subapertures) {
@@ -57,7 +58,10 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
     const SpotFix fix = search_where_expected(int(i), image, tracker, scratch);
     if (fix.found() && !taken(position(fix), out)) out[i] = fix;
   }
-  return drop_faint(out, int(out.size()));
+  const int found = drop_faint(out, int(out.size()));
+  if (found >= kMinFound && 2 * found >= int(out.size())) return found;
+  std::fill(out.begin(), out.end(), SpotFix{});
+  return 0;
 }
 
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
