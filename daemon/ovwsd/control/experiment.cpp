@@ -18,13 +18,13 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   GainSweep& sweep = run.sweep;
   if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
   const Range<double>& range = limits.gain_db;
-  const auto check = [&range](const char* field, double gain_db) -> Result<void> {
+  const auto check = [&range](const char* field, double gain_db,
+                              const char* advice = "") -> Result<void> {
     if (gain_db >= range.min && gain_db <= range.max) return {};
     return fail(Error{
         Errc::invalid, field,
-        fmt::format("{} dB is outside the camera's range of {} to {} dB: choose another gain, "
-                    "or leave out such gains with \"clamp\"",
-                    gain_db, range.min, range.max),
+        fmt::format("{} dB is outside the camera's range of {} to {} dB: choose another gain{}",
+                    gain_db, range.min, range.max, advice),
         range.min, range.max});
   };
   if (auto has = check("reference_gain_db", sweep.reference_gain_db); !has)
@@ -35,7 +35,8 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
     return fail(Errc::invalid, "gains_db", "all of these gains are outside the camera's range");
   }
   for (const double gain_db : sweep.gains_db) {
-    if (auto has = check("gains_db", gain_db); !has) return fail(has.error());
+    auto has = check("gains_db", gain_db, ", or leave out such gains with \"clamp\"");
+    if (!has) return fail(has.error());
   }
   return run;
 }
