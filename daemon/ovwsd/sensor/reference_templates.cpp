@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/tracking/reference_shape.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 
 namespace ovws {
 namespace {
@@ -22,16 +23,12 @@ double bank_mib(const SpotModel& spots) {
   return planes * shifts * bank.columns() * bank.rows() * double(sizeof(float)) / 1048576.0;
 }
 
-std::string missing_spots(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
-  constexpr int kMaxNamed = 8;
-  std::string text;
-  int count = 0;
+std::vector<int> missing_spots(const std::vector<std::shared_ptr<const TemplateBank>>& banks) {
+  std::vector<int> numbers;
   for (std::size_t i = 0; i < banks.size(); ++i) {
-    if (banks[i] || ++count > kMaxNamed) continue;
-    text += (text.empty() ? "" : ", ") + std::to_string(i);
+    if (!banks[i]) numbers.push_back(int(i));
   }
-  if (count > kMaxNamed) text += fmt::format(" and {} more", count - kMaxNamed);
-  return text;
+  return numbers;
 }
 
 }  // namespace
@@ -57,13 +54,13 @@ OwnTemplates own_templates(const TrackingSettings& tracking, const SpotModel& sp
   }
   OwnTemplates own;
   own.banks = reference_templates(spots, reference->picture->mean_dn, reference->positions_px);
-  const std::string without = missing_spots(own.banks);
-  own.report.own = int(own.banks.size() - std::count(own.banks.begin(), own.banks.end(), nullptr));
+  const std::vector<int> without = missing_spots(own.banks);
+  own.report.own = int(own.banks.size() - without.size());
   if (!without.empty()) {
     own.report.reason = fmt::format(
         "the reference's mean image of spots {} is saturated or too dark: correct the exposure, "
         "then take it again",
-        without);
+        listed_spots(without));
   }
   if (own.report.own == 0) own.banks.clear();
   return own;

@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <utility>
 
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
@@ -351,9 +353,14 @@ void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) 
 
 void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
   SensorEdit undo = new_edit();
-  const bool undone =
-      may_hold() && edit.undo(undo) && activate(std::move(undo), Show::when_possible);
-  if (!undone) why.reason += "; it is no longer used, but the next restart will load it again";
+  Result<void> undone = may_hold();
+  if (undone) undone = edit.undo(undo);
+  if (undone) undone = activate(std::move(undo), Show::when_possible);
+  if (!undone) {
+    why.reason +=
+        fmt::format("; it is no longer used ({}), but the next restart will load it again",
+                    undone.error().reason);
+  }
   done(fail(std::move(why)));
 }
 
