@@ -2,17 +2,10 @@
 #include <cmath>
 
 #include "proto/encode.hpp"
+#include "proto/json_text.hpp"
 #include "proto/tables/streams.hpp"
 
 namespace ovws {
-namespace {
-
-/// JSON text with invalid UTF-8 replaced, which texts of a device or client may contain.
-std::string text_of(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-}  // namespace
 
 std::optional<double> Table<RefinedMessage>::rms_waves(const RefinedMessage& message) {
   if (!message.valid) return std::nullopt;
@@ -24,15 +17,15 @@ std::optional<double> Table<RefinedMessage>::rms_waves(const RefinedMessage& mes
 }
 
 std::string encode(const RefinedMessage& message) {
-  return text_of(to_json(message));
+  return json_text(to_json(message));
 }
 
 std::string encode(const StatusMessage& message) {
-  return text_of(to_json(StreamedStatus{message}));
+  return json_text(to_json(StreamedStatus{message}));
 }
 
 std::string encode(const EventMessage& message) {
-  return text_of(to_json(message));
+  return json_text(to_json(message));
 }
 
 }  // namespace ovws

@@ -16,6 +16,7 @@
 
 #include "core/base/vec2.hpp"
 #include "proto/field.hpp"
+#include "proto/json_text.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws {
@@ -162,7 +163,7 @@ void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>
       return reader.fault(field.key, "must be whole numbers");
     }
     if (field.distinct && std::find(read.begin(), read.end(), T(value)) != read.end()) {
-      return reader.fault(field.key, Json(T(value)).dump() + " is given twice");
+      return reader.fault(field.key, json_text(Json(T(value))) + " is given twice");
     }
     read.push_back(T(value));
   }

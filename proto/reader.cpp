@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "proto/json_text.hpp"
+
 namespace ovws {
 namespace {
 
@@ -26,7 +28,7 @@ std::string text_of(double value) {
 std::string described(const json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array";
-  const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::string text = json_text(value);
   return text.size() <= 40 ? text : std::string("a long ") + value.type_name();
 }
 

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "proto/json_text.hpp"
 #include "proto/reader.hpp"
 #include "proto/strict_json.hpp"
 
@@ -13,19 +14,15 @@ namespace {
 
 constexpr std::size_t kMaxIdBytes = 256;  // echoed in every reply, and replies may queue
 
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 /// Builds the response as text, because a copy of a large result takes as long as its
 /// serialisation.
 std::string response(const Json& id, const RpcAnswer& answer) {
-  std::string text = R"({"jsonrpc":"2.0","id":)" + text_of(id);
-  if (answer) return text + R"(,"result":)" + text_of(*answer) + "}";
+  std::string text = R"({"jsonrpc":"2.0","id":)" + json_text(id);
+  if (answer) return text + R"(,"result":)" + json_text(*answer) + "}";
   const RpcFailure& failure = answer.error();
   const Json error{
       {"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
-  return text + R"(,"error":)" + text_of(error) + "}";
+  return text + R"(,"error":)" + json_text(error) + "}";
 }
 
 RpcFailure failure(RpcCode code, std::string field, std::string reason) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "daemon/shared/key_file.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -76,11 +77,10 @@ tl::expected<json, CallFailure> ask(const Common& common, const json& request) {
   if (!keys) return no_answer(keys.error().reason);
   auto client = ControlClient::connect(common.endpoint, *keys);
   if (!client) return no_answer(client.error().reason);
-  const auto reply =
-      client->request(request.dump(-1, ' ', false, json::error_handler_t::replace),
-                      std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
+  const auto reply = client->request(
+      json_text(request), std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
   if (!reply) return no_answer(reply.error().reason);
-  return json::parse(*reply, nullptr, false);
+  return json_of(*reply);
 }
 
 json request_of(int id, const std::string& method, const json& params) {
@@ -144,7 +144,7 @@ void add_connection_options(CLI::App& app, Common& common) {
 
 int report_failure(const Common& common, const CallFailure& failure) {
   if (common.json) {
-    print("{}\n", json{{"error", failure.error}}.dump());
+    print("{}\n", json_text(json{{"error", failure.error}}));
   } else {
     fmt::print(stderr, "ovws: {}\n", failure.error.value("message", "unknown error"));
   }

@@ -3,6 +3,7 @@
 #include "config/config.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/tracking/spot_geometry.hpp"
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 
@@ -29,7 +30,7 @@ json sensor_of(const json& sensor, const json& config_json) {
     view["mode_names"].push_back(
         {{"j", j}, {"n", index.n}, {"m", index.m}, {"name", zernike_name(j.get<int>())}});
   }
-  const auto config = parse_config(config_json.dump());
+  const auto config = parse_config(json_text(config_json));
   view["ring_px"] = config ? json(ring_px(*config)) : json(nullptr);
   return view;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "proto/json_text.hpp"
 #include "proto/strict_json.hpp"
 
 namespace ovws::web {
@@ -35,7 +36,7 @@ tl::expected<Command, Refusal> parse_command(const std::string& body) {
 std::string carry_out(const cli::Common& common, const Command& command) {
   const auto result = cli::call(common, command.method, command.params);
   const json reply = result ? json{{"result", *result}} : json{{"error", result.error().error}};
-  return reply.dump(-1, ' ', false, json::error_handler_t::replace);
+  return json_text(reply);
 }
 
 }  // namespace ovws::web

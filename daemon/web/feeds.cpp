@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/web/picture.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::web {
 namespace {
@@ -158,7 +159,7 @@ void Feeds::take(const StreamMessage& message) {
 }
 
 void Feeds::take_wavefront(const StreamMessage& message) {
-  json wavefront = json::parse(message.json);
+  json wavefront = json_of(message.json);
   if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(bin->dump()));
   wavefront_at_ = Clock::now();
   if (!valid_wavefront_.shows(wavefront.at("valid").get<bool>())) return;
@@ -167,7 +168,7 @@ void Feeds::take_wavefront(const StreamMessage& message) {
 }
 
 void Feeds::take_status(const StreamMessage& message) {
-  json status = json::parse(message.json);
+  json status = json_of(message.json);
   const double t_s = seconds(Clock::now().time_since_epoch());
   lost_.add(t_s, status.at("counters").at("frames_lost").get<std::int64_t>());
   missed_.add(t_s, status.at("counters").at("deadline_missed").get<std::int64_t>());
@@ -184,7 +185,7 @@ void Feeds::take_status(const StreamMessage& message) {
 }
 
 void Feeds::take_spots(const StreamMessage& message) {
-  const auto frame_id = json::parse(message.json)["frame_id"].get<std::uint64_t>();
+  const auto frame_id = json_of(message.json)["frame_id"].get<std::uint64_t>();
   std::string packet = framed(message.json, message.binary);
   const Clock::duration last_picture(last_picture_.load());
   if (Clock::now().time_since_epoch() - last_picture > kSilence) board_.put(Slot::spots, packet);
@@ -193,13 +194,13 @@ void Feeds::take_spots(const StreamMessage& message) {
 
 void Feeds::take_picture(const StreamMessage& message) {
   if (message.topic == "phase") {
-    const bool valid = json::parse(message.json)["valid"].get<bool>();
+    const bool valid = json_of(message.json)["valid"].get<bool>();
     if (valid_phase_.shows(valid)) board_.put(Slot::phase, framed(message.json, message.binary));
     return;
   }
   const auto image = reduced_image(message);
   if (!image) return;
-  const auto frame_id = json::parse(image->json)["frame_id"].get<std::uint64_t>();
+  const auto frame_id = json_of(image->json)["frame_id"].get<std::uint64_t>();
   if (auto spots = spots_.of_frame(frame_id)) board_.put(Slot::spots, std::move(*spots));
   board_.put(Slot::image, framed(image->json, image->binary));
   last_picture_ = Clock::now().time_since_epoch().count();
@@ -224,7 +225,7 @@ void Feeds::publish_health() {
   } catch (const json::exception& error) {
     spdlog::warn("a status of the daemon has an unknown format: {}", error.what());
   }
-  board_.put(Slot::health, framed(health.dump()));
+  board_.put(Slot::health, framed(json_text(health)));
 }
 
 }  // namespace ovws::web

@@ -9,6 +9,7 @@
 #include "core/optics/hologram.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "drivers/png/grey_png.hpp"
+#include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
 namespace ovws::web {
@@ -54,7 +55,7 @@ Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
   const auto name = std::find(names.begin(), names.end(), sources.pattern);
   if (name == names.end()) return fail(Errc::unavailable, "", "a job shows its own patterns");
   if (!agree(sources)) return fail(Errc::unavailable, "", "the hologram is changing");
-  const auto config = parse_config(sources.config.dump());
+  const auto config = parse_config(json_text(sources.config));
   if (!config) return fail(config.error());
   const auto hologram = ingredients(sources, *config);
   if (!hologram) return fail(hologram.error());

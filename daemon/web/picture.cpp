@@ -5,6 +5,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "proto/json_text.hpp"
+
 namespace ovws::web {
 namespace {
 
@@ -39,7 +41,7 @@ std::vector<std::byte> means(const std::vector<std::byte>& from, Size size, int 
 }  // namespace
 
 std::optional<StreamMessage> reduced_image(const StreamMessage& image) {
-  json header = json::parse(image.json, nullptr, false);
+  json header = json_of(image.json);
   if (!header.is_object()) return std::nullopt;
   const Size size{header.at("shape").at(0).get<int>(), header.at("shape").at(1).get<int>()};
   const bool wide = header.at("dtype") == "<u2";
@@ -55,7 +57,7 @@ std::optional<StreamMessage> reduced_image(const StreamMessage& image) {
                           : means<std::uint8_t>(image.binary, size, step);
     header["shape"] = {size.rows / step, size.cols / step};
   }
-  reduced.json = header.dump();
+  reduced.json = json_text(header);
   return reduced;
 }
 

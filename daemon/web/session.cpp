@@ -7,6 +7,7 @@
 
 #include "daemon/web/commands.hpp"
 #include "daemon/web/page_files.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::web {
 namespace {
@@ -147,7 +148,7 @@ Task<void> Session::answer(http::status status, std::string_view type, std::stri
 Task<void> Session::refuse(Refusal why, const RequestHead& head) {
   parts_.refusals.add(why, head, peer_);
   const nlohmann::json body{{"refused", refusal_name(why)}, {"reason", refusal_reason(why)}};
-  std::string text = body.dump();
+  std::string text = json_text(body);
   co_await answer(http::int_to_status(unsigned(refusal_status(why))), "application/json",
                   std::move(text));
 }
@@ -169,7 +170,7 @@ Task<void> Session::pump(Right right) {
   net::steady_timer timer(co_await net::this_coro::executor);
   const nlohmann::json hello{{"schema", "ovws.web.hello/1"},
                              {"right", right == Right::control ? "control" : "look"}};
-  const std::string first = framed(hello.dump());
+  const std::string first = framed(json_text(hello));
   co_await net::async_write(connection_, http::make_chunk(net::buffer(first)), net::use_awaitable);
   std::uint64_t seen = 0;
   for (;;) {

@@ -7,6 +7,7 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/shared/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -48,7 +49,7 @@ void print_json(const Findings& found) {
                                 {"version", OVWS_VERSION},
                                 {"counts", std::move(counts)},
                                 {"findings", std::move(findings)}};
-  print("{}\n", document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  print("{}\n", json_text(document));
 }
 
 void print_text(const Findings& found) {

@@ -10,6 +10,7 @@
 #include "daemon/ovws/cli/findings.hpp"
 #include "daemon/ovws/study/gain_sweep.hpp"
 #include "daemon/shared/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -173,7 +174,8 @@ Result<void> write_findings(const json& experiment, const SweepCells& cells,
                             const std::filesystem::path& folder) {
   json summary = study::sweep_summary(experiment);
   summary["version"] = OVWS_VERSION;
-  if (auto done = write_text(summary.dump(2) + "\n", folder / "summary.json"); !done) return done;
+  if (auto done = write_text(json_text(summary, 2) + "\n", folder / "summary.json"); !done)
+    return done;
   if (auto done = write_text(study::sweep_table(experiment), folder / "table.txt"); !done) {
     return done;
   }
@@ -216,7 +218,7 @@ int write_and_print_findings(const Common& common, Fetched& fetched,
   }
   const json summary = study::sweep_summary(*experiment);
   if (common.json) {
-    print("{}\n", summary.dump());
+    print("{}\n", json_text(summary));
   } else {
     print_bench(*experiment);
     print("{}\n", study::sweep_table(*experiment));

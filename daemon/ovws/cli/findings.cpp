@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -61,7 +62,7 @@ Result<void> write_findings(const std::string& study, const nlohmann::json& summ
                             const std::vector<study::Figure>& figures, const fs::path& folder) {
   if (auto done = remove_findings(study, folder); !done) return done;
   std::ofstream file(folder / "summary.json");
-  file << summary.dump(2) << "\n";
+  file << json_text(summary, 2) << "\n";
   file.close();
   if (!file) {
     return fail(Errc::unavailable, "output",

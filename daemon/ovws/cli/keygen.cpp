@@ -3,6 +3,7 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/shared/key_file.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {}  // namespace
@@ -19,7 +20,7 @@ int make_keys(const Common& common, const KeygenOptions& options) {
   }
   if (common.json) {
     print("{}\n",
-          nlohmann::json{{"file", options.output}, {"public_key", pair->public_key}}.dump());
+          json_text(nlohmann::json{{"file", options.output}, {"public_key", pair->public_key}}));
   } else {
     print("{}\n", pair->public_key);
   }

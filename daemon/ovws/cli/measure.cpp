@@ -9,6 +9,7 @@
 #include "daemon/ovws/cli/measurement.hpp"
 #include "daemon/ovws/cli/measurement_line.hpp"
 #include "daemon/ovws/cli/refined.hpp"
+#include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
 namespace ovws::cli {
@@ -131,7 +132,7 @@ Error of_file(Error error, const std::string& path) {
 
 void print_line(const Common& common, const json& line) {
   if (common.json) {
-    print("{}\n", line.dump());
+    print("{}\n", json_text(line));
   } else {
     print_table(line);
   }

@@ -5,6 +5,7 @@
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "proto/encode.hpp"
+#include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
 namespace ovws::cli {
@@ -47,7 +48,7 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   message.coefficients = measured.coefficients;
   std::string text;
   encode(message, text);
-  json line = json::parse(text);
+  json line = json_of(text);
   for (const char* unknown : {"t_device_ns", "t_arrival_ns", "t_publish_ns", "latency_us"}) {
     line[unknown] = nullptr;
   }

@@ -11,6 +11,7 @@
 #include "daemon/ovws/cli/modes_text.hpp"
 #include "daemon/ovws/cli/picture_file.hpp"
 #include "daemon/shared/slm_files.hpp"
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -97,7 +98,7 @@ Result<void> make_farfield(const FarFieldOptions& options) {
 int finish(const Common& common, const std::string& output, const Result<void>& done) {
   if (!done) return report(common, done.error());
   if (common.json) {
-    print("{}\n", nlohmann::json{{"file", output}}.dump());
+    print("{}\n", json_text(nlohmann::json{{"file", output}}));
   } else {
     print("{}\n", output);
   }

@@ -10,6 +10,7 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/shared/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -192,12 +193,12 @@ std::string readable(const json& value, const std::string& margin = "") {
   const auto is_plain = [](const json& one) { return one.is_primitive(); };
   const bool is_line = value.is_primitive() || value.empty() ||
                        (value.is_array() && std::all_of(value.begin(), value.end(), is_plain));
-  if (is_line) return value.dump();
+  if (is_line) return json_text(value);
   std::string text = value.is_array() ? "[" : "{";
   const std::string inner = margin + "  ";
   for (const auto& [key, one] : value.items()) {
     text += (text.size() == 1 ? "\n" : ",\n") + inner;
-    if (value.is_object()) text += json(key).dump() + ": ";
+    if (value.is_object()) text += json_text(json(key)) + ": ";
     text += readable(one, inner);
   }
   return text + "\n" + margin + (value.is_array() ? "]" : "}");
@@ -226,7 +227,7 @@ int describe(const Common& common) {
 
 int call_method(const Common& common, const CallOptions& options) {
   const std::string& text = options.params;
-  const json params = text.empty() ? json::object() : json::parse(text, nullptr, false);
+  const json params = text.empty() ? json::object() : json_of(text);
   if (params.is_discarded()) {
     fmt::print(stderr, "ovws: the parameters are not JSON: {}\n", text);
     return kUsage;

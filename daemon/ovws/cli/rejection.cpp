@@ -8,6 +8,7 @@
 
 #include "daemon/ovws/cli/findings.hpp"
 #include "daemon/ovws/cli/rejection_recorder.hpp"
+#include "proto/json_text.hpp"
 #include "proto/requests.hpp"
 
 namespace ovws::cli {
@@ -53,9 +54,9 @@ class BorrowedLoop {
     }
     if (done) return done;
     const std::string why = done.error().error.value("message", "unknown error");
-    return tl::make_unexpected(CallFailure{
-        done.error().answered,
-        {{"message", "the correction could not be restored to " + modes_.dump() + ": " + why}}});
+    return tl::make_unexpected(CallFailure{done.error().answered,
+                                           {{"message", "the correction could not be restored to " +
+                                                            json_text(modes_) + ": " + why}}});
   }
 
  private:
@@ -201,7 +202,7 @@ int run_rejection(const Common& common, const json& params, double seconds,
   const auto written =
       write_findings("rejection", summary, study::rejection_figures(found), folder);
   if (common.json) {
-    print("{}\n", summary.dump());
+    print("{}\n", json_text(summary));
   } else {
     print("{}see {}\n", study::rejection_text(summary), folder.string());
   }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "drivers/zmq/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -149,7 +150,7 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common, cons
     }
     const auto message = stream->receive(100ms);
     if (!message) continue;
-    if (auto taken = recorder.take(json::parse(message->json)); !taken) {
+    if (auto taken = recorder.take(json_of(message->json)); !taken) {
       return tl::make_unexpected(taken.error());
     }
   }

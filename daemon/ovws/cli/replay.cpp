@@ -8,6 +8,7 @@
 #include "core/port/clock.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovwsd/record/player.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -70,13 +71,12 @@ json text_or_null(const std::string& text) {
 int print_summary(const Common& common, const ReplayOptions& options, const Tally& tally) {
   const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
   if (common.json) {
-    print("{}\n", json{{"frames", tally.frames},
-                       {"replayed", tally.replayed},
-                       {"same", tally.same},
-                       {"valid", tally.valid},
-                       {"first_not_replayed", text_or_null(tally.first_reason)},
-                       {"first_difference", text_or_null(tally.first_difference)}}
-                      .dump());
+    print("{}\n", json_text({{"frames", tally.frames},
+                             {"replayed", tally.replayed},
+                             {"same", tally.same},
+                             {"valid", tally.valid},
+                             {"first_not_replayed", text_or_null(tally.first_reason)},
+                             {"first_difference", text_or_null(tally.first_difference)}}));
     return all_same ? kOk : kError;
   }
   print("{}: {} frames, {} replayed, {} of them bit for bit the same, {} valid\n", options.path,
@@ -101,7 +101,7 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
     if (!*played) break;
     count(**played, tally);
     wait_for(**played, first_ns, begun_ns, options.speed);
-    if (options.frames || options.step) print("{}\n", line_of(**played).dump());
+    if (options.frames || options.step) print("{}\n", json_text(line_of(**played)));
     if (!options.step) continue;
     std::fflush(stdout);
     if (!wait_for_enter()) break;

@@ -14,6 +14,7 @@
 #include "daemon/ovws/cli/picture_file.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -55,7 +56,7 @@ class Collector {
 
  private:
   static std::uint64_t frame_of(const StreamMessage& message) {
-    return json::parse(message.json).at("frame_id").get<std::uint64_t>();
+    return json_of(message.json).at("frame_id").get<std::uint64_t>();
   }
 
   Messages found_;
@@ -77,7 +78,7 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
     auto together = collector.of_one_frame();
     if (!together) continue;
     last = std::move(together);
-    if (json::parse(last->at("spots").json).at("valid").get<bool>()) break;
+    if (json_of(last->at("spots").json).at("valid").get<bool>()) break;
   }
   return last;
 }
@@ -104,7 +105,7 @@ std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
 
 /// "NOT VALID: …"; empty for a valid frame.
 std::string warning_of(const StreamMessage& spots, const json& status) {
-  const json header = json::parse(spots.json);
+  const json header = json_of(spots.json);
   return header.at("valid").get<bool>() ? "" : "NOT VALID: " + why_not_valid(header, status);
 }
 
@@ -137,8 +138,8 @@ void write_line(cv::Mat& picture, int line, const std::string& text,
 }
 
 cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
-  const json header = json::parse(messages.at("image").json);
-  const json spots = json::parse(messages.at("spots").json);
+  const json header = json_of(messages.at("image").json);
+  const json spots = json_of(messages.at("spots").json);
   cv::Mat grey = grey_picture(messages.at("image"), header);
   cv::Mat large;
   cv::resize(grey, large, {}, kZoom, kZoom, cv::INTER_NEAREST);
@@ -184,8 +185,8 @@ void draw_colour_bar(cv::Mat& picture, double scale) {
 
 cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   const StreamMessage& phase = messages.at("phase");
-  const json header = json::parse(phase.json);
-  const json spots = json::parse(messages.at("spots").json);
+  const json header = json_of(phase.json);
+  const json spots = json_of(messages.at("spots").json);
   cv::Mat waves(header.at("shape").at(0).get<int>(), header.at("shape").at(1).get<int>(), CV_32FC1);
   std::memcpy(waves.data, phase.binary.data(),
               std::min(phase.binary.size(), waves.total() * sizeof(float)));
@@ -224,7 +225,7 @@ int write_pictures(const Common& common, const Messages& messages, const std::st
   if (!written) return report(common, written.error());
   if (!warning.empty()) fmt::print(stderr, "ovws: {}\n", warning);
   if (common.json) {
-    print("{}\n", json{{"files", {camera, phase}}, {"valid", warning.empty()}}.dump());
+    print("{}\n", json_text(json{{"files", {camera, phase}}, {"valid", warning.empty()}}));
   } else {
     print("{}\n{}\n", camera, phase);
   }

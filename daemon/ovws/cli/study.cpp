@@ -13,6 +13,7 @@
 #include "daemon/ovws/cli/rejection.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -60,7 +61,7 @@ int bench_command(const Common& common, const StudyOptions& options) {
   const bool is_experiment = options.name == kExperiment;
   if (is_experiment && options.quick) params = {{"frames", 20}, {"gains_db", {10, 16, 28, 40}}};
   if (!options.params.empty()) {
-    const auto given = nlohmann::json::parse(options.params, nullptr, false);
+    const auto given = json_of(options.params);
     if (!given.is_object()) {
       fmt::print(stderr, "ovws: the parameters are not a JSON object: {}\n", options.params);
       return kUsage;
@@ -85,7 +86,7 @@ int study_command(const Common& common, const StudyOptions& options) {
   const auto written = write_findings(options.name, found.summary, found.figures, options.folder);
   print_step("");
   if (common.json) {
-    print("{}\n", found.summary.dump());
+    print("{}\n", json_text(found.summary));
   } else {
     print("{}: {:.0f} s, see {}\n", options.name, found.summary["took_s"].get<double>(),
           options.folder);

@@ -13,6 +13,7 @@
 #include "daemon/ovws/cli/watch_table.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -42,7 +43,7 @@ class Watch {
         return report_silence();
       }
       if (!message) continue;
-      if (table_ && message->topic == "status") status_ = json::parse(message->json);
+      if (table_ && message->topic == "status") status_ = json_of(message->json);
       if (message->topic != options_.topic || is_too_soon()) continue;
       ++shown;
       show(*message);
@@ -72,7 +73,7 @@ class Watch {
   void show(const StreamMessage& message) const {
     if (!table_) return print("{}\n", message.json);
     if (in_place_) print("\033[H\033[J");
-    const json body = json::parse(message.json);
+    const json body = json_of(message.json);
     options_.topic == "refined" ? print_refined(body) : print_wavefront(body, status_);
   }
 

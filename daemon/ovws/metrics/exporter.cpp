@@ -10,6 +10,7 @@
 
 #include "daemon/ovws/metrics/families.hpp"
 #include "proto/endpoint.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::metrics {
 namespace {
@@ -28,7 +29,7 @@ struct Received {
 
   double age_s() const { return std::chrono::duration<double>(Clock::now() - at).count(); }
   std::optional<json> read() const {
-    json message = json::parse(text, nullptr, false);
+    json message = json_of(text);
     return message.is_object() ? std::optional(std::move(message)) : std::nullopt;
   }
 };

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/json_text.hpp"
+
 namespace ovws::screen {
 namespace {
 
@@ -26,7 +28,7 @@ double seconds(Clock::duration duration) {
 }
 
 json read(const std::string& text) {
-  json message = json::parse(text, nullptr, false);
+  json message = json_of(text);
   return message.is_object() ? message : json();
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/optics/zernike.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::study {
 namespace {
@@ -36,7 +37,7 @@ constexpr std::array<const char*, 20> kColumns{"cell",
 
 std::string text_of(const json& value) {
   if (value.is_null()) return "";
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : json_text(value);
 }
 
 double number_of(const json& value) {

@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/control/methods.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws {
 namespace {
@@ -12,7 +13,7 @@ Config in_use(const Services& services) {
 
 void get(Services& services, Reply<Config> reply) {
   // In the format of the file: 0 for a gain in dB that the camera does not have.
-  reply(JsonOf<Config>{Json::parse(dump_config(in_use(services)))});
+  reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
 }
 
 void save(Services& services, Reply<SavedReport> reply) {

@@ -3,6 +3,7 @@
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 #include "proto/names.hpp"
 #include "proto/tables/camera.hpp"
 #include "proto/tables/reference.hpp"
@@ -118,8 +119,7 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
 
 Document make_document(std::string kind, const json& content) {
   // A camera's name may hold bytes that are not UTF-8.
-  Document document{
-      std::move(kind), content.dump(-1, ' ', false, json::error_handler_t::replace), {}};
+  Document document{std::move(kind), json_text(content), {}};
   document.sha256 = sha256_hex(document.text);
   return document;
 }

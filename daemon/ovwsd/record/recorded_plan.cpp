@@ -6,6 +6,7 @@
 #include "core/optics/lattice.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws {
 namespace {
@@ -83,7 +84,7 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
       return fail(Errc::invalid, "path", "a document of the recording is damaged: " + one.kind);
     }
     if (one.kind == "plan") {
-      const json plan = json::parse(one.text, nullptr, false);
+      const json plan = json_of(one.text);
       const bool numbered =
           plan.is_object() && plan.contains("plan_id") && plan["plan_id"].is_number_unsigned();
       if (!numbered) return unfit("has no number");
@@ -101,7 +102,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
   if (from.at("own_templates").get<int>() <= 0) return {};
   const auto sha256 = from.at("reference").get<std::string>();
   if (!reference_ || sha256 != reference_sha256_) {
-    auto reference = reference_from(json::parse(documents_.at(sha256)));
+    auto reference = reference_from(json_of(documents_.at(sha256)));
     if (!reference) return fail(reference.error());
     reference_ = std::move(*reference);
     reference_sha256_ = sha256;
@@ -134,7 +135,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->search_px = points(from.at("search_px"));
   plan->reference_px = points(from.at("reference_px"));
   plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
-  const json op = json::parse(documents_.at(from.at("operator").get<std::string>()));
+  const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
   const auto modes_j = op.at("j").get<std::vector<int>>();
   if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
   const json nuisance = op.value("nuisance_px", json::array());
@@ -157,7 +158,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_
   const auto found = plans_.find(plan_id);
   if (found == plans_.end()) return unfit("is missing: number " + std::to_string(plan_id));
   try {
-    return read(json::parse(found->second));
+    return read(json_of(found->second));
   } catch (const std::exception& error) {  // of the JSON library, or for a missing document
     return unfit(std::string("cannot be read: ") + error.what());
   }

@@ -8,6 +8,7 @@
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
 #include "proto/tables/time.hpp"
@@ -114,7 +115,7 @@ std::string title_of(const Calibration& calibration) {
 
 std::string CalibrationKind::name(const Calibration& calibration) const {
   const json& origin = *calibration.origin;
-  return sha256_hex(identity_of(origin) + origin["registration"].dump()).substr(0, 16);
+  return sha256_hex(identity_of(origin) + json_text(origin["registration"])).substr(0, 16);
 }
 
 std::string CalibrationKind::obstacle(Calibration& calibration) const {

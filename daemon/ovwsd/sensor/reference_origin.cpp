@@ -2,6 +2,7 @@
 
 #include "config/tables.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
 #include "proto/requests.hpp"
@@ -39,7 +40,7 @@ Result<std::optional<Registration>> registration_from(const json& content) {
 
 /// Replaces invalid UTF-8: a camera may report any bytes, but JSON files hold UTF-8 only.
 std::string as_utf8(const std::string& text) {
-  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
+  return json_of(json_text(json(text)));
 }
 
 std::string hash_of(const Image<std::uint8_t>& grey) {
@@ -50,7 +51,7 @@ std::string hash_of(const Image<std::uint8_t>& grey) {
 /// missing key counts as null.
 std::string difference(const std::string& path, const json& then, const json& now) {
   if (!then.is_object() || !now.is_object()) {
-    return then == now ? "" : path + " was " + then.dump() + ", and is " + now.dump();
+    return then == now ? "" : path + " was " + json_text(then) + ", and is " + json_text(now);
   }
   json keys = then;
   keys.update(now);
@@ -108,11 +109,9 @@ Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
     if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
   }
   // Parse it as a configuration: equally strict, with the same ranges.
-  const auto config = parse_config(json{
-      {"sensor", origin["sensor"]},
-      {"tracking", origin["tracking"]},
-      {"camera",
-       {{"roi", origin["roi"]}}}}.dump());
+  const auto config = parse_config(json_text(json{{"sensor", origin["sensor"]},
+                                                  {"tracking", origin["tracking"]},
+                                                  {"camera", {{"roi", origin["roi"]}}}}));
   if (!config) return fail(config.error());
   auto modes = ModesSet::decode({{"modes", origin["aberration"]}});
   if (!modes) return fail(modes.error());
@@ -174,7 +173,7 @@ std::string identity_of(const json& origin) {
   for (const char* part : {"camera", "roi", "sensor", "tracking", "optics", "slm"}) {
     identity[part] = origin.value(part, json());
   }
-  return sha256_hex(identity.dump()).substr(0, 16);
+  return sha256_hex(json_text(identity)).substr(0, 16);
 }
 
 bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
 #include "proto/tables/reference.hpp"
@@ -67,8 +68,9 @@ Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
     return fail(Errc::invalid, "", "it contains no registration");
   }
   if (content["slm"] != to_json(slm)) {
-    return fail(Errc::invalid, "",
-                "it is of another SLM: " + content["slm"].dump() + ", not " + to_json(slm).dump());
+    return fail(
+        Errc::invalid, "",
+        "it is of another SLM: " + json_text(content["slm"]) + ", not " + json_text(to_json(slm)));
   }
   auto registration = registration_from(content["registration"]);
   if (!registration) return fail(registration.error());

@@ -4,6 +4,7 @@
 
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
 namespace ovws {
@@ -40,7 +41,7 @@ void SensorEvents::publish_stale(const Reference* reference,
     for (const StaleField& one : stale_fields(*reference, camera)) {
       fields.push_back(one.field);
       words.push_back(
-          fmt::format("{} was {}, and is {}", one.field, one.then.dump(), one.now.dump()));
+          fmt::format("{} was {}, and is {}", one.field, json_text(one.then), json_text(one.now)));
     }
   }
   if (fields == published_stale_) return;

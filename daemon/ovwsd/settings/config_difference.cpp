@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "proto/json_text.hpp"
+
 namespace ovws {
 namespace {
 
@@ -46,8 +48,8 @@ bool changes_live(std::string_view key) {
 }
 
 ConfigDifference difference(const Config& before, const Config& after) {
-  const auto now = nlohmann::json::parse(dump_config(before), nullptr, false).flatten();
-  const auto wanted = nlohmann::json::parse(dump_config(after), nullptr, false).flatten();
+  const auto now = json_of(dump_config(before)).flatten();
+  const auto wanted = json_of(dump_config(after)).flatten();
   ConfigDifference keys;
   const auto look_at = [&](const nlohmann::json& these, const nlohmann::json& others, bool all) {
     for (const auto& [pointer, value] : these.items()) {

@@ -17,6 +17,7 @@
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/atomic_file.hpp"
+#include "proto/json_text.hpp"
 #include "proto/strict_json.hpp"
 
 namespace ovws {
@@ -53,7 +54,7 @@ Group group_of(const std::string& key) {
 }
 
 json tree_of(const Config& config) {
-  return json::parse(dump_config(config), nullptr, false);
+  return json_of(dump_config(config));
 }
 
 std::string pointer_of(std::string key) {
@@ -158,7 +159,7 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
     tree[json::json_pointer(pointer)] = entry.value;
     saved.push_back(key);
   }
-  auto effective = parse_config(tree.dump());
+  auto effective = parse_config(json_text(tree));
   if (!effective) return fail(effective.error());
   if (auto usable = check_usable(*effective); !usable) {
     if (check_usable(loaded.file)) return usable;
@@ -186,7 +187,7 @@ void read_overlay(LoadedConfig& loaded) {
   if (!overlay) return reject(overlay.error());
   if (!belongs_to(overlay->file, loaded.path)) {
     loaded.unused_reason = "its values were saved for another configuration file, " +
-                           (overlay->file.is_null() ? "none" : overlay->file.dump());
+                           (overlay->file.is_null() ? "none" : json_text(overlay->file));
     return;
   }
   if (const auto laid = apply_overlay(loaded, *overlay); !laid) reject(laid.error());
@@ -204,7 +205,7 @@ Result<void> check_ours(const std::string& overlay, const json& owner) {
       Errc::refused, "state.directory",
       fmt::format("{0} holds the values saved for another configuration file, {1}: give this "
                   "one a state.directory of its own, or remove {0}",
-                  overlay, there->file.is_null() ? "none" : there->file.dump()));
+                  overlay, there->file.is_null() ? "none" : json_text(there->file)));
 }
 
 std::string listed(const std::vector<std::string>& keys) {
@@ -282,7 +283,7 @@ SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
   }
   values.owner = owner_of(loaded.path);
   const json all{{"file", values.owner}, {"saved", saved}};
-  values.text = all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  values.text = json_text(all, 2) + "\n";
   return values;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
 #include "proto/tables/time.hpp"
@@ -41,13 +42,13 @@ std::string slm_mismatch(const json& origin, const Config& config) {
   for (const auto& [key, value] : parts) {
     const json then = slm.value(key, json());
     if (then != value) {
-      return fmt::format("it belongs to another SLM: slm.{} was {}, and is {}", key, then.dump(),
-                         value.dump());
+      return fmt::format("it belongs to another SLM: slm.{} was {}, and is {}", key,
+                         json_text(then), json_text(value));
     }
   }
   const json wavelength = optics.value("wavelength_nm", json());
   if (wavelength == json(config.optics.wavelength_nm)) return {};
-  return fmt::format("optics.wavelength_nm was {}, and is {}", wavelength.dump(),
+  return fmt::format("optics.wavelength_nm was {}, and is {}", json_text(wavelength),
                      config.optics.wavelength_nm);
 }
 
@@ -148,7 +149,7 @@ std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
   if (flatness.configured_sha256 != configured_sha256) {
     return fmt::format(
         "it is relative to the map of slm.flatness, whose checksum was {}, and is {}",
-        flatness.configured_sha256.dump(), configured_sha256.dump());
+        json_text(flatness.configured_sha256), json_text(configured_sha256));
   }
   const json optics = flatness.origin.value("optics", json::object());
   const OpticsConfig& now = config.optics;
@@ -158,7 +159,8 @@ std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
       {"camera_pitch_um", now.camera_pitch_um}};
   for (const auto& [key, value] : parts) {
     const json then = optics.value(key, json());
-    if (then != value) return fmt::format("optics.{} was {}, and is {}", key, then.dump(), value);
+    if (then != value)
+      return fmt::format("optics.{} was {}, and is {}", key, json_text(then), value);
   }
   return {};
 }

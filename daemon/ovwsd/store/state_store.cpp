@@ -11,6 +11,7 @@
 
 #include "daemon/shared/atomic_file.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 #include "proto/strict_json.hpp"
 
 namespace ovws {
@@ -61,10 +62,8 @@ std::string schema_of(std::string_view kind) {
 }  // namespace
 
 std::string seal(std::string_view schema, const json& content) {
-  const auto text = [](const json& value, int indent) {
-    return value.dump(indent, ' ', false, json::error_handler_t::replace);
-  };
-  std::string sealed = "{\n\"schema\": " + text(schema, -1) + ",\n\"content\": " + text(content, 1);
+  std::string sealed =
+      "{\n\"schema\": " + json_text(schema) + ",\n\"content\": " + json_text(content, 1);
   const std::string sum = sha256_hex(sealed);
   sealed += kSumBegin;
   sealed += sum;

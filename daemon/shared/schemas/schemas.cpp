@@ -5,6 +5,7 @@
 
 #include "config/tables.hpp"
 #include "proto/field_schema.hpp"
+#include "proto/json_text.hpp"
 #include "proto/methods.hpp"
 
 namespace ovws {
@@ -48,7 +49,7 @@ Schema schema_of_stream(const Stream<M>& stream, const Json& examples) {
 }
 
 std::vector<Schema> make_schemas() {
-  const Json examples = Json::parse(kExamples);
+  const Json examples = json_of(kExamples);
   std::vector<Schema> all;
   std::apply([&](const auto&... one) { (all.push_back(schema_of_method(one, examples)), ...); },
              kMethods);

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "daemon/shared/schemas/schemas.hpp"
+#include "proto/json_text.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -14,7 +15,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   for (const ovws::Schema& schema : ovws::schemas()) {
     std::ofstream file(folder / (schema.name + ".json"));
-    file << schema.json.dump(2) << "\n";
+    file << ovws::json_text(schema.json, 2) << "\n";
     if (!file.flush()) return 1;
   }
   return 0;
