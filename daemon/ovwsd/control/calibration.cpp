@@ -1,38 +1,12 @@
-/// Methods registration.* and calibration.*: registration of the camera, and the measured
-/// interaction (poke) matrix.
+/// Methods calibration.*: the measured interaction (poke) matrix.
 #include "daemon/ovwsd/procedures/calibration.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/ovwsd/control/methods.hpp"
-#include "daemon/ovwsd/procedures/registration.hpp"
 
 namespace ovws {
 namespace {
-
-void run_registration(Services& services, const RegistrationRun& run, Reply<JobNumber> reply) {
-  services.procedures.start(
-      kRegistrationRun.name,
-      [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
-        const auto found = measure_registration(bench, slm, run.frames);
-        if (!found) return fail(found.error());
-        if (auto used = bench.use(use_registration(*found)); !used) return fail(used.error());
-        return to_json(KnownRegistration{*found});
-      },
-      with_job_number(reply));
-}
-
-void get_registration(Services& services, Reply<KnownRegistration> reply) {
-  reply(KnownRegistration{services.keeper.snapshot()->registration});
-}
-
-void clear_registration(Services& services, Reply<KnownRegistration> reply) {
-  services.keeper.edit(Hold::unheld(), forget_registration(),
-                       [reply](const Result<SensorView>& cleared) {
-                         if (!cleared) return reply(cleared.error());
-                         reply(KnownRegistration{(*cleared)->registration});
-                       });
-}
 
 KnownCalibration calibration_of(const SensorSnapshot& sensor) {
   if (!sensor.calibration) return {};
@@ -65,7 +39,7 @@ void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
              {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
 }
 
-void run_calibration(Services& services, const CalibrationRun& run, Reply<JobNumber> reply) {
+void run(Services& services, const CalibrationRun& run, Reply<JobNumber> reply) {
   if (services.keeper.snapshot()->pattern != HologramKind::sensor) {
     return reply(Error{Errc::refused, "",
                        "the SLM does not show the sensor: call slm.show with \"sensor\" first"});
@@ -85,11 +59,11 @@ void run_calibration(Services& services, const CalibrationRun& run, Reply<JobNum
       with_job_number(reply));
 }
 
-void get_calibration(Services& services, Reply<KnownCalibration> reply) {
+void get(Services& services, Reply<KnownCalibration> reply) {
   reply(calibration_of(*services.keeper.snapshot()));
 }
 
-void clear_calibration(Services& services, Reply<KnownCalibration> reply) {
+void clear(Services& services, Reply<KnownCalibration> reply) {
   services.keeper.edit(Hold::unheld(), forget_calibration(),
                        [reply](const Result<SensorView>& cleared) {
                          if (!cleared) return reply(cleared.error());
@@ -98,12 +72,9 @@ void clear_calibration(Services& services, Reply<KnownCalibration> reply) {
 }
 
 constexpr std::array kRows{
-    row<kRegistrationRun, run_registration>(Role::control, Action::start_job),
-    row<kRegistrationGet, get_registration>(Role::read, Action::read),
-    row<kRegistrationClear, clear_registration>(Role::control, Action::clear_reference),
-    row<kCalibrationRun, run_calibration>(Role::control, Action::start_job),
-    row<kCalibrationGet, get_calibration>(Role::read, Action::read),
-    row<kCalibrationClear, clear_calibration>(Role::control, Action::clear_reference),
+    row<kCalibrationRun, run>(Role::control, Action::start_job),
+    row<kCalibrationGet, get>(Role::read, Action::read),
+    row<kCalibrationClear, clear>(Role::control, Action::clear_reference),
 };
 
 }  // namespace

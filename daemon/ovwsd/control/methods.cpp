@@ -5,10 +5,12 @@
 namespace ovws {
 namespace {
 
-std::array<std::span<const MethodRow>, 11> all_methods() {
-  return {system_methods(),      camera_methods(),     sensor_methods(), reference_methods(),
-          calibration_methods(), slm_methods(),        loop_methods(),   refine_methods(),
-          config_methods(),      experiment_methods(), record_methods()};
+std::array<std::span<const MethodRow>, 17> all_methods() {
+  return {system_methods(),       camera_methods(),      sensor_methods(),    aberration_methods(),
+          correction_methods(),   loop_methods(),        reference_methods(), job_methods(),
+          registration_methods(), calibration_methods(), lut_methods(),       flatness_methods(),
+          slm_methods(),          refine_methods(),      record_methods(),    config_methods(),
+          experiment_methods()};
 }
 
 const MethodRow* find_method(const std::string& name) {

@@ -81,13 +81,20 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// One table per room; a new method is one function and one row.
+// One file for each prefix of the methods' names, with a table; a new method is one function and
+// one row.
 std::span<const MethodRow> system_methods();
 std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> sensor_methods();
+std::span<const MethodRow> aberration_methods();
+std::span<const MethodRow> correction_methods();
 std::span<const MethodRow> loop_methods();
-std::span<const MethodRow> calibration_methods();
 std::span<const MethodRow> reference_methods();
+std::span<const MethodRow> job_methods();
+std::span<const MethodRow> registration_methods();
+std::span<const MethodRow> calibration_methods();
+std::span<const MethodRow> lut_methods();
+std::span<const MethodRow> flatness_methods();
 std::span<const MethodRow> slm_methods();
 std::span<const MethodRow> refine_methods();
 std::span<const MethodRow> record_methods();

@@ -1,4 +1,4 @@
-/// Methods reference.* and job.*: the reference, and the state of long commands.
+/// Methods reference.*: the reference positions, from which displacements are measured.
 #include "daemon/ovwsd/procedures/reference.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
 
@@ -48,27 +48,11 @@ void set(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> r
   services.keeper.edit(Hold::unheld(), use_model_reference(), with_reference(services, reply));
 }
 
-void get_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
-  reply(services.jobs.get(which.job));
-}
-
-void cancel_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
-  const bool ran = services.jobs.runs(which.job);
-  const auto cancelled = services.jobs.cancel(which.job);
-  if (!ran) return reply(cancelled);
-  // Replies when the sensor is free again, so that the client can start the next job at once.
-  services.procedures.when_free([&services, reply, cancelled] {
-    services.keeper.after_changes([reply, cancelled] { reply(cancelled); });
-  });
-}
-
 constexpr std::array kRows{
     row<kReferenceTake, take>(Role::control, Action::start_job),
     row<kReferenceGet, get>(Role::read, Action::read),
     row<kReferenceSet, set>(Role::control, Action::clear_reference),
     row<kReferenceClear, clear>(Role::control, Action::clear_reference),
-    row<kJobGet, get_job>(Role::read, Action::read),
-    row<kJobCancel, cancel_job>(Role::control, Action::cancel_job),
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Methods sensor.*, aberration.* and slm.show: changes of the hologram.
+/// Methods sensor.*: the sensor's layout and how its spots are tracked.
 #include "daemon/ovwsd/control/methods.hpp"
 
 namespace ovws {
@@ -32,41 +32,9 @@ void set(Services& services, const SensorSet& change, Reply<SensorSetReport> rep
   services.keeper.edit(Hold::unheld(), set_sensor(change), done);
 }
 
-auto with_aberration(Reply<ModesReport> reply) {
-  return [reply = std::move(reply)](const Result<SensorView>& applied) {
-    if (!applied) return reply(applied.error());
-    reply(ModesReport((*applied)->aberration, (*applied)->hologram_id));
-  };
-}
-
-void get_aberration(Services& services, Reply<ModesReport> reply) {
-  with_aberration(reply)(services.keeper.snapshot());
-}
-
-// Allowed with the loop closed, too: the loop then corrects the aberration.
-void introduce(Services& services, const ModesSet& set, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_loop(), set_aberration(set.modes), with_aberration(reply));
-}
-
-void clear_aberration(Services& services, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_loop(), set_aberration({}), with_aberration(reply));
-}
-
-void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
-  services.keeper.edit(Hold::unheld(), show_pattern(what.pattern.kind),
-                       [reply](const Result<SensorView>& applied) {
-                         if (!applied) return reply(applied.error());
-                         reply(ShowReport{(*applied)->pattern, (*applied)->hologram_id});
-                       });
-}
-
 constexpr std::array kRows{
     row<kSensorGet, get>(Role::read, Action::read),
     row<kSensorSet, set>(Role::control, Action::set_sensor),
-    row<kAberrationGet, get_aberration>(Role::read, Action::read),
-    row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
-    row<kAberrationClear, clear_aberration>(Role::control, Action::set_aberration),
-    row<kSlmShow, show>(Role::control, Action::show_pattern),
 };
 
 }  // namespace

@@ -1,0 +1,38 @@
+/// Methods correction.*: the modes that the closed loop or a client corrects.
+#include "daemon/ovwsd/control/methods.hpp"
+
+namespace ovws {
+namespace {
+
+auto with_correction(Reply<ModesReport> reply) {
+  return [reply = std::move(reply)](const Result<SensorView>& now) {
+    if (!now) return reply(now.error());
+    reply(ModesReport((*now)->correction, (*now)->hologram_id));
+  };
+}
+
+void get(Services& services, Reply<ModesReport> reply) {
+  with_correction(reply)(services.keeper.snapshot());
+}
+
+void set(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
+  services.keeper.edit(Hold::unheld(), set_correction(change.modes), with_correction(reply));
+}
+
+void clear(Services& services, Reply<ModesReport> reply) {
+  services.keeper.edit(Hold::unheld(), set_correction({}), with_correction(reply));
+}
+
+constexpr std::array kRows{
+    row<kCorrectionGet, get>(Role::read, Action::read),
+    row<kCorrectionSet, set>(Role::control, Action::set_correction),
+    row<kCorrectionClear, clear>(Role::control, Action::set_correction),
+};
+
+}  // namespace
+
+std::span<const MethodRow> correction_methods() {
+  return kRows;
+}
+
+}  // namespace ovws

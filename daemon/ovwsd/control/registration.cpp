@@ -1,0 +1,44 @@
+/// Methods registration.*: where the camera stands and how it is oriented.
+#include "daemon/ovwsd/procedures/registration.hpp"
+#include "daemon/ovwsd/control/methods.hpp"
+
+namespace ovws {
+namespace {
+
+void run(Services& services, const RegistrationRun& run, Reply<JobNumber> reply) {
+  services.procedures.start(
+      kRegistrationRun.name,
+      [slm = services.config.slm.geometry, run](Bench& bench) -> Result<Json> {
+        const auto found = measure_registration(bench, slm, run.frames);
+        if (!found) return fail(found.error());
+        if (auto used = bench.use(use_registration(*found)); !used) return fail(used.error());
+        return to_json(KnownRegistration{*found});
+      },
+      with_job_number(reply));
+}
+
+void get(Services& services, Reply<KnownRegistration> reply) {
+  reply(KnownRegistration{services.keeper.snapshot()->registration});
+}
+
+void clear(Services& services, Reply<KnownRegistration> reply) {
+  services.keeper.edit(Hold::unheld(), forget_registration(),
+                       [reply](const Result<SensorView>& cleared) {
+                         if (!cleared) return reply(cleared.error());
+                         reply(KnownRegistration{(*cleared)->registration});
+                       });
+}
+
+constexpr std::array kRows{
+    row<kRegistrationRun, run>(Role::control, Action::start_job),
+    row<kRegistrationGet, get>(Role::read, Action::read),
+    row<kRegistrationClear, clear>(Role::control, Action::clear_reference),
+};
+
+}  // namespace
+
+std::span<const MethodRow> registration_methods() {
+  return kRows;
+}
+
+}  // namespace ovws
