@@ -54,7 +54,8 @@ class ObjectReader {
   /// An array of objects: calls read(ObjectReader&, index) for each.
   template <class Read>
   void objects(const char* key, std::size_t max_size, Read read);
-  /// Marks a key as known and returns its value for the caller to decode; null if absent.
+  /// Marks a key as known and returns its value, which may be JSON null, for the caller to decode.
+  /// nullptr if the key is absent or an error was found before.
   const nlohmann::json* raw(const char* key);
 
   void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller

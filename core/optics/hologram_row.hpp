@@ -17,11 +17,11 @@ constexpr int kSpareSteps = 1;
 /// One SIMD build of the kernels. All builds give bit-identical results.
 struct HologramRowKernels {
   std::string_view name;
-  /// Evaluates a polynomial by forward differences: the phase of steps * kPhaseLanes pixels, 2 pi =
-  /// 65536, rounded to the nearest 1/65536 wave, ties upwards. In each lane the k-th difference per
-  /// step is a polynomial in `y` of degree `degree` - k. `terms` holds their coefficients by k,
-  /// then rising power of y, then lane, in waves, less than 2^51 each. The differences are summed
-  /// as 64-bit integers, where 2^64 is one wave.
+  /// Evaluates a polynomial by forward differences: the 16-bit phase (65536 = 2 pi) of
+  /// steps * kPhaseLanes pixels, rounded to nearest, ties upwards. In each lane the k-th difference
+  /// per step is a polynomial in `y` of degree `degree` - k, with a value below 2^51 waves in
+  /// magnitude. `terms` holds the coefficients in waves, by k, then rising power of y, then lane.
+  /// The differences are summed as 64-bit integers, where 2^64 is one wave.
   void (*phases)(const double* terms, int degree, double y, int steps, std::uint16_t* phase);
   /// grey = lut[top 8 bits of (base + added)], modulo 65536, for `count` pixels. `lut` has 256
   /// levels.

@@ -30,8 +30,8 @@ class PhaseRows {
 
   /// Number of elements that `row` may write: `width` plus padding.
   std::size_t row_size() const;
-  /// Computes the phase of row y, 2 pi = 65536, in the pupil's columns, which it returns.
-  /// `phase[x]` belongs to column x; elements outside the columns are overwritten with garbage.
+  /// Computes row y as 16-bit phase (65536 = 2 pi) and returns the pupil's columns. `phase[x]`
+  /// belongs to column x; elements outside the columns may be overwritten with garbage.
   /// `waves`: working memory of `width` elements. All kernels give the same result.
   Columns row(int y, const HologramRowKernels& kernels, std::span<std::uint16_t> phase,
               std::span<double> waves) const;

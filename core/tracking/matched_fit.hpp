@@ -37,8 +37,8 @@ class MatchedFit {
   double noise() const { return noise_; }                      ///< RMS pixel noise, DN
 
  private:
-  /// Interpolation between the fits at the middle noise level (`weight` = 0) and at level `next`
-  /// (1).
+  /// Interpolation between two fits: `weight` = 0 is the fit at the middle noise level, 1 that at
+  /// level `next`.
   struct NoiseMix {
     int next = kMiddleNoise;
     float weight = 0.0F;

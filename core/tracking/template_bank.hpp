@@ -18,9 +18,9 @@ namespace ovws {
 /// % of the Fisher information. A wider window would add mostly neighbours' light.
 double matched_window(int charge);
 
-/// Tabulated noise levels s = sigma^2 / (kappa a). The noise variance is sigma^2 + kappa a T, so
-/// that the weights are 1 / (s + T). Above s = 0.01 the nearest level costs at most 3 % of RMS;
-/// interpolating between the fits at two levels costs less.
+/// Noise levels s = sigma^2 / (kappa a) of the least-squares weights 1 / (s + T); symbols as in
+/// MatchedTracker. For s > 0.01 the weights of the nearest level raise the RMS error by at most
+/// 3 %; interpolating between the fits at two levels raises it less.
 constexpr std::array<double, 3> kNoiseLevels{0.03, 0.2, 1.0};
 /// Index of the level that is assumed before the noise is estimated.
 constexpr int kMiddleNoise = 1;

@@ -111,10 +111,12 @@ void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& po
     const double noise = double(column.standard_error.norm());
     if (!(noise <= kMaxNoise * signal)) {
       matrix.dropped.push_back(
-          {poke->j, signal > 0.0 ? "its noise is " + percent(noise / signal) +
-                                       " of its signal: average more frames, increase the light, "
-                                       "or raise amplitude_waves"
-                                 : "it moves no spot"});
+          {poke->j,
+           signal > 0.0
+               ? "its noise is " + percent(noise / signal) +
+                     " of its signal: average more frames, raise the laser power or the exposure, "
+                     "or raise amplitude_waves"
+               : "it moves no spot"});
     } else if (append(matrix, column)) {
       matrix.modes_j.push_back(poke->j);
       matrix.amplitude_waves.push_back(poke->amplitude_waves);

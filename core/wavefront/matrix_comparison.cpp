@@ -227,8 +227,9 @@ Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) 
     }
   }
   if (!others.empty()) {
-    return {Disagreement::order, "the modes are in another order: " + listed(others) +
-                                     "; the SLM and the model number them differently"};
+    return {Disagreement::order,
+            "the modes are in another order: " + listed(others) +
+                "; check that both use OSA/ANSI indices, then repeat calibration.run"};
   }
   return {
       Disagreement::unlike,

@@ -75,7 +75,7 @@ double weight_at(const SlopeModel& model, const std::vector<RadialNode>& nodes, 
       return r;
     case SlopeKind::kernel_tilt:
       return kernel_weight(model, nodes, r);
-    case SlopeKind::matched_tilt:  // radial_nodes computes all nodes at once
+    case SlopeKind::matched_tilt:  // radial_nodes applies matched_weights
     case SlopeKind::gradient_tilt:
     case SlopeKind::vortex_tilt:
       return 1.0;

@@ -233,7 +233,8 @@ Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
   if (!(descent.state.scale_e > 0.0)) {
     return fail(
         Errc::refused, "image",
-        "no light where the model has it: start nearer to the truth, or check the exposure");
+        "no signal at the spots that the model predicts: check the exposure, and that optics, "
+        "sensor and slm in the configuration match the bench");
   }
   for (int estimate = 1;; ++estimate) {
     const Eigen::VectorXd before = descent.state.waves;
@@ -259,7 +260,7 @@ Result<Refinement> Refiner::Impl::fit(std::span<const double> start_waves) {
   if (descent.converged) return result(descent);
   return fail(Errc::refused, "image",
               "the fit did not converge in " + std::to_string(options.max_iterations) +
-                  " iterations: start nearer to the truth");
+                  " iterations: reduce the aberration, or take a new reference");
 }
 
 Refinement Refiner::Impl::result(const Descent& descent) const {

@@ -73,7 +73,7 @@ class Refiner {
   /// `dn`: camera pixel values; NaN is ignored. `start_waves`, in the order of modes_j, must be
   /// within half a wave RMS of the truth. Otherwise the fit may converge to another minimum, with a
   /// larger chi2_per_pixel. Errors: Errc::invalid ("image": wrong size; "modes": wrong number, or
-  /// not finite; "camera"), Errc::refused ("image": no light where the model has it, no
+  /// not finite; "camera"), Errc::refused ("image": no signal at the model's spots, no
   /// convergence, or cancelled).
   Result<Refinement> refine(const Image<float>& dn, const RefineCamera& camera,
                             std::span<const double> start_waves);

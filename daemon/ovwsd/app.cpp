@@ -316,9 +316,10 @@ Result<void> App::Parts::end_disk_work() {
     if (1e-9 * double(monotonic_ns() - last_ns) < patience_s) continue;
     if (held != "write") break;
     exit_status.store(1);
-    return fail(Errc::unavailable, "record",
-                fmt::format("the disk has not answered for {:.0f} s: the end of {} is lost",
-                            patience_s, recorder.report().file.value_or("")));
+    return fail(
+        Errc::unavailable, "record",
+        fmt::format("the disk has not answered for {:.0f} s: the end of {} is lost; check the disk",
+                    patience_s, recorder.report().file.value_or("")));
   }
   if (recorder.lost_at_stop() == 0) return check_unwritten();
   exit_status.store(1);

@@ -54,7 +54,8 @@ Result<void> check_options(Options& options) {
       std::from_chars(number.data(), number.data() + number.size(), options.port);
   if (colon == std::string::npos || colon == 0 || error != std::errc{} ||
       end != number.data() + number.size() || options.port == 0) {
-    return fail(Errc::invalid, "--listen", "must be ADDRESS:PORT, e.g. 127.0.0.1:7704");
+    return fail(Errc::invalid, "--listen",
+                "must be ADDRESS:PORT with a port from 1 to 65535, e.g. 127.0.0.1:7704");
   }
   const std::string address = options.listen.substr(0, colon);
   if (!is_loopback(address) && !options.cleartext) {

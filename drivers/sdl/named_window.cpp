@@ -15,7 +15,7 @@ struct DestroyWindow {
 };
 using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
 
-// Outputs as far as SDL describes them here; none is marked primary.
+// Lists SDL's displays as outputs. SDL does not report which one is primary, so none is marked.
 std::vector<Output> read_displays() {
   std::vector<Output> outputs;
   for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {

@@ -141,9 +141,12 @@ class XWindow final : public OutputWindow {
     const Picture seen(XGetImage(display_.get(), root, output_.x, output_.y,
                                  unsigned(output_.width), unsigned(output_.height), AllPlanes,
                                  ZPixmap));
-    if (seen == nullptr || x_server_lost()) {
+    if (x_server_lost()) return fail(lost_server());
+    if (seen == nullptr) {
       take_x_error();
-      return fail(Errc::unavailable, "slm.display", "the X server returned no image of the output");
+      return fail(Errc::unavailable, "slm.display",
+                  "the X server returned no image of output " + output_.name +
+                      ": check that the output is on");
     }
     return colours_of(*seen);
   }

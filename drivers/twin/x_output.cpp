@@ -155,7 +155,8 @@ Result<void> XOutput::Impl::watch(const std::string& output, int width, int heig
   }
   if (!share_memory()) {
     return fail(Errc::unavailable, "slm.display",
-                "the X server provides no 24-bit shared-memory images (is it remote?)");
+                "the X server provides no shared-memory images of depth 24: run ovws-twin on the X "
+                "server's machine, with 24-bit colour");
   }
   const Window root = DefaultRootWindow(display);
   XRRSelectInput(display, root, RRScreenChangeNotifyMask | RRCrtcChangeNotifyMask);

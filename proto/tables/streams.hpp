@@ -71,8 +71,7 @@ struct Table<FrameMessage> {
             "true only if the frame is settled, a reference is active, enough spots were found to "
             "determine the modes, and a wavefront of these modes explains their positions"),
       kUnit,
-      field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
-            limits::kWavelengthNm),
+      field("wavelength_nm", &M::wavelength_nm, "wavelength, nanometres", limits::kWavelengthNm),
       kBasis,
       kOrientation,
       computed<M>(
@@ -190,24 +189,23 @@ template <>
 struct Table<PhaseMessage> {
   using M = PhaseMessage;
   static constexpr const char* kName = "Phase";
-  static constexpr auto kFields =
-      Fields{constant("schema", "ovws.phase/1", "schema and version of this message"),
-             field("seq", &M::seq, kSeqMeaning),
-             field("frame_id", &M::frame_id, kFrameIdMeaning),
-             field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
-             field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
-             kOrientation,
-             field("valid", &M::valid, "whether the wavefront that it shows is valid"),
-             kUnit,
-             field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
-                   limits::kWavelengthNm),
-             computed<M>(
-                 "shape",
-                 [](const M& m) {
-                   return Shape{m.waves->height, m.waves->width};
-                 },
-                 "shape of the binary part: [rows, columns]"),
-             kFloats};
+  static constexpr auto kFields = Fields{
+      constant("schema", "ovws.phase/1", "schema and version of this message"),
+      field("seq", &M::seq, kSeqMeaning),
+      field("frame_id", &M::frame_id, kFrameIdMeaning),
+      field("t_arrival_ns", &M::t_arrival_ns, kArrivalMeaning),
+      field("hologram_id", &M::hologram_id, kFrameHologramMeaning),
+      kOrientation,
+      field("valid", &M::valid, "whether the wavefront that it shows is valid"),
+      kUnit,
+      field("wavelength_nm", &M::wavelength_nm, "wavelength, nanometres", limits::kWavelengthNm),
+      computed<M>(
+          "shape",
+          [](const M& m) {
+            return Shape{m.waves->height, m.waves->width};
+          },
+          "shape of the binary part: [rows, columns]"),
+      kFloats};
 };
 
 template <>
@@ -241,8 +239,7 @@ struct Table<RefinedMessage> {
             return std::vector<std::string>{"reference", "model"};
           }),
       kUnit,
-      field("wavelength_nm", &M::wavelength_nm, "length of one wave, nanometres",
-            limits::kWavelengthNm),
+      field("wavelength_nm", &M::wavelength_nm, "wavelength, nanometres", limits::kWavelengthNm),
       kBasis,
       kOrientation,
       computed<M>(

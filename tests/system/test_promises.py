@@ -73,7 +73,7 @@ class Promises(BenchCase):
         twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.2}]})
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end")
         self.assertEqual(ended["state"], "failed")
-        self.assertRegex(ended["error"]["data"]["reason"], r"moved while the reference was taken: by \d\.\d\d px from its first half")
+        self.assertRegex(ended["error"]["data"]["reason"], r"moved by \d\.\d\d px RMS from the first to the second half of the reference")
         self.assertFalse(self.call("reference.get")["taken"])
 
     def test_a_reference_that_holds_an_introduced_aberration_is_asked_for_and_reported(self):

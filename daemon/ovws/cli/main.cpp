@@ -89,9 +89,11 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return report_parse(app, error);
   } catch (const nlohmann::json::exception& error) {
-    fmt::print(stderr,
-               "ovws: the daemon's reply has an unknown format; does it have another version? {}\n",
-               error.what());
+    fmt::print(
+        stderr,
+        "ovws: the daemon's reply has an unknown format; check that ovws and ovwsd have the same "
+        "version: {}\n",
+        error.what());
     return kError;
   }
   return status;

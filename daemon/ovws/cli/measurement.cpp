@@ -129,7 +129,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
     if (reference->width != like.width || reference->height != like.height) {
-      return fail(Errc::invalid, "reference", "the reference image has another size");
+      return fail(Errc::invalid, "reference",
+                  "the reference image differs in size from the image: both must be equal");
     }
     Measurement first(config, std::move(*by_model));
     const Measured measured = first.measure(*reference);

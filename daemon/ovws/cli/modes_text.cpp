@@ -20,7 +20,9 @@ Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
     return fail(Errc::invalid, "modes", "\"" + part + "\" does not have the form n,m:waves");
   }
   const auto j = checked_osa_index(n, m);
-  if (!j) return fail(Errc::invalid, "modes", "\"" + part + "\": there is no such Zernike mode");
+  if (!j)
+    return fail(Errc::invalid, "modes",
+                "\"" + part + "\" is not a Zernike mode: |m| <= n <= 20 with n - |m| even");
   return Mode{*j, norm == ZernikeNorm::unit ? waves / zernike_rms_factor(*j) : waves};
 }
 

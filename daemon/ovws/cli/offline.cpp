@@ -1,4 +1,4 @@
-/// ovws hologram and ovws farfield: compute the sensor's images from a configuration, offline.
+/// ovws hologram and ovws farfield: compute the hologram and the far-field image offline.
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>

@@ -126,7 +126,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->capture_default_str();
   command
       ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
-                 "for --refine: also fit each subaperture's amplitude, for uneven light")
+                 "for --refine: also fit each subaperture's amplitude, for uneven illumination")
       ->needs(refine);
   command->add_option("images", options->images, "image files, each a camera frame")->required();
   command->callback([&common, &status, options] { status = measure_images(common, *options); });

@@ -106,13 +106,13 @@ tl::expected<void, CallFailure> check_bench(const Common& common) {
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
-/// The result of loop.get; an error if the loop has opened itself.
+/// The result of loop.get; an error if the loop was opened.
 Answer closed_loop(const Common& common) {
   Answer loop = call(common, "loop.get", json::object());
   if (!loop || loop->at("closed").get<bool>()) return loop;
   const json& why = loop->at("opened_because");
   return tl::make_unexpected(
-      failure(fmt::format("the loop opened itself after {} steps: {}", loop->at("steps").get<int>(),
+      failure(fmt::format("the loop was opened after {} steps: {}", loop->at("steps").get<int>(),
                           why.is_string() ? why.get<std::string>() : "no reason given")));
 }
 

@@ -32,8 +32,9 @@ class Recorder {
   /// unusable.
   tl::expected<void, CallFailure> take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
-      return tl::make_unexpected(
-          failure(task_.loop_closed ? "the loop opened itself" : "another client closed the loop"));
+      return tl::make_unexpected(failure(task_.loop_closed
+                                             ? "the loop was opened during the recording"
+                                             : "another client closed the loop"));
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
@@ -43,7 +44,8 @@ class Recorder {
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();
     if (modes_j != stream_modes_j_ && !find_indices(modes_j)) {
-      return tl::make_unexpected(failure("the sensor's modes changed during the recording"));
+      return tl::make_unexpected(failure(
+          "the sensor's modes changed during the recording: repeat it without changing them"));
     }
     stamps_.push_back({message.at("t_device_ns").get<std::int64_t>(),
                        message.at("t_arrival_ns").get<std::int64_t>()});

@@ -72,7 +72,7 @@ void print_wavefront(const json& message, const json& status) {
       valid ? "valid" : "NOT VALID: " + why_not_valid(message, status));
   if (!valid) return;
   const double full_scale = print_modes(message);
-  print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, bar {:.2f} wave\n",
+  print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, full bar {:.2f} wave\n",
         message.at("rms_waves").get<double>(), message.at("fit_residual_px").get<double>(),
         full_scale);
 }
@@ -89,7 +89,7 @@ void print_refined(const json& message) {
   const double full_scale = print_modes(message);
   print(
       "RMS {:.5f} wave without tilts, chi2 per pixel {:.2f}, peak {:.0f} electrons, {} iterations "
-      "in {:.0f} ms, bar {:.2f} wave\n",
+      "in {:.0f} ms, full bar {:.2f} wave\n",
       message.at("rms_waves").get<double>(), message.at("chi2_per_pixel").get<double>(),
       message.at("peak_e").get<double>(), message.at("iterations").get<int>(),
       message.at("duration_ms").get<double>(), full_scale);

@@ -152,7 +152,7 @@ Finding judge_packets(const CameraFacts& facts) {
   if (asked > mtu) {
     return warning(kName,
                    fmt::format("camera.packet_size_bytes is {}, but {}: no frame arrives unless "
-                               "test packets find a smaller size",
+                               "Aravis falls back to a smaller packet size",
                                asked, takes),
                    fix);
   }

@@ -77,7 +77,7 @@ Findings judge(const ConfigurationFacts& facts) {
   }
   if (!facts.rejected.empty()) {
     return {warning(kName,
-                    good + "; saved settings could not be used and were renamed to " +
+                    good + "; the file of saved settings could not be used and was renamed to " +
                         facts.rejected +
                         ": set the missing ones again, save them with config.save, and remove "
                         "that file",

@@ -52,7 +52,8 @@ Finding judge_folder(const StateFacts& facts) {
                  fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
   }
   if (facts.writable) {
-    return ok(kName, folder + (facts.there ? " is writable" : " will be created at the start"));
+    return ok(kName,
+              folder + (facts.there ? " is writable" : " will be created when the daemon starts"));
   }
   if (!facts.there) {
     return fault(kName, folder + " does not exist and this user cannot create it",

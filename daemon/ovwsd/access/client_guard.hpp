@@ -1,5 +1,5 @@
-/// Client authentication and authorisation: decides by public key who may connect, and with which
-/// role.
+/// Client authentication: decides by public key who may connect, and with which role. The role that
+/// each method needs is in its row in daemon/ovwsd/control.
 #pragma once
 
 #include <condition_variable>

@@ -16,7 +16,8 @@
 
 namespace ovws {
 
-/// Thread-safe. One job runs at a time; the last 100 jobs are remembered.
+/// Thread-safe. Numbers and reports jobs; Procedures runs them, one at a time. The last 100 jobs
+/// are remembered.
 class Jobs {
  public:
   explicit Jobs(Events& events) : events_(events) {}

@@ -175,7 +175,7 @@ void CameraActor::open_with(const CameraSet& change) {
   publish_connected();
 }
 
-/// Remembers an accepted request; if it was clamped, as clamped by the present limits.
+/// Stores an accepted request; with `clamp`, stores its values clamped to the present limits.
 void CameraActor::keep_asked(const CameraSet& change) {
   asked_ = change.applied_to(asked_);
   if (change.clamp() && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);

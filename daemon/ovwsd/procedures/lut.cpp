@@ -108,7 +108,7 @@ Result<bool> LutBench::try_patches(double relative_diameter) {
   }
   if (most > kMinContrast * std::max(1.0, dark->brightest_dn)) return true;
   return fail(Errc::refused, "camera.exposure_us",
-              "there is no light where the base spot is expected: run registration.run, increase "
+              "there is no spot where the base spot is expected: run registration.run, increase "
               "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)");
 }
 

@@ -71,7 +71,7 @@ Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std:
     return fail(
         Errc::refused, "anew",
         fmt::format("{} spots of the run's reference ({}) are no longer found: the bench moved, "
-                    "or there is less light; {}",
+                    "or the intensity fell; {}",
                     motion.lost, arm, kHowToContinue));
   }
   const double uncertainty_px = kStandardErrors * motion.standard_error_px;
@@ -89,7 +89,7 @@ Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std:
       fmt::format("motion since the run's reference ({}) was taken cannot be excluded: four "
                   "standard errors of a spot's motion are {:.2f} px, more than the {:.2f} px "
                   "(lambda/(20 d)) that are allowed; the cells measured so far are kept: "
-                  "start a new run with more reference_frames or more light",
+                  "start a new run with more reference_frames or a higher intensity",
                   arm, uncertainty_px, limit_px));
 }
 

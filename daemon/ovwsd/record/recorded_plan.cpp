@@ -68,7 +68,7 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
   if (plan.roi.width < 1 || plan.roi.width > kMaxSide || plan.roi.height < 1 ||
       plan.roi.height > kMaxSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
       lit.y < 0 || lit.y > 1) {
-    return unfit("has no valid image size");
+    return unfit("has an invalid image size or Bayer plane");
   }
   return {};
 }
@@ -81,7 +81,9 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
   RecordedPlans plans;
   for (RecordedText& one : *all) {
     if (sha256_hex(one.text) != one.sha256) {
-      return fail(Errc::invalid, "path", "a document of the recording is damaged: " + one.kind);
+      return fail(Errc::invalid, "path",
+                  "the recording is damaged: the checksum of its \"" + one.kind +
+                      "\" document does not match; use an intact copy");
     }
     if (one.kind == "plan") {
       const json plan = json_of(one.text);

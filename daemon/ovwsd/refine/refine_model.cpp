@@ -77,7 +77,7 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     for (std::size_t k = 0; k < start->size(); ++k) (*start)[k] += double(frame.coefficients[k]);
   } else {
     start = bench_->start_of(frame.spots);
-    if (!start) return refused("too few spots were found for a starting point");
+    if (!start) return refused("too few spots were found to start the fit");
   }
   const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db, 1);
   const std::int64_t begun_ns = monotonic_ns();
@@ -147,7 +147,8 @@ Result<RefinedModes> RefineModel::refine_picture(const Reference& reference,
   }
   const auto start = bench_->start_of(spots);
   if (!start)
-    return fail(Errc::refused, "reference", "too few spots were found for a starting point");
+    return fail(Errc::refused, "reference",
+                "too few spots of the reference are known to start the fit: take a new reference");
   const RefineCamera camera =
       refine_camera(settings, picture.format, picture.gain_db, picture.frames);
   const auto found = bench_->refiner.refine(picture.mean_dn, camera, *start);

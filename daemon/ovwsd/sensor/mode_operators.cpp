@@ -77,8 +77,9 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
   try {
     return by_diffraction(key, slm, stop);
   } catch (const std::bad_alloc&) {
-    return fail(Errc::unavailable, "tracking",
-                "there is not enough memory for a model of this SLM and this image");
+    return fail(
+        Errc::unavailable, "tracking",
+        "there is not enough memory for a model of this SLM and this image: reduce camera.roi");
   }
 }
 

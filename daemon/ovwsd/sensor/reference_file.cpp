@@ -39,7 +39,7 @@ Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool
   std::vector<Vec2> points;
   for (const json& point : content[key]) {
     const bool pair = point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
-    if (!pair) return invalid(key, "must be a list of [x, y]");
+    if (!pair) return invalid(key, "every entry must be a pair [x, y] of numbers");
     points.push_back({value(point[0]), value(point[1])});
   }
   return points;

@@ -30,7 +30,7 @@ class PictureMean {
   /// compared with it.
   static constexpr int kMaxFrames = 8;
 
-  /// False: the frame's size, format or gain is not that of the first, and it is not used.
+  /// Returns false and ignores the frame if its size, format or gain differs from the first one's.
   bool add(const FrameRecord& record);
   /// Nothing if no frame was added. Call once.
   std::shared_ptr<const ReferencePicture> mean();

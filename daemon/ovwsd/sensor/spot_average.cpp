@@ -146,9 +146,9 @@ Result<void> check_average(const SpotAverage& average, double max_motion_px) {
   return fail(
       Errc::refused, "",
       fmt::format(
-          "the spots moved while the reference was taken: by {:.2f} px from its first half "
-          "to its second, with a scatter of {:.2f} px, of which noise is {:.2f} px (RMS over "
-          "the spots; limit {:.2f} px): let the bench come to rest, then take it again",
+          "the spots moved by {:.2f} px RMS from the first to the second half of the reference "
+          "(scatter {:.2f} px, noise {:.2f} px, limit {:.2f} px beyond noise): let the bench come "
+          "to rest, then take it again",
           average.drift_px, average.scatter_px, average.noise_px, max_motion_px));
 }
 

@@ -134,7 +134,8 @@ Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
   if (const json* const sum = r.raw("configured_sha256")) flatness.configured_sha256 = *sum;
   if (auto read = r.finish(); !read) return fail(read.error());
   if (flatness.modes.empty() || flatness.modes.size() != flatness.standard_error_waves.size()) {
-    return fail(Errc::invalid, "flatness.modes", "has not the length of standard_error_waves");
+    return fail(Errc::invalid, "flatness.modes",
+                "must have as many entries as standard_error_waves");
   }
   return flatness;
 }

@@ -90,7 +90,8 @@ Result<void> SlmLoop::show(HologramRequest request) {
   if (result.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return result.get();
   job->abandoned = true;
   if (pending_.job == job) pending_.job.reset();
-  return fail(Errc::unavailable, "slm", "the display did not accept the hologram within 2 s");
+  return fail(Errc::unavailable, "slm",
+              "the display did not accept the hologram within 2 s; check slm in system.status");
 }
 
 void SlmLoop::show_when_possible(HologramRequest request) {

@@ -54,9 +54,9 @@ nlohmann::json flatness_sha256(const HologramConfig& hologram);
 /// measurement.
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 
-/// Combines measurements with `configured`, which holds the files of the configuration. A measured
-/// LUT replaces the file's; a measured flatness is added to the file's, which was active when it
-/// was measured.
+/// Combines measurements with `configured`, the settings from the configuration's files. A measured
+/// LUT replaces that of the file. A measured flatness is added to the file's flatness map, which
+/// was active during the measurement.
 std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
                                             std::shared_ptr<const MeasuredLut> lut,
                                             std::shared_ptr<const MeasuredFlatness> flatness);

@@ -53,7 +53,7 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events, Disk* disk)
   }
   if (opened->leftovers() > 0) {
     events_.emit("store", Severity::info,
-                 "incomplete files of a daemon that was killed were removed: " +
+                 "incomplete files that a killed daemon left behind were removed: " +
                      std::to_string(opened->leftovers()),
                  {{"path", *directory}, {"removed", opened->leftovers()}});
   }

@@ -1,5 +1,4 @@
-/// State files: items of a kind and a name that survive a restart, one JSON file each with a
-/// checksum.
+/// Persistent state: one JSON file with a checksum for each item. Kind and name identify an item.
 ///
 /// A file is JSON text: {"schema": "ovws.state.KIND/1", "content": {…}, "sha256": "…"}. The
 /// checksum covers all bytes before its own line, so that no changed byte goes unnoticed.
