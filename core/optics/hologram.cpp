@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/optics/circle_columns.hpp"
-#include "core/optics/hologram_row_phases.hpp"
 #include "core/optics/identify_picture.hpp"
+#include "core/optics/phase_rows.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {

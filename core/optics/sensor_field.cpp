@@ -6,7 +6,7 @@
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram.hpp"
-#include "core/optics/hologram_row_phases.hpp"
+#include "core/optics/phase_rows.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {

@@ -156,6 +156,14 @@ def functions_too_long(text):
             begin = at + 1
 
 
+def misplaced_methods(name, text):
+    """A method `prefix.verb` of the control socket belongs to daemon/ovwsd/control/PREFIX.cpp; its constant is kPrefixVerb."""
+    for constant in re.findall(r"\brow<k(\w+)", text):
+        prefix = re.match(r"[A-Z][a-z]+", constant)[0].lower()
+        if Path(name).stem != prefix:
+            yield f"method k{constant} belongs to {prefix}.cpp"
+
+
 def main():
     found = []
     code = [n for n in tracked(*CODE) if room_of(n) in MAY_INCLUDE]
@@ -163,6 +171,8 @@ def main():
         text = (ROOT / name).read_text()
         for number, line in enumerate(text.splitlines(), 1):
             found += [f"{name}:{number}: {rule}" for rule in check_code_line(name, line)]
+        if name.startswith("daemon/ovwsd/control/"):
+            found += [f"{name}:1: {rule}" for rule in misplaced_methods(name, text)]
         found += [f"{name}:{n}: function of {length} lines, at most {MOST_FUNCTION_LINES}" for n, length in functions_too_long(text)]
     for name in tracked():
         path = ROOT / name

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "daemon/ovws/cli/experiment_pictures.hpp"
-#include "daemon/ovws/cli/findings.hpp"
-#include "daemon/ovws/study/gain_sweep.hpp"
+#include "daemon/ovws/cli/study_files.hpp"
+#include "daemon/ovws/study/gain_sweep_report.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 

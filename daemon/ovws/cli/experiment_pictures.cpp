@@ -9,7 +9,7 @@
 
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovws/cli/picture_file.hpp"
-#include "daemon/ovws/study/gain_sweep.hpp"
+#include "daemon/ovws/study/gain_sweep_report.hpp"
 #include "daemon/shared/encoding.hpp"
 
 namespace ovws::cli {

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <thread>
 
-#include "daemon/ovws/cli/findings.hpp"
 #include "daemon/ovws/cli/rejection_recorder.hpp"
+#include "daemon/ovws/cli/study_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/requests.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/experiment.hpp"
-#include "daemon/ovws/cli/findings.hpp"
 #include "daemon/ovws/cli/rejection.hpp"
+#include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
 #include "proto/json_text.hpp"

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "core/optics/hologram.hpp"
-#include "core/optics/hologram_row_phases.hpp"
+#include "core/optics/phase_rows.hpp"
 #include "core/optics/zernike_terms.hpp"
 
 namespace ovws {

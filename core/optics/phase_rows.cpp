@@ -1,4 +1,4 @@
-#include "core/optics/hologram_row_phases.hpp"
+#include "core/optics/phase_rows.hpp"
 
 #include <algorithm>
 #include <array>

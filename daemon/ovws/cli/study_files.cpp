@@ -1,4 +1,4 @@
-#include "daemon/ovws/cli/findings.hpp"
+#include "daemon/ovws/cli/study_files.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/ovws/study/gain_sweep.hpp"
+#include "daemon/ovws/study/gain_sweep_report.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
