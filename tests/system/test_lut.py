@@ -1,8 +1,7 @@
 """The daemon measures the look-up table of its SLM, compared with the twin's truth."""
 import math
-import subprocess
 
-from case import main, own_mounts
+from case import main
 from slm_case import SlmCase
 
 TWO_PI = 2.0 * math.pi
@@ -84,62 +83,6 @@ class ShallowSlm(LookUpTable):
         self.twin.call("twin.set", {"peak_electrons": 600000})
         self.assertIn("saturated", self.failure("lut.run"))
         self.assertFalse(self.call("lut.get")["measured"])
-
-
-class SteepSlm(LookUpTable):
-    """A gamma of 0.4: grey level 1 is at a tenth of a wave, and no table can show smaller phases."""
-    twin_config = {"slm": {"gamma": 0.4, "depth_waves": 1.0}}
-
-    def test_is_measured_where_it_is_steep(self):
-        path = self.judge()["lut_waves"]
-        found = self.run_job("lut.run", {"frames": 2}, 90.0)["result"]
-        off = [abs(p - TWO_PI * w) for p, w in zip(found["phase_rad"], path)]
-        curve = math.sqrt(sum(x * x for x in off) / 256)
-        says = math.sqrt(sum(x * x for x in found["standard_error_rad"]) / 256)
-        nearest = [min(range(256), key=lambda g, k=k: abs(math.remainder(path[g] - k / 256, 1.0))) for k in range(256)]
-        error, best = lut_error_rad(found["grey_levels"], path), lut_error_rad(nearest, path)
-        print(f"\n  gamma 0.4, {found['levels']} levels: response {curve:.4f} rad RMS, largest {max(off):.4f}, says {says:.4f}, "
-              f"LUT {error:.4f} rad RMS, best {best:.4f}, noise {found['noise_rad']:.4f}")
-        self.assertGreater(found["levels"], 33)
-        self.assertLess(curve, 0.02)
-        self.assertLess(curve, 3.0 * says)
-        self.assertLess(error, best + 0.01)
-
-
-class FallingSlm(LookUpTable):
-    """Phase decreases with grey level: without a table the light goes to the other side of the zeroth order, off the camera."""
-    twin_config = {"slm": {"gamma": 1.4, "depth_waves": -1.2}}
-
-    def test_is_found_falling(self):
-        found, before, after = self.measure(-1.2)
-        self.assertGreater(after, 0.98)
-        self.restart()
-        self.assertEqual(self.call("lut.get"), found)
-        self.check_read_only(found)
-
-    def check_read_only(self, found):
-        """Checks that stored results are used although the disk is read-only."""
-        state = self.bench.directory / "state"
-        own_mounts()
-        subprocess.run(["mount", "--bind", state, state], check=True)
-        self.addCleanup(subprocess.run, ["umount", state], check=False)
-        subprocess.run(["mount", "-o", "remount,bind,ro", state], check=True)
-        self.restart()
-        self.assertEqual(self.call("lut.get"), found)
-        store = self.call("system.status")["store"]
-        self.assertEqual(store["directory"], str(state))
-        self.assertIn("mount it for writing", store["reason"])
-        self.refused("lut.clear")
-        self.assertEqual(self.call("lut.get"), found)
-        again = self.run_job("lut.run", {"levels": 17, "frames": 2}, 60.0)["result"]
-        self.assertTrue(again["falls"])
-        self.assertIsNone(again["sha256"])
-        subprocess.run(["mount", "-o", "remount,bind,rw", state], check=True)
-        self.take_reference(10)
-        self.assertIsNotNone(self.call("reference.get")["sha256"])
-        self.restart()
-        self.assertEqual(self.call("lut.get"), found)
-        self.assertIsNone(self.call("system.status")["store"]["reason"])
 
 
 if __name__ == "__main__":

@@ -56,6 +56,7 @@ class Documents(unittest.TestCase):
 
 
 class Readme(BenchCase):
+    small = True
     daemon_config = {"state": {"directory": "state"}}
 
     def run_here(self, command):

@@ -60,13 +60,8 @@ TEST(Procedures, AReferenceWithSaturatedSpotsIsRefused) {
   EXPECT_FALSE(bench.sensor()->reference);
 }
 
-TEST(Procedures, ARegistrationFindsHowTheCameraStands) {
-  auto twin = small_twin_config();
-  twin.truth.geometry.rotation_deg = 20.0;
-  twin.truth.geometry.magnification = 1.05;
+Result<Registration> register_on(SimulatedBench& bench) {
   Registration found;
-  SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto run = bench.run("registration.run", [&](Bench& on) -> Result<nlohmann::json> {
     auto measured = measure_registration(on, bench.config().slm.geometry, 2);
     if (!measured) return fail(measured.error());
@@ -74,69 +69,157 @@ TEST(Procedures, ARegistrationFindsHowTheCameraStands) {
     if (auto used = on.use(use_registration(*measured)); !used) return fail(used.error());
     return nlohmann::json{};
   });
-  ASSERT_TRUE(run) << run.error().reason;
-  const double expected = px_per_cycle(bench.config().optics, bench.config().slm.geometry).scale();
-  EXPECT_NEAR(found.px_per_cycle.rotation_deg(), 20.0, 0.1);
-  EXPECT_NEAR(found.px_per_cycle.scale(), 1.05 * expected, 0.002 * expected);
-  EXPECT_NEAR(norm(found.base_px - twin.truth.geometry.centre_px), 0.0, 0.3);
-  ASSERT_TRUE(take_reference_on(bench, 20));
-  ASSERT_TRUE(bench.edit(set_aberration({{3, 0.1}})));
-  EXPECT_NEAR(wave_of(bench, bench.mean_waves(20), 3), 0.1, 0.01);
+  if (!run) return fail(run.error());
+  return found;
 }
 
-TEST(Procedures, ACalibrationReadsWhatTheSlmShows) {
+/// Measures pokes of `modes_j` and uses them.
+Result<MeasuredCalibration> calibrate_on(SimulatedBench& bench, double amplitude_waves,
+                                         const std::vector<int>& modes_j) {
   MeasuredCalibration found;
-  SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
-  ASSERT_TRUE(take_reference_on(bench, 20));
   const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
     const std::uint64_t epoch = on.sensor()->sensor_epoch;
-    auto measured = measure_calibration(on, bench.config().slm.geometry, {0.1, 5, {1, 2, 3, 4, 5}});
+    auto measured =
+        measure_calibration(on, bench.config().slm.geometry, {amplitude_waves, 5, modes_j});
     if (!measured) return fail(measured.error());
     found = *measured;
     if (auto used = on.use(use_calibration(epoch, *measured)); !used) return fail(used.error());
     return nlohmann::json{};
   });
-  ASSERT_TRUE(run) << run.error().reason;
-  EXPECT_TRUE(found.matrix.dropped.empty());
+  if (!run) return fail(run.error());
+  return found;
+}
+
+twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
+                               Vec2 centre_px) {
+  twin::CameraGeometry geometry;
+  geometry.rotation_deg = rotation_deg;
+  geometry.mirror = mirror;
+  geometry.magnification = magnification;
+  geometry.centre_px = centre_px;
+  return geometry;
+}
+
+class CameraPose : public testing::TestWithParam<twin::CameraGeometry> {};
+
+TEST_P(CameraPose, IsRegisteredCalibratedAndThenMeasuredWith) {
+  const twin::CameraGeometry& truth = GetParam();
+  auto twin = small_twin_config();
+  twin.truth.geometry = truth;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto found = register_on(bench);
+  ASSERT_TRUE(found) << found.error().reason;
+  const double expected = px_per_cycle(bench.config().optics, bench.config().slm.geometry).scale();
+  EXPECT_EQ(found->px_per_cycle.mirrored(), truth.mirror != twin::Mirror::none);
+  EXPECT_NEAR(found->px_per_cycle.scale(), truth.magnification * expected, 0.002 * expected);
+  EXPECT_NEAR(norm(found->base_px - truth.centre_px), 0.0, 0.3);
+  if (truth.mirror == twin::Mirror::none) {
+    EXPECT_NEAR(found->px_per_cycle.rotation_deg(), truth.rotation_deg, 0.1);
+  }
+  ASSERT_TRUE(take_reference_on(bench, 20));
+  ASSERT_TRUE(bench.edit(set_aberration({{3, 0.1}})));
+  EXPECT_NEAR(wave_of(bench, bench.mean_waves(20), 3), 0.1, 0.01) << "by the map alone";
+  ASSERT_TRUE(bench.edit(set_aberration({})));
+  const auto calibration = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
+  ASSERT_TRUE(calibration) << calibration.error().reason;
+  EXPECT_TRUE(calibration->matrix.dropped.empty());
   ASSERT_TRUE(bench.edit(set_aberration({{5, 0.08}})));
   const auto waves = bench.mean_waves(20);
   EXPECT_NEAR(wave_of(bench, waves, 5), 0.08, 0.006);
   EXPECT_NEAR(wave_of(bench, waves, 4), 0.0, 0.006);
 }
+INSTANTIATE_TEST_SUITE_P(Cameras, CameraPose,
+                         testing::Values(camera_at(0.0, twin::Mirror::none, 1.0, {127.5, 127.5}),
+                                         camera_at(3.0, twin::Mirror::none, 1.0, {127.5, 127.5}),
+                                         camera_at(33.0, twin::Mirror::none, 1.05, {137.5, 122.5}),
+                                         camera_at(90.0, twin::Mirror::none, 1.0, {127.5, 127.5}),
+                                         camera_at(0.0, twin::Mirror::x, 1.05, {127.5, 127.5}),
+                                         camera_at(87.0, twin::Mirror::x, 0.95, {120.0, 130.0}),
+                                         camera_at(20.0, twin::Mirror::y, 0.95, {127.5, 127.5})));
 
-class LutProcedure : public testing::TestWithParam<std::pair<double, double>> {};
-
-/// By the truth's law, 2 pi depth (grey / 256)^gamma.
-TEST_P(LutProcedure, FindsThePhaseOfEveryGreyLevel) {
-  const auto [gamma, depth_waves] = GetParam();
+/// Near the sampling limit of the SLM a mode is poked by less, or left out with the reason.
+TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
+  auto daemon = small_daemon_config();
   auto twin = small_twin_config();
-  twin.slm.gamma = gamma;
-  twin.slm.depth_waves = depth_waves;
-  MeasuredLut found;
-  SimulatedBench bench(small_daemon_config(), twin);
+  daemon.sensor.grooves = twin.sensor.grooves = {138.0, 4.0};
+  SimulatedBench bench(daemon, twin);
   ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(take_reference_on(bench, 10));
+  const auto found = calibrate_on(bench, 0.2, {1, 2, 12});
+  ASSERT_TRUE(found) << found.error().reason;
+  ASSERT_EQ(found->matrix.modes_j, (std::vector<int>{1, 2}));
+  EXPECT_EQ(found->matrix.amplitude_waves[0], 0.2);
+  EXPECT_LT(found->matrix.amplitude_waves[1], 0.2) << "the grating runs along x, too";
+  ASSERT_EQ(found->matrix.dropped.size(), 1U);
+  EXPECT_EQ(found->matrix.dropped[0].j, 12);
+  EXPECT_NE(found->matrix.dropped[0].reason.find("the SLM cannot show it"), std::string::npos);
+}
+
+/// An SLM with the phase 2 pi depth (grey / 256)^gamma.
+struct SlmLaw {
+  double gamma = 1.0;
+  double depth_waves = 1.0;
+
+  double phase_rad(int grey) const { return kTurn * depth_waves * std::pow(grey / 256.0, gamma); }
+};
+
+struct LutFound {
+  MeasuredLut lut;
+  double error_rad = 0.0;  ///< RMS over the grey levels
+  double standard_error_rad = 0.0;
+  bool used = false;
+};
+
+Result<LutFound> lut_on(const SlmLaw& law, int levels) {
+  auto twin = small_twin_config();
+  twin.slm.gamma = law.gamma;
+  twin.slm.depth_waves = law.depth_waves;
+  LutFound found;
+  SimulatedBench bench(small_daemon_config(), twin);
+  if (!bench.is_running()) return fail(Errc::unavailable, "", "no frames");
   const auto run = bench.run("lut.run", [&](Bench& on) -> Result<nlohmann::json> {
-    auto measured = measure_lut(on, bench.config().slm.geometry, {17, 2});
+    auto measured = measure_lut(on, bench.config().slm.geometry, {levels, 2});
     if (!measured) return fail(measured.error());
-    found = *measured;
+    found.lut = *measured;
     if (auto used = on.use(use_lut(std::move(*measured))); !used) return fail(used.error());
     return nlohmann::json{};
   });
-  ASSERT_TRUE(run) << run.error().reason;
-  double square = 0.0;
+  if (!run) return fail(run.error());
+  const PhaseResponse& response = found.lut.response;
+  double square = 0.0, variance = 0.0;
   for (int grey = 0; grey < 256; ++grey) {
-    const double truth_rad = kTurn * depth_waves * std::pow(grey / 256.0, gamma);
-    square += std::pow(found.response.phase_rad[std::size_t(grey)] - truth_rad, 2) / 256.0;
+    square += std::pow(response.phase_rad[std::size_t(grey)] - law.phase_rad(grey), 2) / 256.0;
+    variance += std::pow(response.standard_error_rad[std::size_t(grey)], 2) / 256.0;
   }
-  EXPECT_LT(std::sqrt(square), 0.05);
-  EXPECT_EQ(found.response.falls(), depth_waves < 0.0);
-  EXPECT_EQ(found.table.reason.empty(), std::abs(depth_waves) >= 1.0);
-  EXPECT_TRUE(bench.sensor()->slm->lut);
+  found.error_rad = std::sqrt(square);
+  found.standard_error_rad = std::sqrt(variance);
+  found.used = bench.sensor()->slm->lut != nullptr;
+  return found;
+}
+
+class LutProcedure : public testing::TestWithParam<SlmLaw> {};
+
+TEST_P(LutProcedure, FindsThePhaseOfEveryGreyLevel) {
+  const SlmLaw& law = GetParam();
+  const auto found = lut_on(law, 17);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_LT(found->error_rad, 0.05);
+  EXPECT_EQ(found->lut.response.falls(), law.depth_waves < 0.0);
+  EXPECT_EQ(found->lut.table.reason.empty(), std::abs(law.depth_waves) >= 1.0);
+  EXPECT_TRUE(found->used);
 }
 INSTANTIATE_TEST_SUITE_P(Slms, LutProcedure,
-                         testing::Values(std::pair{1.4, 0.9}, std::pair{1.4, -1.2},
-                                         std::pair{0.7, 1.1}));
+                         testing::Values(SlmLaw{1.4, 0.9}, SlmLaw{1.4, -1.2}, SlmLaw{0.7, 1.1}));
+
+/// Grey level 1 shows a tenth of a wave: no table can show smaller phases.
+TEST(Procedures, ASteepPhaseResponseIsMeasuredAtMoreLevels) {
+  const auto found = lut_on({0.4, 1.0}, 33);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_GT(found->lut.response.levels, 33);
+  EXPECT_LT(found->error_rad, 0.02);
+  EXPECT_LT(found->error_rad, 3.0 * found->standard_error_rad);
+}
 
 TEST(Procedures, AProcedureThatFailsGivesTheSensorBack) {
   SimulatedBench bench;
