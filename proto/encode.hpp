@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "proto/messages.hpp"
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 

@@ -11,6 +11,7 @@
 
 #include "config/config.hpp"
 #include "daemon/ovwsd/actor/jobs.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"

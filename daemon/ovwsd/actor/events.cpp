@@ -4,6 +4,7 @@
 
 #include "core/base/printable.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 namespace ovws {
 namespace {
@@ -30,6 +31,10 @@ void Events::emit(std::string kind, Severity severity, std::string text, nlohman
   spdlog::log(log_level(severity), "{}", text);
   queue_.put(
       EventMessage{0, utc_ns(), std::move(kind), severity, std::move(text), std::move(data)});
+  queue_.request_status();
+}
+
+void Events::status_changed() {
   queue_.request_status();
 }
 

@@ -4,10 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "proto/messages.hpp"
 
 namespace ovws {
+
+class StreamQueue;
 
 class Events {
  public:
@@ -19,7 +20,7 @@ class Events {
             nlohmann::json data = nlohmann::json::object());
 
   /// Thread-safe: requests a status message at once, for a change that is no event.
-  void status_changed() { queue_.request_status(); }
+  void status_changed();
 
  private:
   StreamQueue& queue_;

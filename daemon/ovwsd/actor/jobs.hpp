@@ -11,8 +11,8 @@
 
 #include "core/base/result.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
+#include "proto/status_message.hpp"
 #include "proto/tables/job.hpp"
-#include "proto/tables/status.hpp"
 
 namespace ovws {
 

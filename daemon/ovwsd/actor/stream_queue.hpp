@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "proto/messages.hpp"
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 

@@ -24,7 +24,7 @@
 #include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 

@@ -14,7 +14,7 @@
 #include "proto/messages.hpp"
 #include "proto/refine_setup.hpp"
 #include "proto/requests.hpp"
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 

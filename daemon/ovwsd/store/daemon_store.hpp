@@ -18,7 +18,7 @@
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/store/state_store.hpp"
-#include "proto/tables/status.hpp"
+#include "proto/status_message.hpp"
 
 namespace ovws {
 
@@ -43,9 +43,9 @@ class DaemonStore {
   /// Limit of the memory of queued items; an item beyond it is not stored.
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{128} << 20;
 
-  /// Opens the store in state_directory_of; blocks on the disk. An event reports a store that is
-  /// missing, cannot be used, or cannot be written; items of one that can only be read are read.
-  /// Without `disk` every operation is done at once, in the calling thread.
+  /// Opens the store in state_directory_of(config); blocks on the disk. Emits an event if no folder
+  /// is configured, or if it is unusable or read-only. Items in a read-only folder are loaded.
+  /// Without `disk`, the calling thread carries out every operation at once.
   DaemonStore(const StateConfig& config, Events& events, Disk* disk = nullptr);
 
   // Any thread; these never block on the disk.

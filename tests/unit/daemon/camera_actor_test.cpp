@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
 

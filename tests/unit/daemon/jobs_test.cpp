@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 namespace ovws {
 namespace {

@@ -1,6 +1,7 @@
 /// SensorKeeper: which holograms it shows, and who may change the sensor, with a fake display. This
 /// program's own open_display replaces the driver table's.
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 #include <gtest/gtest.h>
 

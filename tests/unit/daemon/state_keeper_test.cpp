@@ -1,4 +1,5 @@
 #include "daemon/ovwsd/actor/state_keeper.hpp"
+#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 #include "proto/encode.hpp"
 #include "proto/tables/slm.hpp"
+#include "proto/tables/status.hpp"
 
 #include <gtest/gtest.h>
 

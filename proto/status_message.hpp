@@ -1,0 +1,92 @@
+/// The message `status` as a plain struct. Its field tables are in tables/status.hpp, which takes
+/// seconds to compile.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/port/camera.hpp"
+#include "core/port/display.hpp"
+#include "core/rt/latency_histogram.hpp"
+#include "proto/tables/record.hpp"
+#include "proto/tables/sensor.hpp"
+
+namespace ovws {
+
+struct StatusMessage {
+  std::uint64_t seq = 0;  ///< message number of the stream
+  std::int64_t t_ns = 0;
+  double uptime_s = 0.0;
+  std::string state;                 ///< name of the state machine's state
+  std::optional<std::string> fault;  ///< cause of the state `fault`, and the remedy
+
+  struct CameraPart {
+    bool connected = false, streaming = false;
+    std::optional<CameraInfo> info;
+    CameraSettings settings;           ///< in use; if not connected, those that will be applied
+    std::optional<std::string> fault;  ///< what is wrong, and the remedy
+  } camera;
+  struct SlmPart {
+    bool connected = false;
+    std::optional<DisplayInfo> info;
+    std::string pattern = "sensor";
+    std::uint64_t hologram_id = 0;  ///< shown now; 0: none
+    bool settled = false;
+    std::optional<std::string> fault;
+  } slm;
+  struct SensorPart {
+    SensorSettings settings;
+    TemplateReport templates;
+    OperatorReport mode_operator;
+    int subapertures = 0, modes = 0;
+    bool referenced = false;
+    std::string reference = "none";               ///< "none", "in_force", "stale"
+    double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
+    /// Why spots lie outside the camera's region or too close for the tracker; empty: null.
+    std::string layout_fault;
+    std::vector<int> torn;  ///< split spots
+    /// Why no frame is valid although frames are settled and a reference is active.
+    struct Invalid {
+      std::int64_t t_since_ns = 0;  ///< UTC
+      std::string reason;
+      std::string action;                            ///< what is done about it, and when
+      int searches = 0;                              ///< whole-image searches since then
+      std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
+    };
+    std::optional<Invalid> invalid;
+  } sensor;
+  bool loop_closed = false;
+  struct RefinePart {
+    std::string state = "off";            ///< "off", "waiting", "refining"
+    std::uint64_t done = 0, refused = 0;  ///< since the start
+    std::optional<double> last_duration_ms;
+    std::optional<std::string> reason;  ///< why there is no refinement now
+  } refine;
+
+  RecordReport record;
+
+  struct StorePart {
+    std::optional<std::string> directory;  ///< of the items that survive a restart
+    std::optional<std::string> reason;     ///< why an item is not stored
+  } store;
+
+  struct FailedJob {
+    int job = 0;
+    std::string kind, field, reason;
+    std::int64_t t_failed_ns = 0;
+  };
+  /// The last failed job whose kind has not succeeded since.
+  std::optional<FailedJob> failed_job;
+
+  struct Rates {
+    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
+  } rates;
+  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< all, since the start
+  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage
+  std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
+};
+
+}  // namespace ovws
