@@ -1,4 +1,4 @@
-/// JSON to text and back. In one place, because nlohmann's parser and serialiser take seconds to
+/// JSON to text and back, apart from nlohmann's header, whose parser and serialiser take seconds to
 /// compile. config/dump.cpp and daemon/shared/key_file.cpp keep the order of their keys instead.
 #pragma once
 
@@ -12,8 +12,8 @@ namespace ovws {
 /// which texts of a device or client may contain, are replaced.
 std::string json_text(const nlohmann::json& value, int indent = -1);
 
-/// Text from a trusted source, such as the daemon's own messages and files; for all else
-/// see parse_strict_json. If it is not JSON, the result is_discarded(), whose accesses throw
+/// For requests and configurations, which need an error with a place, see parse_strict_json. If the
+/// text is not JSON, the result is_discarded(): at(), [], value() and get() of it throw
 /// nlohmann::json::type_error.
 nlohmann::json json_of(std::string_view text);
 

@@ -55,7 +55,7 @@ struct HologramConfig {
   std::shared_ptr<const Image<float>> flatness_waves;
 };
 
-/// The modes that a hologram of `kind` shows, waves: the aberration minus the correction.
+/// The modes to render a hologram of `kind` with, waves: the aberration minus the correction.
 /// `grating`, the corrected beam, leaves out the aberration.
 std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
                               std::span<const Mode> correction);

@@ -87,7 +87,8 @@ inline float Noise::poisson(float mean) {
   return static_cast<float>(most + draw_small(rest_mean, random & (kOne - 1)));
 }
 
-/// Inverse-transform sampling for a small mean. exp(-mean) >= 1 - mean avoids most exponentials.
+/// Poisson number of a small mean, by inverse-transform sampling. Most draws need no exponential,
+/// because exp(-mean) >= 1 - mean.
 inline int Noise::draw_small(float mean, std::uint32_t random) {
   float left = static_cast<float>(random) / static_cast<float>(kOne);
   if (left < 1.0F - mean) return 0;

@@ -26,8 +26,8 @@ class Display {
   /// it, CLOCK_MONOTONIC ns.
   virtual Result<std::int64_t> present(const Image<std::uint8_t>& grey) = 0;
   /// Reads back what the output shows now, 0xRRGGBB, whichever program drew it; takes tens of
-  /// milliseconds. Errc::unavailable if the display system does not support it; the object stays
-  /// usable.
+  /// milliseconds. Errc::unavailable if the display system does not support it or gives no image;
+  /// the object stays usable. Errc::device if the display was lost: open it again.
   virtual Result<Image<std::uint32_t>> read_back() = 0;
   /// Handles pending display events and checks output, mode and window. The error says what is
   /// wrong.

@@ -227,9 +227,9 @@ Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) 
     }
   }
   if (!others.empty()) {
-    return {Disagreement::order,
-            "the modes are in another order: " + listed(others) +
-                "; check that both use OSA/ANSI indices, then repeat calibration.run"};
+    return {Disagreement::order, "the modes are in another order: " + listed(others) +
+                                     "; check that no other program changes what the SLM shows, "
+                                     "then repeat calibration.run"};
   }
   return {
       Disagreement::unlike,

@@ -136,7 +136,7 @@ void Feeds::poll_bench() {
       pattern = pattern_;
     }
     try {
-      if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(view->dump()));
+      if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(json_text(*view)));
     } catch (const json::exception& error) {
       spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
       sleep_unless_stopped(kPollPeriod);
@@ -160,7 +160,7 @@ void Feeds::take(const StreamMessage& message) {
 
 void Feeds::take_wavefront(const StreamMessage& message) {
   json wavefront = json_of(message.json);
-  if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(bin->dump()));
+  if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(json_text(*bin)));
   wavefront_at_ = Clock::now();
   if (!valid_wavefront_.shows(wavefront.at("valid").get<bool>())) return;
   board_.put(Slot::wavefront, framed(message.json));

@@ -31,7 +31,8 @@ GenicamDevice::~GenicamDevice() {
 template <class Call>
 auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
     -> Result<decltype(call(static_cast<GError**>(nullptr)))> {
-  if (!alive()) return fail(Errc::device, "", "the camera no longer answers; open it again");
+  if (!alive())
+    return fail(Errc::device, "", "the camera no longer answers: check its cable and power");
   GErrorSlot error;
   auto answer = call(error.out());
   if (!error) return answer;

@@ -32,8 +32,8 @@ using Picture = std::unique_ptr<XImage, DestroyImage>;
 
 Error lost_server() {
   return {Errc::device, "slm.display",
-          "the connection to the X server was lost (the server ended or closed it); start it and "
-          "open the display again"};
+          "the connection to the X server was lost (the server ended or closed it); start the "
+          "server, and the display is opened again"};
 }
 
 Error changed(const std::string& reason) {

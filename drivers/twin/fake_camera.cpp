@@ -65,7 +65,8 @@ Result<void> FakeCamera::plug() {
       arv_gv_fake_camera_new_full(address.c_str(), config_.serial.c_str(), path.c_str());
   auto device = std::make_unique<GigeDevice>(gige, config_, deps_, stop_.get_token(), tally_);
   if (!arv_gv_fake_camera_is_running(gige)) {
-    return no_camera("no network interface of this machine has the address " + address);
+    return no_camera("no network interface of this machine has the address " + address +
+                     ": choose one that `ip address` lists");
   }
   // Aravis reports a running camera even if it could not bind the port, so ask the kernel.
   if (try_camera_port(address) != EADDRINUSE) {

@@ -2,8 +2,6 @@
 /// need CLI11 include it, because it takes seconds to compile.
 #pragma once
 
-#include <string>
-
 #include "daemon/shared/client.hpp"
 
 namespace CLI {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/wavefront/refine.hpp"
-#include "daemon/ovws/cli/refined.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {

@@ -6,8 +6,6 @@
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
-namespace {}  // namespace
-
 int make_keys(const Common& common, const KeygenOptions& options) {
   const auto pair = make_key_pair();
   if (!pair) return report(common, pair.error());

@@ -137,7 +137,7 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   const auto answer = call(common, method, params);
   if (!answer) return report_failure(common, answer.error());
   if (common.json) {
-    print("{}\n", answer->dump());
+    print("{}\n", json_text(*answer));
   } else {
     show(*answer);
   }
@@ -210,7 +210,7 @@ int show_status(const Common& common) {
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
   if (common.json) {
-    print("{}\n", status->dump());
+    print("{}\n", json_text(*status));
     return kOk;
   }
   const auto loop = call(common, "loop.get", json::object());
@@ -237,7 +237,7 @@ int call_method(const Common& common, const CallOptions& options) {
     answer = end_of_job(common, *answer);
   }
   if (!answer) return report_failure(common, answer.error());
-  print("{}\n", common.json ? answer->dump() : readable(*answer));
+  print("{}\n", common.json ? json_text(*answer) : readable(*answer));
   return kOk;
 }
 

@@ -59,10 +59,9 @@ Findings judge(const ConfigurationFacts& facts) {
                   keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
   }
   if (facts.unseen) {
-    return {fault(
-        kName,
-        "the sensor would find no spots with this configuration: " + error_text(*facts.unseen),
-        fix_of(facts, *facts.unseen))};
+    return {fault(kName,
+                  "the sensor cannot measure with this configuration: " + error_text(*facts.unseen),
+                  fix_of(facts, *facts.unseen))};
   }
   if (facts.path.empty()) {
     return {warning(kName,

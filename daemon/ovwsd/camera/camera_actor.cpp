@@ -61,7 +61,9 @@ bool CameraActor::do_work() {
   } else if (!camera_) {
     if (monotonic_ns() >= next_try_ns_) open_with({});
   } else if (!camera_->alive()) {
-    lose({Errc::device, "camera", "control of the camera was lost"});
+    lose({Errc::device, "camera",
+          "control of the camera was lost: check its cable and power, and close other programs "
+          "that use it"});
   } else {
     watch_frames();
   }
@@ -217,7 +219,8 @@ bool CameraActor::close_camera() {
 /// reports a camera whose frames are all unusable.
 void CameraActor::watch_frames() {
   if (silent_s(deps_.pipeline.last_sign_mono_ns()) > frame_timeout_s()) {
-    return lose({Errc::device, "camera", "the camera sends no frames"});
+    return lose({Errc::device, "camera",
+                 "the camera sends no frames: check its cable and the firewall; run ovws doctor"});
   }
   const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
   if (last_ns != std::exchange(last_frame_ns_, last_ns)) unusable_before_ = count_unusable();

@@ -31,7 +31,8 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
     const std::lock_guard lock(mutex_);
     if (ending_) return done(fail(Errc::refused, "", "the daemon is stopping"));
     if (run_) {
-      return done(fail(Errc::refused, "", "another job is running: wait for its end or cancel it"));
+      return done(fail(Errc::refused, "",
+                       "another job is running: wait until it ends, or call job.cancel"));
     }
     run_ = run;
     begun_ = true;  // do_work must not start it before it is complete

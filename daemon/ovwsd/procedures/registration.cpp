@@ -20,7 +20,7 @@ constexpr double kMaxCpp = 0.5;  // Nyquist limit of the SLM
 constexpr double kMaxResidual = 0.02, kMaxRoughResidual = 0.1;
 constexpr std::size_t kMaxOutliers = 2;  // positions that may be ghosts
 constexpr int kMaxCharge = 2;            // of the probe
-constexpr double kMaxScaleError = 0.03;  // relative: from this scale error on, search again
+constexpr double kMaxScaleError = 0.03;  // relative; above it, locate the spots at the new scale
 
 /// Grating steps around the base. The first ones are repeated at the end to reveal motion.
 constexpr std::array<Vec2, 12> kSteps{{{0, 0},

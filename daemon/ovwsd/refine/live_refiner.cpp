@@ -85,7 +85,8 @@ void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
   try {
     refined = model_.refine(frame, sensor, settings);
   } catch (const std::bad_alloc&) {
-    refined.refusal = "there is not enough memory for a model of this SLM and this image";
+    refined.refusal =
+        "there is not enough memory for a model of this SLM and this image: reduce camera.roi";
   }
   const RefineSetup now = settings_.get();
   if (!now.enabled || !same_fit(now, settings)) return set_state("waiting", std::nullopt);

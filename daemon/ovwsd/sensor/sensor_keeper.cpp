@@ -178,9 +178,10 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   edit.knowledge.camera = info;
   SensorState& state = edit.state;
   if (state.registration && is_other(state.registration->camera)) {
-    deps_.events.emit("registration", Severity::warning,
-                      "the registration is not used: it was measured with another camera",
-                      {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
+    deps_.events.emit(
+        "registration", Severity::warning,
+        "the registration is not used: it was measured with another camera; run registration.run",
+        {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
     state.registration.reset();
     ++state.sensor_epoch;
   }
@@ -357,9 +358,10 @@ void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
   if (undone) undone = edit.undo(undo);
   if (undone) undone = activate(std::move(undo), Show::when_possible);
   if (!undone) {
-    why.reason +=
-        fmt::format("; it is no longer used ({}), but the next restart will load it again",
-                    undone.error().reason);
+    why.reason += fmt::format(
+        "; this could not be undone ({}): it is not used now, but the next restart will load it "
+        "again",
+        undone.error().reason);
   }
   done(fail(std::move(why)));
 }

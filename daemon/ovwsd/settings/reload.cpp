@@ -163,7 +163,7 @@ void Reloader::finish(const Reload& reload) {
 void Reloader::report(const Reload& reload) {
   const auto& [live, restart] = reload.keys;
   std::string text = "configuration reloaded: ";
-  text += live.empty() ? "no setting to change at run time" : "applied " + listed(live);
+  text += live.empty() ? "no run-time setting has changed" : "applied " + listed(live);
   if (!restart.empty()) text += "; a restart is needed for: " + listed(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
   const bool all_used = restart.empty() && reload.read.unused_reason.empty();
