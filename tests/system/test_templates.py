@@ -83,7 +83,7 @@ class Templates(BenchCase):
         self.take_reference(1)  # may or may not contain an image
         _, own, reason = self.in_use()
         print(f"\n  a reference of one frame: {own} templates, {reason}")
-        self.assertTrue((own == 19) == (reason is None) and (own == 19 or "no picture" in reason))
+        self.assertTrue((own == 19) == (reason is None) and (own == 19 or "no mean image" in reason))
         # A spot that is saturated in the reference uses the model's template, which is reported.
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
