@@ -1,18 +1,39 @@
 #include "core/optics/chirp_z.hpp"
 
-#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
+#include <vector>
 
 namespace ovws {
 namespace {
 
-using Line = Eigen::ArrayXcf;
+/// One number of each of kLanes lines: arithmetic for all lines at once, for Eigen's FFT.
+struct Lanes {
+  static constexpr int kLanes = 4;
+  using Vector [[gnu::vector_size(kLanes * sizeof(float))]] = float;
 
-std::complex<float> unit_phasor(double turns) {
+  Vector of_line = {};
+
+  Lanes() = default;
+  Lanes(Vector of_each) : of_line(of_each) {}
+  Lanes(double of_all) : of_line(Vector{} + float(of_all)) {}
+
+  Lanes operator-() const { return -of_line; }
+  Lanes& operator+=(Lanes b) { return *this = of_line + b.of_line; }
+  Lanes& operator-=(Lanes b) { return *this = of_line - b.of_line; }
+  Lanes& operator*=(Lanes b) { return *this = of_line * b.of_line; }
+  friend Lanes operator+(Lanes a, Lanes b) { return a += b; }
+  friend Lanes operator-(Lanes a, Lanes b) { return a -= b; }
+  friend Lanes operator*(Lanes a, Lanes b) { return a *= b; }
+};
+
+using Values = std::vector<std::complex<Lanes>>;
+
+std::complex<Lanes> unit_phasor(double turns) {
   const double angle = 2.0 * std::numbers::pi * (turns - std::round(turns));
-  return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+  return {std::cos(angle), std::sin(angle)};
 }
 
 /// Next 5-smooth length: the FFT has fast butterflies for the factors 2, 3 and 5.
@@ -29,53 +50,81 @@ int fast_length(int at_least) {
 }  // namespace
 
 struct ChirpZ::Impl {
-  Eigen::FFT<float> fft;
+  Eigen::internal::kissfft_impl<Lanes> fft;
   int length = 0;
-  Line before;  ///< chirp on the inputs
-  Line kernel;  ///< spectrum of the convolving chirp, 1/length included
-  Line after;   ///< chirp on the outputs
-  Line padded;
-  Line spectrum;
+  Values before;  ///< chirp on the inputs
+  Values kernel;  ///< spectrum of the convolving chirp, 1/length included
+  Values after;   ///< chirp on the outputs
+  Values padded;
+  Values spectrum;
+
+  void load(const std::complex<float>* in, int lines);
+  void convolve();
+  void store(int lines, std::complex<float>* out, int stride) const;
 };
 
 ChirpZ::ChirpZ(const Axis& axis) : impl_(std::make_unique<Impl>()) {
   // Bluestein: k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
   Impl& d = *impl_;
   d.length = fast_length(axis.inputs + axis.outputs - 1);
-  d.before.resize(axis.inputs);
   for (int x = 0; x < axis.inputs; ++x) {
-    d.before[x] = unit_phasor(-axis.first * (x - axis.centre) - 0.5 * axis.step * x * x);
+    d.before.push_back(unit_phasor(-axis.first * (x - axis.centre) - 0.5 * axis.step * x * x));
   }
-  d.after.resize(axis.outputs);
   for (int k = 0; k < axis.outputs; ++k) {
-    d.after[k] = unit_phasor(-axis.step * (0.5 * k * k - k * axis.centre));
+    d.after.push_back(unit_phasor(-axis.step * (0.5 * k * k - k * axis.centre)));
   }
-  d.padded.setZero(d.length);
-  d.spectrum.resize(d.length);
-  d.kernel.resize(d.length);
+  d.padded.resize(std::size_t(d.length));
+  d.spectrum.resize(std::size_t(d.length));
+  d.kernel.resize(std::size_t(d.length));
   const auto chirp = [&](double m) {
-    return unit_phasor(0.5 * axis.step * m * m) / static_cast<float>(d.length);
+    return unit_phasor(0.5 * axis.step * m * m) * Lanes(1.0 / d.length);
   };
-  for (int k = 0; k < axis.outputs; ++k) d.padded[k] = chirp(k);
-  for (int x = 1; x < axis.inputs; ++x) d.padded[d.length - x] = chirp(x);
-  d.fft.impl().fwd(d.kernel.data(), d.padded.data(), d.length);
-  d.padded.setZero();
+  for (int k = 0; k < axis.outputs; ++k) d.padded[std::size_t(k)] = chirp(k);
+  for (int x = 1; x < axis.inputs; ++x) d.padded[std::size_t(d.length - x)] = chirp(x);
+  d.fft.fwd(d.kernel.data(), d.padded.data(), d.length);
 }
 
 ChirpZ::~ChirpZ() = default;
 ChirpZ::ChirpZ(ChirpZ&&) noexcept = default;
 ChirpZ& ChirpZ::operator=(ChirpZ&&) noexcept = default;
 
-const std::complex<float>* ChirpZ::transform(const std::complex<float>* in) {
-  Impl& d = *impl_;
-  const Eigen::Index inputs = d.before.size();
-  d.padded.head(inputs) = Eigen::Map<const Line>(in, inputs) * d.before;
-  d.padded.tail(d.length - inputs).setZero();
-  d.fft.impl().fwd(d.spectrum.data(), d.padded.data(), d.length);
-  d.spectrum *= d.kernel;
-  d.fft.impl().inv(d.padded.data(), d.spectrum.data(), d.length);
-  d.padded.head(d.after.size()) *= d.after;
-  return d.padded.data();
+void ChirpZ::Impl::load(const std::complex<float>* in, int lines) {
+  const std::size_t inputs = before.size();
+  for (std::size_t x = 0; x < inputs; ++x) {
+    Lanes::Vector real{}, imaginary{};
+    for (int i = 0; i < lines; ++i) {
+      const std::complex<float> value = in[std::size_t(i) * inputs + x];
+      real[i] = value.real();
+      imaginary[i] = value.imag();
+    }
+    padded[x] = std::complex<Lanes>(real, imaginary) * before[x];
+  }
+  std::fill(padded.begin() + std::ptrdiff_t(inputs), padded.end(), std::complex<Lanes>());
+}
+
+void ChirpZ::Impl::convolve() {
+  fft.fwd(spectrum.data(), padded.data(), length);
+  for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] *= kernel[i];
+  fft.inv(padded.data(), spectrum.data(), length);
+}
+
+void ChirpZ::Impl::store(int lines, std::complex<float>* out, int stride) const {
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    const std::complex<Lanes> value = padded[k] * after[k];
+    for (int i = 0; i < lines; ++i) {
+      out[k * std::size_t(stride) + std::size_t(i)] = {value.real().of_line[i],
+                                                       value.imag().of_line[i]};
+    }
+  }
+}
+
+void ChirpZ::transform(const std::complex<float>* in, int lines, std::complex<float>* out) {
+  for (int first = 0; first < lines; first += Lanes::kLanes) {
+    const int some = std::min(Lanes::kLanes, lines - first);
+    impl_->load(in + std::size_t(first) * impl_->before.size(), some);
+    impl_->convolve();
+    impl_->store(some, out + first, lines);
+  }
 }
 
 }  // namespace ovws

@@ -1,15 +1,15 @@
-/// Chirp-z transform (Bluestein): the Fourier sum of a line at any equally spaced frequencies.
+/// Chirp-z transform (Bluestein): the Fourier sum of lines at any equally spaced frequencies.
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <memory>
-#include <vector>
 
 namespace ovws {
 
-/// out[k] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), by two FFTs a transform
-/// and one in the constructor. Single precision, with chirps computed in double. Movable;
-/// `transform` is for one thread at a time.
+/// out[k] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), by two FFTs a line and
+/// one in the constructor; four lines at a time, one in each SIMD lane. Single precision, with
+/// chirps computed in double. Movable; `transform` is for one thread at a time.
 class ChirpZ {
  public:
   struct Axis {
@@ -27,8 +27,9 @@ class ChirpZ {
   ChirpZ(const ChirpZ&) = delete;
   ChirpZ& operator=(const ChirpZ&) = delete;
 
-  /// `in`: axis.inputs values. The result, axis.outputs values, is valid until the next call.
-  const std::complex<float>* transform(const std::complex<float>* in);
+  /// `in`: `lines` rows of axis.inputs values. `out`: the transposed result, axis.outputs rows of
+  /// `lines` values.
+  void transform(const std::complex<float>* in, int lines, std::complex<float>* out);
 
  private:
   struct Impl;

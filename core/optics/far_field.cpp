@@ -48,17 +48,11 @@ FarField& FarField::operator=(FarField&&) noexcept = default;
 void FarField::propagate(const Image<std::complex<float>>& field, Image<std::complex<float>>& out) {
   Impl& d = *impl_;
   assert(field.width == d.slm.width_px && field.height == d.slm.height_px);
-  for (int y = 0; y < field.height; ++y) {
-    const std::complex<float>* line = d.along_x.transform(field.row(y));
-    for (int c = 0; c < d.window.cols; ++c) d.columns.at(y, c) = line[c];
-  }
+  d.along_x.transform(field.pixels.data(), field.height, d.columns.pixels.data());
   out.width = d.window.cols;
   out.height = d.window.rows;
   out.pixels.resize(std::size_t(out.width) * out.height);
-  for (int c = 0; c < out.width; ++c) {
-    const std::complex<float>* line = d.along_y.transform(d.columns.row(c));
-    for (int r = 0; r < out.height; ++r) out.at(c, r) = line[r];
-  }
+  d.along_y.transform(d.columns.pixels.data(), out.width, out.pixels.data());
 }
 
 }  // namespace ovws
