@@ -51,7 +51,7 @@ void Detector::expose(const Image<float>& photons, double exposure_us, double ga
     const float read_e = std::min(full_well_e, collected_e) + read_noise_e * noise.normal();
     // The order of the arguments turns a NaN into the bound.
     const float level = std::min(top_dn, std::max(0.0F, read_e * gain + black_dn));
-    dn.pixels[i] = static_cast<std::uint16_t>(std::lrint(level));
+    dn.pixels[i] = static_cast<std::uint16_t>(level + 0.5F);
   }
 }
 

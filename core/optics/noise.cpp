@@ -7,15 +7,13 @@
 namespace ovws {
 namespace {
 
-constexpr int kQuantiles = 65536;
-
-/// The normal quantiles at (k + 1/2) / kQuantiles, scaled to a variance of exactly 1.
-std::vector<float> make_normals() {
+/// The normal quantiles at (k + 1/2) / quantiles, scaled to a variance of exactly 1/2.
+std::vector<float> make_half_normals(int quantiles) {
   std::vector<double> upper;
   double sum_of_squares = 0.0;
   double z = 0.0;
-  for (int k = 0; k < kQuantiles / 2; ++k) {
-    const double above_mean = (k + 0.5) / kQuantiles;
+  for (int k = 0; k < quantiles / 2; ++k) {
+    const double above_mean = (k + 0.5) / quantiles;
     // Newton's method from the previous quantile converges from below, because the density falls.
     for (int step = 0; step < 6; ++step) {
       const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
@@ -24,7 +22,7 @@ std::vector<float> make_normals() {
     upper.push_back(z);
     sum_of_squares += 2.0 * z * z;
   }
-  const double scale = std::sqrt(kQuantiles / sum_of_squares);
+  const double scale = std::sqrt(0.5 * quantiles / sum_of_squares);
   std::vector<float> normals;
   for (const double value : upper) {
     normals.push_back(static_cast<float>(scale * value));
@@ -33,35 +31,62 @@ std::vector<float> make_normals() {
   return normals;
 }
 
-}  // namespace
-
-Noise::PoissonTable::PoissonTable(double mean) {
+/// Probabilities of the counts from 0 on.
+std::vector<double> poisson_probabilities(double mean, int counts) {
+  std::vector<double> result;
   double probability = std::exp(-mean);
-  double sum = 0.0;
-  for (int count = 0; count < kCounts; ++count) {
-    sum += probability;
-    cumulative[std::size_t(count)] =
-        static_cast<std::uint32_t>(std::lround(std::min(sum, 1.0) * kOne));
+  for (int count = 0; count < counts; ++count) {
+    result.push_back(probability);
     probability *= mean / (count + 1.0);
   }
-  cumulative.back() = kOne;
-  for (std::uint32_t byte = 0; byte < start.size(); ++byte) {
-    const auto found = std::upper_bound(cumulative.begin(), cumulative.end(), byte << 23);
-    start[byte] = static_cast<std::uint8_t>(found - cumulative.begin());
-  }
+  return result;
 }
 
-Noise::Tables::Tables() : normals(make_normals()) {
+struct Alias {
+  double share = 1.0;
+  int count = 0;
+};
+
+/// Columns of the alias method (Vose 1991): each count that is rarer than the average is filled up
+/// with a more frequent one.
+std::vector<Alias> alias_columns(const std::vector<double>& probabilities) {
+  std::vector<Alias> columns(probabilities.size());
+  std::vector<double> left(probabilities.size());
+  std::vector<int> rare, frequent;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    columns[i].count = int(i);
+    left[i] = probabilities[i] * double(columns.size());
+    (left[i] < 1.0 ? rare : frequent).push_back(int(i));
+  }
+  while (!rare.empty() && !frequent.empty()) {
+    const auto small = std::size_t(rare.back()), large = std::size_t(frequent.back());
+    rare.pop_back();
+    columns[small] = {left[small], int(large)};
+    left[large] -= 1.0 - left[small];
+    if (left[large] >= 1.0) continue;
+    frequent.pop_back();
+    rare.push_back(int(large));
+  }
+  return columns;
+}
+
+}  // namespace
+
+Noise::Tables::Tables() : half_normals(make_half_normals(1 << kQuantileBits)) {
   constexpr int kMeans = kPerElectron * static_cast<int>(kExactPoisson);
-  for (int k = 0; k < kMeans; ++k) poisson.emplace_back(static_cast<double>(k) / kPerElectron);
+  constexpr std::uint32_t kWhole = (1U << Column::kShareBits) - 1;
+  for (int k = 0; k < kMeans; ++k) {
+    const double mean = static_cast<double>(k) / kPerElectron;
+    for (const Alias& alias : alias_columns(poisson_probabilities(mean, 1 << kCountBits))) {
+      const auto share = std::uint32_t(std::lround(std::clamp(alias.share, 0.0, 1.0) * kWhole));
+      poisson.push_back({.share = share & kWhole, .alias = std::uint32_t(alias.count) & 127U});
+    }
+  }
 }
 
 const Noise::Tables& Noise::tables() {
   static const Tables tables;
   return tables;
 }
-
-Noise::Noise(std::uint64_t seed, std::uint64_t stream)
-    : state_(split_mix(split_mix(seed) + stream)), tables_(tables()) {}
 
 }  // namespace ovws

@@ -1,8 +1,8 @@
 /// Fast reproducible pseudo-random numbers (normal, Poisson) for simulated pixels.
 #pragma once
 
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +14,8 @@ class Noise {
   /// Streams with different seeds, or with different numbers and the same seed, are independent.
   Noise(std::uint64_t seed, std::uint64_t stream);
 
-  /// Standard normal variate: one of 65536 equally likely quantiles, so never beyond 4.4.
+  /// Standard normal variate: the scaled sum of two out of 4096 equally likely quantiles, never
+  /// beyond 5.1.
   float normal();
 
   /// Poisson variate for means below kExactPoisson; above, a normal one with the same mean and
@@ -24,33 +25,25 @@ class Noise {
   static constexpr float kExactPoisson = 30.0F;
 
  private:
-  static constexpr std::uint32_t kOne = 1U << 31;  ///< probability 1, against 31 random bits
-
-  /// Inverse-transform sampling of a Poisson distribution: its cumulative probabilities, and a
-  /// guide table with the first count for each top byte of a random number. A search takes about
-  /// one step.
-  struct PoissonTable {
-    static constexpr int kCounts = 96;
-    std::array<std::uint32_t, kCounts> cumulative{};
-    std::array<std::uint8_t, 256> start{};
-
-    explicit PoissonTable(double mean);
-    /// The smallest count whose cumulative probability exceeds `random`.
-    int draw(std::uint32_t random) const {
-      int count = start[random >> 23];
-      while (random >= cumulative[std::size_t(count)]) ++count;
-      return count;
-    }
+  /// A Poisson distribution by the alias method (Walker 1977): a random column of equally many
+  /// counts holds its own count with probability `share`, and otherwise `alias`.
+  struct Column {
+    static constexpr unsigned kShareBits = 25;
+    std::uint32_t share : kShareBits;
+    std::uint32_t alias : 7;
   };
+  /// Small enough for the processor's caches, because each pixel reads a random place.
   struct Tables {
     static constexpr int kPerElectron = 8;
-    std::vector<float> normals;
-    std::vector<PoissonTable> poisson;  ///< of the means k / kPerElectron
+    static constexpr unsigned kQuantileBits = 12;
+    static constexpr unsigned kCountBits = 7;
+    std::vector<float> half_normals;  ///< quantiles of variance 1/2
+    std::vector<Column> poisson;      ///< 2^kCountBits for each of the means k / kPerElectron
 
     Tables();
   };
   static const Tables& tables();
-  static int draw_small(float mean, std::uint32_t random);
+  static int poisson_below_one(float mean, float random);
   std::uint64_t bits();
 
   std::uint64_t state_;
@@ -67,13 +60,19 @@ inline std::uint64_t split_mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+inline Noise::Noise(std::uint64_t seed, std::uint64_t stream)
+    : state_(split_mix(split_mix(seed) + stream)), tables_(tables()) {}
+
 inline std::uint64_t Noise::bits() {
   state_ += 0x9e3779b97f4a7c15U;
   return split_mix(state_);
 }
 
 inline float Noise::normal() {
-  return tables_.normals[bits() >> 48];
+  constexpr unsigned kBits = Tables::kQuantileBits;
+  const std::uint64_t random = bits();
+  return tables_.half_normals[random >> (64 - kBits)] +
+         tables_.half_normals[(random >> (64 - 2 * kBits)) & ((1U << kBits) - 1)];
 }
 
 inline float Noise::poisson(float mean) {
@@ -82,19 +81,22 @@ inline float Noise::poisson(float mean) {
   // The sum of Poisson numbers is one of the summed mean: a table for the most of it, and the rest.
   const int k = static_cast<int>(mean * Tables::kPerElectron);
   const std::uint64_t random = bits();
-  const int most = tables_.poisson[std::size_t(k)].draw(static_cast<std::uint32_t>(random >> 33));
+  const auto count = static_cast<std::uint32_t>(random >> (64 - Tables::kCountBits));
+  const Column column = tables_.poisson[(std::size_t(k) << Tables::kCountBits) + count];
+  const auto share = static_cast<std::uint32_t>(random >> 32) & ((1U << Column::kShareBits) - 1);
+  const std::uint32_t most = share < column.share ? count : column.alias;
   const float rest_mean = mean - static_cast<float>(k) / static_cast<float>(Tables::kPerElectron);
-  return static_cast<float>(most + draw_small(rest_mean, random & (kOne - 1)));
+  const float rest_random = static_cast<float>(static_cast<std::uint32_t>(random) >> 8) * 0x1p-24F;
+  return static_cast<float>(int(most) + poisson_below_one(rest_mean, rest_random));
 }
 
-/// Poisson number of a small mean, by inverse-transform sampling. Most draws need no exponential,
-/// because exp(-mean) >= 1 - mean.
-inline int Noise::draw_small(float mean, std::uint32_t random) {
-  float left = static_cast<float>(random) / static_cast<float>(kOne);
-  if (left < 1.0F - mean) return 0;
+/// Poisson number of a small mean, by inverse-transform sampling with a random number in [0, 1).
+/// Most draws need no exponential, because exp(-mean) >= 1 - mean.
+inline int Noise::poisson_below_one(float mean, float random) {
+  if (random < 1.0F - mean) return 0;
   int count = 0;
-  for (float probability = std::exp(-mean); left >= probability && count < 16; ++count) {
-    left -= probability;
+  for (float probability = std::exp(-mean); random >= probability && count < 16; ++count) {
+    random -= probability;
     probability *= mean / static_cast<float>(count + 1);
   }
   return count;
