@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <future>
 #include <optional>
@@ -69,8 +70,9 @@ twin::Truth SimulatedOptics::truth() const {
   return model_->truth;
 }
 
-void SimulatedOptics::expose(const CameraSettings& settings, Image<std::uint16_t>& dn) {
+std::int64_t SimulatedOptics::expose(const CameraSettings& settings, Image<std::uint16_t>& dn) {
   const std::lock_guard lock(mutex_);
+  const std::int64_t begin_ns = monotonic_ns();
   Model& now = *model_;
   if (now.window != settings.roi) {
     now.bench.set_window(settings.roi, now.truth.geometry);
@@ -89,6 +91,7 @@ void SimulatedOptics::expose(const CameraSettings& settings, Image<std::uint16_t
     now.photons.pixels[i] = scale * now.intensity->pixels[i];
   }
   now.detector->expose(now.photons, settings.exposure_us, settings.gain_db, dn);
+  return begin_ns;
 }
 
 namespace {
@@ -166,8 +169,7 @@ GrabStatus SimulatedCamera::grab(GrabbedFrame& out, std::chrono::microseconds ti
   for (std::size_t slot = 0; slot < buffers_.size(); ++slot) {
     Buffer& buffer = buffers_[slot];
     if (buffer.lent) continue;
-    const std::int64_t begin_ns = monotonic_ns();
-    optics_in_use->expose(settings, dn_);
+    const std::int64_t begin_ns = optics_in_use->expose(settings, dn_);
     buffer.pixels.assign(dn_.pixels.begin(), dn_.pixels.end());
     buffer.lent = true;
     out = GrabbedFrame{};
@@ -176,7 +178,8 @@ GrabStatus SimulatedCamera::grab(GrabbedFrame& out, std::chrono::microseconds ti
     out.frame_id = ++frame_id_;
     out.t_device_ns = begin_ns;
     out.t_arrival_ns = utc_ns();
-    out.t_arrival_mono_ns = monotonic_ns();
+    // The transfer takes no time, however long a busy machine computes the frame.
+    out.t_arrival_mono_ns = begin_ns + std::llround(settings.exposure_us * 1e3);
     out.slot = int(slot);
     return GrabStatus::frame;
   }
@@ -234,9 +237,9 @@ class SimulatedBench::Publish : public Agent {
       frames_.serve_numbers(*record);
       pipeline_.release(record);
     }
-    if (!requested_ && frames_.wants_pixels()) pipeline_.request_image();
-    requested_ = requested_ || frames_.wants_pixels();
-    if (!requested_) return true;
+    if (!requested_ && !frames_.wants_pixels()) return true;
+    if (!requested_) pipeline_.request_image();
+    requested_ = true;
     if (FrameRecord* record = pipeline_.next_image(100)) {
       frames_.serve_pixels(*record);
       pipeline_.release_image(record);

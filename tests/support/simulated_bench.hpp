@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -32,8 +33,9 @@ class SimulatedOptics {
   void show(const Image<std::uint8_t>& grey);
   void set_truth(const twin::Truth& truth);
   twin::Truth truth() const;
-  /// Exposes a frame of the current hologram.
-  void expose(const CameraSettings& settings, Image<std::uint16_t>& dn);
+  /// Exposes a frame of the hologram that is shown at its begin, which it returns: CLOCK_MONOTONIC
+  /// ns.
+  std::int64_t expose(const CameraSettings& settings, Image<std::uint16_t>& dn);
 
  private:
   struct Model;

@@ -13,7 +13,7 @@ namespace {
 /// Patch diameters to try, relative to a subaperture. The largest that does not saturate is used.
 constexpr std::array<double, 5> kRelativeDiameters{1.0, 0.7, 0.5, 0.35, 0.25};
 constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
-constexpr double kMinContrast = 4.0;  // brightest pixel, relative to that at grey level 0
+constexpr double kMinContrast = 3.0;  // brightest pixel, relative to that at grey level 0
 
 Error saturated_error() {
   return {Errc::refused, "camera.exposure_us",
