@@ -1,4 +1,4 @@
-"""A camera that dies or hangs: detected at once, reported, and used again soon after it returns."""
+"""A camera that dies or hangs: detected soon, reported, and used again soon after it returns."""
 import os
 import signal
 import time
@@ -9,7 +9,7 @@ CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_f
           "roi": {"x": 8, "y": 16, "width": 488, "height": 480}}
 PERIOD_S = 1.0 / CAMERA["frame_rate_hz"]
 ANSWER_S = 0.5
-PATIENCE_S = max(3.0 * PERIOD_S, 1e-6 * CAMERA["exposure_us"] + 1.0)
+PATIENCE_S = max(3.0 * PERIOD_S, 1e-6 * CAMERA["exposure_us"] + 2.0)
 ABSENT_S = [0.3, 2.0, 10.0] + ([60.0] if os.environ.get("OVWS_LONG_ABSENCE") else [])
 
 
@@ -103,7 +103,7 @@ class CameraKilled(BenchCase):
                 seen = f"seen after {seen_s:.2f} s" if seen_s else "not to be seen yet"
                 print(f"\n  away {absent_s} s: {seen}, valid {back_s:.2f} s after it answered, "
                       f"{gap} of {away:.0f} frames missing, slowest answer {self.slowest_s:.3f} s")
-                self.assertLess(back_s, 2.0)
+                self.assertLess(back_s, max(0.0, PATIENCE_S - absent_s) + 2.0)
                 self.assertLess(abs(gap - away), 0.1 * away + 20)
                 wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] == reconnects + 1, 5.0, "a reconnect, counted")
                 self.assert_settings_are_back()

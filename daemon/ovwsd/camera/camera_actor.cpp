@@ -14,6 +14,9 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kRetryNs = 1'000'000'000;
+// A busy host, or a busy camera's, may hold frames up for more than a second.
+constexpr double kPatienceS = 2.0;
+constexpr double kFirstFramePatienceS = 5.0;
 constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
@@ -248,13 +251,15 @@ bool CameraActor::report_unusable() {
   return true;
 }
 
-/// How long the camera may send nothing: three frame periods or the exposure and a second,
+/// How long the camera may send nothing: three frame periods, or the exposure and a patience,
 /// whichever is longer. Until the first frame after a change it may still use the previous
 /// settings.
 double CameraActor::frame_timeout_s() const {
+  const std::int64_t last_ns = deps_.pipeline.last_sign_mono_ns();
+  const double patience_s = last_ns > attached_ns_ ? kPatienceS : kFirstFramePatienceS;
   const double period_s = 1.0 / std::max(settings_.frame_rate_hz, 1e-3);
-  const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + 1.0);
-  const bool changed = deps_.pipeline.last_sign_mono_ns() > settings_since_ns_;
+  const double now_s = std::max(3.0 * period_s, settings_.exposure_us * 1e-6 + patience_s);
+  const bool changed = last_ns > settings_since_ns_;
   return changed ? now_s : std::max(now_s, previous_frame_timeout_s_);
 }
 
