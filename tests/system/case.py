@@ -1,5 +1,6 @@
 """Base of the system tests: a bench in its own network namespace, and a client."""
 import ctypes
+import json
 import os
 import subprocess
 import sys
@@ -64,7 +65,22 @@ class BenchCase(unittest.TestCase):
     def setUp(self):
         self.bench = bench_module.Bench()
         self.addCleanup(self.bench.close)
+        self.addCleanup(self.report_failure)
         self.start()
+
+    def report_failure(self):
+        """If the test has failed: prints the machine's load, the ends of the bench's logs and the daemon's status."""
+        result = self._outcome.result
+        if self not in [getattr(test, "test_case", test) for test, _ in result.errors + result.failures]:
+            return
+        print(f"\n--- {self.id()} failed; load {os.getloadavg()}")
+        for log in sorted(self.bench.directory.glob("*.log")):
+            print(f"--- end of {log.name}", *log.read_text(errors="replace").splitlines()[-20:], sep="\n")
+        try:
+            with Client() as client:
+                print("--- system.status", json.dumps(client.call("system.status")), sep="\n", flush=True)
+        except Exception as error:  # the daemon may be what has failed
+            print("--- no status:", error, flush=True)
 
     def start(self):
         self.start_display()
