@@ -24,7 +24,7 @@ class Turbulence(BenchCase):
         self.addCleanup(self.twin.close)
 
     def study(self, seconds):
-        study = subprocess.Popen([self.bench.programs / "ovws", "study", "rejection", "-o", self.folder, "--seconds", str(seconds),
+        study = subprocess.Popen([self.bench.programs / "ovws", "--timeout", "10", "study", "rejection", "-o", self.folder, "--seconds", str(seconds),
                                   "--params", json.dumps(LOOP)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(study.stdout.close)
         self.addCleanup(study.kill)
