@@ -7,7 +7,6 @@
 namespace ovws {
 namespace {
 
-constexpr int kMinFound = 3;
 constexpr double kSameSpot = 0.5;  // lambda/d: two fixes closer than this are one spot
 
 int max_candidates(std::size_t subapertures) {
@@ -59,7 +58,7 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
     if (fix.found() && !taken(position(fix), out)) out[i] = fix;
   }
   const int found = drop_faint(out, int(out.size()));
-  if (found >= kMinFound && 2 * found >= int(out.size())) return found;
+  if (found >= assignment_.least_found(SpotAssignment::Rules{})) return found;
   std::fill(out.begin(), out.end(), SpotFix{});
   return 0;
 }

@@ -78,8 +78,12 @@ double SpotAssignment::tolerance_px() const {
   return kTolerance * pitch_;
 }
 
+int SpotAssignment::least_found(const Rules& rules) const OVWS_NONBLOCKING {
+  return std::max(3, int(std::ceil(rules.min_share * size())));
+}
+
 std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Rules& rules) {
-  const int enough = std::max(3, int(std::ceil(rules.min_share * size())));
+  const int enough = least_found(rules);
   int most_explained = 0;
   double smallest_shift = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));

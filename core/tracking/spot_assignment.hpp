@@ -22,18 +22,21 @@ class SpotAssignment {
  public:
   static constexpr int kNone = -1;
 
-  SpotAssignment(std::vector<Vec2> predicted_px, int max_found);
-
-  int size() const { return int(predicted_.size()); }
-
   struct Rules {
     double min_share = 0.5;  ///< of the lattice that a match must explain
     /// Largest displacement of a seed that is tried.
     double max_shift_px = std::numeric_limits<double>::infinity();
   };
+
+  SpotAssignment(std::vector<Vec2> predicted_px, int max_found);
+
+  int size() const { return int(predicted_.size()); }
+  /// The fewest spots that a match must explain: 3, or min_share of the lattice. RT-safe.
+  int least_found(const Rules& rules) const OVWS_NONBLOCKING;
+
   /// For each subaperture the index of its position in `found`, or kNone; valid until the next
   /// call. The hypothesis that explains most positions wins; the smaller shift breaks ties. All are
-  /// kNone if it explains fewer than 3 or `min_share`. `found` holds at most max_found positions.
+  /// kNone if it explains fewer than least_found. `found` holds at most max_found positions.
   /// RT-safe.
   std::span<const int> match(std::span<const Vec2> found, const Rules& rules) OVWS_NONBLOCKING;
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
