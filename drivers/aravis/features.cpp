@@ -31,7 +31,8 @@ Result<CameraFeatures> CameraFeatures::find(GenicamDevice& device) {
     return false;
   };
   const auto lacks = [](const char* field, const char* what) {
-    return fail(Errc::device, field, std::string("this camera has no feature ") + what);
+    return fail(Errc::device, field,
+                "this camera has no feature " + std::string(what) + ": ovws cannot use it");
   };
   if (!pick(found.gain_, {"Gain", "GainAbs"})) {
     if (!pick(found.gain_, {"GainRaw"})) return lacks("camera.gain_db", "Gain");
@@ -70,8 +71,9 @@ Result<void> CameraFeatures::choose_supported_pixel_format() {
     if (pixel_format_from_name(name)) return device_->set_text("PixelFormat", name.c_str());
     names += (names.empty() ? "" : ", ") + printable(name, kMaxNameBytes);
   }
-  return fail(Errc::device, "camera.pixel_format",
-              "this camera has no supported monochrome or Bayer format; it has " + names);
+  return fail(
+      Errc::device, "camera.pixel_format",
+      "ovws cannot use this camera: it has no supported monochrome or Bayer format, only " + names);
 }
 
 Result<void> CameraFeatures::prepare() {

@@ -11,7 +11,8 @@
 namespace ovws {
 
 inline constexpr const char* kCameraWasReset =
-    "the camera was reset (it lost power, or another program reset it) and has lost its settings";
+    "the camera was reset (it lost power, or another program reset it) and has lost its settings; "
+    "it will be connected again";
 
 /// Owned and used by the camera thread. A call on a camera that does not answer takes up to 5 s
 /// (2.5 s of Aravis's retries, and as long again if its heartbeat is waiting at the same time).

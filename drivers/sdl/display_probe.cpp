@@ -21,9 +21,10 @@ Result<DisplayProbe> probe_display() {
   const auto driver = choose_driver();
   if (!driver) return fail(driver.error());
   if (*driver != "x11") {
-    return fail(Errc::refused, "slm.display",
-                "the display system is " + *driver +
-                    ", which gives no information to a program without a window");
+    return fail(
+        Errc::refused, "slm.display",
+        "the display system is " + *driver +
+            ", which gives no information to a program without a window: use an X11 session");
   }
   const auto connection = connect_to_x();
   if (!connection) return fail(connection.error());

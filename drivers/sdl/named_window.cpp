@@ -91,7 +91,8 @@ class NamedWindow final : public OutputWindow {
 
   Result<Image<std::uint32_t>> read_back() override {
     return fail(Errc::unavailable, "slm.display",
-                std::string(info_.driver) + " does not let programs read the pixels of an output");
+                std::string(info_.driver) +
+                    " does not let programs read the pixels of an output: use an X11 session");
   }
 
   Result<void> verify() override {

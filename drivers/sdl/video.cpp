@@ -41,7 +41,8 @@ Result<std::unique_ptr<Video>> Video::open(const std::string& driver) {
   SDL_SetHintWithPriority(SDL_HINT_RENDER_VSYNC, on_gpu, SDL_HINT_OVERRIDE);
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
     return fail(Errc::unavailable, "slm.display",
-                "SDL cannot use its driver " + driver + ": " + SDL_GetError());
+                "SDL cannot use its driver " + driver + " (" + SDL_GetError() +
+                    "): check that the desktop session runs and admits the daemon's user");
   }
   SDL_DisableScreenSaver();  // also inhibits DPMS
   return std::unique_ptr<Video>(new Video);

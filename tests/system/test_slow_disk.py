@@ -90,7 +90,7 @@ class Standing(SlowDisk):
             self.assertEqual(status["state"], "running")
             self.settled_frames(frames, 1, hologram)
         self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
-        self.assertRegex(told, "the disk has not answered for [0-9]+ s; items waiting to be written: 1$")
+        self.assertRegex(told, "the disk has not answered for [0-9]+ s: check it; items waiting to be written: 1$")
         self.speed(None)
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the job's end")
         self.assertEqual(ended["state"], "done")

@@ -111,12 +111,13 @@ StatusMessage StatusReporter::current() const {
   status.store = deps_.store.report();
   for (const HungThread& one : deps_.threads.hung_threads()) {
     if (one.row->role == ThreadRole::display) {
-      status.slm.fault = fmt::format("the display has not answered for {:.0f} s", one.turn_s);
+      status.slm.fault =
+          fmt::format("the display has not answered for {:.0f} s: check the X server", one.turn_s);
     }
     if (one.row->role == ThreadRole::disk) {
-      status.store.reason =
-          fmt::format("the disk has not answered for {:.0f} s; items waiting to be written: {}",
-                      one.turn_s, deps_.store.queued());
+      status.store.reason = fmt::format(
+          "the disk has not answered for {:.0f} s: check it; items waiting to be written: {}",
+          one.turn_s, deps_.store.queued());
     }
   }
   status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);

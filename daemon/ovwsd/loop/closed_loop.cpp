@@ -26,14 +26,18 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
     case LoopEnd::too_few_spots:
       return fmt::format(
           "no usable frame came for {:g} s: too few spots are tracked, or the camera "
-          "or the SLM is at fault",
+          "or the SLM is at fault; see ovws status",
           settings.patience_s);
     case LoopEnd::at_limit:
-      return fmt::format("the correction was at its limit of {:g} waves for {:g} s",
-                         settings.limit_waves, settings.patience_s);
+      return fmt::format(
+          "the correction was at its limit of {:g} waves for {:g} s: reduce the aberration, "
+          "or close the loop with a higher limit_waves",
+          settings.limit_waves, settings.patience_s);
     case LoopEnd::growing:
-      return fmt::format("the residual was {:g} times its previous level for {:g} s",
-                         settings.growth, settings.patience_s);
+      return fmt::format(
+          "the residual was {:g} times its previous level for {:g} s: close the loop with a "
+          "lower gain, or run calibration.run",
+          settings.growth, settings.patience_s);
   }
   return "";
 }

@@ -180,7 +180,9 @@ void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done)
   json cell = cells_[std::size_t(number)];
   const ExperimentRun run = *run_;
   lock.unlock();
-  if (cell.is_null()) return done(fail(Errc::refused, "cell", "it has not been measured yet"));
+  if (cell.is_null())
+    return done(fail(Errc::refused, "cell",
+                     "it has not been measured yet: experiment.get tells the progress"));
   if (!cell["picture"].is_object()) return done(std::move(cell));
   if (auto base64 = picture_in_memory(run, number)) {
     cell["picture"]["base64"] = std::move(*base64);

@@ -12,7 +12,8 @@ namespace ovws {
 namespace {
 
 constexpr const char* kNoGainInDb =
-    "the camera has no gain in dB, so electrons_per_dn at its gain is unknown";
+    "the camera has no gain in dB, so electrons_per_dn at its gain is unknown: refined needs "
+    "another camera";
 
 }  // namespace
 

@@ -140,7 +140,8 @@ bool is_for(const Reference& reference, const SensorState& state, const Knowledg
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench) {
   if (!has_same_key(reference, state)) return {};
-  if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
+  if (of_other_camera(reference, knowledge.camera))
+    return "it was taken with another camera; take a new reference";
   if (!has_same_slm(reference, state)) {
     return "it was taken with another look-up table or flatness; take a new reference";
   }

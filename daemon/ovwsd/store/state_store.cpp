@@ -96,12 +96,14 @@ Result<StateStore> StateStore::open(const std::string& directory) {
   fs::create_directories(directory, failed);
   if (failed) {
     return fail(Errc::unavailable, "state.directory",
-                directory + " cannot be created: " + failed.message());
+                directory + " cannot be created: " + failed.message() +
+                    "; create it for the daemon's user");
   }
   const fs::directory_iterator readable(directory, failed);
   if (failed) {
-    return fail(Errc::unavailable, "state.directory",
-                directory + " cannot be read: " + failed.message());
+    return fail(
+        Errc::unavailable, "state.directory",
+        directory + " cannot be read: " + failed.message() + "; give the daemon's user access");
   }
   StateStore store(directory);
   // Done first: the leftovers may be what fills the disk.
