@@ -7,16 +7,32 @@
 
 #include "proto/messages.hpp"
 #include "proto/requests.hpp"
-#include "proto/tables/calibration.hpp"
-#include "proto/tables/description.hpp"
-#include "proto/tables/experiment.hpp"
-#include "proto/tables/set.hpp"
-#include "proto/tables/status.hpp"
-#include "proto/tables/streams.hpp"
 
 namespace ovws {
 
-struct Config;  // config/config.hpp
+// Results and some params are in proto/tables, StatusMessage in proto/status_message.hpp, Config in
+// config/config.hpp. Include what you use: a table takes up to a second to compile.
+struct CameraReport;
+struct CameraSetReport;
+struct CellReport;
+struct Config;
+struct Description;
+struct FlatnessReport;
+struct GainSweepRun;
+struct KnownCalibration;
+struct KnownExperiment;
+struct KnownReference;
+struct KnownRegistration;
+struct LutReport;
+struct RefineReport;
+struct RefineSetReport;
+struct SavedReport;
+struct SensorReport;
+struct SensorSetReport;
+struct ShowReport;
+struct StatusMessage;
+struct StreamedStatus;
+struct VerifyReport;
 
 /// A control method with params P and result R.
 template <class P, class R>

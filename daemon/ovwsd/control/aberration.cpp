@@ -1,5 +1,7 @@
 /// Methods aberration.*: the modes that the hologram introduces.
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "proto/tables/modes.hpp"
 
 namespace ovws {
 namespace {

@@ -1,9 +1,11 @@
 /// Methods calibration.*: the measured interaction (poke) matrix.
-#include "daemon/ovwsd/procedures/calibration.hpp"
-
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/procedures/calibration.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "proto/tables/calibration.hpp"
 
 namespace ovws {
 namespace {

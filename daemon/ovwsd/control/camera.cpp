@@ -1,4 +1,8 @@
+#include "config/config.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {

@@ -1,7 +1,15 @@
+#include "config/config.hpp"
+#include "daemon/ovwsd/actor/disk.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "proto/json_text.hpp"
+#include "proto/tables/description.hpp"
 
 namespace ovws {
 namespace {

@@ -1,5 +1,8 @@
 /// Methods job.*: the progress and the end of long commands.
+#include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {
 namespace {

@@ -1,5 +1,7 @@
 /// Methods loop.*: the closed loop.
+#include "proto/tables/loop.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/loop/closed_loop.hpp"
 
 namespace ovws {
 namespace {

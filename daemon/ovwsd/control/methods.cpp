@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/control/methods.hpp"
 
+#include "core/rt/counters.hpp"
+#include "daemon/ovwsd/access/client_guard.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws {

@@ -9,9 +9,12 @@
 #include <utility>
 
 #include "core/control/state_machine.hpp"
+#include "daemon/ovwsd/actor/state_keeper.hpp"
 #include "daemon/ovwsd/control/services.hpp"
 #include "proto/methods.hpp"
 #include "proto/rpc.hpp"
+#include "proto/tables/description.hpp"
+#include "proto/tables/job.hpp"
 
 namespace ovws {
 

@@ -1,6 +1,10 @@
 /// Methods refine.*: settings of the maximum-likelihood refinement, which runs beside the fast
 /// estimate.
+#include "proto/tables/refine.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "proto/tables/set.hpp"
 
 namespace ovws {
 namespace {

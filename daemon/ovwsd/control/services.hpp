@@ -1,24 +1,27 @@
 /// The parts of the daemon that the handlers of the control socket use.
 #pragma once
 
-#include "config/config.hpp"
-#include "core/rt/counters.hpp"
-#include "daemon/ovwsd/access/client_guard.hpp"
-#include "daemon/ovwsd/actor/disk.hpp"
-#include "daemon/ovwsd/actor/jobs.hpp"
-#include "daemon/ovwsd/actor/state_keeper.hpp"
-#include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/control/status_reporter.hpp"
-#include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/procedures/experiment_archive.hpp"
-#include "daemon/ovwsd/procedures/procedures.hpp"
-#include "daemon/ovwsd/record/recorder.hpp"
-#include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/shared/guarded.hpp"
 
 namespace ovws {
+
+// Include the headers of the parts that you use: all of them take seconds to compile.
+class CameraActor;
+class ClientGuard;
+class ClosedLoop;
+struct Config;
+class Counters;
+class Disk;
+class ExperimentArchive;
+class Jobs;
+class LiveRefiner;
+struct LoadedConfig;
+class Procedures;
+class Recorder;
+class SensorKeeper;
+class SlmLoop;
+class StateKeeper;
+class StatusReporter;
 
 struct Services {
   const Config& config;                 ///< as the daemon was started with

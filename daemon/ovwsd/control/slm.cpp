@@ -1,6 +1,11 @@
 /// Methods slm.*: what the SLM shows, and how fast.
+#include "proto/tables/slm.hpp"
+#include "config/config.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/procedures/settle.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/slm/slm_loop.hpp"
 
 namespace ovws {
 namespace {

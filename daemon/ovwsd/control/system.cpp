@@ -1,6 +1,10 @@
+#include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/devices/versions.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
+#include "proto/tables/description.hpp"
+#include "proto/tables/status.hpp"
 
 namespace ovws {
 namespace {

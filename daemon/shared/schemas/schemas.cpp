@@ -7,6 +7,12 @@
 #include "proto/field_schema.hpp"
 #include "proto/json_text.hpp"
 #include "proto/methods.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/description.hpp"
+#include "proto/tables/experiment.hpp"
+#include "proto/tables/set.hpp"
+#include "proto/tables/status.hpp"
+#include "proto/tables/streams.hpp"
 
 namespace ovws {
 

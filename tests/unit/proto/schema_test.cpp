@@ -4,6 +4,12 @@
 
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/methods.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/description.hpp"
+#include "proto/tables/experiment.hpp"
+#include "proto/tables/set.hpp"
+#include "proto/tables/status.hpp"
+#include "proto/tables/streams.hpp"
 
 namespace ovws {
 namespace {
