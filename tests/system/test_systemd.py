@@ -1,9 +1,11 @@
-"""The installed unit under a real systemd: ready, status, reload, a hanging thread, stop, and the log."""
+"""The installed units with their sandbox under a real systemd: ready, status, reload, a hanging thread, stop, and the log."""
 import contextlib
 import json
 import os
 import pathlib
+import pwd
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -15,50 +17,21 @@ import user_manager
 from case import Client, bench_module, wait_for
 
 UNIT, METRICS_UNIT = "ovwsd.service", "ovws-metrics.service"
-# Overrides for options that a user manager does not support, and the paths of this test.
-NOT_HERE = """
+ROOT = pathlib.Path("/run/ovws-root")  # installed here: a unit with PrivateTmp does not see /tmp
+CONFIG = pathlib.Path("/etc/ovws/ovwsd.json")  # in this test's own /etc
+COMMON = """
 [Service]
-# The user and its groups, and capabilities: only the system's manager can give those.
-User=
-Group=
-DynamicUser=no
-SupplementaryGroups=
-CapabilityBoundingSet=~
-AmbientCapabilities=
-# Each needs a mount or network set-up, or a filter, that a user's manager without privileges has not.
-ProtectSystem=no
-ReadWritePaths=
-ProtectHome=no
-ProtectProc=default
-ProcSubset=all
-ProtectKernelTunables=no
-ProtectKernelModules=no
-ProtectKernelLogs=no
-ProtectControlGroups=no
-ProtectClock=no
-ProtectHostname=no
-PrivateNetwork=no
-PrivateMounts=no
-PrivateTmp=no
-PrivateDevices=no
-PrivateUsers=no
-DevicePolicy=auto
-DeviceAllow=
-# Limits above those that this manager was started with.
-LimitRTPRIO=
-LimitMEMLOCK=
 StandardError=append:{log}
-# The test's own paths.
 ExecStart=
 """
-DAEMON = NOT_HERE + """
+DAEMON = COMMON + """
 ExecStart={root}/usr/bin/ovwsd --config {config}
 Environment=DISPLAY=
 WatchdogSec={watchdog_s}
 # Long enough to see why it ended.
 RestartSec=3
 """
-METRICS = NOT_HERE + "ExecStart={root}/usr/bin/ovws metrics\n"
+METRICS = COMMON + "ExecStart={root}/usr/bin/ovws metrics\n"
 KEY = pathlib.Path("/run/credstore/ovws-metrics.key")
 
 
@@ -69,21 +42,16 @@ class Systemd(unittest.TestCase):
     def setUpClass(cls):
         cls.bench = bench_module.Bench()
         cls.addClassCleanup(cls.bench.close)
-        root = cls.root = cls.bench.directory / "root"
-        done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=120,
-                              env=os.environ | {"DESTDIR": str(root)})
-        assert done.returncode == 0, done.stderr
-        cls.config = cls.bench.directory / "ovwsd.json"
-        cls.config.write_text("{}")
         cls.log_path = cls.bench.directory / "journal.log"
         cls.log_path.touch()
         try:
             user_manager.own_mounts()
+            cls.install()
             cls.manager = user_manager.Manager()
             cls.addClassCleanup(cls.manager.close)
-            paths = {"root": root, "config": cls.config, "log": cls.log_path, "watchdog_s": cls.watchdog_s}
+            paths = {"root": ROOT, "config": CONFIG, "log": cls.log_path, "watchdog_s": cls.watchdog_s}
             for unit, drop_in in ((UNIT, DAEMON), (METRICS_UNIT, METRICS)):
-                (user_manager.UNITS / unit).write_text((root / "usr/lib/systemd/system" / unit).read_text())
+                (user_manager.UNITS / unit).write_text((ROOT / "usr/lib/systemd/system" / unit).read_text())
                 folder = user_manager.UNITS / f"{unit}.d"
                 folder.mkdir()
                 (folder / "test.conf").write_text(drop_in.format(**paths))
@@ -91,6 +59,15 @@ class Systemd(unittest.TestCase):
         except user_manager.NoManager as why:
             print(f"\nskipped: {why}", flush=True)
             raise unittest.SkipTest(str(why)) from why
+
+    @classmethod
+    def install(cls):
+        done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=120,
+                              env=os.environ | {"DESTDIR": str(ROOT)})
+        assert done.returncode == 0, done.stderr
+        user_manager.own_users(ROOT / "usr/lib/sysusers.d/ovws.conf")
+        CONFIG.parent.mkdir(exist_ok=True)
+        CONFIG.write_text("{}")
 
     def setUp(self):
         self.addCleanup(self.stop)
@@ -117,17 +94,17 @@ class Systemd(unittest.TestCase):
         status = wait_for(lambda: (text := self.show("StatusText")).startswith("waiting_for_camera") and text, what="the status line")
         print("\n ", status)
         pid = self.pid()
-        self.config.write_text('{"camera": {"gain_db": 5.0}}')
+        CONFIG.write_text('{"camera": {"gain_db": 5.0}}')
         done = self.manager.systemctl("reload", UNIT)
         self.assertEqual(done.returncode, 0, done.stderr)
         wait_for(lambda: "applied camera.gain_db" in self.log(), what="the reload")
         self.assertEqual(client.call("camera.get")["settings"]["gain_db"], 5.0)
-        self.config.write_text('{"camera": {"gain": 5.0}}')
+        CONFIG.write_text('{"camera": {"gain": 5.0}}')
         self.manager.systemctl("reload", UNIT)
         wait_for(lambda: "not reloaded" in self.log() and "camera.gain" in self.log(), what="the refusal")
         wait_for(lambda: self.show("ActiveState") == "active", what="active again")
         self.assertEqual((self.pid(), self.show("NRestarts")), (pid, "0"))
-        self.config.write_text("{}")
+        CONFIG.write_text("{}")
         asked = time.monotonic()
         self.manager.systemctl("stop", UNIT)
         took_s = time.monotonic() - asked
@@ -136,6 +113,18 @@ class Systemd(unittest.TestCase):
         self.assertEqual((self.show("ActiveState"), self.show("Result")), ("inactive", "success"))
         print(re.sub("^", "  ", self.log()[-400:], flags=re.M))
 
+    def test_the_sandbox_is_closed(self):
+        process = pathlib.Path("/proc") / str(self.pid())
+        status = dict(line.split(":\t", 1) for line in (process / "status").read_text().splitlines())
+        user = pwd.getpwnam("ovws").pw_uid
+        self.assertEqual(status["Uid"].split(), [str(user)] * 4)
+        self.assertEqual((status["NoNewPrivs"], status["Seccomp"]), ("1", "2"))
+        for capabilities in ("CapEff", "CapBnd"):
+            self.assertEqual(int(status[capabilities], 16), 1 << 13, "CAP_NET_RAW and no other")
+        options = {fields[4]: fields[5].split(",") for fields in map(str.split, (process / "mountinfo").read_text().splitlines())}
+        self.assertIn("ro", options["/"])
+        self.assertEqual(os.listdir(process / "root/home"), [], "hidden by ProtectHome")
+
     def test_it_comes_back_after_a_kill(self):
         pid = self.pid()
         os.kill(pid, signal.SIGKILL)
@@ -143,7 +132,7 @@ class Systemd(unittest.TestCase):
         self.assertEqual(self.show("NRestarts"), "1")
 
     def keygen(self, path, *more):
-        return subprocess.run([self.root / "usr/bin/ovws", "keygen", "-o", path, *more], check=True, capture_output=True, text=True).stdout.strip()
+        return subprocess.run([ROOT / "usr/bin/ovws", "keygen", "-o", path, *more], check=True, capture_output=True, text=True).stdout.strip()
 
     def start_metrics(self):
         self.addCleanup(self.manager.systemctl, "stop", METRICS_UNIT)
@@ -159,14 +148,15 @@ class Systemd(unittest.TestCase):
     def test_the_metrics_take_their_key_from_systemd(self):
         self.start_metrics()  # no key exists yet
         self.wait_for_metrics(1)
-        server_key = self.keygen(self.bench.directory / "daemon.json")
+        daemon_key, clients = CONFIG.parent / "daemon.json", CONFIG.parent / "clients.json"
+        server_key = self.keygen(daemon_key)
+        shutil.chown(daemon_key, "ovws", "ovws")
         KEY.parent.mkdir()
         client = {"name": "metrics", "key": self.keygen(KEY, "--server-key", server_key), "role": "read"}
         self.addCleanup(KEY.unlink)
-        clients = self.bench.directory / "clients.json"
         clients.write_text(json.dumps({"clients": [client]}))
-        self.config.write_text(json.dumps({"security": {"secret_key": str(self.bench.directory / "daemon.json"), "clients": str(clients)}}))
-        self.addCleanup(self.config.write_text, "{}")
+        CONFIG.write_text(json.dumps({"security": {"secret_key": str(daemon_key), "clients": str(clients)}}))
+        self.addCleanup(CONFIG.write_text, "{}")
         self.manager.systemctl("restart", UNIT)
         self.wait_for_metrics(0)  # this process started before the key existed
         self.start_metrics()

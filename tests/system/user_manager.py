@@ -6,11 +6,13 @@ import contextlib
 import ctypes
 import os
 import pathlib
+import socket
+import stat
 import subprocess
 import time
 
 CGROUPS = pathlib.Path("/sys/fs/cgroup")
-RUNTIME = pathlib.Path("/run/user/0")
+RUNTIME = pathlib.Path("/run/ovws-manager")  # not in /run/user, which ProtectHome hides
 UNITS = pathlib.Path("/run/ovws-units")
 TARGETS = ("basic", "default", "exit", "shutdown", "sysinit", "multi-user")
 
@@ -34,8 +36,28 @@ def own_mounts():
     must(libc.mount(b"none", b"/", None, ms_rec_shared, None), "mounts cannot be shared with the manager")
     must(libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None), "no /run of its own")
     pathlib.Path("/run/systemd/system").mkdir(parents=True)
-    RUNTIME.mkdir(parents=True, mode=0o700)
+    RUNTIME.mkdir(parents=True)
     UNITS.mkdir()
+    make_inaccessible_nodes()
+
+
+def make_inaccessible_nodes():
+    """The nodes that a system manager makes at boot and mounts over the paths that a service must not see."""
+    folder = pathlib.Path("/run/systemd/inaccessible")
+    (folder / "dir").mkdir(parents=True, mode=0)
+    (folder / "reg").touch(mode=0)
+    os.mkfifo(folder / "fifo", 0)
+    with socket.socket(socket.AF_UNIX) as node:
+        node.bind(str(folder / "sock"))
+    for name, kind in (("chr", stat.S_IFCHR), ("blk", stat.S_IFBLK)):
+        os.mknod(folder / name, kind, os.makedev(0, 0))
+
+
+def own_users(definition):
+    """Gives this process its own copy of /etc, with the users of a sysusers.d file."""
+    subprocess.run(["cp", "-a", "/etc", "/run/etc"], check=True)
+    subprocess.run(["mount", "--bind", "/run/etc", "/etc"], check=True)
+    subprocess.run(["systemd-sysusers", definition], check=True, capture_output=True)
 
 
 class Manager:
@@ -64,6 +86,7 @@ class Manager:
         end = time.monotonic() + 20.0
         while self.popen.poll() is None and time.monotonic() < end:
             if self.systemctl("list-units").returncode == 0:
+                (RUNTIME / "systemd/notify").chmod(0o777)  # as the system manager's: for services of other users
                 return
             time.sleep(0.1)
         raise NoManager("systemd --user does not answer: " + self.systemctl("list-units").stderr.strip())
