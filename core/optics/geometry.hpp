@@ -85,7 +85,8 @@ bool is_straight(const PxPerCycle& map);
 /// Errc::refused (field "optics.px_per_cycle") unless is_straight.
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 
-/// Scale of px_per_cycle: camera pixels that a spot moves per cycle per SLM pixel of slope.
+/// Scale of px_per_cycle, sqrt |det|: mean displacement of a spot (camera pixels) for a phase slope
+/// of one cycle per SLM pixel.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.

@@ -11,7 +11,7 @@ namespace ovws {
 /// A stream of independent variates (SplitMix64). For one thread at a time; cheap to construct.
 class Noise {
  public:
-  /// Streams with different seeds, or with different numbers and the same seed, are independent.
+  /// `stream`: the stream's number. Streams that differ in seed or number are independent.
   Noise(std::uint64_t seed, std::uint64_t stream);
 
   /// Standard normal variate: the scaled sum of two out of 4096 equally likely quantiles, never

@@ -167,11 +167,11 @@ Result<void> check_monotonic(std::span<const GreyBeat> beats, const std::vector<
     if (phases[top] - phases[k] < kFallSigmas * std::sqrt(2.0) * noise_rad) continue;
     return fail(
         Errc::refused, "",
-        "the phase is not monotonic: it turns back by " + two_decimals(phases[top] - phases[k]) +
+        "the phase is not monotonic: it reverses by " + two_decimals(phases[top] - phases[k]) +
             " rad from grey level " + std::to_string(beats[top].grey) + " to " +
             std::to_string(beats[k].grey) +
             ", which no look-up table can correct; check that nothing moves on the bench, and "
-            "that the SLM is driven within its range");
+            "that the SLM's own voltage range and gamma curve give a monotonic phase");
   }
   return {};
 }

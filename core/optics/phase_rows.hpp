@@ -23,9 +23,9 @@ class PhaseRows {
   /// `centre_px`. Requires valid mode indices, as WavefrontRows does.
   PhaseRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px, int width, int height);
 
-  /// Whether double precision suffices for the differences of these modes, by a conservative
-  /// estimate over the pupil's bounding square. If so, `row` rounds the sum to the nearest 1/65536
-  /// wave, except within kPhaseError of a tie. Otherwise it rounds the result of WavefrontRows.
+  /// True: `row` adds forward differences in fixed point. Their error is at most kPhaseError by a
+  /// conservative estimate over the pupil's bounding square, so the phase is the nearest 1/65536
+  /// wave, except within kPhaseError of a tie. False: `row` rounds the result of WavefrontRows.
   bool in_fixed_point() const { return steps_ > 0; }
 
   /// Number of elements that `row` may write: `width` plus padding.

@@ -48,9 +48,8 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   std::size_t first = after.size();
   while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
   if (2 * first > after.size()) {
-    return fail(
-        Errc::refused, "watch_ms",
-        "the hologram has not settled within the first half of the frames: watch for longer");
+    return fail(Errc::refused, "watch_ms",
+                "the hologram has not settled within the first half of the frames: raise watch_ms");
   }
   return StepTime{first > 0 ? after[first - 1].begin_ms : 0.0, after[first].begin_ms};
 }

@@ -78,9 +78,9 @@ Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorCon
   if (tracked >= kMinSpots) return matrix;
   return fail(
       Errc::refused, "tracking",
-      "the tracker finds only " + std::to_string(tracked) +
-          " spots in the model's noise-free image: move the region of interest to the spots, "
-          "or choose another tracker");
+      "the tracker finds only " + std::to_string(tracked) + " of " + std::to_string(flat->size()) +
+          " spots in the image that is computed for the diffractive operator: set camera.roi so "
+          "that it contains the spots, choose another tracker, or choose operator slopes");
 }
 
 }  // namespace ovws

@@ -10,10 +10,11 @@
 
 namespace ovws {
 
-/// The tilt that a tracker measures. To first order it is the first azimuthal harmonic of the phase
-/// phi inside a subaperture under a radial weight q(r) of the tracker (r in units of the
-/// subaperture's radius): (dx, dy) = S integral phi q(r) (cos t, sin t) dA / (1/2 integral r q(r)
-/// dA), so that a pure tilt gives exactly S * gradient.
+/// The tilt that a tracker measures as a spot's displacement (camera pixels). To first order it is
+/// the first azimuthal harmonic of the phase phi (waves) inside a subaperture under a radial weight
+/// q(r) of the tracker: (dx, dy) = S/R integral phi q(r) (cos t, sin t) dA / (1/2 integral r q(r)
+/// dA). S: px_per_cycle. R: the subaperture's radius (SLM pixels). r: in units of R. A pure tilt
+/// gives exactly S * gradient.
 enum class SlopeKind {
   gradient_tilt,  ///< G-tilt, the mean gradient, measured by the centroid of a whole bright spot;
                   ///< all weight is on the rim (Gauss's theorem)

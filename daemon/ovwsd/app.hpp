@@ -24,7 +24,7 @@ class App {
   /// Errors: a missing privilege under `"realtime": "enforce"`, the failure of a thread that ends
   /// the daemon, or data that could not be written at the stop.
   Result<void> run(const std::atomic<bool>& stop);
-  /// Any thread, also a signal handler's: requests a reload of the configuration file while `run`
+  /// Thread-safe and async-signal-safe: requests a reload of the configuration file while `run`
   /// lasts.
   void reload();
 

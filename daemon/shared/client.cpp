@@ -23,8 +23,8 @@ std::string host_of(const std::string& endpoint) {
   return endpoint.substr(kTcp.size(), colon - kTcp.size());
 }
 
-/// Accepts "tcp://HOST:PORT" and "ipc://PATH"; returns an error text for anything else, which
-/// ZeroMQ might accept but which would never answer.
+/// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts more
+/// forms, but no daemon ever answers there.
 std::string check_endpoint(const std::string& endpoint) {
   constexpr std::string_view kIpc = "ipc://";
   if (endpoint.starts_with(kIpc) && endpoint.size() > kIpc.size()) return {};
@@ -54,10 +54,11 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
   if (!file) return fail(file.error());
   const std::string server_key = common.server_key.empty() ? file->server_key : common.server_key;
   if (!server_key.empty()) return ClientKeys{file->pair, server_key};
-  return fail(Errc::invalid, "--server-key",
-              "give the daemon's public key, which ovws keygen printed for it, or add it as "
-              "\"server_key\" to " +
-                  path);
+  return fail(
+      Errc::invalid, "--server-key",
+      "no server key: give the daemon's public key, which ovws keygen printed for it, or add it as "
+      "\"server_key\" to " +
+          path);
 }
 
 /// Translates a stream's bind address for this client. For wildcard and loopback addresses it uses

@@ -112,8 +112,11 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
     findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kRecentS));
   }
   if (facts.missed_lately > 0) {
-    findings.warning(fmt::format("{} frames took longer than a frame period in {} s",
-                                 facts.missed_lately, kRecentS));
+    findings.warning(
+        fmt::format("{} frames of the last {} s were published more than a frame "
+                    "period after they arrived: lower the frame rate, or stop other "
+                    "programs on the daemon's machine",
+                    facts.missed_lately, kRecentS));
   }
 }
 

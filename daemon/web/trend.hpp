@@ -14,10 +14,11 @@ constexpr std::int64_t kTrendBinNs = 500'000'000;
 /// One thread at a time.
 class Trend {
  public:
-  /// Adds a `wavefront` message. If it completes a bin, returns the message for browsers: `t_ns`
-  /// (end of the bin), `span_s`, counts `frames`, `valid` and `gap`, `lost_max` (most spots lost in
-  /// one frame), `rms_waves` (mean of valid frames, or null), `rms_max_waves`, `latency_median_us`,
-  /// `latency_max_us`, `j` and `coefficients` (means of valid frames, or null).
+  /// Adds a `wavefront` message. If it begins a new bin, returns the message for browsers about the
+  /// bin that ended: `t_ns` (its end), `span_s`, `frames` and `gap` (received and lost), `lost_max`
+  /// (most spots lost in one frame), `latency_median_us`, `latency_max_us`, `j`; of the valid
+  /// frames since `j` last changed: `valid` (their number), `rms_waves` and `coefficients` (means),
+  /// `rms_max_waves`, which are null without a valid frame.
   std::optional<nlohmann::json> add(const nlohmann::json& wavefront);
 
  private:

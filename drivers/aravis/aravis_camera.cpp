@@ -50,7 +50,8 @@ class AravisCamera final : public Camera {
   }
 
   Result<void> start() override {
-    if (stream_) return fail(Errc::refused, "", "the camera is already streaming: stop it first");
+    if (stream_)
+      return fail(Errc::refused, "", "program error: the camera was started twice; restart ovwsd");
     ids_.restart();
     const FrameShape shape{current_.roi.width, current_.roi.height, current_.pixel_format};
     auto stream = AravisStream::open(device_, config_, shape, ids_);

@@ -13,9 +13,9 @@
 
 namespace ovws {
 
-/// One thread at a time. Unless stated otherwise errors are Errc::unavailable, field "path", with
-/// the remedy. The file then holds everything up to the last flush, nothing more can be added, and
-/// each later call fails.
+/// One thread at a time. Unless stated otherwise errors are Errc::unavailable, field "path", and
+/// the reason names the remedy. After a failed write the file holds everything up to the last
+/// flush, and every later write fails.
 class RecordFile {
  public:
   /// Errors: the file exists already, or cannot be created; no new file is left behind.

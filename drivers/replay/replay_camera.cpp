@@ -123,7 +123,8 @@ Result<CameraSettings> ReplayCamera::apply(const CameraSettings& wanted) {
 
 Result<void> ReplayCamera::start() {
   if (streaming_)
-    return fail(Errc::refused, "camera", "the camera is already streaming: stop it first");
+    return fail(Errc::refused, "camera",
+                "program error: the camera was started twice; restart ovwsd");
   streaming_ = true;
   prepared_ = -1;
   last_due_mono_ns_ = monotonic_ns() - period_ns_.load();

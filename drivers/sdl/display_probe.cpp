@@ -21,10 +21,9 @@ Result<DisplayProbe> probe_display() {
   const auto driver = choose_driver();
   if (!driver) return fail(driver.error());
   if (*driver != "x11") {
-    return fail(
-        Errc::refused, "slm.display",
-        "the display system is " + *driver +
-            ", which gives no information to a program without a window: use an X11 session");
+    return fail(Errc::refused, "slm.display",
+                "the output can be examined only with X11, and the display system is " + *driver +
+                    ": check its mode, position and gamma by hand, or use an X11 session");
   }
   const auto connection = connect_to_x();
   if (!connection) return fail(connection.error());

@@ -179,7 +179,7 @@ class XWindow final : public OutputWindow {
                           "night-light or colour-management program that changed it"));
     }
     if (power_of(display_.get()).asleep) {
-      return fail(changed("the screens are powered down (xset dpms force on)"));
+      return fail(changed("the screens are powered down: run xset dpms force on"));
     }
     return {};
   }

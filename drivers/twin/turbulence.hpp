@@ -54,7 +54,8 @@ class Turbulence {
     Vec2 cycles_per_radius;  ///< spatial frequency
     double start_cycles = 0.0;
     double waves = 0.0;  ///< amplitude
-    /// Coefficient of mode j for this wave: Re(modes[j] exp(i phase at the pupil's centre)).
+    /// Complex amplitudes by OSA index, RMS-normalised waves: mode j's coefficient at a time is
+    /// Re(modes[j] exp(i phase_at_centre)).
     std::array<std::complex<double>, kModes> modes{};
   };
   double phase_at_centre(const Wave& wave, std::int64_t t_ns) const;  ///< radians

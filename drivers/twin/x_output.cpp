@@ -162,7 +162,10 @@ Result<void> XOutput::Impl::watch(const std::string& output, int width, int heig
   XRRSelectInput(display, root, RRScreenChangeNotifyMask | RRCrtcChangeNotifyMask);
   damage = XDamageCreate(display, root, XDamageReportNonEmpty);
   if (!requests_succeeded(display) || dead) {
-    return fail(Errc::unavailable, "", "the X server refused to report changes of the screen");
+    return fail(
+        Errc::unavailable, "",
+        "the X server does not report changes of the screen: check that it still runs and has the "
+        "extensions RANDR and DAMAGE");
   }
   return {};
 }

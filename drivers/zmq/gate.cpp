@@ -16,8 +16,8 @@ constexpr const char* kRetryDomain = "comes again";
 constexpr int kIoThreads = 3;  // one per socket: encrypting images delays no measurement
 constexpr int kMaxPerTurn = 64;
 constexpr int kHandshakeMs = 5000;  // a client refused with 300 hangs in its handshake until then
-/// Handshake failures that never reach ZAP. A client without a key may notice the required
-/// mechanism and hang up first; that gives no detail.
+/// Handshakes that fail before ZAP is asked. A client without a key may disconnect when it sees
+/// that CURVE is required, which libzmq reports as the event without detail.
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
 constexpr std::size_t kZapFrames = 7;  // exactly, for CURVE
 constexpr std::size_t kCurveKeyBytes = 32;

@@ -129,12 +129,11 @@ struct Table<GainSweepRun> {
 /// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
 double to_millionth(double value);
 
-/// Median levels over all spots found in all frames, in camera grey levels (DN); NaN: no spot was
-/// found.
+/// Levels over all spots found in all frames, in camera grey levels (DN); NaN: no spot was found.
 struct SpotLevels {
-  double level_dn = 0.0;  ///< see SpotFix::level
-  double noise_dn = 0.0;
-  double peak_dn = 0.0;  ///< maximum: the brightest pixel of all spots
+  double level_dn = 0.0;  ///< median of SpotFix::level
+  double noise_dn = 0.0;  ///< median of SpotFix::noise
+  double peak_dn = 0.0;   ///< maximum of SpotFix::peak
 };
 template <>
 struct Table<SpotLevels> {

@@ -103,7 +103,7 @@ class DiskCase(BenchCase):
             self.assert_nothing_is_kept(why, 3 + 1)
         self.assertEqual(self.files(), files)
         log = self.restart()
-        self.assertRegex(log, "nothing new is saved across restarts, what was saved before is used: " + why)
+        self.assertRegex(log, "new measurements and settings are lost at a restart; those saved before are used: " + why)
         if sets_aside:
             self.assertEqual({item.get("sha256") for item in self.known().values()}, {None})
             self.assertFalse(self.call("registration.get")["registered"])

@@ -346,7 +346,7 @@ class Files(BenchCase):
         write("stays")
         wait_for(lambda: f"{endpoint} cannot be bound again" in self.bench.log("ovwsd"), 20.0, "the line of the log")
         (self.folder / "away").rename(sockets)
-        wait_for(lambda: f"{endpoint} is bound again" in self.bench.log("ovwsd"), 20.0, "its end")
+        wait_for(lambda: f"the stream at {endpoint} is open again" in self.bench.log("ovwsd"), 20.0, "its end")
         self.assertIsNotNone(stays.next(10.0))
 
 

@@ -40,7 +40,7 @@ class Settling(SlmCase):
         self.assertFalse(found["long_enough"])
         self.assertIn(f"set slm.settle_ms to {found['proposed_settle_ms']:.0f}", found["reason"])
         self.assertGreaterEqual(found["proposed_settle_ms"], 250.0)
-        self.assertIn("watch for longer", self.failure("slm.settle", {"repetitions": 5, "watch_ms": 100}))
+        self.assertIn("raise watch_ms", self.failure("slm.settle", {"repetitions": 5, "watch_ms": 100}))
         self.assertIn("slm.settle_ms", self.failure("lut.run", {"frames": 1}))
 
     def check_lost_display(self):

@@ -31,8 +31,9 @@ Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm) {
   std::vector<Mode> modes;
   if (!text.empty() && text.find_first_not_of(" \t;") == std::string::npos) {
-    return fail(Errc::invalid, "modes",
-                "\"" + text + "\" contains no mode: omit it, or give n,m:waves");
+    return fail(
+        Errc::invalid, "modes",
+        "\"" + text + "\" contains no mode: give n,m:waves, e.g. 2,-2:0.5, or omit --modes");
   }
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ';');) {

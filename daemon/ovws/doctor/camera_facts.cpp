@@ -6,7 +6,9 @@
 namespace ovws::doctor {
 namespace {
 
-/// Queries the configured camera at its address, or looks it up by name in the camera list.
+/// Fills in the camera that camera.id means. First it is queried as an address; without an answer
+/// it is looked up in the camera list, by address or name, and a GigE camera found there is
+/// queried.
 void find_camera(CameraFacts& facts) {
   const std::string& id = facts.config.id;
   const auto answer = ask_gige_camera(id);

@@ -23,7 +23,8 @@ struct Rect {
 
 class Canvas {
  public:
-  /// `unicode` false: replaces other characters by the nearest ASCII character, or by "?".
+  /// `width` and `height` in cells. `unicode` false: characters outside ASCII become the nearest
+  /// ASCII character, or "?".
   Canvas(int width, int height, bool unicode);
 
   int width() const { return width_; }

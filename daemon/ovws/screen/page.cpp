@@ -74,9 +74,9 @@ std::string slm_text(const json& status) {
   const json& slm = status.at("slm");
   if (slm.at("fault").is_string()) return "SLM: " + slm.at("fault").get<std::string>();
   if (!slm.at("connected").get<bool>()) return "no SLM";
-  return fmt::format("SLM {}, hologram {}{}", slm.at("pattern").get<std::string>(),
+  return fmt::format("SLM shows {}, hologram {}{}", slm.at("pattern").get<std::string>(),
                      slm.at("hologram_id").get<std::uint64_t>(),
-                     slm.at("settled").get<bool>() ? "" : " changing");
+                     slm.at("settled").get<bool>() ? "" : ", settling");
 }
 
 std::string state_text(const json& status) {

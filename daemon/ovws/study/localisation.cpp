@@ -16,7 +16,7 @@ constexpr double kCloudNoiseE = 55.0;  ///< read noise of the point clouds
 Figure cloud_figure(const std::vector<SpotBench>& all, const Settings& settings) {
   Figure figure{
       "localisation-clouds",
-      fmt::format("Positions found of one spot, read noise {} e, peak {} e", kCloudNoiseE, kPeakE),
+      fmt::format("Position errors of one spot, read noise {} e, peak {} e", kCloudNoiseE, kPeakE),
       "x error (px)", "y error (px)"};
   figure.same_scale = true;
   for (const SpotBench& bench : all) {

@@ -46,7 +46,7 @@ std::string recorded_text(const char* name, const json& recorded) {
 std::string crossing_text(const json& summary, const char* key, const char* level) {
   const json& hz = summary[key];
   if (hz.is_number()) return fmt::format("{} at {:.3g} Hz", level, hz.get<double>());
-  return fmt::format("{} is not crossed between {:.3g} and {:.3g} Hz", level,
+  return fmt::format("{} is not reached between {:.3g} and {:.3g} Hz", level,
                      summary["from_hz"].get<double>(), summary["to_hz"].get<double>());
 }
 

@@ -125,7 +125,7 @@ ClientGuard::Stamp ClientGuard::stamp_of(const std::string& path) {
 
 void ClientGuard::report_rebound(const std::string& endpoint, const Result<void>& bound) {
   if (bound) {
-    return events_.emit("client", Severity::info, endpoint + " is bound again and publishes",
+    return events_.emit("client", Severity::info, "the stream at " + endpoint + " is open again",
                         {{"endpoint", endpoint}, {"bound", true}});
   }
   events_.emit(

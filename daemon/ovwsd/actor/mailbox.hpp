@@ -32,7 +32,7 @@ class Mailbox {
     dropped.swap(tasks_);
   }
 
-  /// Owner's thread: runs one task, and waits for it at most `timeout`. False if there was none.
+  /// Owner's thread: waits at most `timeout` for a task, and runs it. False if none came.
   bool run_one(std::chrono::milliseconds timeout) {
     Task task;
     {

@@ -8,11 +8,11 @@
 
 namespace ovws {
 
-/// Checks the settings whose limits depend on no other: gain, pixel format, region. The limits of
-/// exposure and frame rate depend on region, format and each other, so the camera checks them
-/// itself when they are applied; here `clamp` only clamps them to the present limits. Errc::invalid
-/// with the field, the value and the device's range; with `clamp`, numbers are clamped instead (a
-/// pixel format cannot be). All or nothing.
+/// `wanted` with gain, pixel format and region checked. Errc::invalid: the first value out of
+/// range, with field, value and range. With `clamp`, numbers are moved into their range instead,
+/// exposure and frame rate, too; an unknown pixel format or a gain in the wrong unit remains an
+/// error. Without `clamp` the camera itself checks exposure and frame rate when they are applied,
+/// because their limits depend on region, format and each other.
 Result<CameraSettings> within_limits(const CameraSettings& wanted, const CameraLimits& limits,
                                      bool clamp);
 

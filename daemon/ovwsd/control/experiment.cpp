@@ -18,8 +18,9 @@
 namespace ovws {
 namespace {
 
-/// Checks the sweep's gains against the camera's range. Gains outside it are an error, or with
-/// `clamp` are removed.
+/// Checks the gains against the camera's range. With `clamp`, gains_db outside it are removed.
+/// Errc::invalid: the reference gain or, without `clamp`, one of gains_db is outside; no gain
+/// remains; or the camera has no gain in dB.
 Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   GainSweep& sweep = run.sweep;
   if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
@@ -38,7 +39,11 @@ Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   if (run.clamp) {
     std::erase_if(sweep.gains_db, [&](double gain_db) { return !check("", gain_db); });
     if (!sweep.gains_db.empty()) return run;
-    return fail(Errc::invalid, "gains_db", "all of these gains are outside the camera's range");
+    return fail(
+        Errc::invalid, "gains_db",
+        fmt::format("all of these gains are outside the camera's range of {} to {} dB: give "
+                    "one within it",
+                    range.min, range.max));
   }
   for (const double gain_db : sweep.gains_db) {
     auto has = check("gains_db", gain_db, ", or leave out such gains with \"clamp\"");

@@ -63,7 +63,7 @@ Result<void> Bench::check_shown(std::int64_t presented_mono_ns) const {
   if (auto there = check_display(); !there) return there;
   if (deps_.slm.snapshot().t_presented_mono_ns == presented_mono_ns) return {};
   return fail(Errc::unavailable, "slm",
-              "the SLM's display was lost and came back in the middle of the job: start it again");
+              "the SLM's display was lost and came back during the job: start the job again");
 }
 
 /// Waits for the answer of another thread, or for a stop. The promise is shared, because the answer

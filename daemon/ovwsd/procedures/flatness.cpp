@@ -49,7 +49,9 @@ class Scanner {
 
   const std::vector<int>& modes_j() const { return fit_.modes_j(); }
   double spot_lambda_d_px() const { return spots_.lambda_d_px; }
-  /// One scan while the opposite of `error` is shown. `from` .. `to`: its share of the progress.
+  /// Scans once with the opposite of `error` added to the hologram. `error`: RMS-normalised waves
+  /// of modes_j(). Found is the whole error: what was shown is subtracted. `from` .. `to`: this
+  /// scan's share of the job's progress, within 0 .. 1.
   Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to);
 
  private:

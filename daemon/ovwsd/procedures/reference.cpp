@@ -36,8 +36,9 @@ void warn_of_introduced(Bench& bench, double rms_waves) {
   if (rms_waves == 0.0) return;
   bench.warn("reference",
              fmt::format("the reference contains the introduced aberration of {:.4f} wave RMS: "
-                         "coefficients count from it, and the loop keeps it; for a reference "
-                         "without it call aberration.clear, then take it again",
+                         "coefficients are relative to it, and the closed loop does not correct "
+                         "it; for a reference without it call aberration.clear, then "
+                         "reference.take",
                          rms_waves),
              {{"introduced_rms_waves", rms_waves}});
 }

@@ -86,11 +86,12 @@ Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std:
   if (uncertainty_px <= limit_px) return {};
   return fail(
       Errc::refused, "reference_frames",
-      fmt::format("motion since the run's reference ({}) was taken cannot be excluded: four "
-                  "standard errors of a spot's motion are {:.2f} px, more than the {:.2f} px "
-                  "(lambda/(20 d)) that are allowed; the cells measured so far are kept: "
-                  "start a new run with more reference_frames or a higher intensity",
-                  arm, uncertainty_px, limit_px));
+      fmt::format(
+          "the spots are too noisy to tell whether the bench moved since the run's "
+          "reference ({}) was taken: four standard errors of a spot's motion are {:.2f} px, "
+          "more than the limit of {:.2f} px (lambda/(20 d)); start a new run with more "
+          "reference_frames or a higher intensity. The cells measured so far are kept",
+          arm, uncertainty_px, limit_px));
 }
 
 }  // namespace ovws

@@ -5,8 +5,9 @@
 
 namespace ovws {
 
-/// Allocates and frees 1 MiB at a time. The process's memory is locked, so the kernel fills a
-/// mapping at once, and page faults of other threads wait until it is full.
+/// A buffer that is mapped and unmapped in steps of 1 MiB. In a process with locked memory the
+/// kernel fills a whole mapping at once, and page faults of other threads wait meanwhile: small
+/// steps keep these waits short.
 class PictureMemory {
  public:
   /// Filled with zeros. Throws std::bad_alloc.

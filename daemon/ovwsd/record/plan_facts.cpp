@@ -124,8 +124,9 @@ Document make_document(std::string kind, const json& content) {
   return document;
 }
 
-/// Adds a reference only if it is not the last one added: a closed loop makes ten plans a second
-/// with the same reference, whose image has a megabyte.
+/// Returns the SHA-256 of the reference's document, and adds this document to `all` unless it was
+/// the last reference added: a closed loop makes ten plans a second with the same reference, whose
+/// image takes a megabyte.
 const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Reference>& reference,
                                                std::vector<Document>& all) {
   const bool same = reference_ && reference_->t_taken_ns == reference->t_taken_ns &&

@@ -43,8 +43,9 @@ Document make_document(std::string kind, const nlohmann::json& content);
 /// Makes the documents of one recording. One thread.
 class PlanDocuments {
  public:
-  /// The documents that were not returned before, the plan's own last, which names the others by
-  /// their checksums. The first one with a reference's image takes a tenth of a second.
+  /// The documents that describe this plan: reference, operator, calibration and SLM as far as they
+  /// exist, and last the plan, which names the others by their SHA-256. Those that an earlier call
+  /// returned are left out. A call with a new reference that has an image takes 0.1 s.
   std::vector<Document> of(const PlanFacts& facts);
 
  private:

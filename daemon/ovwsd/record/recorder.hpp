@@ -71,7 +71,8 @@ class Recorder : public Agent {
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
-  /// Number of frames that are missing in the file of a recording that the daemon's stop ended.
+  /// Frames of the last recording that could not be written when the daemon stopped; 0 if none.
+  /// Frames dropped before that are not counted.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
   /// Any thread, before a frame can be measured with the plan: announces the plan.
   void add_plan(const MeasurementPlan& plan, SensorView sensor);

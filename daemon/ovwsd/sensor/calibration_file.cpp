@@ -31,7 +31,10 @@ Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Ei
   const auto values = floats_of(text, std::size_t(rows * cols));
   const auto finite = [](float value) { return std::isfinite(value); };
   if (!values || !std::all_of(values->begin(), values->end(), finite)) {
-    return fail(Errc::invalid, key, "does not hold one finite value for each mode and coordinate");
+    return fail(
+        Errc::invalid, key,
+        "must hold a finite number for each mode and each spot's x and y: the file is damaged, run "
+        "calibration.run again");
   }
   return Eigen::MatrixXd(
       Eigen::Map<const Eigen::MatrixXf>(values->data(), rows, cols).cast<double>());

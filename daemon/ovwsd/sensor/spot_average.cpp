@@ -30,8 +30,9 @@ double sum_of(const Vec2& squares) {
 constexpr double kDriftAllowance = 6.0;
 constexpr double kScatterSigmas = 3.0;  // standard deviations of one series of frames
 
-/// Von Neumann's test for motion. The variance of independent noise is half the mean squared
-/// difference of successive positions; motion makes the variance larger.
+/// Whether the drift or the scatter (RMS over all spots, x and y) exceeds `max_motion_px` by more
+/// than noise explains. Von Neumann's test: the variance of independent noise is half the mean
+/// squared difference of successive positions; motion makes the variance larger.
 bool has_moved(const SpotAverage& average, double max_motion_px) {
   const double limit = max_motion_px * max_motion_px;
   const double noise = average.noise_px * average.noise_px;

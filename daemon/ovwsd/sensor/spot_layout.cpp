@@ -187,9 +187,9 @@ Result<void> check_spots_in_region(const SpotBench& bench) {
   if (bench.optics.centre_px) {
     return fail(
         Errc::invalid, "camera.roi",
-        fmt::format("{}: by optics.centre_px or the registration they lie around ({:.0f}, "
+        fmt::format("{}: by optics.centre_px or the registration the spots lie around ({:.0f}, "
                     "{:.0f}) px of the region, up to {:.0f} px away in x and {:.0f} px in y; "
-                    "move the region there, or run registration.run again",
+                    "move camera.roi so that it contains them, or run registration.run again",
                     what, bench.optics.centre_px->x, bench.optics.centre_px->y,
                     layout.reach_px.x + layout.margin_px, layout.reach_px.y + layout.margin_px));
   }

@@ -132,8 +132,8 @@ Result<SlmVerdict> SlmLoop::compare_output() {
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,
-                      fmt::format("slm: {} pixels of the output differ from hologram {}: another "
-                                  "program draws over it",
+                      fmt::format("slm: {} pixels of the output differ from hologram {}: close "
+                                  "what another program draws there (a window, a pointer)",
                                   verdict.differing_pixels, verdict.hologram_id),
                       {{"hologram_id", verdict.hologram_id},
                        {"crc32", verdict.crc32},

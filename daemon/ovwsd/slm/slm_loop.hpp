@@ -74,7 +74,8 @@ class SlmLoop : public Agent {
   /// Any thread but the main one: presents the hologram, and returns when the display has accepted
   /// it. Fails after 2 s; the previous hologram then remains the one to show.
   Result<void> show(HologramRequest request);
-  /// Thread-safe: presents the hologram as soon as there is a display, before any later `show`.
+  /// Thread-safe, returns at once: presents the hologram as soon as there is a display, before any
+  /// later `show`. A later call replaces a hologram that still waits.
   void show_when_possible(HologramRequest request);
 
   /// Thread-safe: reads back the display's buffer and compares it with the hologram presented last.

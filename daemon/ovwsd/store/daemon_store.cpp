@@ -48,7 +48,8 @@ DaemonStore::DaemonStore(const StateConfig& config, Events& events, Disk* disk)
   if (why_read_only_) {
     events_.emit(
         "store", Severity::error,
-        "nothing new is saved across restarts, what was saved before is used: " + *why_read_only_,
+        "new measurements and settings are lost at a restart; those saved before are used: " +
+            *why_read_only_,
         {{"path", *directory}});
   }
   if (opened->leftovers() > 0) {

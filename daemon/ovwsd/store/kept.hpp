@@ -143,9 +143,10 @@ class Kept {
   /// that.
   std::shared_ptr<const Item> use(Found found) {
     Item& item = found.item;
-    const std::string obstacle = found.name == kind_.name(item)
-                                     ? kind_.obstacle(item)
-                                     : "its file name does not match its content";
+    const std::string obstacle =
+        found.name == kind_.name(item)
+            ? kind_.obstacle(item)
+            : "its file name does not match its content: restore the name, or measure again";
     events_.emit(Kind::kEvent, obstacle.empty() ? Severity::info : Severity::warning,
                  fmt::format("{} ({}, sha256 {}) {}", kind_.title(item), found.path, item.sha256,
                              obstacle.empty() ? "is loaded" : "is not used: " + obstacle),

@@ -114,7 +114,8 @@ Result<void> ThreadPlan::lock_memory() const {
   if (policy_ == RealtimePolicy::enforce) {
     return fail(Errc::unavailable, "realtime",
                 "memory cannot be locked (" + why +
-                    "): raise LimitMEMLOCK, or set \"realtime\": \"ignore\"");
+                    "): set LimitMEMLOCK=infinity in the service's unit (ulimit -l unlimited in a "
+                    "shell), or \"realtime\": \"ignore\" in the configuration");
   }
   spdlog::warn("memory is not locked ({}): page faults may delay frames", why);
   return {};

@@ -239,7 +239,7 @@ TEST(PhaseResponse, RefusesWhatNoTableCanMend) {
   const auto found = phase_response(ideal_beats(falling, 256));
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, Errc::refused);
-  EXPECT_NE(found.error().reason.find("it turns back by"), std::string::npos);
+  EXPECT_NE(found.error().reason.find("it reverses by"), std::string::npos);
   EXPECT_NE(found.error().reason.find("to 160"), std::string::npos) << found.error().reason;
 
   const auto noisy = phase_response(ideal_beats(gamma_curve(1.0, 1.0), 33, 100.0));

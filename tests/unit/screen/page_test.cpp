@@ -60,9 +60,9 @@ TEST(BarScale, IsTheNextRoundNumber) {
 
 TEST(Page, TellsTheBench) {
   const std::string text = page(bench());
-  for (const char* part : {"running", "SLM sensor, hologram 7", "loop open", "frame 1041", "valid",
-                           "RMS 0.5004 wave", "oblique astigmatism", "+0.5003", "tracked", "losses",
-                           "job 3 (reference.take) is done", "q quit"}) {
+  for (const char* part : {"running", "SLM shows sensor, hologram 7", "loop open", "frame 1041",
+                           "valid", "RMS 0.5004 wave", "oblique astigmatism", "+0.5003", "tracked",
+                           "losses", "job 3 (reference.take) is done", "q quit"}) {
     EXPECT_TRUE(has(text, part)) << part << "\n" << text;
   }
   EXPECT_TRUE(has(text, "Strehl 0.000"));
