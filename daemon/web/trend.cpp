@@ -34,7 +34,7 @@ void Trend::add_valid(const json& wavefront) {
     j_ = std::move(j);
     sums_.assign(j_.size(), 0.0);
     valid_ = 0;
-    rms_sum_ = 0.0;
+    rms_sum_ = rms_max_ = 0.0;
   }
   ++valid_;
   const double rms = wavefront.at("rms_waves").get<double>();

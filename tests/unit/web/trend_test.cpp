@@ -57,7 +57,7 @@ TEST(TrendTest, SaysNothingOfModesThatWereNotMeasured) {
 
 TEST(TrendTest, BeginsAnewWithOtherModesOrAnEarlierClock) {
   Trend trend;
-  trend.add(frame(1000, 0.1));
+  trend.add(frame(1000, 0.9));
   json other = frame(1100, 0.4);
   other["j"] = {1, 2, 3};
   other["coefficients"] = {0.4, 0.4, 0.4};
@@ -66,6 +66,7 @@ TEST(TrendTest, BeginsAnewWithOtherModesOrAnEarlierClock) {
   ASSERT_TRUE(bin);
   EXPECT_EQ((*bin)["j"], (json{1, 2, 3}));
   EXPECT_DOUBLE_EQ((*bin)["rms_waves"].get<double>(), 0.4);
+  EXPECT_DOUBLE_EQ((*bin)["rms_max_waves"].get<double>(), 0.4);
   EXPECT_FALSE(trend.add(frame(600, 0.1)));
 }
 
