@@ -28,7 +28,7 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
   if (after.size() < kMinFrames) {
     return fail(Errc::refused, "watch_ms",
                 "only " + std::to_string(after.size()) +
-                    " frames were received: raise the frame rate, or watch for longer");
+                    " frames were received: raise the frame rate, or raise watch_ms");
   }
   const std::span<const StepFrame> last(after.end() - std::ptrdiff_t(after.size() / 4),
                                         after.end());
@@ -42,7 +42,7 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
         Errc::refused, "",
         "the camera sees no significant change when the hologram changes: run registration.run, "
         "raise the exposure, and check that nothing moves on the bench; if the SLM may be slower "
-        "than watch_ms, watch for longer");
+        "than watch_ms, raise watch_ms");
   }
   const double tolerance = kNoiseSigmas * noise + kRelativeTolerance * change;
   std::size_t first = after.size();
