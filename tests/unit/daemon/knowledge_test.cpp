@@ -94,7 +94,8 @@ TEST_F(Known, AReferenceOfAnotherCameraIsNotBoundAndOneOfAnUnknownIs) {
   EXPECT_TRUE(found());
   known_.camera = kTwo;
   EXPECT_FALSE(found());
-  EXPECT_EQ(why_not(*known_.references[0]), "it was taken with another camera; take a new reference");
+  EXPECT_EQ(why_not(*known_.references[0]),
+            "it was taken with another camera; take a new reference");
   EXPECT_TRUE(replace_reference(known_, state_, taken(6, kTwo)).empty()) << "the other one stays";
   EXPECT_EQ(found()->t_taken_ns, 6);
   known_.camera = kOne;
