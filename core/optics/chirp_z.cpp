@@ -50,7 +50,7 @@ int fast_length(int at_least) {
 }  // namespace
 
 struct ChirpZ::Impl {
-  Eigen::internal::kissfft_impl<Lanes> fft;
+  Eigen::internal::kissfft_impl<Lanes> fft;  ///< Eigen's public FFT takes only built-in numbers
   int length = 0;
   Values before;  ///< chirp on the inputs
   Values kernel;  ///< spectrum of the convolving chirp, 1/length included
