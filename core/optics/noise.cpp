@@ -74,12 +74,14 @@ std::vector<Alias> alias_columns(const std::vector<double>& probabilities) {
 
 Noise::Tables::Tables() : half_normals(make_half_normals(1 << kQuantileBits)) {
   constexpr int kMeans = kPerElectron * static_cast<int>(kExactPoisson);
+  constexpr std::uint32_t kCounts = 1U << Column::kCountBits;
   constexpr std::uint32_t kWhole = (1U << Column::kShareBits) - 1;
   for (int k = 0; k < kMeans; ++k) {
     const double mean = static_cast<double>(k) / kPerElectron;
-    for (const Alias& alias : alias_columns(poisson_probabilities(mean, 1 << kCountBits))) {
+    for (const Alias& alias : alias_columns(poisson_probabilities(mean, int(kCounts)))) {
       const auto share = std::uint32_t(std::lround(std::clamp(alias.share, 0.0, 1.0) * kWhole));
-      poisson.push_back({.share = share & kWhole, .alias = std::uint32_t(alias.count) & 127U});
+      poisson.push_back(
+          {.share = share & kWhole, .alias = std::uint32_t(alias.count) & (kCounts - 1)});
     }
   }
 }

@@ -28,15 +28,15 @@ class Noise {
   /// A Poisson distribution by the alias method (Walker 1977): a random column of equally many
   /// counts holds its own count with probability `share`, and otherwise `alias`.
   struct Column {
-    static constexpr unsigned kShareBits = 25;
+    static constexpr unsigned kCountBits = 7;
+    static constexpr unsigned kShareBits = 32 - kCountBits;
     std::uint32_t share : kShareBits;
-    std::uint32_t alias : 7;
+    std::uint32_t alias : kCountBits;
   };
   /// Small enough for the processor's caches, because each pixel reads a random place.
   struct Tables {
     static constexpr int kPerElectron = 8;
     static constexpr unsigned kQuantileBits = 12;
-    static constexpr unsigned kCountBits = 7;
     std::vector<float> half_normals;  ///< quantiles of variance 1/2
     std::vector<Column> poisson;      ///< 2^kCountBits for each of the means k / kPerElectron
 
@@ -81,8 +81,8 @@ inline float Noise::poisson(float mean) {
   // The sum of Poisson numbers is one of the summed mean: a table for the most of it, and the rest.
   const int k = static_cast<int>(mean * Tables::kPerElectron);
   const std::uint64_t random = bits();
-  const auto count = static_cast<std::uint32_t>(random >> (64 - Tables::kCountBits));
-  const Column column = tables_.poisson[(std::size_t(k) << Tables::kCountBits) + count];
+  const auto count = static_cast<std::uint32_t>(random >> (64 - Column::kCountBits));
+  const Column column = tables_.poisson[(std::size_t(k) << Column::kCountBits) + count];
   const auto share = static_cast<std::uint32_t>(random >> 32) & ((1U << Column::kShareBits) - 1);
   const std::uint32_t most = share < column.share ? count : column.alias;
   const float rest_mean = mean - static_cast<float>(k) / static_cast<float>(Tables::kPerElectron);
