@@ -78,7 +78,7 @@ class Record(RecordCase):
             message = pictures.next(2.0)
             shown[message["frame_id"]] = message["binary"]
         report = self.call("record.stop")
-        self.assertEqual((report["state"], report["reason"], report["frames_dropped"], report["pictures_dropped"]), ("ended", "record.stop", 0, 0))
+        self.assertEqual((report["state"], report["reason"], report["frames_dropped"], report["pictures_dropped"]), ("ended", "stopped by record.stop", 0, 0))
         run = self.open("run")
         self.check_whole(run)
         self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": 0, "pictures": len(run.frames),
@@ -113,7 +113,7 @@ class Record(RecordCase):
         self.call("record.start", {"name": "short", "limit_s": 0.5, "pictures_every": 10})
         self.assertIn("is being recorded", str(self.refused("record.start", {"name": "other"})))
         ended = wait_for(lambda: (now := self.call("system.status")["record"])["state"] == "ended" and now, what="the limit")
-        self.assertEqual(ended["reason"], "limit_s: 0.5 s")
+        self.assertEqual(ended["reason"], "limit_s of 0.5 s is reached")
         self.assertEqual(self.refused("record.start", {"name": "short"}).data["field"], "name")
         short = self.open("short")
         self.check_whole(short)

@@ -209,7 +209,7 @@ class Page(WebCase):
         self.browser.wait_text("#record-sub", lambda text: text == "recording")
         self.browser.wait_text("#record-facts dd:nth-of-type(3)", lambda frames: int(frames) > 2)
         self.browser.click("#record button >> text=Stop")
-        self.browser.wait_text("#record-sub", lambda text: text == "ended: record.stop")
+        self.browser.wait_text("#record-sub", lambda text: text == "ended: stopped by record.stop")
         self.assertTrue((self.bench.directory / "recordings" / "from-the-page.h5").exists())
         self.assertEqual(self.browser.text("#record .controls .error"), "")
         self.check_console()

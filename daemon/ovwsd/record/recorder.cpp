@@ -185,7 +185,7 @@ void Recorder::stop(Done done) {
     if (!running_) {
       return done(fail(Errc::refused, "", "nothing is being recorded; record.get says why"));
     }
-    end({"record.stop", Rest::write});
+    end({"stopped by record.stop", Rest::write, Cause::asked_for});
     done(report());
   });
 }
@@ -258,7 +258,7 @@ bool Recorder::do_work() {
 
 void Recorder::on_close() {
   mailbox_.close();
-  if (running_) end({"the daemon is stopping", Rest::write, true});
+  if (running_) end({"the daemon is stopping", Rest::write, Cause::daemon_stops});
 }
 
 void Recorder::turn() {
@@ -282,10 +282,12 @@ std::optional<Recorder::Ending> Recorder::flush() {
   if (!r.file->in_place()) return Ending{kGone};
   if (disk_is_full(r.path)) return Ending{kDiskFull};
   if (r.asked.limit_s && now.duration_s >= *r.asked.limit_s) {
-    return Ending{fmt::format("limit_s: {} s", *r.asked.limit_s), Rest::write};
+    return Ending{fmt::format("limit_s of {} s is reached", *r.asked.limit_s), Rest::write,
+                  Cause::asked_for};
   }
   if (r.asked.limit_mib && double(now.bytes) >= *r.asked.limit_mib * (1 << 20)) {
-    return Ending{fmt::format("limit_mib: {} MiB", *r.asked.limit_mib), Rest::after};
+    return Ending{fmt::format("limit_mib of {} MiB is reached", *r.asked.limit_mib), Rest::after,
+                  Cause::asked_for};
   }
   return std::nullopt;
 }
@@ -367,31 +369,30 @@ std::string Recorder::write_rest(std::int64_t until_ns) {
 
 void Recorder::end(const Ending& ending) {
   pipeline_.stop_recording();
-  std::string why = ending.reason;
+  const bool asked_for = ending.cause == Cause::asked_for;
+  const bool daemon_stops = ending.cause == Cause::daemon_stops;
   const std::int64_t until_ns =
-      ending.at_stop ? monotonic_ns() + kStopRestNs : std::numeric_limits<std::int64_t>::max();
-  if (ending.rest == Rest::write) {
-    if (const std::string trouble = write_rest(until_ns); !trouble.empty()) why += "; " + trouble;
-  }
+      daemon_stops ? monotonic_ns() + kStopRestNs : std::numeric_limits<std::int64_t>::max();
+  std::string trouble = ending.rest == Rest::write ? write_rest(until_ns) : "";
   Running& r = *running_;
   std::uint64_t lost = ending.rest == Rest::after ? 0 : taker_.store()->taken_after(r.last_number);
   r.frames_dropped += lost;
-  if (why == "record.stop" && !r.file->in_place()) why += std::string("; ") + kGone;
+  if (asked_for && trouble.empty() && !r.file->in_place()) trouble = kGone;
   const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
   if (!closed) {
     lost += r.frames_begun - r.file->frames();
     r.frames_dropped += r.frames_begun - r.file->frames();
-    if (why == "record.stop") why += "; " + closed.error().reason;
+    if (asked_for && trouble.empty()) trouble = closed.error().reason;
   }
-  if (ending.at_stop && lost > 0) why += fmt::format("; {} frames could not be written", lost);
-  if (ending.at_stop) lost_at_stop_.store(lost);
+  std::string why = trouble.empty() ? ending.reason : ending.reason + "; " + trouble;
+  if (daemon_stops && lost > 0) why += fmt::format("; {} frames could not be written", lost);
+  if (daemon_stops) lost_at_stop_.store(lost);
   publish_report();
   RecordReport last = report();
   last.state = "ended";
   last.reason = why;
   report_.set(last);
-  const bool asked_for = why == "record.stop" || why.starts_with("limit_");
-  events_.emit("record", asked_for ? Severity::info : Severity::warning,
+  events_.emit("record", asked_for && trouble.empty() ? Severity::info : Severity::warning,
                fmt::format("recording {} has ended with {} frames: {}", r.path, last.frames, why),
                {{"file", r.path}, {"state", "ended"}, {"reason", why}});
   taker_.exchange(nullptr);

@@ -87,10 +87,11 @@ class Recorder : public Agent {
     drop,   ///< drop and count them: they belong to it, but cannot be written
     after,  ///< ignore them: they came after its end
   };
+  enum class Cause { trouble, asked_for, daemon_stops };
   struct Ending {
     std::string reason;
     Rest rest = Rest::drop;
-    bool at_stop = false;  ///< ended by the daemon's stop
+    Cause cause = Cause::trouble;
   };
   Result<std::string> path_of(const std::string& name) const;
   Result<void> begin(const Begin& begin);
