@@ -21,7 +21,7 @@
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "daemon/ovwsd/sensor/spot_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
@@ -95,7 +95,7 @@ struct App::Parts {
   std::unique_ptr<SensorKeeper> keeper;
   std::unique_ptr<Procedures> procedures;
   std::unique_ptr<ClosedLoop> loop;
-  std::unique_ptr<SpotFinder> finder;
+  std::unique_ptr<SpotSearch> search;
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
@@ -170,8 +170,8 @@ Result<void> App::Parts::make_sensor() {
                      [this](bool closed) {
                        state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
                      },
-                     [this] { return finder->found_ns(); }});
-  finder = std::make_unique<SpotFinder>(config.slm.geometry, frames, *keeper, events);
+                     [this] { return search->found_ns(); }});
+  search = std::make_unique<SpotSearch>(config.slm.geometry, frames, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
   return {};
@@ -192,7 +192,7 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, frames, *finder, *loop, counters, queue, published_latency});
+      StreamPublisherDeps{pipeline, frames, *search, *loop, counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
@@ -202,7 +202,7 @@ Result<void> App::Parts::bind_streams() {
       ReloadDeps{config, loaded, state, camera, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
       StatusDeps{state,    camera,    slm,      *keeper,
-                 *finder,  *images,   *loop,    *refiner,
+                 *search,  *images,   *loop,    *refiner,
                  recorder, jobs,      pipeline, published_latency,
                  counters, events,    store,    queue,
                  threads,  *reloader, *clients, [this] { end_without_display(); }});
@@ -239,7 +239,7 @@ Result<void> App::Parts::start_threads() {
   };
   // Started first, so joined last: a fit takes a fraction of a second to end.
   std::vector<Start> starts{{ThreadRole::refine, *refiner},
-                            {ThreadRole::search, *finder},
+                            {ThreadRole::search, *search},
                             {ThreadRole::model, operators},
                             {ThreadRole::publish, *stream},
                             {ThreadRole::disk, disk},

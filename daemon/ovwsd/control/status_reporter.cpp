@@ -121,7 +121,7 @@ StatusMessage StatusReporter::current() const {
     }
   }
   status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);
-  status.sensor.invalid = deps_.finder.why_invalid();
+  status.sensor.invalid = deps_.search.why_invalid();
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();
   status.failed_job = deps_.jobs.last_failed();

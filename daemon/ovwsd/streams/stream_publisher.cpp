@@ -51,7 +51,7 @@ bool StreamPublisher::do_work() {
     const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
     send_record(*record);
     deps_.frames.serve_numbers(*record);
-    deps_.finder.on_frame(*record);
+    deps_.search.on_frame(*record);
     deps_.loop.add(*record);
   }
   send_queue();

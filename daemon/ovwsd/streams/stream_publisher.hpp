@@ -13,7 +13,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "daemon/ovwsd/sensor/spot_search.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
 
@@ -22,7 +22,7 @@ namespace ovws {
 struct StreamPublisherDeps {
   Pipeline& pipeline;
   FrameBroker& frames;
-  SpotFinder& finder;
+  SpotSearch& search;
   ClosedLoop& loop;
   Counters& counters;
   StreamQueue& queue;

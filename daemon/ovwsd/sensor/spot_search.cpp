@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/spot_finder.hpp"
+#include "daemon/ovwsd/sensor/spot_search.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -70,7 +70,7 @@ bool is_tracked_already(const SplitSpots& found, const FrameCopy& frame,
 }  // namespace
 
 /// What a search needs; rebuilt when the sensor or the image size changes.
-struct SpotFinder::Bench {
+struct SpotSearch::Bench {
   SensorConfig sensor;
   TrackingConfig tracking;
   int cols = 0, rows = 0;
@@ -84,13 +84,13 @@ struct SpotFinder::Bench {
   Reconstructor plain;
 };
 
-SpotFinder::SpotFinder(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
+SpotSearch::SpotSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
                        Events& events)
     : slm_(slm), keeper_(keeper), events_(events), inbox_(frames, is_doubtful) {}
 
-SpotFinder::~SpotFinder() = default;
+SpotSearch::~SpotSearch() = default;
 
-void SpotFinder::on_frame(const FrameRecord& record) {
+void SpotSearch::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool doubtful = is_doubtful(record);
   const bool blind = doubtful && !record.valid && record.plan->referenced();
@@ -105,7 +105,7 @@ void SpotFinder::on_frame(const FrameRecord& record) {
                      monotonic_ns());
 }
 
-std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() const {
+std::optional<StatusMessage::SensorPart::Invalid> SpotSearch::why_invalid() const {
   const std::int64_t now_ns = monotonic_ns();
   const auto lack = validity_.lack(now_ns);
   if (!lack) return std::nullopt;
@@ -114,7 +114,7 @@ std::optional<StatusMessage::SensorPart::Invalid> SpotFinder::why_invalid() cons
 
 /// Publishes an event when no frame has been valid for kAnnounceNs, and when frames are valid
 /// again.
-void SpotFinder::announce() {
+void SpotSearch::announce() {
   const std::int64_t now_ns = monotonic_ns();
   const auto lack = validity_.lack(now_ns);
   if (lack && announced_ns_ == 0 && now_ns - lack->since_ns >= kAnnounceNs) {
@@ -133,7 +133,7 @@ void SpotFinder::announce() {
   announced_ns_ = 0;
 }
 
-bool SpotFinder::do_work() {
+bool SpotSearch::do_work() {
   const Doubt doubt = doubt_.load(std::memory_order_relaxed);
   const std::int64_t now_ns = monotonic_ns();
   announce();
@@ -158,7 +158,7 @@ bool SpotFinder::do_work() {
 }
 
 /// Searches the frame if a search is due.
-bool SpotFinder::search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
+bool SpotSearch::search_if_due(const FrameCopy& frame, const SensorSnapshot& sensor, Doubt doubt) {
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
   BinnedImage image = binned(frame.image, spots.lit.plane, bin);
@@ -186,7 +186,7 @@ bool SpotFinder::search_if_due(const FrameCopy& frame, const SensorSnapshot& sen
   return true;
 }
 
-std::optional<SplitSpots> SpotFinder::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
+std::optional<SplitSpots> SpotSearch::search(const FrameCopy& frame, const SensorSnapshot& sensor) {
   try {
     return make_bench(frame, sensor) ? explain(frame) : std::nullopt;
   } catch (const std::bad_alloc&) {
@@ -196,7 +196,7 @@ std::optional<SplitSpots> SpotFinder::search(const FrameCopy& frame, const Senso
 }
 
 /// Tries the plain tracker first: it suffices once a strong aberration is gone.
-std::optional<SplitSpots> SpotFinder::explain(const FrameCopy& frame) {
+std::optional<SplitSpots> SpotSearch::explain(const FrameCopy& frame) {
   const std::size_t count = bench_->reference_px.size();
   std::vector<SpotFix> fixes(count);
   ShapedAcquisition& acquisition = bench_->acquisition;
@@ -217,7 +217,7 @@ std::optional<SplitSpots> SpotFinder::explain(const FrameCopy& frame) {
 }
 
 /// Whether all spots that have a reference are found and a wavefront explains their positions.
-bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
+bool SpotSearch::is_explained_plain(std::span<const SpotFix> fixes) const {
   const Reconstructor& plain = bench_->plain;
   Reconstructor::Scratch scratch = plain.make_scratch();
   std::vector<float> coefficients(plain.modes_j().size());
@@ -227,7 +227,7 @@ bool SpotFinder::is_explained_plain(std::span<const SpotFix> fixes) const {
 }
 
 /// Prepares the search. False: the sensor in the snapshot cannot be modelled, or is too large.
-bool SpotFinder::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
+bool SpotSearch::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor) {
   const int cols = frame.image.width, rows = frame.image.height;
   const auto lattice = make_lattice(sensor.sensor, slm_);
   if (!lattice) return false;

@@ -24,10 +24,10 @@ namespace ovws {
 /// gives them. The ordinary plan returns when no spot is split any more, or when frames are invalid
 /// and the search fails. Sensors with more than 200 spots, or with lambda/d above 40 camera pixels,
 /// are not searched.
-class SpotFinder : public Agent {
+class SpotSearch : public Agent {
  public:
-  SpotFinder(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper, Events& events);
-  ~SpotFinder() override;
+  SpotSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper, Events& events);
+  ~SpotSearch() override;
 
   bool do_work() override;
 
