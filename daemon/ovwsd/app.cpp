@@ -13,7 +13,7 @@
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/procedures/experiment_archive.hpp"

@@ -1,5 +1,5 @@
 /// Methods aberration.*: the modes that the hologram introduces.
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/modes.hpp"
 

@@ -1,7 +1,7 @@
 /// Methods calibration.*: the measured interaction (poke) matrix.
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/calibration.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"

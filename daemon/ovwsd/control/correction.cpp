@@ -1,5 +1,5 @@
 /// Methods correction.*: the modes that the closed loop or a client corrects.
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/modes.hpp"
 

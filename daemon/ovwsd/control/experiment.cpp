@@ -7,7 +7,7 @@
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/camera/camera_limits.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/experiment_archive.hpp"
 #include "daemon/ovwsd/procedures/gain_sweep.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"

@@ -1,7 +1,7 @@
 /// Methods flatness.*: the measured phase error of the SLM.
 #include "daemon/ovwsd/procedures/flatness.hpp"
 #include "config/config.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/slm.hpp"

@@ -1,6 +1,6 @@
 /// Methods job.*: the progress and the end of long commands.
 #include "daemon/ovwsd/actor/jobs.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 

@@ -1,6 +1,6 @@
 /// Methods loop.*: the closed loop.
 #include "proto/tables/loop.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 
 namespace ovws {

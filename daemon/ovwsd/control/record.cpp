@@ -1,6 +1,6 @@
 /// Methods record.*: recordings of all measured frames in a file.
 #include "proto/tables/record.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/settings/config_in_use.hpp"
 

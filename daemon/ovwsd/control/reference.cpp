@@ -1,7 +1,7 @@
 /// Methods reference.*: the reference positions, from which displacements are measured.
 #include "daemon/ovwsd/procedures/reference.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/reference.hpp"

@@ -2,7 +2,7 @@
 /// estimate.
 #include "proto/tables/refine.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "proto/tables/set.hpp"
 

@@ -1,7 +1,7 @@
 /// Methods registration.*: where the camera stands and how it is oriented.
 #include "daemon/ovwsd/procedures/registration.hpp"
 #include "config/config.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/reference.hpp"

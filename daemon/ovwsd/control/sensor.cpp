@@ -1,6 +1,6 @@
 /// Methods sensor.*: the sensor's layout and how its spots are tracked.
 #include "proto/tables/sensor.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/set.hpp"
 

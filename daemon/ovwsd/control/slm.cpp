@@ -1,7 +1,7 @@
 /// Methods slm.*: what the SLM shows, and how fast.
 #include "proto/tables/slm.hpp"
 #include "config/config.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/procedures/settle.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"

@@ -1,5 +1,5 @@
 #include "daemon/ovwsd/access/client_guard.hpp"
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/devices/versions.hpp"
 #include "daemon/shared/schemas/schemas.hpp"

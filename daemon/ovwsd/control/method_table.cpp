@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/control/methods.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
 
 #include "core/rt/counters.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
