@@ -13,7 +13,7 @@
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/app.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
-#include "daemon/ovwsd/settings/key_check.hpp"
+#include "daemon/ovwsd/settings/key_file_check.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "daemon/shared/log.hpp"
@@ -76,8 +76,8 @@ void report_saved(const ovws::LoadedConfig& loaded) {
 
 /// Checks the files of `security`; false if the daemon could not use them. Warns if this user may
 /// not read the secret key.
-bool check_key_files(const std::string& path, const ovws::Config& config) {
-  const ovws::KeyCheck keys = ovws::check_keys(path, config);
+bool has_usable_key_files(const std::string& path, const ovws::Config& config) {
+  const ovws::KeyFileCheck keys = ovws::check_key_files(path, config);
   if (keys.error) {
     ovws::Error error = *keys.error;
     if (!keys.fix.empty()) error.reason += "; fix: " + keys.fix;
@@ -95,7 +95,7 @@ bool check_key_files(const std::string& path, const ovws::Config& config) {
 
 int check(const std::string& path, const ovws::LoadedConfig& loaded) {
   const ovws::Config& config = loaded.effective;
-  if (!check_key_files(path, config)) return 1;
+  if (!has_usable_key_files(path, config)) return 1;
   report_saved(loaded);
   if (const auto seen = ovws::check_sees_spots(config); !seen) return log_failure(seen.error());
   spdlog::info("{} is valid", path.empty() ? "the default configuration" : path);

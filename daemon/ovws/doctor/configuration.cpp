@@ -43,7 +43,7 @@ ConfigurationFacts read_configuration(const std::string& path) {
   facts.saved_is_unused = !loaded->unused_reason.empty();
   if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
   if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
-  facts.keys = check_keys(facts.path, config);
+  facts.keys = check_key_files(facts.path, config);
   return facts;
 }
 

@@ -8,7 +8,7 @@
 #include "config/config.hpp"
 #include "core/base/result.hpp"
 #include "daemon/ovws/doctor/finding.hpp"
-#include "daemon/ovwsd/settings/key_check.hpp"
+#include "daemon/ovwsd/settings/key_file_check.hpp"
 
 namespace ovws::doctor {
 
@@ -18,7 +18,7 @@ struct ConfigurationFacts {
   std::optional<Error> error;    ///< why there is no config, or why it is unusable
   std::optional<Error> unseen;   ///< why a daemon would find no spots with it
   std::string rejected;          ///< path of saved values that were set aside; empty: none
-  KeyCheck keys;
+  KeyFileCheck keys;
   std::string saved;             ///< from describe_saved; empty: nothing was saved
   bool saved_is_unused = false;  ///< the saved values are damaged, or belong to another file
 };

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/settings/key_check.hpp"
+#include "daemon/ovwsd/settings/key_file_check.hpp"
 
 #include <gtest/gtest.h>
 #include <pwd.h>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr uid_t kOther = 65534;  // the user nobody
 
 /// A daemon's keys and clients, in a folder that every user may enter.
-class KeyChecks : public testing::Test {
+class KeyFileChecks : public testing::Test {
  protected:
   void SetUp() override {
     if (::geteuid() != 0) GTEST_SKIP() << "needs root, to give files to another user";
@@ -37,23 +37,23 @@ class KeyChecks : public testing::Test {
   static void give(const std::string& path, uid_t user) {
     ASSERT_EQ(::chown(path.c_str(), user, gid_t(-1)), 0);
   }
-  KeyCheck check() const { return check_keys(folder_ + "/ovwsd.json", config_); }
-  KeyCheck check_as_other() const {
+  KeyFileCheck check() const { return check_key_files(folder_ + "/ovwsd.json", config_); }
+  KeyFileCheck check_as_other() const {
     EXPECT_EQ(::seteuid(kOther), 0);
-    const KeyCheck found = check();
+    const KeyFileCheck found = check();
     EXPECT_EQ(::seteuid(0), 0);
     return found;
   }
 
-  const std::string folder_ = own_folder("key_check");
+  const std::string folder_ = own_folder("key_file_check");
   const std::string secret_ = folder_ + "/daemon.json", clients_ = folder_ + "/clients.json";
   std::string other_;
   Config config_;
 };
 
-TEST_F(KeyChecks, OfAnotherUserAreReadWithThatUsersRights) {
+TEST_F(KeyFileChecks, OfAnotherUserAreReadWithThatUsersRights) {
   give(secret_, kOther);
-  KeyCheck found = check();
+  KeyFileCheck found = check();
   EXPECT_FALSE(found.error) << found.error->reason;
   EXPECT_TRUE(found.read);
   EXPECT_EQ(found.user, other_);
@@ -65,17 +65,17 @@ TEST_F(KeyChecks, OfAnotherUserAreReadWithThatUsersRights) {
   EXPECT_EQ(found.fix, "sudo chmod 644 " + clients_);
 }
 
-TEST_F(KeyChecks, OfRootAreRootsOwn) {
+TEST_F(KeyFileChecks, OfRootAreRootsOwn) {
   EXPECT_FALSE(check().error);
-  const KeyCheck found = check_as_other();
+  const KeyFileCheck found = check_as_other();
   ASSERT_TRUE(found.error);
   EXPECT_EQ(found.error->field, "security.secret_key");
   EXPECT_EQ(found.fix, "sudo chown " + other_ + " " + secret_);
 }
 
-TEST_F(KeyChecks, OfAThirdUserAreNotLookedAtAndTheClientsAre) {
+TEST_F(KeyFileChecks, OfAThirdUserAreNotLookedAtAndTheClientsAre) {
   give(secret_, 1);
-  KeyCheck found = check_as_other();
+  KeyFileCheck found = check_as_other();
   EXPECT_FALSE(found.error);
   EXPECT_FALSE(found.read);
   EXPECT_EQ(found.user, ::getpwuid(1)->pw_name);
@@ -85,7 +85,7 @@ TEST_F(KeyChecks, OfAThirdUserAreNotLookedAtAndTheClientsAre) {
   EXPECT_EQ(found.fix, "sudoedit " + clients_);
 }
 
-TEST_F(KeyChecks, SayHowAFileBecomesUsable) {
+TEST_F(KeyFileChecks, SayHowAFileBecomesUsable) {
   fs::permissions(secret_, fs::perms(0640));
   EXPECT_EQ(check().fix, "sudo chmod 600 " + secret_);
   fs::permissions(secret_, fs::perms(0600));
@@ -96,11 +96,11 @@ TEST_F(KeyChecks, SayHowAFileBecomesUsable) {
             std::string::npos);
 }
 
-TEST_F(KeyChecks, WithoutKeysAreAboutTheEndpoints) {
+TEST_F(KeyFileChecks, WithoutKeysAreAboutTheEndpoints) {
   config_.security = {};
   EXPECT_FALSE(check().error);
   config_.control.endpoint = "tcp://*:7702";
-  const KeyCheck found = check();
+  const KeyFileCheck found = check();
   ASSERT_TRUE(found.error);
   EXPECT_EQ(found.error->field, "control.endpoint");
   EXPECT_EQ(found.fix, "");

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/settings/key_check.hpp"
+#include "daemon/ovwsd/settings/key_file_check.hpp"
 
 #include <fcntl.h>
 #include <grp.h>
@@ -123,8 +123,8 @@ bool is_conclusive(const std::string& clients) {
 
 }  // namespace
 
-KeyCheck check_keys(const std::string& config_path, const Config& config) {
-  KeyCheck check;
+KeyFileCheck check_key_files(const std::string& config_path, const Config& config) {
+  KeyFileCheck check;
   const auto& [secret, clients] = config.security;
   if (!secret || !clients) {
     if (const auto safe = check_security(config); !safe) check.error = safe.error();

@@ -10,7 +10,7 @@
 
 namespace ovws {
 
-struct KeyCheck {
+struct KeyFileCheck {
   std::optional<Error> error;  ///< the error that the daemon's start would report
   std::string fix;             ///< shell command that fixes `error`; empty: edit the configuration
   bool read = true;  ///< false: this user may not read the secret key, so it was not checked
@@ -20,6 +20,6 @@ struct KeyCheck {
 /// Checks as the daemon's user: `ovws` for the service's configuration, else the owner of the
 /// secret key, or the caller if root owns it. Root switches its effective user to that one
 /// meanwhile, so call this while the process has one thread.
-KeyCheck check_keys(const std::string& config_path, const Config& config);
+KeyFileCheck check_key_files(const std::string& config_path, const Config& config);
 
 }  // namespace ovws
