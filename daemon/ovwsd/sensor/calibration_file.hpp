@@ -24,7 +24,8 @@ std::string title_of(const Calibration& calibration);
 /// Calibrations as a Kind of Kept. `bench` must outlive it.
 struct CalibrationKind {
   using Item = Calibration;
-  static constexpr const char *kKind = "calibration", *kEvent = "calibration";
+  static constexpr const char *kKind = "calibration", *kEvent = "calibration",
+                              *kMethod = "calibration.run";
   const ReferenceBench* bench;
 
   std::string title(const Item& calibration) const { return title_of(calibration); }

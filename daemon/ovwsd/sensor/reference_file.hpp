@@ -21,7 +21,8 @@ std::string title_of(const Reference& reference);
 /// References as a Kind of Kept. `bench` must outlive it.
 struct ReferenceKind {
   using Item = Reference;
-  static constexpr const char *kKind = "reference", *kEvent = "reference";
+  static constexpr const char *kKind = "reference", *kEvent = "reference",
+                              *kMethod = "reference.take";
   const ReferenceBench* bench;
 
   std::string title(const Item& reference) const { return title_of(reference); }

@@ -19,7 +19,8 @@ struct MeasuredRegistration : Registration {
 /// Registrations of one SLM as a Kind of Kept.
 struct RegistrationKind {
   using Item = MeasuredRegistration;
-  static constexpr const char *kKind = "registration", *kEvent = "registration";
+  static constexpr const char *kKind = "registration", *kEvent = "registration",
+                              *kMethod = "registration.run";
   SlmGeometry slm;
 
   std::string title(const Item& registration) const;

@@ -148,10 +148,8 @@ std::string FlatnessKind::title(const MeasuredFlatness& flatness) const {
 std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
   if (auto other = slm_mismatch(flatness.origin, config); !other.empty()) return other;
   if (flatness.configured_sha256 != configured_sha256) {
-    return fmt::format(
-        "it was measured with another map in slm.flatness (SHA-256 {} then, {} now): restore that "
-        "map, or run flatness.run",
-        json_text(flatness.configured_sha256), json_text(configured_sha256));
+    return fmt::format("it was measured with another map in slm.flatness (SHA-256 {} then, {} now)",
+                       json_text(flatness.configured_sha256), json_text(configured_sha256));
   }
   const json optics = flatness.origin.value("optics", json::object());
   const OpticsConfig& now = config.optics;

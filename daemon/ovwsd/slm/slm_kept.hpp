@@ -13,7 +13,7 @@ namespace ovws {
 /// A measured LUT. It can be used with an SLM of the same size and pitch at the same wavelength.
 struct LutKind {
   using Item = MeasuredLut;
-  static constexpr const char *kKind = "lut", *kEvent = "slm";
+  static constexpr const char *kKind = "lut", *kEvent = "slm", *kMethod = "lut.run";
   Config config;
 
   std::string title(const Item& lut) const;
@@ -29,7 +29,7 @@ struct LutKind {
 /// flatness map, to which it is added.
 struct FlatnessKind {
   using Item = MeasuredFlatness;
-  static constexpr const char *kKind = "flatness", *kEvent = "slm";
+  static constexpr const char *kKind = "flatness", *kEvent = "slm", *kMethod = "flatness.run";
   Config config;
   nlohmann::json configured_sha256;  ///< of the map of slm.flatness; null: there is none
 

@@ -376,7 +376,8 @@ void DaemonStore::load(std::string_view kind, const std::function<void(StateItem
   };
   for (const BadState& bad : store_->load(kind, from_disk)) {
     events_.emit("store", Severity::warning,
-                 bad.path + " is not used, and left as it is: " + bad.reason,
+                 bad.path + " is not used, and left as it is: " + bad.reason +
+                     "; restore it from a backup, or delete it",
                  {{"path", bad.path}, {"reason", bad.reason}});
   }
   for (const Item& item : queued) {

@@ -23,6 +23,7 @@ namespace ovws {
 ///
 ///     using Item = …;
 ///     static constexpr const char *kKind = …, *kEvent = …;  // of the files, of the events
+///     static constexpr const char* kMethod = …;             // that measures such an item
 ///     std::string title(const Item&) const;                 // "the reference of 2026-01-31T…"
 ///     std::string name(const Item&) const;                  // of its file, [a-z0-9_-]
 ///     nlohmann::json content(const Item&) const;            // of its file
@@ -128,8 +129,10 @@ class Kept {
     if (!item) {
       const Error& why = item.error();
       events_.emit(Kind::kEvent, Severity::warning,
-                   fmt::format("{} is not used, and left as it is: {}{}{}", file.path, why.field,
-                               why.field.empty() ? "" : " ", why.reason),
+                   fmt::format("{} is not used, and left as it is: {}{}{}; restore it from a "
+                               "backup, or delete it and measure again ({})",
+                               file.path, why.field, why.field.empty() ? "" : " ", why.reason,
+                               Kind::kMethod),
                    {{"path", file.path}, {"sha256", file.sha256}, {"used", false}});
       return nullptr;
     }
@@ -142,14 +145,14 @@ class Kept {
   /// Null: the item cannot be used now. It is remembered if another LUT or flatness would change
   /// that.
   std::shared_ptr<const Item> use(Found found) {
+    const std::string remedy = fmt::format("; undo this change, or run {}", Kind::kMethod);
     Item& item = found.item;
-    const std::string obstacle =
-        found.name == kind_.name(item)
-            ? kind_.obstacle(item)
-            : "its file name does not match its content: restore the name, or measure again";
+    const std::string obstacle = found.name == kind_.name(item)
+                                     ? kind_.obstacle(item)
+                                     : "its file name does not match its content";
     events_.emit(Kind::kEvent, obstacle.empty() ? Severity::info : Severity::warning,
                  fmt::format("{} ({}, sha256 {}) {}", kind_.title(item), found.path, item.sha256,
-                             obstacle.empty() ? "is loaded" : "is not used: " + obstacle),
+                             obstacle.empty() ? "is loaded" : "is not used: " + obstacle + remedy),
                  {{"path", found.path},
                   {"sha256", item.sha256},
                   {"used", obstacle.empty()},
