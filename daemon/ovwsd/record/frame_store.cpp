@@ -46,13 +46,13 @@ FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
     : frames_(kFrames),
       pictures_(pictures),
       picture_bytes_(picture_bytes),
-      memory_(pictures * picture_bytes),
       free_frames_(kFrames),
       full_(kFrames),
       free_pictures_(std::max<std::size_t>(pictures, 1)) {
   for (TakenFrame& frame : frames_) (void)free_frames_.try_push(&frame);
   for (std::size_t p = 0; p < pictures; ++p) {
-    (void)free_pictures_.try_push(memory_.data() + p * picture_bytes);
+    memory_.push_back(std::make_unique<std::byte[]>(picture_bytes));
+    (void)free_pictures_.try_push(memory_.back().get());
   }
 }
 

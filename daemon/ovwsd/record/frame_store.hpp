@@ -11,7 +11,6 @@
 
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/spsc_ring.hpp"
-#include "daemon/ovwsd/record/picture_memory.hpp"
 #include "proto/recording.hpp"
 
 namespace ovws {
@@ -29,7 +28,7 @@ struct TakenFrame {
 class FrameStore {
  public:
   /// Allocates room for `pictures` images of `picture_bytes` each, and for 4096 frames without
-  /// their images.
+  /// their images. Throws std::bad_alloc.
   FrameStore(std::size_t pictures, std::size_t picture_bytes);
 
   /// Taking thread, frames in the order of their numbers: copies a frame. Without room for it the
@@ -49,7 +48,7 @@ class FrameStore {
 
   std::vector<TakenFrame> frames_;
   const std::size_t pictures_, picture_bytes_;
-  PictureMemory memory_;
+  std::vector<std::unique_ptr<std::byte[]>> memory_;  ///< of each picture
   SpscRing<TakenFrame*> free_frames_, full_;
   SpscRing<std::byte*> free_pictures_;
   std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: none came yet

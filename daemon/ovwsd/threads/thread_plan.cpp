@@ -109,7 +109,8 @@ Result<void> ThreadPlan::prepare_process() {
 }
 
 Result<void> ThreadPlan::lock_memory() const {
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
+  // What the display's driver loads later is large, and most of it is never used.
+  if (mlockall(MCL_CURRENT) == 0 && mlockall(MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   const std::string why = std::strerror(errno);
   if (policy_ == RealtimePolicy::enforce) {
     return fail(Errc::unavailable, "realtime",

@@ -98,9 +98,8 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
      OnException::restart},  // made by the system
 }};
 
-/// Reduces the default stack size to 1 MiB, for threads of libraries, too. Locked memory (mlockall)
-/// holds whole stacks, and twenty of the system's 8 MiB are 160 MB. Call once, before any thread is
-/// created.
+/// Reduces the default stack size to 1 MiB, for threads of libraries, too: whole stacks count
+/// against the limit of locked memory (RLIMIT_MEMLOCK). Call once, before any thread is created.
 void keep_stacks_small();
 
 /// Checks that this process may run on these processors; if not, Errc::invalid, field
@@ -133,7 +132,8 @@ class ThreadPlan {
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
 
-  /// Locks the process's memory (mlockall), and keeps the processor out of deep idle states
+  /// Locks the process's memory (mlockall): the program and its libraries as a whole, memory that
+  /// is mapped later as it is first used. Keeps the processor out of deep idle states
   /// (/dev/cpu_dma_latency). What the system refuses is a warning, with `enforce` an error.
   Result<void> prepare_process();
   /// Runs `agent` in a new thread until stop_all. Processors that it cannot be pinned to are an
