@@ -25,7 +25,7 @@ struct LoopSettings {
   std::vector<int> modes = {};  ///< OSA indices to correct; empty: all measured modes, j >= 1
   std::vector<ModeGain> gains = {};  ///< gains of single modes, instead of `gain`
   double limit_waves = 5.0;          ///< limit of each mode's correction, RMS-normalised; > 0
-  double patience_s = 2.0;    ///< time-out without a usable frame, at the limit, or growing; > 0
+  double patience_s = 5.0;    ///< time-out without a usable frame, at the limit, or growing; > 0
   double growth = 3.0;        ///< residual over its previous level that counts as growing; > 1
   double floor_waves = 0.05;  ///< residual RMS below which it never counts as growing; >= 0
 };

@@ -36,6 +36,21 @@ class Unplug(BenchCase):
                 print(f"\n  {seconds} s: frames again after {time.monotonic() - begun:.1f} s")
                 self.assertTrue(twin.call("twin.get")["camera"]["plugged"])
 
+    def test_the_closed_loop_waits_for_a_camera_that_was_unplugged_shortly(self):
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        self.take_reference(10)
+        self.call("loop.close")
+        wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
+        reconnects = self.call("system.status")["counters"]["camera_reconnects"]
+        twin.call("twin.fault", {"kind": "unplug", "seconds": 0.5})
+        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > reconnects, what="the reconnection")
+        steps = self.call("loop.get")["steps"]
+        wait_for(lambda: not self.call("loop.get")["closed"] or self.call("loop.get")["steps"] > steps + 3, what="steps again")
+        report = self.call("loop.get")
+        self.call("loop.open")
+        self.assertTrue(report["closed"], report)
+
     def test_a_set_while_the_camera_loses_power_keeps_the_settings(self):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)

@@ -75,7 +75,7 @@ TEST(Integrator, DoesNotWindUpAndOpensAtItsLimit) {
 
 TEST(Integrator, OpensWhenTheResidualGrows) {
   Plant plant{{3}, {0.1}, -1.0};  // a sign that is wrong
-  Integrator loop({.gain = 0.2, .limit_waves = 1e6}, {}, 0);
+  Integrator loop({.gain = 0.2, .limit_waves = 1e6, .patience_s = 2.0}, {}, 0);
   LoopEnd end = LoopEnd::none;
   int steps = 0;
   while (end == LoopEnd::none && steps < 1000) end = plant.step(loop), ++steps;
