@@ -15,7 +15,7 @@ class Noise {
   Noise(std::uint64_t seed, std::uint64_t stream);
 
   /// Standard normal variate: the scaled sum of two out of 4096 equally likely quantiles, never
-  /// beyond 5.1.
+  /// beyond 5.2.
   float normal();
 
   /// Poisson variate for means below kExactPoisson; above, a normal one with the same mean and
