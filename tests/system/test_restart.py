@@ -105,7 +105,7 @@ class Restart(BenchCase):
         self.assertEqual(self.reference_state(), "in_force")
         self.kill()
         log = self.start_again(optics={"wavelength_nm": 633.0})
-        self.assertIn("is not used: optics.wavelength_nm was 632.0, and is 633.0; undo this change, or run reference.take", log)
+        self.assertIn("is not used: optics.wavelength_nm was 632.0, and is 633.0; undo what has changed, or run reference.take", log)
         self.assertEqual((self.reference_state(), self.call("reference.get")["taken"]), ("none", False))
         self.kill()
         self.start_again()

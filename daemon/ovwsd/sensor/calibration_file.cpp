@@ -33,8 +33,7 @@ Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Ei
   if (!values || !std::all_of(values->begin(), values->end(), finite)) {
     return fail(
         Errc::invalid, key,
-        "must hold a finite number for each mode and each spot's x and y: the file is damaged, run "
-        "calibration.run again");
+        "must hold a finite number for each mode and each spot's x and y: the file is damaged");
   }
   return Eigen::MatrixXd(
       Eigen::Map<const Eigen::MatrixXf>(values->data(), rows, cols).cast<double>());

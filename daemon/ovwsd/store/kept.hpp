@@ -145,7 +145,7 @@ class Kept {
   /// Null: the item cannot be used now. It is remembered if another LUT or flatness would change
   /// that.
   std::shared_ptr<const Item> use(Found found) {
-    const std::string remedy = fmt::format("; undo this change, or run {}", Kind::kMethod);
+    const std::string remedy = fmt::format("; undo what has changed, or run {}", Kind::kMethod);
     Item& item = found.item;
     const std::string obstacle = found.name == kind_.name(item)
                                      ? kind_.obstacle(item)
