@@ -195,8 +195,7 @@ double table_error_rad(const SlmLaw& law, const PhaseLut& lut) {
   return kTurn * std::sqrt(squares / count - sum * sum / count / count);
 }
 
-Result<LutFound> lut_on(const SlmLaw& law, int levels) {
-  auto twin = small_twin_config();
+Result<LutFound> lut_on(const SlmLaw& law, int levels, twin::Config twin = small_twin_config()) {
   twin.slm.gamma = law.gamma;
   twin.slm.depth_waves = law.depth_waves;
   LutFound found;
@@ -246,6 +245,20 @@ TEST(Procedures, ASteepPhaseResponseIsMeasuredAtMoreLevels) {
   EXPECT_LT(found->error_rad, 0.02);
   EXPECT_LT(found->error_rad, 3.0 * found->standard_error_rad);
   EXPECT_LT(found->table_error_rad, 0.3) << "the best table has steps of a tenth of a wave";
+}
+
+TEST(Procedures, ALutWithoutASpotWhereItIsExpectedIsRefused) {
+  auto dark = small_twin_config();
+  dark.truth.peak_electrons = 1.0;
+  auto displaced = small_twin_config();
+  displaced.truth.geometry.centre_px = {60.0, 200.0};
+  for (const auto& twin : {dark, displaced}) {
+    const auto found = lut_on({}, 17, twin);
+    ASSERT_FALSE(found);
+    EXPECT_NE(found.error().reason.find("no spot where the base spot is expected"),
+              std::string::npos)
+        << found.error().reason;
+  }
 }
 
 TEST(Procedures, AProcedureThatFailsGivesTheSensorBack) {
