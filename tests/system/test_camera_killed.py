@@ -10,7 +10,7 @@ CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_f
 PERIOD_S = 1.0 / CAMERA["frame_rate_hz"]
 ANSWER_S = 0.5
 PATIENCE_S = max(3.0 * PERIOD_S, 1e-6 * CAMERA["exposure_us"] + 2.0)
-ABSENT_S = [0.3, 2.0, 10.0] + ([60.0] if os.environ.get("OVWS_LONG_ABSENCE") else [])
+ABSENT_S = [0.3, 4.0, 10.0] + ([60.0] if os.environ.get("OVWS_LONG_ABSENCE") else [])
 
 
 class CameraKilled(BenchCase):

@@ -123,6 +123,7 @@ class Systemd(unittest.TestCase):
             self.assertEqual(int(status[capabilities], 16), 1 << 13, "CAP_NET_RAW and no other")
         options = {fields[4]: fields[5].split(",") for fields in map(str.split, (process / "mountinfo").read_text().splitlines())}
         self.assertIn("ro", options["/"])
+        self.assertTrue(os.listdir("/home"))
         self.assertEqual(os.listdir(process / "root/home"), [], "hidden by ProtectHome")
 
     def test_it_comes_back_after_a_kill(self):

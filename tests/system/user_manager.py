@@ -35,6 +35,8 @@ def own_mounts():
     # Share mounts between this process and the manager: a service's credentials are a mount made by its child.
     must(libc.mount(b"none", b"/", None, ms_rec_shared, None), "mounts cannot be shared with the manager")
     must(libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None), "no /run of its own")
+    must(libc.mount(b"tmpfs", b"/home", b"tmpfs", 0, None), "no /home of its own")
+    pathlib.Path("/home", "user").mkdir()
     pathlib.Path("/run/systemd/system").mkdir(parents=True)
     RUNTIME.mkdir(parents=True)
     UNITS.mkdir()
@@ -50,14 +52,18 @@ def make_inaccessible_nodes():
     with socket.socket(socket.AF_UNIX) as node:
         node.bind(str(folder / "sock"))
     for name, kind in (("chr", stat.S_IFCHR), ("blk", stat.S_IFBLK)):
-        os.mknod(folder / name, kind, os.makedev(0, 0))
+        try:
+            os.mknod(folder / name, kind, os.makedev(0, 0))
+        except OSError as error:
+            raise NoManager(f"no device nodes: {error}") from error
 
 
 def own_users(definition):
     """Gives this process its own copy of /etc, with the users of a sysusers.d file."""
-    subprocess.run(["cp", "-a", "/etc", "/run/etc"], check=True)
-    subprocess.run(["mount", "--bind", "/run/etc", "/etc"], check=True)
-    subprocess.run(["systemd-sysusers", definition], check=True, capture_output=True)
+    for command in (["cp", "-a", "/etc", "/run/etc"], ["mount", "--bind", "/run/etc", "/etc"], ["systemd-sysusers", definition]):
+        ran = subprocess.run(command, capture_output=True, text=True)
+        if ran.returncode != 0:
+            raise NoManager(f"{command[0]}: {ran.stderr.strip()}")
 
 
 class Manager:
