@@ -1,4 +1,5 @@
-/// The daemon's configuration: one struct per section, every key with a default. `{}` is valid.
+/// The daemon's configuration: one struct per section, every key with a default; those of `camera`,
+/// `optics`, `sensor`, `tracking` and `refine` are in the included headers. `{}` is valid.
 #pragma once
 
 #include <optional>

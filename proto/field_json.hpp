@@ -23,7 +23,8 @@ namespace ovws {
 
 using Json = nlohmann::json;
 
-/// Specialised for a type whose wire format does not follow from a table: to_json, decode, schema.
+/// Specialised for a type whose wire format does not follow from its Table of fields. Provides
+/// to_json, decode and schema.
 template <class T>
 struct Wire;
 struct SchemaParts;  // field_schema.hpp

@@ -38,7 +38,7 @@ enum class DaemonEvent : std::uint8_t {
   count,
 };
 
-/// Client requests that the state may forbid.
+/// Kinds of client requests; kActions says in which states each is forbidden.
 enum class Action : std::uint8_t {
   read,
   set_camera,

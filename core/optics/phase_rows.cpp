@@ -14,7 +14,8 @@ using Lanes = std::array<double, kPhaseLanes>;
 /// The errors of the terms are random: tilts reach half of this bound, higher orders less.
 constexpr double kRoundings = 2.0;
 constexpr double kRoundoff = 0x1p-53;
-constexpr double kMaxErrorGain = 0x1p33;  ///< times the differences' last bit: 2^-32 waves
+constexpr double kMaxErrorGain =
+    0x1p33;                    ///< times a difference's rounding error (2^-65 waves): 2^-32 waves
 constexpr int kMinSteps = 16;  ///< of a segment; fewer do not repay its initial differences
 /// Segments begin at multiples of this many steps, which bounds the excess to the left of a row's
 /// columns.

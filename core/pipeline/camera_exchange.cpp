@@ -39,7 +39,8 @@ Error CameraExchange::timeout_error(std::uint64_t iterations_before) const {
   return {Errc::unavailable, "camera",
           std::to_string(lent_.load(std::memory_order_relaxed)) +
               " camera buffers are still in use after " + waited +
-              ": release the requested images, and check that the tracker threads run"};
+              ": look in the log for a thread that hangs, and restart the daemon if it does not "
+              "recover"};
 }
 
 bool CameraExchange::can_serve(int lent) OVWS_NONBLOCKING {

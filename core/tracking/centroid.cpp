@@ -12,8 +12,10 @@ constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda
 constexpr double kThreshold = 0.2;        // of the local peak above the local background
 constexpr double kMinLightShare = 0.25;
 constexpr int kMaxMoves = 60;
-constexpr double kConvergedPx = 5e-4;      // of a mean shift, which halves the error each time
-constexpr double kDiscConvergedPx = 0.02;  // of the disc: hardly a pixel enters or leaves it then
+constexpr double kConvergedPx =
+    5e-4;  // a step of the mean shift below this ends it; each halves the error
+constexpr double kDiscConvergedPx =
+    0.02;  // a step of the disc below this ends the iteration: hardly a pixel enters or leaves it
 
 struct Sums {
   double light = 0.0;

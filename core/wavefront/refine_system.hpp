@@ -30,9 +30,10 @@ struct RefineSums {
 
 /// Use it from one thread at a time. Working memory is allocated once per geometry.
 ///
-/// The intensity is that of the whole SLM (SensorField). The derivatives are approximate: each
-/// piece counts only in a box around its spot, with every mode a polynomial of degree 3 over the
-/// piece (PieceMoments). This may slow convergence but hardly moves the minimum.
+/// The intensity is that of the whole SLM (SensorField). The derivatives are approximate: a
+/// piece of the pupil (SensorField::Piece) contributes only to pixels in a box around its spot, and
+/// every mode is a polynomial of degree 3 over the piece (PieceMoments). This may slow convergence
+/// but hardly moves the minimum.
 class RefineSystem {
  public:
   /// `box_half_px`: half-width of the square of pixels used around each predicted spot.

@@ -297,8 +297,8 @@ Result<void> App::run(const std::atomic<bool>& stop) {
 }
 
 /// Writes the end of a recording and the queued state items for as long as the disk makes progress.
-/// Gives up after kRecordingTimeoutS (with a recording) or kStopTimeoutS without any. Errors say
-/// what is lost.
+/// Gives up after kRecordingTimeoutS (while a recording ends) or kStopTimeoutS (else) without
+/// progress. Errors say what is lost.
 Result<void> App::Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";

@@ -14,6 +14,10 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kCredential = "ovws.key";  // as in the systemd units
+constexpr const char* kForeignReply =
+    "the reply is not one of ovwsd: check that the endpoint is its control endpoint, and that ovws "
+    "has "
+    "the same version";
 
 /// HOST of "tcp://HOST:PORT"; empty for anything else.
 std::string host_of(const std::string& endpoint) {
@@ -93,7 +97,7 @@ tl::expected<json, CallFailure> result_of(json& answer) {
   if (answer.is_object() && answer.contains("error")) {
     return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
   }
-  return tl::make_unexpected(CallFailure{true, {{"message", "the reply is not JSON-RPC"}}});
+  return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
 }
 
 }  // namespace
@@ -115,15 +119,14 @@ tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
   if (!answers) return tl::make_unexpected(answers.error());
   std::vector<json> results(methods.size());
   if (!answers->is_array() || answers->size() != methods.size()) {
-    return tl::make_unexpected(
-        CallFailure{true, {{"message", "the reply is not a JSON-RPC batch"}}});
+    return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
   }
   for (json& answer : *answers) {
     auto result = result_of(answer);
     if (!result) return tl::make_unexpected(result.error());
     const json id = answer.value("id", json());
     if (!id.is_number_unsigned() || id >= results.size()) {
-      return tl::make_unexpected(CallFailure{true, {{"message", "the reply has an unknown id"}}});
+      return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
     }
     results[id.get<std::size_t>()] = std::move(*result);
   }

@@ -20,7 +20,8 @@ class BenchView {
   /// changed. Call from one thread only.
   std::optional<nlohmann::json> look(const std::string& pattern);
 
-  /// The newest hologram image; null: none yet. Thread-safe.
+  /// The hologram image drawn last; null: none yet, or the present one cannot be drawn (the message
+  /// of look says why). Thread-safe.
   HologramPicturePtr hologram() const;
 
  private:

@@ -147,7 +147,7 @@ struct RecordingReader::Impl {
   PictureUnpacker unpacker;
 
   tl::unexpected<Error> unreadable(const std::string& what) const {
-    return fail(Errc::invalid, "path", path + ": " + what);
+    return fail(Errc::invalid, "path", path + " is damaged (" + what + "): use an intact copy");
   }
   bool open_file();
   bool read_header();
@@ -260,13 +260,13 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
     return fail(Errc::unavailable, "path", path + ": " + open_failure(path));
   }
   if (!impl->read_header()) {
-    return impl->unreadable(std::string("is not a recording of schema ") + kRecordingSchema);
+    return fail(Errc::invalid, "path", path + " is not a recording of schema " + kRecordingSchema);
   }
   // Frames first: in a recording that is still being written, all that they refer to exists by
   // then.
-  if (!impl->read_frames()) return impl->unreadable("its frames are damaged");
-  if (!impl->open_pictures()) return impl->unreadable("its images are damaged");
-  if (!impl->open_tables()) return impl->unreadable("its tables are damaged");
+  if (!impl->read_frames()) return impl->unreadable("its frames");
+  if (!impl->open_pictures()) return impl->unreadable("its images");
+  if (!impl->open_tables()) return impl->unreadable("its tables");
   const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
                                  [&](const RecordedFrame& one) { return impl->is_complete(one); });
   if (!whole) return impl->unreadable("a frame refers to missing data");

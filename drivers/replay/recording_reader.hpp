@@ -37,7 +37,8 @@ class RecordingReader {
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
   /// Reads the image of a frame that has one: picture_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
-  /// All documents in file order. The caller must verify their checksums.
+  /// The JSON documents of the recording (plans, and what they refer to: proto/RECORDING.md) in
+  /// file order. The caller must compare each text with its checksum.
   Result<std::vector<RecordedText>> documents();
 
  private:

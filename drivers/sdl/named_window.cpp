@@ -108,7 +108,8 @@ class NamedWindow final : public OutputWindow {
     int width = 0, height = 0;
     SDL_GetWindowSizeInPixels(canvas_.get(), &width, &height);
     if (!(flags & SDL_WINDOW_SHOWN) || (flags & SDL_WINDOW_MINIMIZED)) {
-      return fail(changed("the SLM's window is not shown"));
+      return fail(
+          changed("the SLM's window was hidden or minimised: exclude it from window management"));
     }
     if (SDL_GetWindowDisplayIndex(canvas_.get()) != index || width != info_.width ||
         height != info_.height) {

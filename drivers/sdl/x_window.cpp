@@ -36,6 +36,9 @@ Error lost_server() {
           "server, and the display is opened again"};
 }
 
+constexpr const char* kHowToKeep =
+    "; if this repeats, exclude the window from the desktop's window management";
+
 Error changed(const std::string& reason) {
   return {Errc::device, "slm.display", reason};
 }
@@ -189,10 +192,12 @@ class XWindow final : public OutputWindow {
     if (!XGetWindowAttributes(display_.get(), window_, &is)) {
       return fail(changed("the SLM's window was destroyed"));
     }
-    if (is.map_state != IsViewable) return fail(changed("the SLM's window is not shown"));
+    if (is.map_state != IsViewable)
+      return fail(changed(std::string("the SLM's window was hidden or minimised") + kHowToKeep));
     if (is.x != output_.x || is.y != output_.y || is.width != output_.width ||
         is.height != output_.height) {
-      return fail(changed("the SLM's window no longer covers output " + output_.name));
+      return fail(changed("the SLM's window was moved or resized and no longer covers output " +
+                          output_.name + kHowToKeep));
     }
     return verify_on_top();
   }

@@ -115,7 +115,8 @@ void read_aberration(ObjectReader& reader, Truth& truth);
 void read_shades(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
-/// `turbulence`: null, or an object that replaces what was there.
+/// Reads the key `turbulence`: null switches it off; an object replaces it as a whole, with
+/// defaults for missing keys. Without the key it stays.
 void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
 /// The object `geometry` of twin.set: any of its keys.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);

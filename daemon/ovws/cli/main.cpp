@@ -42,7 +42,9 @@ int end_output(int status) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
   // A reader that closed the pipe is not an error to report.
-  if (!output_has_no_reader()) fmt::print(stderr, "ovws: standard output cannot be written\n");
+  if (!output_has_no_reader())
+    fmt::print(stderr,
+               "ovws: standard output cannot be written, so it is incomplete: check the disk\n");
   return status == kOk ? kError : status;
 }
 

@@ -106,7 +106,7 @@ void add_doctor(CLI::App& app, const Common& common, int& status) {
   auto path = std::make_shared<std::string>();
   command->add_option(
       "--config,-c", *path,
-      "configuration file (default: /etc/ovws/ovwsd.json, or every key's default without it)");
+      "configuration file (default: /etc/ovws/ovwsd.json; if there is none, every key's default)");
   const CLI::Option* const given = app.get_option("--endpoint");
   command->callback([&common, &status, path, given] {
     status = check_bench(common, *path, given->count() > 0 ? common.endpoint : "");

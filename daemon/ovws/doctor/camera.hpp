@@ -20,7 +20,8 @@ enum class DaemonsCamera { silent, without, with };
 struct CameraFacts {
   CameraConfig config;
   DaemonsCamera daemon = DaemonsCamera::silent;
-  std::vector<ListedCamera> listed;    ///< filled only if the address did not answer
+  std::vector<ListedCamera>
+      listed;  ///< found by discovery; empty if camera.id is an address that answered
   std::optional<ListedCamera> camera;  ///< the configured one
   std::optional<GigeAnswer> answer;    ///< GigE only: what the camera reports
   std::optional<NetworkPath> path;     ///< GigE only: the route to the camera

@@ -18,7 +18,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounter
     {"frames_unplanned", "Frames not measured because there was no measurement plan."},
     {"frames_unexpected", "Frames not measured because of an unexpected size or format."},
     {"frames_dropped", "Frames dropped because the daemon was too slow."},
-    {"frames_unsettled", "Frames published while the hologram was changing."},
+    {"frames_unsettled",
+     "Frames published as not settled: the hologram was changing or was not the sensor's, the "
+     "region had just changed, the display had a fault, or the frame was late."},
     {"frames_invalid", "Frames published without a valid wavefront."},
     {"frames_unexplained", "Invalid frames whose spot positions no wavefront explains."},
     {"frames_published", "Frames published."},

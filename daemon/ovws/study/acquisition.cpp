@@ -87,11 +87,16 @@ Findings acquisition(const Settings& settings) {
                                        : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
   nlohmann::json summary{
       {"study", "acquisition"}, {"peak_e", kPeakE}, {"rows", nlohmann::json::array()}};
-  Figure figure{
-      "acquisition", "Spots found without history: 2 waves of one mode, 0.5 wave RMS of many",
-      "peak SNR",    "fraction of spots",
-      false,         false,
-      false,         {}};
+  Figure figure{"acquisition",
+                "Spots refused or wrong in a search of one image: 2 waves of one mode, 0.5 wave "
+                "RMS of random "
+                "modes",
+                "peak SNR",
+                "fraction of spots",
+                false,
+                false,
+                false,
+                {}};
   const auto model = model_of(default_bench(), 1);
   for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
     const Measurer measurer(default_bench(), {"", 1, {kind}}, model);

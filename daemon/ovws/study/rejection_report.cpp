@@ -69,9 +69,9 @@ std::vector<Figure> rejection_figures(const RejectionFound& found) {
   spectra.log_x = spectra.log_y = true;
   spectra.series = {line_of("loop open", found.open), line_of("loop closed", found.closed)};
   Figure rejected{"rejection", "disturbance rejection of the closed loop", "frequency (Hz)",
-                  "closed over open (dB)"};
+                  "power, closed loop / open loop (dB)"};
   rejected.log_x = true;
-  Series measured{"measured, over a third of an octave", {}, {}, {}, Series::Style::solid};
+  Series measured{"measured, in bands of a third of an octave", {}, {}, {}, Series::Style::solid};
   Series ideal{fmt::format("integrator of gain {:g} at {:.2g} steps/s without delay",
                            found.law.gain, found.law.steps_hz),
                {},
