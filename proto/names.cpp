@@ -57,10 +57,6 @@ const std::vector<std::string>& operator_names() {
   return names;
 }
 
-std::string_view grid_name(Grid grid) {
-  return grid_names()[std::size_t(grid)];
-}
-
 std::string_view pattern_name(HologramKind kind) {
   return pattern_names()[std::size_t(kind)];
 }

@@ -21,7 +21,6 @@ const std::vector<std::string>& tracker_names();
 const std::vector<std::string>& template_names();
 const std::vector<std::string>& operator_names();
 
-std::string_view grid_name(Grid grid);
 std::string_view pattern_name(HologramKind kind);
 std::string_view template_name(TemplateKind kind);
 std::string_view operator_name(OperatorKind kind);

@@ -38,7 +38,7 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   return build_plan(
       {1, 1, 1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
        like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-       nothing_shown, reference ? &*reference : nullptr, 0, nullptr, own.banks, mode_operator});
+       nothing_shown, reference ? &*reference : nullptr, nullptr, own.banks, mode_operator});
 }
 
 /// The configured operator for images of this size; null: the plan's slopes operator is used.

@@ -6,6 +6,8 @@
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/optics.hpp"
 #include "proto/tables/reference.hpp"
 #include "proto/tables/sensor.hpp"
 
@@ -13,18 +15,6 @@ namespace ovws {
 namespace {
 
 using nlohmann::json;
-
-json points(const std::vector<Vec2>& all) {
-  json out = json::array();
-  for (const Vec2& point : all) out.push_back({point.x, point.y});
-  return out;
-}
-
-json modes(const std::vector<Mode>& all) {
-  json out = json::array();
-  for (const Mode& mode : all) out.push_back({{"j", mode.j}, {"waves", mode.waves}});
-  return out;
-}
 
 json rows_of(const Eigen::MatrixXd& matrix) {
   json rows = json::array();
@@ -44,21 +34,9 @@ json operator_content(const PlanFacts& facts) {
   return content;
 }
 
-json optics_content(const OpticsConfig& optics) {
-  json out{{"wavelength_nm", optics.wavelength_nm},
-           {"focal_length_mm", optics.focal_length_mm},
-           {"magnification", optics.magnification},
-           {"camera_pitch_um", optics.camera_pitch_um},
-           {"centre_px", nullptr},
-           {"px_per_cycle", nullptr}};
-  if (optics.centre_px) out["centre_px"] = {optics.centre_px->x, optics.centre_px->y};
-  if (const auto& m = optics.registered) out["px_per_cycle"] = {m->xx, m->xy, m->yx, m->yy};
-  return out;
-}
-
 json slm_content(const ActiveSlm& slm) {
   json flatness;
-  if (slm.flatness) flatness = modes(slm.flatness->modes);
+  if (slm.flatness) flatness = to_json(slm.flatness->modes);
   return {{"identity", slm.identity},
           {"grey_levels", slm.hologram.lut},
           {"flatness_modes", std::move(flatness)}};
@@ -84,16 +62,16 @@ json plan_content(const PlanFacts& facts) {
             {"diagonal", lit.diagonal}}},
           {"roi", to_json(facts.roi)},
           {"pixel_format", pixel_format_name(facts.format)},
-          {"predicted_px", points(facts.predicted_px)},
-          {"search_px", points(facts.search_px)},
-          {"reference_px", points(facts.reference_px)},
+          {"predicted_px", to_json(facts.predicted_px)},
+          {"search_px", to_json(facts.search_px)},
+          {"reference_px", to_json(facts.reference_px)},
           {"reference_introduced_rms_waves", facts.reference_introduced_rms_waves},
           {"pattern", pattern_name(now.pattern)},
           {"sensor", to_json(now.sensor)},
-          {"optics", optics_content(now.optics)},
+          {"optics", to_json(now.optics)},
           {"registration", to_json(KnownRegistration{now.registration})},
-          {"aberration", modes(now.aberration)},
-          {"correction", modes(now.correction)}};
+          {"aberration", to_json(now.aberration)},
+          {"correction", to_json(now.correction)}};
 }
 
 }  // namespace

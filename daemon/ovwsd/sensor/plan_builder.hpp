@@ -27,10 +27,9 @@ struct PlanInputs {
   const SlmGeometry& slm;
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
-  LitPixels lit{};                       ///< pixels of a colour camera that see this wavelength
-  const std::vector<Mode>& aberration;   ///< shown on the SLM: introduced minus correction
-  const Reference* reference = nullptr;  ///< null: none
-  int workers = 0;
+  LitPixels lit{};                          ///< pixels of a colour camera that see this wavelength
+  const std::vector<Mode>& aberration;      ///< shown on the SLM: introduced minus correction
+  const Reference* reference = nullptr;     ///< null: none
   const SplitSpots* split_spots = nullptr;  ///< null: none
   /// Templates by subaperture, see MatchedTracker. Empty: the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> templates{};

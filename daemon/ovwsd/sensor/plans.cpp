@@ -9,7 +9,7 @@ Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, 
   return build_plan({next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
                      state.sensor, state.tracking, optics_of(state, bench_), bench_.slm, state.roi,
                      state.format, lit_pixels(state.format, bench_.optics.wavelength_nm),
-                     shown_modes(state), bound.reference.get(), workers_,
+                     shown_modes(state), bound.reference.get(),
                      state.split_spots ? &*state.split_spots : nullptr,
                      templates_of(state, bound).banks, bound.mode_operator.get()});
 }

@@ -16,9 +16,7 @@ namespace ovws {
 /// One thread at a time.
 class Plans {
  public:
-  /// `workers`: number of tracker threads.
-  Plans(Pipeline& pipeline, BenchOptics bench, int workers)
-      : pipeline_(pipeline), bench_(std::move(bench)), workers_(workers) {}
+  Plans(Pipeline& pipeline, BenchOptics bench) : pipeline_(pipeline), bench_(std::move(bench)) {}
 
   /// Errors: those of make_tracker.
   Result<std::unique_ptr<MeasurementPlan>> build(const SensorState& state, const Bound& bound,
@@ -35,7 +33,6 @@ class Plans {
 
   Pipeline& pipeline_;
   BenchOptics bench_;
-  int workers_;
   std::uint64_t next_id_ = 1;
   TemplateCache templates_;
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active

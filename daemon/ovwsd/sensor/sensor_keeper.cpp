@@ -40,7 +40,7 @@ SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
                            HologramConfig hologram)
     : deps_(deps),
       bench_(config, std::move(hologram), deps.store, deps.events),
-      plans_(deps.pipeline, bench_.optics, config.pipeline.workers),
+      plans_(deps.pipeline, bench_.optics),
       events_(bench_.optics, deps.events),
       snapshot_(std::make_shared<const SensorSnapshot>()) {
   state_.sensor = config.sensor;

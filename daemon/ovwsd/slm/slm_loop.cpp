@@ -182,8 +182,6 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   deps_.shown.write(next);
   shown_ = next;
   requested_ = request;
-  present_ms_ = 1e-6 * double(*presented_ns - next.current.t_begin_mono_ns);
-  t_presented_ns_ = utc_ns();
   t_presented_mono_ns_ = *presented_ns;
   publish_snapshot(std::nullopt);
   return {};
@@ -205,10 +203,8 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   if (display_) now.info = display_->info();
   now.hologram_id = shown_.current.hologram_id;
   now.kind = requested_ ? requested_->kind : HologramKind::sensor;
-  now.t_presented_ns = t_presented_ns_;
   now.t_presented_mono_ns = t_presented_mono_ns_;
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
-  now.present_ms = present_ms_;
   if (why) now.fault = why->reason;
   now.at_fault = why && needs_intervention(*why);
   const SlmSnapshot before = snapshot_.get();

@@ -36,12 +36,10 @@ struct SlmSnapshot {
   std::optional<DisplayInfo> info;
   std::uint64_t hologram_id = 0;  ///< shown now; 0: none
   HologramKind kind = HologramKind::sensor;
-  std::int64_t t_presented_ns = 0;  ///< UNIX epoch UTC
   std::int64_t t_presented_mono_ns = 0;
   std::int64_t t_settled_mono_ns = 0;
-  double present_ms = 0.0;  ///< how long the last call that presents took
-  std::string fault;        ///< why it is not healthy; empty if it is
-  bool at_fault = false;    ///< it is present, but cannot be used until a person fixes the fault
+  std::string fault;      ///< why it is not healthy; empty if it is
+  bool at_fault = false;  ///< it is present, but cannot be used until a person fixes the fault
 };
 
 /// Comparison of the display's buffer, read back, with the hologram presented.
@@ -111,8 +109,6 @@ class SlmLoop : public Agent {
   std::unique_ptr<Display> display_;
   std::optional<HologramRequest> requested_;
   ShownHologram shown_;
-  double present_ms_ = 0.0;
-  std::int64_t t_presented_ns_ = 0;
   std::int64_t t_presented_mono_ns_ = 0;
   std::int64_t next_try_ns_ = 0;
   std::int64_t next_check_ns_ = 0;

@@ -44,7 +44,6 @@ class StateStore {
   /// (Errc::unavailable, field "state.directory"): it cannot be made or read.
   static Result<StateStore> open(const std::string& directory);
 
-  const std::string& directory() const { return directory_; }
   /// Why nothing can be written there, and what to do; none: it can. Existing items are read all
   /// the same.
   const std::optional<std::string>& why_read_only() const { return why_read_only_; }

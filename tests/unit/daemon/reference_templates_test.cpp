@@ -141,7 +141,6 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
                                   {},
                                   none,
                                   nullptr,
-                                  0,
                                   nullptr,
                                   templates});
     EXPECT_TRUE(plan);
