@@ -29,6 +29,11 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// "field: reason", or the reason alone.
+inline std::string text_of(const Error& error) {
+  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
+}
+
 /// Whether a retry is pointless until a person changes a value or the state.
 inline bool needs_intervention(const Error& error) {
   return error.code == Errc::invalid || error.code == Errc::refused;

@@ -39,7 +39,7 @@ void request_reload(int /*signal*/) {
 }
 
 int log_failure(const ovws::Error& error) {
-  spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
+  spdlog::error("{}", ovws::text_of(error));
   return 1;
 }
 

@@ -192,8 +192,8 @@ std::string why_not_valid(const json& message, const json& status) {
 }
 
 int report(const Common& common, const Error& error) {
-  const std::string text = error.field.empty() ? error.reason : error.field + ": " + error.reason;
-  return report_failure(common, {true, {{"message", text}, {"data", {{"field", error.field}}}}});
+  return report_failure(common,
+                        {true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}});
 }
 
 }  // namespace ovws::cli

@@ -110,7 +110,7 @@ Result<KeyFile> load_key_file(const std::string& path) {
   reader.string("secret_key", keys.pair.secret_key);
   reader.string("server_key", keys.server_key);
   if (const auto done = reader.finish(); !done) {
-    return key_error(Errc::invalid, path, done.error().field + ": " + done.error().reason);
+    return key_error(Errc::invalid, path, text_of(done.error()));
   }
   if (auto right = check_pair(path, keys); !right) return fail(right.error());
   return keys;

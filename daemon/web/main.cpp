@@ -22,7 +22,7 @@ constexpr double kPollTimeoutS = 2.0;
 constexpr unsigned kExitTimeoutS = 1;
 
 int report_error(const Error& error) {
-  spdlog::error("{}{}{}", error.field, error.field.empty() ? "" : ": ", error.reason);
+  spdlog::error("{}", text_of(error));
   return cli::kError;
 }
 

@@ -27,8 +27,7 @@ sigset_t block_end_signals() {
 }
 
 int refuse(const ovws::Error& error) {
-  std::cerr << "ovws-twin: " << error.field << (error.field.empty() ? "" : ": ") << error.reason
-            << "\n";
+  std::cerr << "ovws-twin: " << ovws::text_of(error) << "\n";
   return 1;
 }
 

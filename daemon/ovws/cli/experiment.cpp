@@ -130,8 +130,8 @@ Answer fetch(const Common& common, Fetched& fetched) {
     if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
     if (const auto added = fetched.add(std::move(*cell)); !added) {
       const Error& why = added.error();
-      return tl::make_unexpected(CallFailure{
-          true, {{"message", why.field + ": " + why.reason}, {"data", {{"field", why.field}}}}});
+      return tl::make_unexpected(
+          CallFailure{true, {{"message", text_of(why)}, {"data", {{"field", why.field}}}}});
     }
   }
   print_progress(common, *experiment);

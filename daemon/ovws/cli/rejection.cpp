@@ -154,7 +154,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
 Measured measure(const Common& common, const json& params, double seconds) {
   const auto settings = decode<LoopSettings>(params);
   if (!settings) {
-    return tl::make_unexpected(failure(settings.error().field + ": " + settings.error().reason));
+    return tl::make_unexpected(failure(text_of(settings.error())));
   }
   if (const auto ready = check_bench(common); !ready) return tl::make_unexpected(ready.error());
   const Answer modes = common_modes(common, *settings);

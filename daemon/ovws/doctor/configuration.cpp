@@ -12,10 +12,6 @@ namespace {
 constexpr const char* kName = "configuration";
 constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
 
-std::string error_text(const Error& error) {
-  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
-}
-
 std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
   const auto dot = error.field.rfind('.');
   const std::string key = error.field.substr(dot == std::string::npos ? 0 : dot + 1);
@@ -50,17 +46,16 @@ ConfigurationFacts read_configuration(const std::string& path) {
 Findings judge(const ConfigurationFacts& facts) {
   if (facts.error) {
     return {fault(kName,
-                  "a daemon does not start with this configuration: " + error_text(*facts.error),
+                  "a daemon does not start with this configuration: " + text_of(*facts.error),
                   fix_of(facts, *facts.error))};
   }
   if (const auto& keys = facts.keys; keys.error) {
-    return {fault(kName,
-                  "a daemon does not start with this configuration: " + error_text(*keys.error),
+    return {fault(kName, "a daemon does not start with this configuration: " + text_of(*keys.error),
                   keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
   }
   if (facts.unseen) {
     return {fault(kName,
-                  "the sensor cannot measure with this configuration: " + error_text(*facts.unseen),
+                  "the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
                   fix_of(facts, *facts.unseen))};
   }
   if (facts.path.empty()) {

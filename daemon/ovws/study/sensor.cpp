@@ -15,7 +15,7 @@ namespace {
 /// Unwraps a result. A study's own configuration is always valid, so an error is a bug and thrown.
 template <class T>
 T value_of(Result<T> result) {
-  if (!result) throw std::logic_error(result.error().field + ": " + result.error().reason);
+  if (!result) throw std::logic_error(text_of(result.error()));
   return std::move(*result);
 }
 

@@ -22,8 +22,7 @@ template <class T>
 Result<T> named(Result<T> result, const char* field) {
   if (result) return result;
   Error error = result.error();
-  if (error.field != "path" && !error.field.empty())
-    error.reason = error.field + ": " + error.reason;
+  if (error.field != "path") error.reason = text_of(error);
   error.field = field;
   return fail(std::move(error));
 }
@@ -193,8 +192,7 @@ void ClientGuard::reload_if_changed() {
   if (stamp_of(*config_.clients) == stamp_) return;
   if (const auto read = read_list(); !read) {
     return events_.emit("client", Severity::error,
-                        read.error().field + ": " + read.error().reason +
-                            "; the previous client list stays active");
+                        text_of(read.error()) + "; the previous client list stays active");
   }
   events_.emit("client", Severity::info,
                *config_.clients + " was read again: " + std::to_string(list_.get()->size()) +

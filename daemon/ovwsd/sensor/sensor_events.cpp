@@ -63,7 +63,7 @@ const std::string& SensorEvents::layout_fault(const SensorState& state) {
   const bool first = !layout_key_;
   layout_key_ = std::move(key);
   const auto seen = check_layout(state, bench_);
-  layout_fault_ = seen ? "" : seen.error().field + ": " + seen.error().reason;
+  layout_fault_ = seen ? "" : text_of(seen.error());
   if (!seen) {
     events_.emit("sensor", first ? Severity::error : Severity::warning, layout_fault_,
                  {{"field", seen.error().field}});

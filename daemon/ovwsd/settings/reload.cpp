@@ -176,9 +176,7 @@ void Reloader::report(const Reload& reload) {
 }
 
 void Reloader::refuse(const Error& why, const char* what_stays) {
-  end(Severity::error,
-      fmt::format("configuration not reloaded, {}: {}{}{}", what_stays, why.field,
-                  why.field.empty() ? "" : ": ", why.reason),
+  end(Severity::error, fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 

@@ -171,14 +171,10 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   return {};
 }
 
-std::string named(const Error& error) {
-  return error.field.empty() ? error.reason : error.field + ": " + error.reason;
-}
-
 void read_overlay(LoadedConfig& loaded) {
   const auto reject = [&loaded](const Error& error) {
     loaded.invalid = true;
-    loaded.unused_reason = named(error);
+    loaded.unused_reason = text_of(error);
   };
   const auto text = read_text(*loaded.overlay);
   if (!text) return reject(text.error());
