@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks rules of the tree that the compiler does not: one-way includes, places of vendor headers, sizes, forbidden words.
+"""Checks rules of the tree that the compiler does not: one-way includes, places of vendor headers, sizes, forbidden words, width of Markdown.
 
     tests/lint/check.py [root]      prints each violation as file:line: rule, and exits 1 if there is any
 """
@@ -42,6 +42,7 @@ THREAD_OWNERS = ("daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/displa
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60
+MOST_COLUMNS = 100  # of Markdown; clang-format checks the code's
 
 
 def tracked(*patterns):
@@ -164,6 +165,15 @@ def misplaced_methods(name, text):
             yield f"method k{constant} belongs to {prefix}.cpp"
 
 
+def too_wide(lines):
+    """Numbers of the Markdown lines over 100 columns that could wrap: outside code, tables and links to images."""
+    in_code = False
+    for number, line in enumerate(lines, 1):
+        in_code ^= line.lstrip().startswith("```")
+        if not in_code and len(line) > MOST_COLUMNS and not line.startswith(("|", "    ", "![", "```")):
+            yield number
+
+
 def main():
     found = []
     code = [n for n in tracked(*CODE) if room_of(n) in MAY_INCLUDE]
@@ -185,6 +195,8 @@ def main():
             continue
         for number, line in enumerate(lines, 1):
             found += [f"{name}:{number}: {rule}" for rule in check_text_line(line)]
+        if path.suffix == ".md":
+            found += [f"{name}:{number}: over {MOST_COLUMNS} columns" for number in too_wide(lines)]
     print("\n".join(found) or f"{len(code)} source files checked, no violations")
     return 1 if found else 0
 
