@@ -6,24 +6,22 @@
 namespace ovws {
 namespace {
 
-auto with_aberration(Reply<ModesReport> reply) {
-  return [reply = std::move(reply)](const Result<SensorView>& applied) {
-    if (!applied) return reply(applied.error());
-    reply(ModesReport((*applied)->aberration, (*applied)->hologram_id));
-  };
+ModesReport report_of(const SensorSnapshot& now) {
+  return {now.aberration, now.hologram_id};
 }
 
 void get(Services& services, Reply<ModesReport> reply) {
-  with_aberration(reply)(services.keeper.snapshot());
+  reply(report_of(*services.keeper.snapshot()));
 }
 
 // Allowed with the loop closed, too: the loop then corrects the aberration.
 void set(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_loop(), set_aberration(change.modes), with_aberration(reply));
+  services.keeper.edit(Hold::of_loop(), set_aberration(change.modes),
+                       with_report(reply, report_of));
 }
 
 void clear(Services& services, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::of_loop(), set_aberration({}), with_aberration(reply));
+  services.keeper.edit(Hold::of_loop(), set_aberration({}), with_report(reply, report_of));
 }
 
 constexpr std::array kRows{

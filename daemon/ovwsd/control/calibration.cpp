@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-KnownCalibration calibration_of(const SensorSnapshot& sensor) {
+KnownCalibration report_of(const SensorSnapshot& sensor) {
   if (!sensor.calibration) return {};
   const Calibration& c = *sensor.calibration;
   return {sensor.mode_operator.in_force == OperatorKind::measured,
@@ -56,21 +56,17 @@ void run(Services& services, const CalibrationRun& run, Reply<JobNumber> reply) 
           return fail(used.error());
         }
         warn_of_dropped(bench, measured->matrix);
-        return to_json(calibration_of(*bench.sensor()));
+        return to_json(report_of(*bench.sensor()));
       },
       with_job_number(reply));
 }
 
 void get(Services& services, Reply<KnownCalibration> reply) {
-  reply(calibration_of(*services.keeper.snapshot()));
+  reply(report_of(*services.keeper.snapshot()));
 }
 
 void clear(Services& services, Reply<KnownCalibration> reply) {
-  services.keeper.edit(Hold::unheld(), forget_calibration(),
-                       [reply](const Result<SensorView>& cleared) {
-                         if (!cleared) return reply(cleared.error());
-                         reply(calibration_of(**cleared));
-                       });
+  services.keeper.edit(Hold::unheld(), forget_calibration(), with_report(reply, report_of));
 }
 
 constexpr std::array kRows{

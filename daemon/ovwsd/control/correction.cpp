@@ -6,23 +6,20 @@
 namespace ovws {
 namespace {
 
-auto with_correction(Reply<ModesReport> reply) {
-  return [reply = std::move(reply)](const Result<SensorView>& now) {
-    if (!now) return reply(now.error());
-    reply(ModesReport((*now)->correction, (*now)->hologram_id));
-  };
+ModesReport report_of(const SensorSnapshot& now) {
+  return {now.correction, now.hologram_id};
 }
 
 void get(Services& services, Reply<ModesReport> reply) {
-  with_correction(reply)(services.keeper.snapshot());
+  reply(report_of(*services.keeper.snapshot()));
 }
 
 void set(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::unheld(), set_correction(change.modes), with_correction(reply));
+  services.keeper.edit(Hold::unheld(), set_correction(change.modes), with_report(reply, report_of));
 }
 
 void clear(Services& services, Reply<ModesReport> reply) {
-  services.keeper.edit(Hold::unheld(), set_correction({}), with_correction(reply));
+  services.keeper.edit(Hold::unheld(), set_correction({}), with_report(reply, report_of));
 }
 
 constexpr std::array kRows{

@@ -44,10 +44,9 @@ void get(Services& services, Reply<FlatnessReport> reply) {
 
 void clear(Services& services, Reply<FlatnessReport> reply) {
   services.keeper.edit(Hold::unheld(), forget_flatness(),
-                       [&services, reply](const Result<SensorView>& cleared) {
-                         if (!cleared) return reply(cleared.error());
-                         reply(report_of(services, **cleared));
-                       });
+                       with_report(reply, [&services](const SensorSnapshot& now) {
+                         return report_of(services, now);
+                       }));
 }
 
 constexpr std::array kRows{

@@ -36,10 +36,9 @@ void get(Services& services, Reply<LutReport> reply) {
 
 void clear(Services& services, Reply<LutReport> reply) {
   services.keeper.edit(Hold::unheld(), forget_lut(),
-                       [&services, reply](const Result<SensorView>& cleared) {
-                         if (!cleared) return reply(cleared.error());
-                         reply(report_of(services, **cleared));
-                       });
+                       with_report(reply, [&services](const SensorSnapshot& now) {
+                         return report_of(services, now);
+                       }));
 }
 
 constexpr std::array kRows{

@@ -51,6 +51,15 @@ inline auto with_job_number(Reply<JobNumber> reply) {
   };
 }
 
+/// Replies with `report` of the sensor after a change, or with the change's error.
+template <class R, class Report>
+auto with_report(Reply<R> reply, Report report) {
+  return [reply = std::move(reply), report = std::move(report)](const auto& changed) {
+    if (!changed) return reply(changed.error());
+    reply(report(**changed));
+  };
+}
+
 struct MethodRow {
   const char* name;
   Role role;  ///< the client needs at least this role

@@ -25,10 +25,9 @@ KnownReference report_of(const Services& services, const Reference* reference) {
 }
 
 auto with_reference(const Services& services, Reply<KnownReference> reply) {
-  return [&services, reply = std::move(reply)](const Result<SensorView>& changed) {
-    if (!changed) return reply(changed.error());
-    reply(report_of(services, (*changed)->reference.get()));
-  };
+  return with_report(reply, [&services](const SensorSnapshot& now) {
+    return report_of(services, now.reference.get());
+  });
 }
 
 void take(Services& services, const ReferenceTake& take, Reply<JobNumber> reply) {

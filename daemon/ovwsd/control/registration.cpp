@@ -9,6 +9,10 @@
 namespace ovws {
 namespace {
 
+KnownRegistration report_of(const SensorSnapshot& now) {
+  return {now.registration};
+}
+
 void run(Services& services, const RegistrationRun& run, Reply<JobNumber> reply) {
   services.procedures.start(
       kRegistrationRun.name,
@@ -22,15 +26,11 @@ void run(Services& services, const RegistrationRun& run, Reply<JobNumber> reply)
 }
 
 void get(Services& services, Reply<KnownRegistration> reply) {
-  reply(KnownRegistration{services.keeper.snapshot()->registration});
+  reply(report_of(*services.keeper.snapshot()));
 }
 
 void clear(Services& services, Reply<KnownRegistration> reply) {
-  services.keeper.edit(Hold::unheld(), forget_registration(),
-                       [reply](const Result<SensorView>& cleared) {
-                         if (!cleared) return reply(cleared.error());
-                         reply(KnownRegistration{(*cleared)->registration});
-                       });
+  services.keeper.edit(Hold::unheld(), forget_registration(), with_report(reply, report_of));
 }
 
 constexpr std::array kRows{
