@@ -34,12 +34,12 @@ SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
 SlmLoop::~SlmLoop() = default;
 
 bool SlmLoop::do_work() {
-  if (!display_ && monotonic_ns() >= next_try_ns_) try_open();
   const Pending pending = wait_for_work();
   if (pending.when_possible) {
     requested_ = pending.when_possible;
-    (void)present(*requested_);
+    if (display_) (void)present(*requested_);
   }
+  if (!display_ && requested_ && monotonic_ns() >= next_try_ns_) try_open();
   if (pending.job) carry_out(*pending.job);
   if (!pending.verify.empty()) {
     const auto verdict = compare_output();  // one comparison answers all requests
@@ -151,12 +151,13 @@ SlmLoop::Pending SlmLoop::wait_for_work() {
   return std::exchange(pending_, {});
 }
 
+/// The display counts as open once it shows the requested hologram.
 void SlmLoop::try_open() {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_display(config_);
   if (!opened) return publish_snapshot(opened.error());
   display_ = std::move(*opened);
-  if (requested_ && !present(*requested_)) return;
+  if (!present(*requested_)) return;
   const DisplayInfo& info = display_->info();
   deps_.events.emit("slm", Severity::info,
                     fmt::format("SLM output {} is open: {} x {} at {:.1f} Hz ({})", info.output,

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <mutex>
 #include <thread>
@@ -75,6 +76,8 @@ Config small_bench() {
   return config;
 }
 
+constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};
+
 class Keeper : public testing::Test {
  protected:
   Keeper() {
@@ -131,11 +134,15 @@ class Keeper : public testing::Test {
 
   struct Parts {
     explicit Parts(const Config& config)
-        : slm(config.slm, {shown, counters, events, [](const SlmSnapshot&) {}}),
+        : slm(config.slm, {shown, counters, events,
+                           [this](const SlmSnapshot& now) {
+                             if (now.healthy) opened_with_id = now.hologram_id;
+                           }}),
           operators(config.slm.geometry),
           pipeline(config.pipeline, {counters, shown, settings}),
           store(config.state, events) {}
     Counters counters;
+    std::atomic<std::uint64_t> opened_with_id{kNotOpened};  ///< hologram of the open display
     StreamQueue queue;
     Events events{queue};
     LatestValue<ShownHologram> shown;
@@ -153,6 +160,13 @@ class Keeper : public testing::Test {
   std::thread display_;
   std::unique_ptr<SensorKeeper> keeper_;
 };
+
+TEST_F(Keeper, TheDisplayCountsAsOpenOnceItShowsTheFirstHologram) {
+  for (int wait = 0; wait < 1000 && parts_->opened_with_id == kNotOpened; ++wait) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(parts_->opened_with_id, keeper_->snapshot()->hologram_id);
+}
 
 TEST_F(Keeper, ShowsWhatItAnswers) {
   const std::uint64_t before = keeper_->snapshot()->plan_id;
