@@ -62,7 +62,7 @@ class Operator(BenchCase):
                 said.append(event["data"]["operator"])
         self.assertEqual(said, ["slopes", "diffractive", "slopes", "diffractive"])
         counters = self.call("system.status")["counters"]  # a busy machine may lose packets
-        self.assertLessEqual(counters["frames_lost"], 0.01 * counters["frames_grabbed"])
+        self.assertLessEqual(counters["frames_lost"], 0.1 * counters["frames_grabbed"])
 
     def test_what_is_for_work_offline_is_refused_and_the_rest_saved(self):
         before = self.call("sensor.get")
