@@ -162,7 +162,6 @@ void SlmLoop::try_open() {
   deps_.events.emit("slm", Severity::info,
                     fmt::format("SLM output {} is open: {} x {} at {:.1f} Hz ({})", info.output,
                                 info.width, info.height, info.refresh_hz, info.driver));
-  publish_snapshot(std::nullopt);
 }
 
 Result<void> SlmLoop::present(const HologramRequest& request) {
