@@ -3,6 +3,7 @@ import itertools
 import json
 import os
 import pty
+import re
 import subprocess
 import threading
 
@@ -151,7 +152,8 @@ class CommandLine(BenchCase):
         lines = self.ovws("--json", "watch", "wavefront", "-n", 5).splitlines()
         self.assertEqual(len(lines), 5)
         self.assertTrue(all(json.loads(line)["schema"] == "ovws.wavefront/1" for line in lines))
-        first, *rows, _ = self.ovws("watch", "-n", 1).splitlines()
+        frames = re.split(r"(?m)^(?=frame )", self.ovws("watch", "-n", 20))  # on a busy machine some are late, and not valid
+        first, *rows, _ = next(text for text in frames if text.partition("\n")[0].endswith(" valid")).splitlines()
         self.assertRegex(first, r"saturated \d+ %.* valid$")
         self.assertIn("oblique astigmatism", "\n".join(rows))
         self.assertEqual(len({row.index("|") for row in rows}), 1, rows)
@@ -173,7 +175,7 @@ class CommandLine(BenchCase):
         self.addCleanup(watch.stdout.close)
         self.addCleanup(watch.wait)
         self.addCleanup(watch.kill)
-        self.assertIn("valid", watch.stdout.readline())
+        self.assertTrue(any(line.endswith(" valid\n") for line in itertools.islice(watch.stdout, 2000)))
         self.assertTrue(any(self.is_told_of_a_change(watch, 0.01 * k) for k in range(1, 40)))
         self.client.call("sensor.set", {"charge": 2})
         self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
