@@ -12,7 +12,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kTilePx = 64;  // side of the pieces outside the subapertures
+constexpr double kMaxLogarithm = 2.0;  // of amplitudes: polynomials grow outside the pupil
+constexpr int kTilePx = 64;            // side of the pieces outside the subapertures
 
 const std::vector<std::complex<float>>& phasors() {
   static const auto table = [] {
@@ -86,32 +87,55 @@ void SensorField::split_into_pieces(const Lattice& lattice, const SlmGeometry& s
                    [](const Run& a, const Run& b) { return a.piece < b.piece; });
 }
 
-void SensorField::propagate(std::span<const Mode> modes, std::span<const double> amplitudes) {
+void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
   const std::vector<std::complex<float>>& table = phasors();
   const WavefrontRows added(modes, pupil_centre_px_, 2.0 * pupil_radius_px_);
-  std::vector<double> waves(pupil_.width);
+  const WavefrontRows logarithm(light.ln_amplitude, pupil_centre_px_, 2.0 * pupil_radius_px_);
+  const std::span<const Vec2> slopes_cpp = light.slopes_cpp;
+  const std::span<const double> amplitudes = light.amplitudes;
+  std::vector<double> waves(pupil_.width), ln(pupil_.width);
   if (!outside_lit_) std::fill(pupil_.pixels.begin(), pupil_.pixels.end(), 0.0F);
+  const auto attenuate = [&](int y, int begin, int end) {
+    if (light.ln_amplitude.empty()) return;
+    const std::span<double> factor(ln.data(), std::size_t(end - begin));
+    logarithm.waves(y, begin, factor);
+    std::complex<float>* out = pupil_.row(y) + begin;
+    for (std::size_t x = 0; x < factor.size(); ++x) {
+      out[x] *= float(std::exp(std::min(factor[x], kMaxLogarithm)));
+    }
+  };
   const auto fill_fixed = [&](int y, int begin, int end) {
     for (int x = begin; x < end; ++x) pupil_.at(x, y) = table[std::size_t(grey_.at(x, y)) << 8];
+    attenuate(y, begin, end);
   };
-  const auto fill = [&](int y, int begin, int end, float amplitude) {
+  const auto fill = [&](int y, int begin, int end, float amplitude, int piece) {
     const std::span<double> phase(waves.data(), std::size_t(end - begin));
     added.waves(y, begin, phase);
+    if (piece >= 0 && !slopes_cpp.empty()) {
+      const Vec2 slope = slopes_cpp[std::size_t(piece)];
+      const Vec2 centre = pupil_centre_px_ + pieces_[std::size_t(piece)].centre_px;
+      for (std::size_t x = 0; x < phase.size(); ++x) {
+        phase[x] += slope.x * (begin + double(x) - centre.x) + slope.y * (y - centre.y);
+      }
+    }
     const std::uint8_t* grey = grey_.row(y) + begin;
     std::complex<float>* out = pupil_.row(y) + begin;
     for (std::size_t x = 0; x < phase.size(); ++x) {
       out[x] = amplitude * table[std::uint16_t((grey[x] << 8) + phase16(phase[x]))];
     }
+    attenuate(y, begin, end);
   };
   for (int y = 0; outside_lit_ && y < pupil_.height; ++y) {
     const Columns in = columns_in_circle(pupil_centre_px_, 2.0 * pupil_radius_px_, y, pupil_.width);
     fill_fixed(y, 0, in.begin);
-    fill(y, in.begin, in.end, 1.0F);
+    fill(y, in.begin, in.end, 1.0F, -1);
     fill_fixed(y, in.end, pupil_.width);
   }
   for (const Run& run : runs_) {
-    if (run.piece >= subapertures_ || (outside_lit_ && amplitudes.empty())) break;
-    fill(run.y, run.begin, run.end, amplitudes.empty() ? 1.0F : float(amplitudes[run.piece]));
+    if (run.piece >= subapertures_) break;
+    if (outside_lit_ && amplitudes.empty() && slopes_cpp.empty()) break;
+    const float amplitude = amplitudes.empty() ? 1.0F : float(amplitudes[run.piece]);
+    fill(run.y, run.begin, run.end, amplitude, run.piece);
   }
   far_field_.propagate(pupil_, far_);
 }

@@ -52,9 +52,15 @@ class SensorField {
   /// Whether propagate() includes the light outside the subapertures; by default it does.
   void set_outside(bool lit) { outside_lit_ = lit; }
   bool outside() const { return outside_lit_; }
+  /// What the light does besides the modes; empty: nothing.
+  struct Light {
+    std::span<const double> amplitudes{};  ///< of the field over each subaperture
+    std::span<const Mode> ln_amplitude{};  ///< logarithm of the field's amplitude over the pupil
+    std::span<const Vec2> slopes_cpp{};    ///< of the phase over each subaperture
+  };
   /// Computes pupil() and far(), some 50 ms for the default bench. Requires finite modes of valid
-  /// index. `amplitudes`: field amplitude of each subaperture; empty: all 1.
-  void propagate(std::span<const Mode> modes, std::span<const double> amplitudes);
+  /// index.
+  void propagate(std::span<const Mode> modes, const Light& light);
 
   /// The field on the SLM of the last propagate().
   const Image<std::complex<float>>& pupil() const { return pupil_; }

@@ -63,7 +63,7 @@ std::vector<Mode> RefineSystem::modes_of(const RefineState& state) const {
 }
 
 void RefineSystem::propagate(const RefineState& state) {
-  field_.propagate(modes_of(state), state.amplitudes);
+  field_.propagate(modes_of(state), {.amplitudes = state.amplitudes});
 }
 
 void RefineSystem::model_outside() {

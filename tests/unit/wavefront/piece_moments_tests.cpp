@@ -61,7 +61,7 @@ TEST_P(Piece, HasTheFieldThatGoesWhenItGoesDark) {
     moments.load(field, kModes, {&i, 1});
     std::vector<double> amplitudes(19, 1.0);
     amplitudes[std::size_t(i)] = 0.0;
-    field.propagate(kModes, amplitudes);
+    field.propagate(kModes, {.amplitudes = amplitudes});
     const PixelBox box = box_at(moments.falls_px(std::size_t(i), kModes));
     const auto& m = moments.at(i, box);
     const auto own = [&](int x, int y) { return with.at(x, y) - field.far().at(x, y); };
@@ -79,7 +79,7 @@ TEST(PieceMoments, TellHowAModeChangesTheField) {
   std::vector<double> alone(19, 0.0);
   alone[4] = 1.0;
   const int piece = 4;
-  field.propagate(kModes, alone);
+  field.propagate(kModes, {.amplitudes = alone});
   moments.load(field, kModes, {&piece, 1});
   const PixelBox box = box_at(moments.falls_px(4, kModes));
   const auto& m = moments.at(piece, box);
@@ -88,9 +88,9 @@ TEST(PieceMoments, TellHowAModeChangesTheField) {
     std::vector<Mode> up = kModes, down = kModes;
     up.push_back({modes_j[k], kStep});
     down.push_back({modes_j[k], -kStep});
-    field.propagate(up, alone);
+    field.propagate(up, {.amplitudes = alone});
     const auto above = field.far();
-    field.propagate(down, alone);
+    field.propagate(down, {.amplitudes = alone});
     const auto change = [&](int x, int y) {
       return (above.at(x, y) - field.far().at(x, y)) / float(2.0 * kStep);
     };

@@ -128,7 +128,7 @@ TEST_F(Refine, UnevenIlluminationIsFittedIfAsked) {
     squares += lit[i] * lit[i] / 19.0;
   }
   SensorField field = SensorField::make({}, {}, {}, 512, 512).value();
-  field.propagate(modes_of(truth), lit);
+  field.propagate(modes_of(truth), {.amplitudes = lit});
   Image<float> image(512, 512);
   std::transform(field.far().pixels.begin(), field.far().pixels.end(), image.pixels.begin(),
                  [](std::complex<float> value) { return std::norm(value) * 5e-6F; });

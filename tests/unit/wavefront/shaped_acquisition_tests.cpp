@@ -172,7 +172,7 @@ TEST_P(Shaped, SpotIsThatOfTheWholeSensorsModelWithTheOthersDark) {
   for (const int spot : {0, 9, 18}) {
     std::vector<double> amplitudes(lattice.subapertures.size(), 0.0);
     amplitudes[std::size_t(spot)] = 1.0;
-    field.propagate(modes, amplitudes);
+    field.propagate(modes, {.amplitudes = amplitudes});
     const Eigen::VectorXd tilts = optics.local_modes(spot) * waves_of(modes);
     const Vec2 at = flat[std::size_t(spot)] + optics.cells_per_tilt() * Vec2{tilts(1), tilts(0)};
     const int x = int(std::lround(at.x)), y = int(std::lround(at.y));
