@@ -7,38 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "core/wavefront/cholesky.hpp"
+
 namespace ovws {
 namespace {
 
 constexpr double kMaxCondition = 1000.0;
-
-/// In-place Cholesky factorisation of the lower triangle; false if the matrix is not positive
-/// definite. Eigen's own may allocate for larger matrices.
-bool factorise(Eigen::MatrixXd& a) {
-  for (Eigen::Index j = 0; j < a.cols(); ++j) {
-    const double before = a(j, j);
-    for (Eigen::Index k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k);
-    // A pivot at the rounding error means a singular matrix.
-    if (!(a(j, j) > 1e-12 * before)) return false;
-    a(j, j) = std::sqrt(a(j, j));
-    for (Eigen::Index i = j + 1; i < a.rows(); ++i) {
-      for (Eigen::Index k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k);
-      a(i, j) /= a(j, j);
-    }
-  }
-  return true;
-}
-
-void invert_lower(Eigen::MatrixXd& l) {
-  for (Eigen::Index j = 0; j < l.cols(); ++j) {
-    l(j, j) = 1.0 / l(j, j);
-    for (Eigen::Index i = j + 1; i < l.rows(); ++i) {
-      double sum = 0.0;
-      for (Eigen::Index k = j; k < i; ++k) sum += l(i, k) * l(k, j);
-      l(i, j) = -sum / l(i, i);
-    }
-  }
-}
 
 /// `squares`, increasing: the squared singular values of the slopes.
 bool well_conditioned(const Eigen::VectorXd& squares) {

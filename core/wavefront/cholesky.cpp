@@ -1,0 +1,50 @@
+#include "core/wavefront/cholesky.hpp"
+
+#include <cmath>
+
+namespace ovws {
+
+bool factorise(Eigen::MatrixXd& a) {
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    const double before = a(j, j);
+    for (Eigen::Index k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k);
+    // A pivot at the rounding error means a singular matrix.
+    if (!(a(j, j) > 1e-12 * before)) return false;
+    a(j, j) = std::sqrt(a(j, j));
+    for (Eigen::Index i = j + 1; i < a.rows(); ++i) {
+      for (Eigen::Index k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k);
+      a(i, j) /= a(j, j);
+    }
+  }
+  return true;
+}
+
+void invert_lower(Eigen::MatrixXd& l) {
+  for (Eigen::Index j = 0; j < l.cols(); ++j) {
+    l(j, j) = 1.0 / l(j, j);
+    for (Eigen::Index i = j + 1; i < l.rows(); ++i) {
+      double sum = 0.0;
+      for (Eigen::Index k = j; k < i; ++k) sum += l(i, k) * l(k, j);
+      l(i, j) = -sum / l(i, i);
+    }
+  }
+}
+
+bool invert_positive(Eigen::MatrixXd& a) {
+  if (!factorise(a)) return false;
+  invert_lower(a);
+  // L^-T L^-1, upper triangle first: row i of the product needs rows i and below of L^-1 only.
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      double sum = 0.0;
+      for (Eigen::Index k = i; k < a.rows(); ++k) sum += a(k, i) * a(k, j);
+      a(i, j) = sum;
+    }
+  }
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) a(j, i) = a(i, j);
+  }
+  return true;
+}
+
+}  // namespace ovws

@@ -1,0 +1,20 @@
+/// Cholesky decomposition that never allocates: Eigen's own may, for larger matrices.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/base/realtime.hpp"
+
+namespace ovws {
+
+/// In-place factorisation of the lower triangle; false if the matrix is not positive definite.
+/// RT-safe.
+bool factorise(Eigen::MatrixXd& a) OVWS_NONBLOCKING;
+
+/// In-place inverse of a lower triangle. RT-safe.
+void invert_lower(Eigen::MatrixXd& l) OVWS_NONBLOCKING;
+
+/// In-place inverse of a positive definite matrix; false if it is not. RT-safe.
+bool invert_positive(Eigen::MatrixXd& a) OVWS_NONBLOCKING;
+
+}  // namespace ovws
