@@ -1,0 +1,222 @@
+#include "core/spots/frame_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/wavefront/cholesky.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMinLevel = 0.25;           // of the level expected: less is no spot
+constexpr int kMaxLostShare = 6;             // at most one spot of so many may be lost
+constexpr double kOutlier = 5.0;             // of a spot's residual, RMS, over the others'
+constexpr double kMaxResidual = 3.0;         // RMS over all, standard errors; or, as positions,
+constexpr double kMaxResidualShare = 0.005;  // of a window's width
+constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
+constexpr double kBentPerWave = 1.2;         // their error over the square of the drift, 1 / wave
+constexpr double kMaxOverCeiling = 1.1;
+constexpr double kMaxNoiseGrowth = 5.0;  // of a mode, by lost spots
+
+/// Estimates are relative to the level in DN of a cell.
+double cell_level(const SpotTemplates& spot, double level_dn) {
+  return level_dn * spot.window.bin * spot.window.bin;
+}
+
+std::vector<SpotTemplates> templates_of(const OperatingPoint& point,
+                                        std::span<const RenderedSpot> rendered) {
+  std::vector<SpotTemplates> made;
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    const double pixels = rendered[i].window.bin * rendered[i].window.bin;
+    made.push_back(make_templates(rendered[i],
+                                  {point.levels_dn[i] * pixels, point.ceiling_dn * pixels},
+                                  point.noise, point.estimates));
+  }
+  return made;
+}
+
+}  // namespace
+
+FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
+                   std::vector<int> modes_j)
+    : point_(std::move(point)),
+      modes_j_(std::move(modes_j)),
+      spots_(templates_of(point_, rendered)) {
+  const auto modes = Eigen::Index(modes_j_.size());
+  normal_.setZero(modes, modes);
+  for (std::size_t i = 0; i < point_.levels_dn.size(); ++i) {
+    const SpotTemplates& spot = spots_.spots()[i];
+    const bool usable = point_.levels_dn[i] > 0.0 && spot.estimates() > 0;
+    rows_.push_back(usable ? Eigen::MatrixXd(cell_level(spot, point_.levels_dn[i]) * spot.per_wave)
+                           : Eigen::MatrixXd::Zero(0, modes));
+    normal_.noalias() += rows_.back().transpose() * rows_.back();
+    if (!usable) continue;
+    ++usable_;
+    px_error_ += std::pow(spot.px_error / cell_level(spot, point_.levels_dn[i]), 2);
+  }
+  const SpotWindow& window = spots_.spots().front().window;
+  max_residual_px_ = kMaxResidualShare * window.side * window.bin;
+  px_error_ = std::sqrt(px_error_ / std::max(usable_, 1));
+  const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return;
+  inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
+}
+
+FrameFit::Scratch FrameFit::make_scratch() const {
+  const auto modes = Eigen::Index(modes_j_.size());
+  return {Eigen::VectorXd::Zero(modes), Eigen::VectorXd::Zero(modes),
+          Eigen::MatrixXd::Zero(modes, modes), std::vector<char>(point_.levels_dn.size())};
+}
+
+const FittedFrame& FrameFit::check(const ImageView& image) {
+  SpotFit::Scratch pixels = spots_.make_scratch();
+  std::vector<SpotEstimates> found;
+  for (std::size_t i = 0; i < rows_.size(); ++i) found.push_back(spots_.fit(image, i, pixels));
+  Scratch scratch = make_scratch();
+  std::vector<float> coefficients(modes_j_.size()), sigma_waves(modes_j_.size());
+  std::vector<SpotFix> fixes(rows_.size());
+  at_point_ = solve(found, scratch, coefficients, sigma_waves, fixes);
+  return at_point_;
+}
+
+/// What the templates leave of the light, weighted, is compared with what noise leaves.
+bool FrameFit::describes(std::size_t i, const SpotEstimates& found, double brightness) const {
+  if (rows_[i].rows() == 0 ||
+      !(double(found.level) > kMinLevel * brightness * point_.levels_dn[i])) {
+    return false;
+  }
+  const SpotTemplates& spot = spots_.spots()[i];
+  if (double(found.level) * spot.brightest_light > kMaxOverCeiling * point_.ceiling_dn) {
+    return false;  // cells may be saturated that were not at the operating point
+  }
+  const double light = cell_level(spot, double(found.level)) * spot.light_norm;
+  const double scatter = std::sqrt(2.0 * spot.window.cells()) / (light * light);  // by noise
+  return excess_light(spot, found) < point_.max_excess + 4.0 * scatter;
+}
+
+/// Marks the spots that the templates describe, and returns how bright the frame is, relative to
+/// the operating point.
+double FrameFit::select(std::span<const SpotEstimates> found, Scratch& scratch,
+                        FittedFrame& frame) const {
+  double light = 0.0, expected = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (rows_[i].rows() == 0) continue;
+    light += double(found[i].level), expected += point_.levels_dn[i];
+  }
+  const double brightness = expected > 0.0 ? light / expected : 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    scratch.used[i] = describes(i, found[i], brightness);
+    frame.used += scratch.used[i] ? 1 : 0;
+  }
+  frame.lost = point_.lit - frame.used;
+  return brightness;
+}
+
+FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scratch,
+                            std::span<float> coefficients, std::span<float> sigma_waves,
+                            std::span<SpotFix> fixes) const {
+  std::fill(coefficients.begin(), coefficients.end(), std::numeric_limits<float>::quiet_NaN());
+  std::fill(sigma_waves.begin(), sigma_waves.end(), std::numeric_limits<float>::quiet_NaN());
+  FittedFrame frame;
+  const double brightness = select(found, scratch, frame);
+  for (;;) {
+    const bool enough =
+        inverse_.size() > 0 && brightness > 0.0 && kMaxLostShare * frame.lost <= point_.lit;
+    if (!enough || !solve_normal(found, scratch)) return frame;
+    const int outlier = summarise(found, scratch, brightness, frame);
+    if (outlier < 0) break;
+    scratch.used[std::size_t(outlier)] = 0;
+    --frame.used, ++frame.lost;
+  }
+  frame.drift_waves = scratch.step.norm();
+  frame.residual_px = frame.residual * px_error_ / brightness;
+  frame.credible = frame.drift_waves < kMaxDriftWaves &&
+                   (frame.residual < kMaxResidual || frame.residual_px < max_residual_px_);
+  const double scale = std::max(1.0, frame.residual) / brightness;
+  const double bent = kBentPerWave * frame.drift_waves * frame.drift_waves;
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    const auto row = Eigen::Index(k);
+    const double variance =
+        scale * scale * scratch.normal(row, row) + bent * bent / double(coefficients.size());
+    coefficients[k] = float(point_.waves[k] - point_.reference_waves[k] + scratch.step(row));
+    sigma_waves[k] = float(std::sqrt(variance));
+  }
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    fixes[i] = SpotFix{.peak = found[i].peak};
+    if (!scratch.used[i]) continue;
+    fixes[i].x = found[i].x, fixes[i].y = found[i].y;
+    fixes[i].quality = 1.0F;
+    fixes[i].level = found[i].level;
+  }
+  return frame;
+}
+
+/// Solves for scratch.step; leaves the covariance in scratch.normal.
+bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const {
+  scratch.right.setZero();
+  bool all = true;
+  scratch.normal = normal_;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Eigen::MatrixXd& rows = rows_[i];
+    if (rows.rows() == 0) continue;
+    if (scratch.used[i]) {
+      const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
+      for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+        const double value = level * double(found[i].values[std::size_t(r)]);
+        scratch.right.noalias() += value * rows.row(r).transpose();
+      }
+    } else {
+      all = false;
+      for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+        scratch.normal.noalias() -= rows.row(r).transpose() * rows.row(r);
+      }
+    }
+  }
+  if (all) {
+    scratch.normal = inverse_;
+  } else if (!invert_positive(scratch.normal)) {
+    return false;
+  }
+  for (Eigen::Index k = 0; k < scratch.step.size(); ++k) {
+    if (scratch.normal(k, k) > kMaxNoiseGrowth * kMaxNoiseGrowth * inverse_(k, k)) return false;
+  }
+  scratch.step.noalias() = scratch.normal * scratch.right;
+  return true;
+}
+
+/// Squares of what the modes leave of a spot's estimates, standard errors.
+double FrameFit::left_of(std::size_t i, const SpotEstimates& found, const Scratch& scratch) const {
+  const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
+  double sum = 0.0;
+  for (Eigen::Index r = 0; r < rows_[i].rows(); ++r) {
+    const double left =
+        level * double(found.values[std::size_t(r)]) - rows_[i].row(r).dot(scratch.step);
+    sum += left * left;
+  }
+  return sum;
+}
+
+/// The residual of all spots; returns a spot that the others contradict, or -1. Estimates count
+/// from the level of the operating point: in a dimmer frame they have larger errors.
+int FrameFit::summarise(std::span<const SpotEstimates> found, const Scratch& scratch,
+                        double brightness, FittedFrame& frame) const {
+  double sum = 0.0, most = 0.0;
+  Eigen::Index count = 0;
+  int worst = -1;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!scratch.used[i]) continue;
+    const double left = brightness * brightness * left_of(i, found[i], scratch);
+    sum += left, count += rows_[i].rows();
+    if (left > most) most = left, worst = int(i);
+  }
+  const auto free = double(count - scratch.step.size());
+  frame.residual = free > 0.0 ? std::sqrt(sum / free) : 0.0;
+  const double estimates = worst >= 0 ? double(rows_[std::size_t(worst)].rows()) : 1.0;
+  const double others = (sum - most) / std::max(1.0, double(count) - estimates);
+  return most > estimates * kOutlier * kOutlier * std::max(1.0, others) ? worst : -1;
+}
+
+}  // namespace ovws

@@ -1,0 +1,78 @@
+/// The measurement of a whole frame by templates of all its spots.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/base/realtime.hpp"
+#include "core/spots/operating_point.hpp"
+#include "core/spots/spot_fit.hpp"
+#include "core/tracking/spot.hpp"
+
+namespace ovws {
+
+/// How well the templates describe a frame.
+struct FittedFrame {
+  bool credible = false;     ///< the templates describe this frame
+  int used = 0;              ///< spots that they describe
+  int lost = 0;              ///< other spots that the reference has
+  double residual = 0.0;     ///< RMS of what the modes leave of the estimates, standard errors
+  double residual_px = 0.0;  ///< the same in standard errors of a position
+  double drift_waves = 0.0;  ///< RMS change of all modes since the rendering
+};
+
+/// Immutable. Templates are exact at the wavefront that they were rendered for, the operating
+/// point. The error of the coefficients grows with the square of the distance: 0.0005 wave at 0.02
+/// wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at 0.1 (default bench, 18 modes).
+class FrameFit {
+ public:
+  /// `rendered`: every spot at the point, with derivatives for `modes_j`.
+  FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered, std::vector<int> modes_j);
+
+  /// Working memory of one thread.
+  struct Scratch {
+    Eigen::VectorXd right, step;
+    Eigen::MatrixXd normal;
+    std::vector<char> used;
+  };
+
+  const SpotFit& spots() const { return spots_; }
+  const std::vector<int>& modes_j() const { return modes_j_; }
+  const OperatingPoint& point() const { return point_; }
+  Scratch make_scratch() const;
+
+  /// Fits the image that the templates were rendered for. Call before any other thread uses this
+  /// object.
+  const FittedFrame& check(const ImageView& image);
+  /// What `check` found; templates made again about the same wavefront leave as much.
+  const FittedFrame& at_point() const { return at_point_; }
+
+  /// Least squares over the estimates of the spots that the templates describe, and that the others
+  /// do not contradict. If the frame is credible, writes a coefficient and its standard error for
+  /// each of modes_j, RMS-normalised waves, and the position of each spot; NaN for those not used.
+  /// RT-safe.
+  FittedFrame solve(std::span<const SpotEstimates> found, Scratch& scratch,
+                    std::span<float> coefficients, std::span<float> sigma_waves,
+                    std::span<SpotFix> fixes) const OVWS_NONBLOCKING;
+
+ private:
+  bool describes(std::size_t spot, const SpotEstimates& found, double brightness) const;
+  bool solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const;
+  double select(std::span<const SpotEstimates> found, Scratch& scratch, FittedFrame& frame) const;
+  double left_of(std::size_t spot, const SpotEstimates& found, const Scratch& scratch) const;
+  int summarise(std::span<const SpotEstimates> found, const Scratch& scratch, double brightness,
+                FittedFrame& frame) const;
+
+  OperatingPoint point_;
+  std::vector<int> modes_j_;
+  SpotFit spots_;
+  std::vector<Eigen::MatrixXd> rows_;  ///< per spot: estimates x Z, unit errors
+  Eigen::MatrixXd normal_, inverse_;
+  FittedFrame at_point_;
+  double max_residual_px_ = 0.0;
+  double px_error_ = 0.0;  ///< of a position, RMS over the spots, camera pixels
+  int usable_ = 0;
+};
+
+}  // namespace ovws

@@ -1,0 +1,33 @@
+/// The operating point: the wavefront that templates are rendered about, and all that determines
+/// them besides sensor and optics.
+#pragma once
+
+#include <vector>
+
+#include "core/base/vec2.hpp"
+#include "core/optics/zernike.hpp"
+#include "core/spots/pixel_noise.hpp"
+
+namespace ovws {
+
+/// What a real bench does differently from the model; empty: nothing.
+struct SpotDeviations {
+  std::vector<Mode> ln_amplitude;  ///< logarithm of the field's amplitude over the pupil
+  std::vector<Vec2> offsets_px;    ///< of each spot, which no mode makes
+};
+
+/// Templates made again from it are the same.
+struct OperatingPoint {
+  std::vector<double> waves;            ///< of the measured modes, RMS-normalised
+  std::vector<double> reference_waves;  ///< of the reference, from which coefficients count
+  std::vector<Mode> fixed;              ///< modes on the SLM that are not measured
+  SpotDeviations deviations;
+  PixelNoise noise;
+  int lit = 0;                    ///< spots that the reference has
+  std::vector<double> levels_dn;  ///< of each spot: DN of a camera pixel of light 1; 0: not used
+  double ceiling_dn = 0.0;        ///< of a camera pixel above the background: saturation is near
+  int estimates = 8;              ///< of each spot
+  double max_excess = 0.1;        ///< fraction of a spot's weighted light that templates may leave
+};
+
+}  // namespace ovws

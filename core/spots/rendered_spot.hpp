@@ -1,0 +1,34 @@
+/// The expected image of one spot for a given wavefront, and its derivatives.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/base/vec2.hpp"
+#include "core/optics/piece_moments.hpp"
+
+namespace ovws {
+
+/// A square of cells around a spot. A cell is the sum of bin x bin camera pixels.
+struct SpotWindow {
+  int left = 0;  ///< first camera pixel
+  int top = 0;
+  int side = 0;  ///< cells along each axis
+  int bin = 1;   ///< camera pixels of a cell along each axis
+
+  int cells() const { return side * side; }
+  PixelBox pixels() const { return {left, top, side * bin, side * bin}; }
+
+  friend bool operator==(const SpotWindow&, const SpotWindow&) = default;
+};
+
+/// Cells are row-major. A spot at the image's edge or beyond has no light. Light is relative: the
+/// brightest cell of all spots for a flat wavefront is 1.
+struct RenderedSpot {
+  SpotWindow window;
+  Vec2 place_px;             ///< where the mean slope puts the spot's centre
+  Eigen::VectorXf light;     ///< of each cell
+  Eigen::MatrixXf per_wave;  ///< cells x Z: derivative with respect to each mode
+  Eigen::MatrixXf per_px;    ///< cells x 2: derivative with respect to its displacement in x and y
+};
+
+}  // namespace ovws

@@ -1,0 +1,54 @@
+/// The fit of a spot: from its pixels to estimates, in one pass.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/realtime.hpp"
+#include "core/spots/spot_templates.hpp"
+
+namespace ovws {
+
+constexpr int kMaxSpotEstimates = 8;
+
+/// What the pixels of one spot tell.
+struct SpotEstimates {
+  float level = 0.0F;       ///< DN of a camera pixel where the rendered light is 1; 0: no spot
+  float background = 0.0F;  ///< DN of a camera pixel
+  float x = 0.0F;           ///< position, camera pixels
+  float y = 0.0F;
+  float chi2_per_cell = 0.0F;  ///< of the cells' residual, per degree of freedom
+  float peak = 0.0F;           ///< brightest camera pixel of the window, DN
+  /// per_wave of the templates times the modes; errors as of the templates over the cells' level.
+  std::array<float, kMaxSpotEstimates> values{};
+};
+
+/// Fraction of the spot's weighted light that the templates leave beyond noise.
+double excess_light(const SpotTemplates& spot, const SpotEstimates& found);
+
+/// Templates of all spots. Immutable; one object serves all threads, each with its own scratch.
+class SpotFit {
+ public:
+  /// Sized by make_scratch, so that `fit` never allocates.
+  struct Scratch {
+    std::vector<std::uint16_t> pixels;
+    std::vector<float> cells, sums;
+  };
+
+  explicit SpotFit(std::vector<SpotTemplates> spots) : spots_(std::move(spots)) {}
+
+  const std::vector<SpotTemplates>& spots() const { return spots_; }
+  Scratch make_scratch() const;
+
+  /// Fits one spot. The image has the size that the spots were rendered for. RT-safe.
+  SpotEstimates fit(const ImageView& image, std::size_t spot,
+                    Scratch& scratch) const OVWS_NONBLOCKING;
+
+ private:
+  std::vector<SpotTemplates> spots_;
+};
+
+}  // namespace ovws

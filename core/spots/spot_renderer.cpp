@@ -1,0 +1,160 @@
+#include "core/spots/spot_renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/spots/spot_sums.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMaxOffCentre = 0.25;  // of a window's width
+constexpr double kMinBinnedPx = 10.0;   // lambda/d from which cells of 2 x 2 pixels lose nothing
+constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
+
+std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const double> waves,
+                           std::span<const Mode> fixed) {
+  std::vector<Mode> modes(fixed.begin(), fixed.end());
+  for (std::size_t k = 0; k < modes_j.size(); ++k) modes.push_back({modes_j[k], waves[k]});
+  return modes;
+}
+
+/// Sums of the pixels of each cell; `pixels` row-major.
+template <class Pixels>
+void bin_into(const SpotWindow& window, const Pixels& pixels, auto&& cells) {
+  const Eigen::Index columns = Eigen::Index(window.side) * window.bin;
+  for (Eigen::Index p = 0; p < pixels.size(); ++p) {
+    const Eigen::Index row = p / columns / window.bin, column = p % columns / window.bin;
+    cells(row * window.side + column) += pixels(p);
+  }
+}
+
+/// Whether the spot is well inside its window, which stays inside the image.
+bool is_inside(const RenderedSpot& spot) {
+  const double pixels = spot.window.side * spot.window.bin, middle = 0.5 * (pixels - 1.0);
+  const Vec2 off = spot.place_px - Vec2{spot.window.left + middle, spot.window.top + middle};
+  return std::max(std::abs(off.x), std::abs(off.y)) <= kMaxOffCentre * pixels;
+}
+
+}  // namespace
+
+Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeometry& slm,
+                                        const OpticsConfig& optics, int cols, int rows,
+                                        std::vector<int> modes_j, const Options& options) {
+  auto field = SensorField::make(sensor, slm, optics, cols, rows);
+  if (!field) return fail(field.error());
+  const double spot_px = lambda_d_px(optics, slm, sensor);
+  SpotWindow window;
+  window.bin = spot_px >= kMinBinnedPx ? 2 : 1;
+  window.side = std::max(kMinSide, int(std::ceil(2.0 * options.half_width * spot_px / window.bin)));
+  if (window.side * window.bin > std::min(cols, rows)) {
+    return fail(Errc::invalid, "optics",
+                "a window of " + std::to_string(window.side * window.bin) +
+                    " pixels around a spot does not fit into the image");
+  }
+  field->set_outside(options.light_outside);
+  return SpotRenderer(std::move(*field), std::move(modes_j), window, options.reach * spot_px);
+}
+
+SpotRenderer::SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window,
+                           double reach_px)
+    : field_(std::move(field)),
+      modes_j_(std::move(modes_j)),
+      moments_(field_, modes_j_),
+      window_(window),
+      reach_px_(reach_px) {
+  const std::vector<double> flat(modes_j_.size(), 0.0);
+  float brightest = 0.0F;
+  for (const RenderedSpot& spot : render(flat)) {
+    brightest = std::max(brightest, spot.light.maxCoeff());
+  }
+  if (brightest > 0.0F) to_light_ = 1.0 / double(brightest);
+}
+
+SpotWindow SpotRenderer::window_at(Vec2 place_px) const {
+  const FarFieldWindow& image = field_.window();
+  const int pixels = window_.side * window_.bin;
+  const auto first = [&](double at, int size) {
+    return int(std::clamp(std::round(at - 0.5 * (pixels - 1)), 0.0, double(size - pixels)));
+  };
+  SpotWindow window = window_;
+  window.left = first(place_px.x, image.cols);
+  window.top = first(place_px.y, image.rows);
+  return window;
+}
+
+std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
+                                               std::span<const Mode> fixed) {
+  const std::vector<Mode> modes = modes_of(modes_j_, waves, fixed);
+  const double step_cpp = field_.window().step_cpp;
+  std::vector<Vec2> slopes_cpp;
+  for (const Vec2 offset : deviations_.offsets_px) slopes_cpp.push_back(step_cpp * offset);
+  field_.propagate(modes, {{}, deviations_.ln_amplitude, slopes_cpp});
+  std::vector<int> pieces(spots());
+  std::iota(pieces.begin(), pieces.end(), 0);
+  moments_.load(field_, modes, pieces);
+  std::vector<RenderedSpot> rendered(pieces.size());
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    rendered[i].place_px = moments_.falls_px(i, modes);
+    if (i < deviations_.offsets_px.size()) {
+      rendered[i].place_px = rendered[i].place_px + deviations_.offsets_px[i];
+    }
+  }
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    RenderedSpot& spot = rendered[i];
+    spot.window = window_at(spot.place_px);
+    spot.light.setZero(spot.window.cells());
+    spot.per_wave.setZero(spot.window.cells(), Eigen::Index(modes_j_.size()));
+    spot.per_px.setZero(spot.window.cells(), 2);
+    if (!is_inside(spot)) continue;
+    add_light(spot);
+    for (const int piece : pieces) {
+      const bool own = piece == int(i);
+      const double away = norm(rendered[std::size_t(piece)].place_px - spot.place_px);
+      if (own || away < reach_px_) add_derivatives(spot, piece, own);
+    }
+  }
+  return rendered;
+}
+
+void SpotRenderer::add_light(RenderedSpot& spot) const {
+  const PixelBox box = spot.window.pixels();
+  Eigen::ArrayXf pixels(Eigen::Index(box.width) * box.height);
+  for (int y = 0; y < box.height; ++y) {
+    const Eigen::Map<const Eigen::ArrayXcf> far(field_.far().row(box.y + y) + box.x, box.width);
+    pixels.segment(Eigen::Index(y) * box.width, box.width) = float(to_light_) * far.abs2();
+  }
+  bin_into(spot.window, pixels, spot.light);
+}
+
+/// A phase change of p(xi, eta) waves over a piece changes the intensity by 2 Re(2 pi i conj(F) M),
+/// where M is the moment of p.
+void SpotRenderer::add_derivatives(RenderedSpot& spot, int piece, bool own) {
+  const PixelBox box = spot.window.pixels();
+  const Eigen::MatrixXcf& moments = moments_.at(piece, box);
+  const auto factor = float(-4.0 * std::numbers::pi * to_light_);
+  Eigen::ArrayXf pixels(moments.rows());
+  Eigen::MatrixXf cells = Eigen::MatrixXf::Zero(spot.window.cells(), moments.cols());
+  for (Eigen::Index k = 0; k < moments.cols(); ++k) {
+    for (int y = 0; y < box.height; ++y) {
+      const Eigen::Map<const Eigen::ArrayXcf> far(field_.far().row(box.y + y) + box.x, box.width);
+      const auto m = moments.col(k).segment(Eigen::Index(y) * box.width, box.width).array();
+      pixels.segment(Eigen::Index(y) * box.width, box.width) =
+          factor * (far.real() * m.imag() - far.imag() * m.real());
+    }
+    auto column = cells.col(k);
+    bin_into(spot.window, pixels, column);
+  }
+  spot.per_wave.noalias() += cells * moments_.modes_over(piece).transpose();
+  if (!own) return;
+  const double radius_px = field_.pieces()[std::size_t(piece)].radius_px;
+  const auto per_px = float(field_.window().step_cpp * radius_px);  // waves at the edge
+  spot.per_px.col(0) = per_px * cells.col(kAlongX);
+  spot.per_px.col(1) = per_px * cells.col(kAlongY);
+}
+
+}  // namespace ovws

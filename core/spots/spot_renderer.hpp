@@ -1,0 +1,64 @@
+/// Rendering: the expected image of every spot for a given wavefront, with its derivatives.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/piece_moments.hpp"
+#include "core/optics/sensor_field.hpp"
+#include "core/spots/operating_point.hpp"
+#include "core/spots/rendered_spot.hpp"
+
+namespace ovws {
+
+/// Renders with the diffraction model. The light is that of the whole SLM (SensorField). In the
+/// derivatives a subaperture contributes to its own window and to its neighbours', and every mode
+/// is a polynomial of degree 3 over a subaperture (PieceMoments). Use it from one thread at a
+/// time, off the frame path: a rendering takes some 50 ms on the default bench.
+class SpotRenderer {
+ public:
+  struct Options {
+    double half_width = 2.0;    ///< of a window, units of lambda/d
+    double reach = 6.0;         ///< distance up to which subapertures are neighbours, lambda/d
+    bool light_outside = true;  ///< render the light outside the subapertures, too
+  };
+
+  /// `cols` x `rows`: the camera's image. Errors as of SensorField::make, and Errc::invalid, field
+  /// "optics": a window does not fit into the image.
+  static Result<SpotRenderer> make(const SensorConfig& sensor, const SlmGeometry& slm,
+                                   const OpticsConfig& optics, int cols, int rows,
+                                   std::vector<int> modes_j, const Options& options);
+
+  const std::vector<int>& modes_j() const { return modes_j_; }
+  int spots() const { return field_.subapertures(); }
+  /// Centre of a spot's subaperture, in pupil radii.
+  Vec2 centre(int spot) const {
+    return (1.0 / field_.pupil_radius_px()) * field_.pieces()[std::size_t(spot)].centre_px;
+  }
+
+  void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }
+  const SpotDeviations& deviations() const { return deviations_; }
+
+  /// Renders every spot about the wavefront `waves` (RMS-normalised, one for each of modes_j) plus
+  /// `fixed` (other modes that stay, such as those introduced). Windows stay inside the image.
+  std::vector<RenderedSpot> render(std::span<const double> waves, std::span<const Mode> fixed = {});
+
+ private:
+  SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window, double reach_px);
+  SpotWindow window_at(Vec2 place_px) const;
+  void add_light(RenderedSpot& spot) const;
+  void add_derivatives(RenderedSpot& spot, int piece, bool own);
+
+  SensorField field_;
+  SpotDeviations deviations_;
+  std::vector<int> modes_j_;
+  PieceMoments moments_;
+  SpotWindow window_;  ///< its size
+  double reach_px_;
+  double to_light_ = 1.0;  ///< |F|^2 of a camera pixel to light
+};
+
+}  // namespace ovws

@@ -1,0 +1,51 @@
+/// The templates of one spot: linear estimators of what its pixels tell about the wavefront.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+
+#include "core/spots/pixel_noise.hpp"
+#include "core/spots/rendered_spot.hpp"
+
+namespace ovws {
+
+/// The pixels y of a spot near its rendering are level * (light + per_wave * waves) + background.
+/// Level and background are fitted to each spot. Of the derivatives, weighted by the noise, what
+/// level and background do not make is decomposed into singular vectors; the leading ones are the
+/// estimates. They tell most about the modes for their number, are uncorrelated, and have an error
+/// of 1 in pixels of the assumed noise.
+///
+/// Estimates = level * per_wave * waves, waves counted from the rendering.
+struct SpotTemplates {
+  /// Rows of `rows` before the estimates: orthonormal parts of level and background, displacement.
+  enum Row { kLevel, kBackground, kX, kY, kFixed };
+
+  SpotWindow window;
+  Vec2 place_px;
+  int used = 0;                  ///< cells with a weight
+  double brightest_light = 0.0;  ///< of these, as rendered
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< x padded cells
+  Eigen::VectorXf weights;   ///< 1 / variance of each cell, padded with 0
+  Eigen::MatrixXd per_wave;  ///< estimates x Z
+  double light_norm = 0.0;   ///< the level part is level * light_norm + background * overlap
+  double overlap = 0.0;
+  double px_error =
+      0.0;  ///< standard error of a position, RMS over x and y, times the cells' level
+  double even_norm = 0.0;  ///< the background part is background * even_norm
+
+  int estimates() const { return int(per_wave.rows()); }
+};
+
+/// How bright a spot is, DN of a cell above the background.
+struct CellLevel {
+  double light_dn = 0.0;  ///< where the rendered light is 1
+  /// Brighter cells may hold saturated pixels and are not used.
+  double ceiling_dn = std::numeric_limits<double>::infinity();
+};
+
+/// `level` and `noise` give the weights. `estimates`: at least 1, at most the number of modes. A
+/// spot without light, or with too few cells below the ceiling, gets no rows.
+SpotTemplates make_templates(const RenderedSpot& spot, const CellLevel& level,
+                             const PixelNoise& noise, int estimates);
+
+}  // namespace ovws

@@ -1,0 +1,142 @@
+#include "core/spots/wavefront_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/pixels.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kRoundingDn2 = 1.0 / 12.0;  // rounding to whole DN
+constexpr double kUnsaturated = 0.9;  // of the full scale: a cell may hold one brighter pixel
+constexpr double kMinConditioning = 1e-12;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+int pixels_of(const SpotWindow& window) {
+  return window.bin * window.bin;
+}
+
+std::vector<SpotEstimates> fit_all(const ImageView& image, const SpotFit& fit) {
+  SpotFit::Scratch scratch = fit.make_scratch();
+  std::vector<SpotEstimates> found;
+  for (std::size_t i = 0; i < fit.spots().size(); ++i) {
+    found.push_back(fit.fit(image, i, scratch));
+  }
+  return found;
+}
+
+/// The level of the dark cells around a spot.
+double dark_level(Eigen::VectorXd cells) {
+  const auto tenth = cells.begin() + cells.size() / 10;
+  std::nth_element(cells.begin(), tenth, cells.end());
+  return *tenth;
+}
+
+Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window) {
+  Eigen::VectorXd cells = Eigen::VectorXd::Zero(window.cells());
+  const PixelBox box = window.pixels();
+  visit_rows(image, box.x, box.y, box.width, box.height,
+             [&](int x, int y, const auto* pixels, int run) {
+               for (int k = 0; k < run; ++k) {
+                 cells((y - box.y) / window.bin * window.side + (x + k - box.x) / window.bin) +=
+                     double(pixels[k]);
+               }
+             });
+  return cells;
+}
+
+}  // namespace
+
+std::vector<double> SpotPass::levels_dn() const {
+  std::vector<double> levels;
+  for (const SpotEstimates& spot : found) levels.push_back(double(spot.level));
+  return levels;
+}
+
+double SpotPass::excess() const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].level > 0.0F) all.push_back(excess_light(templates[i], found[i]));
+  }
+  return all.empty() ? 1.0 : median(std::move(all));
+}
+
+SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
+                   const PixelNoise& noise, int estimates) {
+  // First with equal weights, which needs no level.
+  std::vector<SpotTemplates> even, weighted;
+  for (const RenderedSpot& spot : rendered) even.push_back(make_templates(spot, {}, noise, 1));
+  const std::vector<SpotEstimates> first = fit_all(image, SpotFit(std::move(even)));
+  std::vector<double> lit, dark;
+  for (const SpotEstimates& spot : first) {
+    if (spot.level > 0.0F) lit.push_back(double(spot.level));
+    dark.push_back(double(spot.background));
+  }
+  const double usual = median(std::move(lit));
+  SpotPass pass;
+  pass.ceiling_dn = kUnsaturated * full_scale_dn(image.format) - median(std::move(dark));
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    const double level = first[i].level > 0.0F ? double(first[i].level) : usual;
+    const int pixels = pixels_of(rendered[i].window);
+    weighted.push_back(
+        make_templates(rendered[i], {level * pixels, pass.ceiling_dn * pixels}, noise, estimates));
+  }
+  pass.templates = weighted;
+  pass.found = fit_all(image, SpotFit(std::move(weighted)));
+  return pass;
+}
+
+std::optional<WavefrontStep> step_from(const SpotPass& pass) {
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd right;
+  for (std::size_t i = 0; i < pass.found.size(); ++i) {
+    const SpotEstimates& found = pass.found[i];
+    const Eigen::MatrixXd& rows = pass.templates[i].per_wave;
+    if (!(found.level > 0.0F) || rows.rows() == 0) continue;
+    if (normal.size() == 0) {
+      normal.setZero(rows.cols(), rows.cols());
+      right.setZero(rows.cols());
+    }
+    const double weight = std::pow(double(found.level) * pixels_of(pass.templates[i].window), 2);
+    const Eigen::VectorXd values =
+        Eigen::Map<const Eigen::VectorXf>(found.values.data(), rows.rows()).cast<double>();
+    normal += weight * rows.transpose() * rows;
+    right += weight * rows.transpose() * values;
+  }
+  if (normal.size() == 0) return std::nullopt;
+  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return std::nullopt;
+  return WavefrontStep{solver.solve(right),
+                       solver.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()))};
+}
+
+PixelNoise noise_between(const ImageView& one, const ImageView& other,
+                         std::span<const RenderedSpot> rendered) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, pixels = 1.0;
+  for (const RenderedSpot& spot : rendered) {
+    pixels = pixels_of(spot.window);
+    const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
+    const double floor = dark_level(0.5 * (a + b));
+    for (Eigen::Index c = 0; c < a.size(); ++c) {
+      const double light = 0.5 * (a(c) + b(c)) - floor, square = 0.5 * std::pow(a(c) - b(c), 2);
+      n += 1.0, x += light, y += square, xx += light * light, xy += light * square;
+    }
+  }
+  const double spread = n * xx - x * x;
+  PixelNoise noise;
+  noise.per_dn = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
+  noise.constant_dn2 =
+      n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), kRoundingDn2) : 1.0;
+  return noise;
+}
+
+}  // namespace ovws

@@ -1,0 +1,44 @@
+/// One pass over an image: every spot is fitted to its rendering, and the modes to all spots.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/spots/spot_fit.hpp"
+
+namespace ovws {
+
+/// Templates of all spots, and what they find in an image.
+struct SpotPass {
+  std::vector<SpotTemplates> templates;
+  std::vector<SpotEstimates> found;
+  double ceiling_dn = 0.0;  ///< of a camera pixel above the background: saturation is near
+
+  /// Levels of the spots found, DN of a camera pixel; 0: not found.
+  std::vector<double> levels_dn() const;
+  /// Median over the spots of the weighted light that the templates leave beyond noise, relative.
+  double excess() const;
+};
+
+/// Makes the templates for the levels that the spots have in the image. `noise` is the pixels'.
+SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
+                   const PixelNoise& noise, int estimates);
+
+/// Weighted least squares over the estimates of all spots: the change of the modes since the
+/// rendering, waves, and its covariance. Spots without a level are not used. None if the rest does
+/// not determine the modes.
+struct WavefrontStep {
+  Eigen::VectorXd waves;
+  Eigen::MatrixXd covariance;
+};
+std::optional<WavefrontStep> step_from(const SpotPass& pass);
+
+/// The noise of pixels, from two images of the same light: half the squared differences of cells
+/// as a straight line over their light. Shot noise needs `rendered` to be near the images.
+PixelNoise noise_between(const ImageView& one, const ImageView& other,
+                         std::span<const RenderedSpot> rendered);
+
+}  // namespace ovws
