@@ -78,7 +78,11 @@ struct FrameRecord {
   float saturated_fraction = 0.0F;  ///< fraction of the spots with a saturated pixel
   std::vector<float>
       coefficients;  ///< RMS-normalised waves, order of plan->reconstructor->modes_j()
+  /// Standard errors of the coefficients, waves; NaN unless it is measured by templates.
+  std::vector<float> sigma_waves;
   int mode_count = 0;
+  /// How the plan's templates describe the frame; if `credible`, it is measured by them.
+  FittedFrame templates;
   Reconstruction reconstruction;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots
   bool valid = false;     ///< settled, has a reference, modes determined, spots explained

@@ -17,6 +17,8 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
   demand(plan.tracker != nullptr, "measurement plan without a tracker");
   demand(plan.reconstructor != nullptr, "measurement plan without a reconstructor");
   demand(plan.subapertures() <= kMaxSubapertures, "measurement plan with too many subapertures");
+  demand(!plan.fit || plan.fit->modes_j() == plan.reconstructor->modes_j(),
+         "measurement plan whose templates have other modes");
   demand(plan.reconstructor->modes_j().size() <= std::size_t(kMaxModes),
          "measurement plan with too many modes");
   return plan;
@@ -32,7 +34,9 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers)
       reconstruct_scratch(plan.reconstructor->make_scratch()) {
   for (int k = 0; k < std::max(workers, 1); ++k) {
     track_scratch.push_back(plan.tracker->make_scratch());
+    if (plan.fit) fit_scratch.push_back(plan.fit->spots().make_scratch());
   }
+  if (plan.fit) solve_scratch = plan.fit->make_scratch();
 }
 
 }  // namespace ovws

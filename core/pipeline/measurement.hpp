@@ -24,6 +24,8 @@ struct Measurement {
   Acquisition acquisition;
   Neighbourhood neighbourhood;
   Reconstructor::Scratch reconstruct_scratch;
+  std::vector<SpotFit::Scratch> fit_scratch;  ///< one per worker; empty without plan.fit
+  FrameFit::Scratch solve_scratch;
 };
 
 }  // namespace ovws

@@ -9,6 +9,7 @@
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
 #include "core/port/camera.hpp"
+#include "core/spots/frame_fit.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
@@ -36,12 +37,20 @@ struct MeasurementPlan {
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
   std::unique_ptr<const SpotTracker> tracker;
   std::unique_ptr<const Reconstructor> reconstructor;
+  /// Templates about an operating point, with the same modes as `reconstructor`: measures a frame
+  /// near that point from all its pixels, without the tracker. Null: none yet.
+  std::shared_ptr<const FrameFit> fit;
 
   int subapertures() const { return int(predicted_px.size()); }
   const std::vector<Vec2>& places_px() const {
     return search_px.empty() ? predicted_px : search_px;
   }
   bool referenced() const { return !reference_px.empty(); }
+  /// Whether frames are to be measured by templates. A measured operator is one of positions.
+  bool wants_templates() const {
+    return tracker_kind == TrackerKind::fit && mode_operator != OperatorKind::measured &&
+           referenced();
+  }
 };
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 #include "core/pipeline/reconstruct_stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "core/pipeline/frame_rules.hpp"
@@ -10,18 +11,44 @@
 
 namespace ovws {
 
+namespace {
+
+/// The summary of a frame whose modes the templates gave.
+Reconstruction reconstruction_of(const Entry& entry) {
+  const FittedFrame& found = entry.templates;
+  Reconstruction summary{.determined = true,
+                         .fit_residual_px = found.residual_px,
+                         .used = found.used,
+                         .lost = found.lost};
+  double squares = 0.0;
+  const std::vector<int>& modes_j = entry.plan->fit->modes_j();
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (modes_j[k] > 2) squares += std::pow(double(entry.coefficients[k]), 2);
+  }
+  summary.rms_waves = std::sqrt(squares);
+  return summary;
+}
+
+}  // namespace
+
 void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.reconstructor->modes_j().size());
   const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
-  entry.reconstruction = plan.reconstructor->solve_without_outliers(
-      spots, entry.measurement->reconstruct_scratch,
-      std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)},
-      kCredibleResidual * plan.spots.lambda_d_px);
+  if (entry.templates.credible) {
+    entry.reconstruction = reconstruction_of(entry);
+  } else {
+    entry.reconstruction = plan.reconstructor->solve_without_outliers(
+        spots, entry.measurement->reconstruct_scratch,
+        std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)},
+        kCredibleResidual * plan.spots.lambda_d_px);
+    std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);
+  }
   entry.tracked = int(
       std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
   const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
-  entry.explained = !measured || is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
+  entry.explained = !measured || entry.templates.credible ||
+                    is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
   entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
   deps_.latency.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);

@@ -13,6 +13,8 @@ RecordPool::RecordPool(int records) : size_(records), entries_(new Entry[std::si
     entries_[i].starts.resize(kMaxSubapertures);
     entries_[i].spots.resize(kMaxSubapertures);
     entries_[i].coefficients.resize(kMaxModes);
+    entries_[i].sigma_waves.resize(kMaxModes);
+    entries_[i].estimates.resize(kMaxSubapertures);
     free_.push_back(&entries_[i]);
   }
 }

@@ -20,7 +20,8 @@ struct Entry : FrameRecord {
   Measurement* measurement = nullptr;
   std::uint64_t stream = 0;  ///< number of the attached camera; frame numbers do not continue from
                              ///< one to the next
-  std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: unknown
+  std::int64_t period_ns = 0;            ///< frame period at the time of the frame; 0: unknown
+  std::vector<SpotEstimates> estimates;  ///< of each spot by plan->fit, if the plan has one
   bool image_wanted = false;
   bool recorded = false;         ///< RecordTap holds it
   bool pixels_recorded = false;  ///< RecordTap holds its pixels, too

@@ -42,8 +42,16 @@ void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
   const int begin = entry.spot_count * k / config_.slices;
   const int end = entry.spot_count * (k + 1) / config_.slices;
+  Measurement& measurement = *entry.measurement;
+  if (!entry.plan->fit) return track(entry, begin, end, measurement.track_scratch[k]);
+  const SpotFit& spots = entry.plan->fit->spots();
+  for (int i = begin; i < end; ++i) {
+    entry.estimates[i] = spots.fit(entry.frame.image, std::size_t(i), measurement.fit_scratch[k]);
+  }
+}
+
+void TrackStage::track(Entry& entry, int begin, int end, TrackScratch& scratch) OVWS_NONBLOCKING {
   const SpotTracker& tracker = *entry.plan->tracker;
-  TrackScratch& scratch = entry.measurement->track_scratch[k];
   for (int i = begin; i < end; ++i) {
     const SpotStart& start = entry.starts[i];
     entry.spots[i] =
@@ -51,13 +59,25 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
   }
 }
 
+/// Measures by the templates, or else by the tracker.
+void TrackStage::fit(Entry& entry) OVWS_NONBLOCKING {
+  const auto count = std::size_t(entry.spot_count), modes = entry.plan->fit->modes_j().size();
+  entry.templates = entry.plan->fit->solve(
+      {entry.estimates.data(), count}, entry.measurement->solve_scratch,
+      {entry.coefficients.data(), modes}, {entry.sigma_waves.data(), modes}, spots_of(entry));
+  if (entry.templates.credible) return;
+  track(entry, 0, entry.spot_count, entry.measurement->track_scratch[0]);
+}
+
 void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
-  if (history_.live()) {
+  entry.templates = {};
+  if (entry.plan->fit) fit(entry);
+  if (history_.live() && !entry.templates.credible) {
     reject_implausible(entry);
     retry_lost(entry);
   }
   if (entry.settled) {
-    search_if_needed(entry);
+    if (!entry.templates.credible) search_if_needed(entry);
     history_.learn(entry);
   }
   summarise(entry);

@@ -19,7 +19,12 @@ namespace ovws {
 ///
 /// A frame without history, or with more than a few spots lost, is searched as a whole, with
 /// exponential backoff (BackOff) up to every 16th frame. The result is used only if it finds more
-/// spots. A plan with search_px gives start positions for lost or displaced spots (SpotHistory).
+/// spots.
+///
+/// A plan with templates (MeasurementPlan::fit) is tried first. Where they describe the frame, it
+/// is `fitted`: its spots and modes come from them, and no tracker runs.
+///
+/// A plan with search_px gives start positions for lost or displaced spots (SpotHistory).
 class TrackStage {
  public:
   struct Config {
@@ -45,6 +50,8 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
+  void track(Entry& entry, int begin, int end, TrackScratch& scratch) OVWS_NONBLOCKING;
+  void fit(Entry& entry) OVWS_NONBLOCKING;
   void reject_implausible(Entry& entry) OVWS_NONBLOCKING;
   void retry_lost(Entry& entry) OVWS_NONBLOCKING;
   SpotFix retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING;

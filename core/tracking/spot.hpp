@@ -31,7 +31,15 @@ struct SpotFix {
 /// RT-safe; the median takes at most 4096 spots into account.
 int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
-enum class TrackerKind : std::uint8_t { centroid, thresholded, weighted, lg_contour, lg, matched };
+enum class TrackerKind : std::uint8_t {
+  centroid,
+  thresholded,
+  weighted,
+  lg_contour,
+  lg,
+  matched,
+  fit
+};
 
 /// In the order of the enumeration.
 std::span<const std::string_view> all_tracker_names();

@@ -55,6 +55,7 @@ SlopeModel slope_model(int charge, const TrackingConfig& tracking) {
     case TrackerKind::lg:
       return {SlopeKind::kernel_tilt, charge, lg_kernel_radius(tracking, charge)};
     case TrackerKind::matched:
+    case TrackerKind::fit:
       return {SlopeKind::matched_tilt, charge, matched_window(charge)};
   }
   return slope_kind(charge);

@@ -21,8 +21,14 @@ Result<Config> config_of(const MeasureOptions& options) {
   auto config =
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
   if (!config) return config;
-  if (!options.tracker.empty()) {
-    config->tracking.tracker = *tracker_from_name(options.tracker);
+  // Templates follow the wavefront from frame to frame; single images are measured by positions.
+  TrackerKind& tracker = config->tracking.tracker;
+  if (tracker == TrackerKind::fit) tracker = TrackerKind::matched;
+  if (!options.tracker.empty()) tracker = *tracker_from_name(options.tracker);
+  if (tracker == TrackerKind::fit) {
+    return fail(Errc::invalid, "--tracker",
+                "fit follows the wavefront from frame to frame, which needs the daemon: use "
+                "--refine, which fits all pixels of an image");
   }
   if (!options.templates.empty()) {
     config->tracking.templates =
