@@ -34,6 +34,12 @@ void copy_frame(const FrameRecord& record, FrameCopy& to) {
 
 }  // namespace
 
+FrameCopy copy_of(const FrameCopy& frame) {
+  FrameCopy copy = frame;
+  copy.image.data = copy.pixels.data();
+  return copy;
+}
+
 bool can_be_refined(const FrameRecord& record) {
   return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
 }

@@ -29,6 +29,9 @@ struct FrameCopy {
   ImageView image;  ///< of `pixels`
 };
 
+/// A copy whose image is of its own pixels, unlike that of the copy constructor.
+FrameCopy copy_of(const FrameCopy& frame);
+
 /// Settled, its settings known, and valid if the sensor has a reference.
 bool can_be_refined(const FrameRecord& record);
 

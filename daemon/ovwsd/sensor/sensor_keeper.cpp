@@ -104,8 +104,20 @@ void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<v
 
 void SensorKeeper::hold(Hold by) {
   hold_ = by;
+  held_by_job_.store(by.by == Hold::By::job);
   if (by.by != Hold::By::job) return;
   lease_ = Lease{state_.sensor, state_.tracking, state_.pattern, state_.aberration};
+  if (!state_.templates.fit) return;
+  SensorEdit edit = new_edit();
+  edit.state.templates = {};  // a job compares positions, which must all come from one tracker
+  plan_again(std::move(edit));
+}
+
+/// Measures by a new plan; the hologram stays. Without a plan nothing changes.
+void SensorKeeper::plan_again(SensorEdit edit) {
+  const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
+  auto plan = plans_.build(edit.state, bound, bench_.hologram_id);
+  if (plan) adopt(std::move(edit), bound, std::move(*plan));
 }
 
 void SensorKeeper::release(Hold by, std::function<void()> then) {
@@ -113,6 +125,7 @@ void SensorKeeper::release(Hold by, std::function<void()> then) {
     if (hold_ == by) {
       if (lease_) restore_lease();
       hold_ = {};
+      held_by_job_.store(false);
     }
     then();
   });
@@ -132,9 +145,17 @@ void SensorKeeper::track_split_spots(std::uint64_t plan_id, std::optional<SplitS
     if (snapshot()->plan_id != plan_id || of_a_job || (!split && !state_.split_spots)) return;
     SensorEdit edit = new_edit();
     edit.state.split_spots = std::move(split);
-    const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
-    auto plan = plans_.build(edit.state, bound, bench_.hologram_id);
-    if (plan) adopt(std::move(edit), bound, std::move(*plan));
+    plan_again(std::move(edit));
+  });
+}
+
+void SensorKeeper::use_templates(ActiveTemplates templates) {
+  mailbox_.post([this, templates = std::move(templates)]() mutable {
+    const bool same_sensor = templates.sensor_epoch == state_.sensor_epoch;
+    if (hold_.by == Hold::By::job || !same_sensor) return;
+    SensorEdit edit = new_edit();
+    edit.state.templates = std::move(templates);
+    plan_again(std::move(edit));
   });
 }
 
@@ -323,9 +344,7 @@ void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> m
   const bool wanted = state_.tracking.mode_operator == OperatorKind::diffractive &&
                       key == operator_key(state_, bench_.optics);
   if (!wanted) return;
-  const Bound bound = bind(state_, knowledge_, bench_.optics);
-  auto plan = plans_.build(state_, bound, bench_.hologram_id);
-  if (plan) adopt(new_edit(), bound, std::move(*plan));
+  plan_again(new_edit());
 }
 
 /// Writes or removes the files of an active change, then calls `done`. A change whose file cannot

@@ -2,6 +2,7 @@
 /// plans and publishes snapshots.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -48,6 +49,8 @@ class SensorKeeper : public Agent {
   void on_close() override { mailbox_.close(); }
 
   SensorView snapshot() const { return snapshot_.get(); }
+  /// Any thread: whether a job holds the sensor, which then does not take templates.
+  bool is_held_by_job() const { return held_by_job_.load(); }
 
   // Any thread. Requests are carried out in order by the prepare thread, which also calls the
   // callbacks.
@@ -70,6 +73,10 @@ class SensorKeeper : public Agent {
   /// sensor ends the tracking of split spots.
   void track_split_spots(std::uint64_t plan_id, std::optional<SplitSpots> split);
 
+  /// Measures frames by these templates. Ignored if the sensor has changed, or while a job holds
+  /// it; not used if the reference has changed.
+  void use_templates(ActiveTemplates templates);
+
   // Prepare thread only.
 
   /// Whether the sensor is free. Errc::refused: the message says what to wait for.
@@ -86,6 +93,7 @@ class SensorKeeper : public Agent {
   Result<void> present(const SensorState& next, std::uint64_t hologram_id, Show show);
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
+  void plan_again(SensorEdit edit);
   OperatorReport report_operator(const MeasurementPlan& plan);
   void store_operator(const OperatorKey& key, Result<ModeOperator> made);
   void restore_lease();
@@ -102,7 +110,8 @@ class SensorKeeper : public Agent {
   Plans plans_;
   SensorEvents events_;
   Hold hold_;
-  std::optional<Lease> lease_;  ///< of the job that holds the sensor
+  std::atomic<bool> held_by_job_{false};  ///< of hold_, for other threads
+  std::optional<Lease> lease_;            ///< of the job that holds the sensor
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;

@@ -14,6 +14,7 @@
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/sensor/spot_search.hpp"
+#include "daemon/ovwsd/sensor/template_renderer.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
 
@@ -23,6 +24,7 @@ struct StreamPublisherDeps {
   Pipeline& pipeline;
   FrameBroker& frames;
   SpotSearch& search;
+  TemplateRenderer& templates;
   ClosedLoop& loop;
   Counters& counters;
   StreamQueue& queue;

@@ -33,6 +33,7 @@ enum class ThreadRole {
   write,
   disk,
   search,
+  templates,
   refine,
   model,
   status,
@@ -63,7 +64,7 @@ struct ThreadRow {
   OnException on_exception = OnException::go_on;
 };
 
-constexpr std::array<ThreadRow, 19> kThreadTable{{
+constexpr std::array<ThreadRow, 20> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart, 0,
      OnException::restart},
     {ThreadRole::track, "track", 75, "its ring buffer", 2.0, OnHang::restart, 0,
@@ -88,6 +89,8 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
     {ThreadRole::disk, "disk", 0, "the disk", 5.0, OnHang::report},
     {ThreadRole::search, "search", 0, "the next frame with its pixels; a search takes a second",
      30.0, OnHang::report},
+    {ThreadRole::templates, "templates", 0,
+     "the next frame with its pixels; renderings take up to some seconds", 30.0, OnHang::report, 5},
     {ThreadRole::refine, "refine", 0, "the next frame with its pixels; a fit takes seconds", 120.0,
      OnHang::report, 15},
     {ThreadRole::model, "model", 0, "a request; a diffractive matrix takes seconds", 300.0,

@@ -1,0 +1,239 @@
+#include "daemon/ovwsd/sensor/template_renderer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/optics/lattice.hpp"
+#include "core/port/clock.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn(10);
+constexpr std::chrono::milliseconds kFramePatience(50);
+constexpr int kWantedInARow = 2;
+constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
+constexpr double kMaxResidual = 1.5;   // standard errors
+constexpr double kMoreResidual = 1.3;  // over that at the operating point
+constexpr int kEstimates = 8;
+constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
+constexpr std::int64_t kRestNs = 30'000'000;             // between renderings
+constexpr std::int64_t kFirstPauseNs = 100'000'000, kMaxPauseNs = 5'000'000'000;
+
+/// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
+/// the linear templates leave more than noise.
+bool is_drifted(const FrameRecord& record) {
+  double variance = 0.0;
+  for (int k = 0; k < record.mode_count; ++k) {
+    variance += std::pow(double(record.sigma_waves[std::size_t(k)]), 2);
+  }
+  const double expected = kMoreResidual * record.plan->fit->at_point().residual;
+  const bool is_bent = record.templates.residual > std::max(kMaxResidual, expected);
+  return record.templates.drift_waves >
+         std::max(is_bent ? kBentWaves : kDriftWaves, kDriftSigmas * std::sqrt(variance));
+}
+
+bool can_be_rendered(const FrameRecord& record) {
+  return record.settled && record.settings_known && record.plan->referenced();
+}
+
+/// Modes on the SLM that are not measured.
+std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured) {
+  std::vector<Mode> fixed;
+  for (const Mode& mode : shown) {
+    const bool is_measured = std::find(measured.begin(), measured.end(), mode.j) != measured.end();
+    if (!is_measured) fixed.push_back(mode);
+  }
+  return fixed;
+}
+
+/// What a frame at the operating point reads.
+std::vector<double> coefficients_of(const OperatingPoint& point) {
+  std::vector<double> waves = point.waves;
+  for (std::size_t k = 0; k < waves.size(); ++k) waves[k] -= point.reference_waves[k];
+  return waves;
+}
+
+/// The mean image in 16 bits; a saturated pixel stays saturated. Returns the scale, too.
+struct Scaled {
+  Image<std::uint16_t> image;
+  double scale = 1.0;
+};
+Scaled in_16_bits(const ReferencePicture& picture) {
+  constexpr float kFull = 65535.0F;
+  Scaled scaled{{picture.mean_dn.width, picture.mean_dn.height},
+                double(kFull) / full_scale_dn(picture.format)};
+  std::transform(picture.mean_dn.pixels.begin(), picture.mean_dn.pixels.end(),
+                 scaled.image.pixels.begin(), [&](float dn) {
+                   const float value = float(scaled.scale) * dn;
+                   return value < kFull ? std::uint16_t(std::max(0.0F, value) + 0.5F)
+                                        : std::uint16_t(kFull);
+                 });
+  return scaled;
+}
+
+}  // namespace
+
+/// The model of one sensor and its reference.
+struct TemplateRenderer::Model {
+  std::uint64_t sensor_epoch = 0;
+  int cols = 0, rows = 0;
+  std::vector<int> modes_j;
+  std::int64_t reference_taken_ns = 0;
+  PointModel points;
+  std::vector<double> last{};  ///< coefficients of the last operating point
+
+  bool is_for(const FrameCopy& frame, const SensorSnapshot& sensor) const {
+    return sensor_epoch == sensor.sensor_epoch && modes_j == sensor.modes_j &&
+           cols == frame.image.width && rows == frame.image.height &&
+           reference_taken_ns == sensor.reference->t_taken_ns;
+  }
+};
+
+TemplateRenderer::TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames,
+                                   SensorKeeper& keeper, Events& events)
+    : slm_(slm), keeper_(keeper), events_(events), inbox_(frames, can_be_rendered) {}
+
+TemplateRenderer::~TemplateRenderer() = default;
+
+void TemplateRenderer::on_frame(const FrameRecord& record) {
+  if (!record.settled) return;
+  const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
+                      (!record.templates.credible || is_drifted(record));
+  wanted_in_a_row_ = wanted ? wanted_in_a_row_ + 1 : 0;
+  wanted_.store(wanted_in_a_row_ >= kWantedInARow, std::memory_order_relaxed);
+}
+
+bool TemplateRenderer::do_work() {
+  const bool wanted = wanted_.load(std::memory_order_relaxed) && !keeper_.is_held_by_job();
+  if (!wanted || monotonic_ns() < next_ns_) {
+    inbox_.forget();
+    std::this_thread::sleep_for(kTurn);
+    return false;
+  }
+  const FrameCopy* const first = inbox_.next(kFramePatience);
+  if (first == nullptr) return false;
+  const FrameCopy other = copy_of(*first);  // two frames tell the noise of pixels
+  const FrameCopy* const frame = inbox_.next(kFramePatience);
+  if (frame == nullptr) return false;
+  const SensorView sensor = keeper_.snapshot();
+  const auto is_of = [&](const FrameCopy& one) {
+    return one.plan_id == sensor->plan_id && one.hologram_id == sensor->hologram_id;
+  };
+  if (!is_of(*frame) || !is_of(other) || !sensor->reference) return false;
+  try {
+    report(render(*frame, other, *sensor));
+  } catch (const std::bad_alloc&) {
+    model_.reset();
+    report(
+        fail(Errc::refused, "camera.roi", "there is not enough memory for a model of this image"));
+  }
+  return true;
+}
+
+Result<void> TemplateRenderer::render(const FrameCopy& frame, const FrameCopy& other,
+                                      const SensorSnapshot& sensor) {
+  if (traits_of(frame.image.format).filter != ColourFilter::none) {
+    return fail(Errc::refused, "pixel_format", "templates need a monochrome pixel format");
+  }
+  if (!model_ || !model_->is_for(frame, sensor)) {
+    model_.reset();
+    const std::pair key{sensor.sensor_epoch, sensor.reference->t_taken_ns};
+    if (unexplained_ == key) return fail(Errc::refused, "reference", failure_);
+    if (auto made = make_model(frame, other, sensor); !made) {
+      unexplained_ = key;  // the same reference would fail again
+      return made;
+    }
+  }
+  const std::vector<Mode> shown =
+      shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
+  const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
+  Result<void> last = {};
+  for (const std::vector<double>& start : starts(frame)) {
+    auto fit = model_->points.templates(frame.image, other.image, start, fixed,
+                                        frame.valid ? kFewRenderings : kManyRenderings);
+    if (fit) {
+      model_->last = coefficients_of((*fit)->point());
+      keeper_.use_templates({sensor.sensor_epoch, sensor.reference->t_taken_ns, std::move(*fit)});
+      return {};
+    }
+    last = fail(fit.error());
+  }
+  return last;
+}
+
+/// Where to look for the wavefront of a frame: where it was measured; else, if it is not valid,
+/// where it was last, and at the reference.
+std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame) const {
+  std::vector<std::vector<double>> all;
+  const bool measured = std::all_of(frame.coefficients.begin(), frame.coefficients.end(),
+                                    [](float waves) { return std::isfinite(waves); });
+  if (measured) all.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
+  if (frame.valid) return all;
+  if (!model_->last.empty()) all.push_back(model_->last);
+  all.emplace_back(frame.coefficients.size(), 0.0);
+  return all;
+}
+
+Result<void> TemplateRenderer::make_model(const FrameCopy& frame, const FrameCopy& other,
+                                          const SensorSnapshot& sensor) {
+  const Reference& reference = *sensor.reference;
+  if (!reference.picture) return fail(Errc::refused, "reference", kNoPicture);
+  const int cols = frame.image.width, rows = frame.image.height;
+  auto renderer =
+      SpotRenderer::make(sensor.sensor, slm_, sensor.optics, cols, rows, sensor.modes_j, {});
+  if (!renderer) return fail(renderer.error());
+  const auto lattice = make_lattice(sensor.sensor, slm_);
+  if (!lattice) return fail(lattice.error());
+  const Reconstructor by_model(
+      slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+                   slope_model(sensor.sensor.charge, sensor.tracking),
+                   px_per_cycle(sensor.optics, slm_)),
+      sensor.modes_j, model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
+  std::vector<SpotFix> spots;
+  for (const Vec2 at : known_positions(reference)) spots.push_back({float(at.x), float(at.y)});
+  auto scratch = by_model.make_scratch();
+  std::vector<float> start(sensor.modes_j.size());
+  if (!by_model.solve(spots, scratch, start).determined) {
+    return fail(Errc::refused, "reference", "too few spots of the reference are known");
+  }
+  PointModel points(std::move(*renderer), kEstimates);
+  const std::vector<double> start_waves(start.begin(), start.end());
+  const Scaled picture = in_16_bits(*reference.picture);
+  PixelNoise noise =
+      noise_between(frame.image, other.image, points.rendered(std::vector<double>(start.size())));
+  const double frames = reference.picture->frames;
+  noise.constant_dn2 *= picture.scale * picture.scale / frames;
+  noise.per_dn *= picture.scale / frames;
+  auto used = points.use_reference(view_of(picture.image, PixelFormat::mono16), noise, start_waves,
+                                   fixed_modes(reference.aberration, sensor.modes_j));
+  if (!used) return used;
+  model_ = std::make_unique<Model>(Model{sensor.sensor_epoch, cols, rows, sensor.modes_j,
+                                         reference.t_taken_ns, std::move(points)});
+  return {};
+}
+
+/// Waits longer after each failure, and announces a new one.
+void TemplateRenderer::report(const Result<void>& rendered) {
+  if (rendered) {
+    next_ns_ = monotonic_ns() + kRestNs;
+    pause_ns_ = 0;
+    failure_.clear();
+    return;
+  }
+  pause_ns_ = std::clamp(2 * pause_ns_, kFirstPauseNs, kMaxPauseNs);
+  next_ns_ = monotonic_ns() + pause_ns_;
+  if (rendered.error().reason == failure_) return;
+  failure_ = rendered.error().reason;
+  events_.emit("templates", Severity::warning, "frames are measured by positions only: " + failure_,
+               {{"rendered", false}});
+}
+
+}  // namespace ovws
