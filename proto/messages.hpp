@@ -44,6 +44,8 @@ struct WavefrontMessage : FrameMessage {
   std::span<const int> j;
   /// Waves, RMS-normalised, as many as `j`; all encoded as null if not valid.
   std::span<const float> coefficients;
+  std::span<const float> sigma;  ///< standard errors, as many as `j`; all null if not `fitted`
+  bool fitted = false;           ///< measured from all pixels of the spots
 };
 
 /// `ovws.spots/1`: the binary part is N x 6 float32.

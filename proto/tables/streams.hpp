@@ -118,7 +118,14 @@ struct Table<WavefrontMessage> {
                    return NumbersOrNull<float>{m.coefficients, m.valid};
                  },
                  "present aberration minus the reference, RMS-normalised waves, as many as j; "
-                 "all null if not valid")};
+                 "all null if not valid"),
+             computed<M>(
+                 "sigma",
+                 [](const M& m) {
+                   return NumbersOrNull<float>{m.sigma, m.valid && m.fitted};
+                 },
+                 "standard errors of the coefficients, RMS-normalised waves; all null if the frame "
+                 "was measured by the positions of its spots only")};
 };
 
 /// Shape of a binary part: rows, columns.

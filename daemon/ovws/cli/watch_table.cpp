@@ -40,13 +40,15 @@ double print_modes(const json& message) {
     full_scale = std::max(full_scale, std::abs(value.get<double>()));
   }
   const std::size_t name_width = longest_name(message.at("j"));
+  const json sigma = message.value("sigma", json::array());
+  const bool has_errors = !sigma.empty() && sigma.front().is_number();
   for (std::size_t i = 0; i < message.at("j").size(); ++i) {
     const int j = message.at("j").at(i).get<int>();
     const double waves = message.at("coefficients").at(i).get<double>();
     const std::string bar = signed_bar(waves, full_scale);
-    if (message.contains("sigma")) {
+    if (has_errors) {
       print("{:>3} {:<{}} {:+10.5f} +-{:.5f} {}\n", j, zernike_name(j), name_width, waves,
-            message.at("sigma").at(i).get<double>(), bar);
+            sigma.at(i).get<double>(), bar);
     } else {
       print("{:>3} {:<{}} {:+9.4f} {}\n", j, zernike_name(j), name_width, waves, bar);
     }

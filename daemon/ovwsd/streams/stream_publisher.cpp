@@ -76,6 +76,8 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   wavefront.seq = wavefront_seq_++;
   wavefront.j = record.plan->reconstructor->modes_j();
   wavefront.coefficients = std::span(record.coefficients).first(std::size_t(record.mode_count));
+  wavefront.sigma = std::span(record.sigma_waves).first(std::size_t(record.mode_count));
+  wavefront.fitted = record.templates.credible;
   encode(wavefront, json_);
   send(kTopicWavefront);
   deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);

@@ -97,6 +97,8 @@ class Wavefront(FrameMessage):
     """OSA/ANSI indices, without piston"""
     coefficients_waves: Floats
     """present aberration minus the reference, RMS-normalised waves, as many as `j`; all NaN if not valid"""
+    sigma_waves: Floats
+    """standard errors of the coefficients, waves; all NaN if the frame was measured by positions only"""
 
     def phase_waves(self, size_px: int = 128) -> Floats:
         """Wavefront over the pupil, waves, shape (size_px, size_px); NaN outside the pupil, and everywhere if not valid."""
@@ -104,7 +106,8 @@ class Wavefront(FrameMessage):
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
-        return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"])}
+        return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"]),
+                                                "sigma_waves": _floats(body["sigma"])}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

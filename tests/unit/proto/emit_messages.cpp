@@ -52,7 +52,8 @@ void print_frames() {
     w.rms_waves = 0.5;
     if (valid) w.gain_db = 0.0;
     w.j = j;
-    w.coefficients = coefficients;
+    w.coefficients = w.sigma = coefficients;
+    w.fitted = valid;
     encode(w, text);
     print_stream(kTopicWavefront, text);
   }

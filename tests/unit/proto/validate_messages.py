@@ -39,6 +39,13 @@ def schema_of(line, schemas=SCHEMAS):
     return schema[line["part"]] if "part" in line else schema
 
 
+def open_to_more(schema):
+    """A schema whose objects may have further keys: WIRE.md says that fields may be added to a message."""
+    if isinstance(schema, dict):
+        return {key: open_to_more(value) for key, value in schema.items() if key != "additionalProperties"}
+    return [open_to_more(part) for part in schema] if isinstance(schema, list) else schema
+
+
 def all_schemas():
     for name, schema in SCHEMAS.items():
         if name.startswith("stream."):
@@ -116,7 +123,7 @@ class Messages(unittest.TestCase):
                     Validator(schema_of(line)).validate(line["value"])
 
     def test_what_was_promised_is_kept(self):
-        """Backward compatibility: no method or stream is missing, messages match the published schemas, and accepted params stay accepted."""
+        """Backward compatibility: no method or stream is missing, messages have what the published schemas promise, and accepted params stay accepted."""
         self.assertLessEqual(set(PROMISE), set(SCHEMAS))
         for line in LINES:
             if line["schema"] not in PROMISE:
@@ -124,7 +131,7 @@ class Messages(unittest.TestCase):
             validator = Validator(schema_of(line, PROMISE))
             with self.subTest(line["schema"]):
                 if line.get("part") != "params":
-                    validator.validate(line["value"])
+                    Validator(open_to_more(validator.schema)).validate(line["value"])
                 elif validator.is_valid(line["value"]):
                     self.assertTrue(line["valid"], line)
 
