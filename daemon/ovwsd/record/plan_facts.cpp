@@ -1,5 +1,6 @@
 #include "daemon/ovwsd/record/plan_facts.hpp"
 
+#include "daemon/ovwsd/record/point_document.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/encoding.hpp"
@@ -93,7 +94,8 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       modes_j(plan.reconstructor->modes_j()),
       slopes(plan.reconstructor->slopes()),
       sensor(std::move(view)),
-      nuisance(plan.reconstructor->nuisance()) {}
+      nuisance(plan.reconstructor->nuisance()),
+      fit(plan.fit) {}
 
 Document make_document(std::string kind, const json& content) {
   // A camera's name may hold bytes that are not UTF-8.
@@ -124,11 +126,12 @@ std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
     plan[kind] = all.back().sha256;
   };
   const SensorSnapshot& now = *facts.sensor;
-  plan["reference"] = plan["calibration"] = plan["slm"] = nullptr;
+  plan["reference"] = plan["calibration"] = plan["slm"] = plan["operating_point"] = nullptr;
   if (now.reference) plan["reference"] = reference_of(now.reference, all);
   refer("operator", operator_content(facts));
   if (now.calibration) refer("calibration", calibration_content(*now.calibration));
   if (now.slm) refer("slm", slm_content(*now.slm));
+  if (facts.fit) refer("operating_point", point_content(*facts.fit, now, facts.roi));
   all.push_back(make_document("plan", plan));
   std::erase_if(all, [&](const Document& one) { return !given_.insert(one.sha256).second; });
   return all;

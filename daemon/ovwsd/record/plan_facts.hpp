@@ -31,6 +31,7 @@ struct PlanFacts {
   Eigen::MatrixXd slopes;
   SensorView sensor;         ///< as it was when the plan was adopted
   Eigen::MatrixXd nuisance;  ///< see Reconstructor
+  std::shared_ptr<const FrameFit> fit;
 };
 
 struct Document {

@@ -153,6 +153,20 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   auto made = make_tracker(tracking, plan->spots, std::move(*own));
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
+  const json point = from.value("operating_point", json());
+  if (point.is_null()) return plan;
+  const auto sha256 = point.get<std::string>();
+  if (sha256 != fit_sha256_ || !fit_ || fit_->modes_j() != modes_j || !(fit_roi_ == plan->roi)) {
+    auto fit = points_.read(json_of(documents_.at(sha256)), plan->roi, modes_j);
+    if (!fit) return fail(fit.error());
+    fit_ = std::move(*fit);
+    fit_sha256_ = sha256;
+    fit_roi_ = plan->roi;
+  }
+  if (int(fit_->point().levels_dn.size()) != plan->subapertures()) {
+    return unfit("has templates for other spots");
+  }
+  plan->fit = fit_;
   return plan;
 }
 

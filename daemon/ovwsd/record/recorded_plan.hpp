@@ -10,6 +10,7 @@
 
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
+#include "daemon/ovwsd/record/point_document.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/reference_templates.hpp"
 #include "drivers/replay/recording_reader.hpp"
@@ -38,6 +39,10 @@ class RecordedPlans {
   std::optional<Reference> reference_;            ///< the reference read last
   std::string reference_sha256_;
   TemplateCache templates_;
+  PointReader points_;
+  std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
+  std::string fit_sha256_;
+  Roi fit_roi_;
 };
 
 }  // namespace ovws

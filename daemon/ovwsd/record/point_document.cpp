@@ -1,0 +1,128 @@
+#include "daemon/ovwsd/record/point_document.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "proto/tables/modes.hpp"
+#include "proto/tables/optics.hpp"
+#include "proto/tables/sensor.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMaxWaves = 1000.0;  // of a mode: beyond, the recording is damaged
+
+json pairs(const std::vector<Vec2>& points) {
+  json all = json::array();
+  for (const Vec2& point : points) all.push_back({point.x, point.y});
+  return all;
+}
+
+/// Errc::invalid, field "path": a part does not fit the others.
+Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t spots) {
+  const auto as_many = [spots](std::size_t count) { return count == 0 || count == spots; };
+  const auto moderate = [](double waves) { return std::abs(waves) < kMaxWaves; };
+  const auto known = [&](const Mode& mode) {
+    return mode.j >= 0 && mode.j <= kMaxZernikeIndex && moderate(mode.waves);
+  };
+  const bool fits = std::all_of(point.fixed.begin(), point.fixed.end(), known) &&
+                    std::all_of(point.deviations.ln_amplitude.begin(),
+                                point.deviations.ln_amplitude.end(), known) &&
+                    std::all_of(point.waves.begin(), point.waves.end(), moderate) &&
+                    point.waves.size() == modes && point.reference_waves.size() == modes &&
+                    point.levels_dn.size() == spots &&
+                    as_many(point.deviations.offsets_px.size()) && point.estimates >= 1 &&
+                    point.estimates <= kMaxSpotEstimates;
+  if (fits) return {};
+  return fail(Errc::invalid, "path", "the recording's operating point has parts that do not fit");
+}
+
+std::vector<Mode> modes_from(const json& all) {
+  std::vector<Mode> modes;
+  for (const json& mode : all) {
+    modes.push_back({mode.at("j").get<int>(), mode.at("waves").get<double>()});
+  }
+  return modes;
+}
+
+OperatingPoint point_from(const json& content) {
+  OperatingPoint point;
+  point.waves = content.at("waves").get<std::vector<double>>();
+  point.reference_waves = content.at("reference_waves").get<std::vector<double>>();
+  point.fixed = modes_from(content.at("fixed"));
+  point.deviations.ln_amplitude = modes_from(content.at("ln_amplitude"));
+  for (const json& offset : content.at("offsets_px")) {
+    point.deviations.offsets_px.push_back({offset.at(0).get<double>(), offset.at(1).get<double>()});
+  }
+  point.noise.constant_dn2 = content.at("noise_constant_dn2").get<double>();
+  point.noise.per_dn = content.at("noise_per_dn").get<double>();
+  point.lit = content.at("lit").get<int>();
+  point.levels_dn = content.at("levels_dn").get<std::vector<double>>();
+  point.ceiling_dn = content.at("ceiling_dn").get<double>();
+  point.estimates = content.at("estimates").get<int>();
+  point.max_excess = content.at("max_excess").get<double>();
+  return point;
+}
+
+}  // namespace
+
+json point_content(const FrameFit& fit, const SensorSnapshot& sensor, const Roi& roi) {
+  const OperatingPoint& point = fit.point();
+  return {{"model",
+           {{"sensor", to_json(sensor.sensor)},
+            {"slm", to_json(sensor.slm->hologram.slm)},
+            {"optics", to_json(sensor.optics)},
+            {"width", roi.width},
+            {"height", roi.height},
+            {"j", fit.modes_j()}}},
+          {"waves", point.waves},
+          {"reference_waves", point.reference_waves},
+          {"fixed", to_json(point.fixed)},
+          {"ln_amplitude", to_json(point.deviations.ln_amplitude)},
+          {"offsets_px", pairs(point.deviations.offsets_px)},
+          {"noise_constant_dn2", point.noise.constant_dn2},
+          {"noise_per_dn", point.noise.per_dn},
+          {"lit", point.lit},
+          {"levels_dn", point.levels_dn},
+          {"ceiling_dn", point.ceiling_dn},
+          {"estimates", point.estimates},
+          {"max_excess", point.max_excess}};
+}
+
+Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, const Roi& roi,
+                                                          const std::vector<int>& modes_j) {
+  const json& model = content.at("model");
+  const bool is_for = model.at("width").get<int>() == roi.width &&
+                      model.at("height").get<int>() == roi.height &&
+                      model.at("j").get<std::vector<int>>() == modes_j;
+  if (!is_for) {
+    return fail(Errc::invalid, "path",
+                "the recording's operating point is for other images or modes");
+  }
+  if (std::string key = model.dump(); !renderer_ || key != renderer_key_) {
+    renderer_.reset();
+    const auto sensor = decode<SensorConfig>(model.at("sensor"));
+    if (!sensor) return fail(sensor.error());
+    const auto slm = decode<SlmGeometry>(model.at("slm"));
+    if (!slm) return fail(slm.error());
+    const auto optics = decode<OpticsConfig>(model.at("optics"));
+    if (!optics) return fail(optics.error());
+    auto made = SpotRenderer::make(*sensor, *slm, *optics, model.at("width").get<int>(),
+                                   model.at("height").get<int>(), modes_j, {});
+    if (!made) return fail(made.error());
+    renderer_ = std::make_unique<SpotRenderer>(std::move(*made));
+    renderer_key_ = std::move(key);
+  }
+  OperatingPoint point = point_from(content);
+  if (auto fits = check(point, modes_j.size(), std::size_t(renderer_->spots())); !fits) {
+    return fail(fits.error());
+  }
+  renderer_->set_deviations(point.deviations);
+  const auto rendered = renderer_->render(point.waves, point.fixed);
+  return std::make_shared<const FrameFit>(std::move(point), rendered, modes_j);
+}
+
+}  // namespace ovws
