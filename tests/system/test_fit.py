@@ -1,0 +1,90 @@
+"""The tracker `fit`: frames are measured from all pixels of their spots, also after changes, in jobs and in replays."""
+import json
+import random
+import statistics
+import subprocess
+import time
+
+from case import BenchCase, main
+
+
+def draw(rng, rms):
+    """Random modes of this RMS together: {j: waves}."""
+    modes = {j: rng.gauss(0.0, 1.0) for j in range(3, 19)}
+    scale = rms / sum(waves * waves for waves in modes.values()) ** 0.5
+    return {j: scale * waves for j, waves in modes.items()}
+
+
+def error(frame, modes):
+    return sum((value - modes.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
+
+
+def is_fitted(frame):
+    return frame["sigma"][0] is not None
+
+
+class Fit(BenchCase):
+    small = True
+    daemon_config = {"tracking": {"tracker": "fit"}, "record": {"directory": "recordings"}}
+
+    def show(self, modes):
+        return self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in modes.items()]})["hologram_id"]
+
+    def fitted(self, stream, count, hologram_id, timeout_s=20.0):
+        """The next `count` fitted frames of this hologram, and the valid ones of it that came before."""
+        end, before, found = time.monotonic() + timeout_s, [], []
+        while len(found) < count:
+            self.assertLess(time.monotonic(), end, f"{len(found)} fitted and {len(before)} other valid frames")
+            for frame in self.settled_frames(stream, 1, hologram_id, timeout_s):
+                if is_fitted(frame):
+                    found.append(frame)
+                else:
+                    before.append(frame)
+                    found.clear()
+        return found, before
+
+    def test_every_wavefront_is_measured_from_all_pixels(self):
+        self.take_reference(50)
+        stream, rng = self.stream("wavefront"), random.Random(3)
+        for rms in (0.0, 0.05, 0.3, 0.3, 0.6, 0.0):
+            with self.subTest(rms=rms):
+                modes = draw(rng, rms)
+                frames, before = self.fitted(stream, 40, self.show(modes))
+                late = frames[20:]  # templates are rendered again until they leave no more than noise
+                median = statistics.median(error(frame, modes) for frame in late)
+                sigma = statistics.median(sum(s * s for s in frame["sigma"]) ** 0.5 for frame in late)
+                by_positions = statistics.median(error(frame, modes) for frame in before) if before else float("nan")
+                print(f"\n  {rms:.2f} wave: error {median:.5f} wave, standard error {sigma:.5f}; {len(before)} frames before by positions: {by_positions:.4f}")
+                self.assertLess(median, 0.01)  # the SLM shows 256 levels
+                self.assertLess(sigma, 0.005)
+                self.assertEqual({frame["tracked"] for frame in late}, {19})
+                self.assertLess(max(error(frame, modes) for frame in before + frames), 0.15)
+
+    def test_a_job_measures_positions_and_frames_are_fitted_again_after_it(self):
+        self.take_reference(50)
+        stream = self.stream("wavefront")
+        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
+        self.run_job("calibration.run", {"modes": [3, 4, 5]}, 60.0)
+        frames = self.settled_frames(self.stream("wavefront"), 3)
+        self.assertFalse(any(map(is_fitted, frames)))  # the measured operator is of positions
+        self.call("sensor.set", {"operator": "slopes"})
+        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
+
+    def test_a_replay_gives_the_same_numbers(self):
+        self.take_reference(50)
+        stream, rng = self.stream("wavefront"), random.Random(4)
+        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
+        self.call("record.start", {"name": "fit"})
+        for rms in (0.05, 0.3):
+            self.fitted(stream, 10, self.show(draw(rng, rms)))
+        self.call("record.stop")
+        path = self.bench.directory / "recordings" / "fit.h5"
+        done = subprocess.run([self.bench.programs / "ovws", "--json", "replay", path], capture_output=True, text=True, timeout=120)
+        replayed = json.loads(done.stdout)
+        print(f"\n  {replayed}")
+        self.assertEqual(replayed["same"], replayed["replayed"], done.stderr)
+        self.assertGreater(replayed["replayed"], 0.5 * replayed["frames"])
+
+
+if __name__ == "__main__":
+    main()
