@@ -5,6 +5,7 @@
 #include <new>
 #include <thread>
 
+#include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/frames/measured_under.hpp"
 
 namespace ovws {
@@ -177,6 +178,16 @@ TEST_F(MeasuredTest, TakesNoFrameOfAnythingElse) {
   record_.plan = &other_tracker;
   EXPECT_FALSE(with_.settled(record_));
   EXPECT_TRUE(under_.settled(record_));
+}
+
+TEST(FrameCopy, ShowsItsOwnPixelsWhenItIsCopied) {
+  FrameCopy frame;
+  frame.pixels = {std::byte{1}, std::byte{2}};
+  frame.image.data = frame.pixels.data();
+  const FrameCopy copy = copy_of(frame);
+  frame.pixels[0] = std::byte{7};  // the inbox's next frame
+  EXPECT_EQ(copy.image.data, copy.pixels.data());
+  EXPECT_EQ(copy.image.data[0], std::byte{1});
 }
 
 }  // namespace
