@@ -21,8 +21,8 @@ namespace ovws {
 /// exponential backoff (BackOff) up to every 16th frame. The result is used only if it finds more
 /// spots.
 ///
-/// A plan with templates (MeasurementPlan::fit) is tried first. Where they describe the frame, it
-/// is `fitted`: its spots and modes come from them, and no tracker runs.
+/// The templates of a plan (MeasurementPlan::fit) are tried first. Where they describe the frame
+/// (FittedFrame::credible), its spots and modes come from them, and no tracker runs.
 ///
 /// A plan with search_px gives start positions for lost or displaced spots (SpotHistory).
 class TrackStage {

@@ -19,7 +19,8 @@ constexpr double kMaxResidualShare = 0.005;  // of a window's width
 constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
 constexpr double kBentPerWave = 1.2;         // their error over the square of the drift, 1 / wave
 constexpr double kMaxOverCeiling = 1.1;
-constexpr double kMaxNoiseGrowth = 5.0;  // of a mode, by lost spots
+constexpr double kMinConditioning = 1e-9;  // of the normal equations
+constexpr double kMaxNoiseGrowth = 5.0;    // of a mode, by lost spots
 
 /// Estimates are relative to the level in DN of a cell.
 double cell_level(const SpotTemplates& spot, double level_dn) {
@@ -46,6 +47,7 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
       modes_j_(std::move(modes_j)),
       spots_(templates_of(point_, rendered)) {
   const auto modes = Eigen::Index(modes_j_.size());
+  int usable_spots = 0;
   normal_.setZero(modes, modes);
   for (std::size_t i = 0; i < point_.levels_dn.size(); ++i) {
     const SpotTemplates& spot = spots_.spots()[i];
@@ -54,14 +56,14 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
                            : Eigen::MatrixXd::Zero(0, modes));
     normal_.noalias() += rows_.back().transpose() * rows_.back();
     if (!usable) continue;
-    ++usable_;
+    ++usable_spots;
     px_error_ += std::pow(spot.px_error / cell_level(spot, point_.levels_dn[i]), 2);
   }
   const SpotWindow& window = spots_.spots().front().window;
   max_residual_px_ = kMaxResidualShare * window.side * window.bin;
-  px_error_ = std::sqrt(px_error_ / std::max(usable_, 1));
+  px_error_ = std::sqrt(px_error_ / std::max(usable_spots, 1));
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
-  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return;
+  if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return;
   inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
 }
 

@@ -22,9 +22,9 @@ struct FittedFrame {
   double drift_waves = 0.0;  ///< RMS change of all modes since the rendering
 };
 
-/// Immutable. Templates are exact at the wavefront that they were rendered for, the operating
-/// point. The error of the coefficients grows with the square of the distance: 0.0005 wave at 0.02
-/// wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at 0.1 (default bench, 18 modes).
+/// Immutable once checked. Templates are exact at the wavefront that they were rendered for, the
+/// operating point. The error of the coefficients grows with the square of the distance: 0.0005
+/// wave at 0.02 wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at 0.1 (default bench, 18 modes).
 class FrameFit {
  public:
   /// `rendered`: every spot at the point, with derivatives for `modes_j`.
@@ -72,7 +72,6 @@ class FrameFit {
   FittedFrame at_point_;
   double max_residual_px_ = 0.0;
   double px_error_ = 0.0;  ///< of a position, RMS over the spots, camera pixels
-  int usable_ = 0;
 };
 
 }  // namespace ovws

@@ -26,8 +26,6 @@ class PointModel {
   /// Errc::refused, field "reference": the model does not explain the image.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
-  const std::vector<double>& reference_waves() const { return reference_waves_; }
-  const SpotDeviations& deviations() const { return renderer_.deviations(); }
   std::vector<RenderedSpot> rendered(std::span<const double> waves) {
     return renderer_.render(waves);
   }
