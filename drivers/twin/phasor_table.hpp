@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "core/base/complex_product.hpp"
+
 namespace ovws::twin {
 
 /// Phasor table with a phase error of at most 1/32768 turn. Immutable.
@@ -30,10 +32,5 @@ class PhasorTable {
   static constexpr int kSize = 16384;
   std::array<std::complex<float>, kSize> table_;
 };
-
-/// Complex product without the checks for infinities of std::complex, which take ten times as long.
-inline std::complex<float> product(std::complex<float> a, std::complex<float> b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 }  // namespace ovws::twin

@@ -1,0 +1,13 @@
+/// Complex product without the costly handling of infinities of std::complex.
+#pragma once
+
+#include <complex>
+
+namespace ovws {
+
+template <class T>
+std::complex<T> product(std::complex<T> a, std::complex<T> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+}  // namespace ovws
