@@ -5,51 +5,48 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/complex_product.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr int kCellsAcross = 36;  // more than twice the cycles in a box of 8 lambda/d
-constexpr int kFitAcross = 24;    // samples across the circle for the polynomial fit of the modes
+constexpr int kBlocksAcross = 36;  // about; more than twice the cycles in a box of 8 lambda/d
+constexpr int kFitAcross = 24;     // samples across the circle for the polynomial fit of the modes
 
 std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
 }
 
-/// Dirichlet kernel: the mean of exp(2 pi i f k) over `block` pixels about the block's centre.
-double damping(double cpp, int block) {
-  const double x = std::numbers::pi * cpp;
+/// Dirichlet kernel: the mean of exp(2 pi i f k) over `block` samples about the block's centre.
+double damping(double cycles, int block) {
+  const double x = std::numbers::pi * cycles;
   return std::abs(x) < 1e-9 ? 1.0 : std::sin(x * block) / (block * std::sin(x));
 }
 
-/// Complex product without std::complex's costly handling of infinities.
-template <class T>
-std::complex<T> product(std::complex<T> a, std::complex<T> b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
+/// Points along one axis, and the blocks of a patch.
 struct Line {
-  int first = 0;  ///< camera pixel
-  int count = 0;
-  double origin_cpp = 0.0;
+  double first_cpp = 0.0;  ///< from the carrier frequency
   double step_cpp = 0.0;
-  double carrier_cpp = 0.0;
+  int count = 0;
+  double cell_px = 1.0;
+  int block = 1;  ///< cells along its side
 };
 
 /// Fills [W; t W; t^2 W; ...], line.count rows each: W(k, p) = exp(-2 pi i f_k x_p) / damping,
 /// where t is the position from the centre in units of the radius.
 void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px, double radius_px,
-                 int block, Eigen::MatrixXcf& out) {
+                 Eigen::MatrixXcf& out) {
   constexpr int kPowers = PieceMoments::kDegree + 1;
   const Eigen::Index rows = line.count;
   out.resize(kPowers * rows, x_px.size());
-  const double f0 = line.origin_cpp + line.step_cpp * line.first - line.carrier_cpp;
   for (Eigen::Index p = 0; p < x_px.size(); ++p) {
-    std::complex<double> w = unit_phasor(-f0 * x_px(p));
+    std::complex<double> w = unit_phasor(-line.first_cpp * x_px(p));
     const std::complex<double> next = unit_phasor(-line.step_cpp * x_px(p));
     for (int k = 0; k < line.count; ++k, w = product(w, next)) out(k, p) = std::complex<float>(w);
   }
   for (int k = 0; k < line.count; ++k) {
-    out.row(k) *= float(1.0 / damping(f0 + k * line.step_cpp, block));
+    const double f = line.first_cpp + k * line.step_cpp;
+    out.row(k) *= float(1.0 / damping(f * line.cell_px, line.block));
   }
   const Eigen::VectorXcf place =
       ((x_px.array() - centre_px) / radius_px).cast<float>().cast<std::complex<float>>();
@@ -82,20 +79,24 @@ void monomials(Vec2 at, auto&& row) {
 
 PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_j)
     : window_(field.window()),
-      pupil_centre_px_(field.pupil_centre_px()),
-      pupil_radius_px_(field.pupil_radius_px()),
-      pieces_(field.pieces()),
+      pupil_centre_px_(field.cells().pupil_centre_px),
+      pupil_radius_px_(field.cells().pupil_radius_px),
+      bin_px_(field.cells().bin_px),
+      first_px_(field.cells().at_px(0.0, 0.0) - pupil_centre_px_),
+      pieces_(field.cells().pieces),
       patches_(pieces_.size()) {
   const std::vector<Vec2> places = fit_places();
   Eigen::MatrixXd basis(places.size(), kCount), values(places.size(), modes_j.size());
   for (std::size_t p = 0; p < places.size(); ++p) monomials(places[p], basis.row(Eigen::Index(p)));
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(basis);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const SensorField::Piece& piece = pieces_[i];
-    const Vec2 corner = pupil_centre_px_ + piece.centre_px;
-    patches_[i].x = int(std::floor(corner.x - piece.radius_px));
-    patches_[i].y = int(std::floor(corner.y - piece.radius_px));
-    patches_[i].block = std::max(1, int(std::ceil(2.0 * piece.radius_px / kCellsAcross)));
+    const PupilPiece& piece = pieces_[i];
+    const Vec2 corner{piece.centre_px.x - piece.radius_px, piece.centre_px.y - piece.radius_px};
+    const Vec2 first = field.cells().at_cell(pupil_centre_px_ + corner);
+    const double across = 2.0 * piece.radius_px / bin_px_;
+    patches_[i].x = int(std::floor(first.x));
+    patches_[i].y = int(std::floor(first.y));
+    patches_[i].block = std::max(1, int(std::lround(across / kBlocksAcross)));
     for (std::size_t p = 0; p < places.size(); ++p) {
       const Vec2 at = (1.0 / pupil_radius_px_) * (piece.centre_px + piece.radius_px * places[p]);
       for (std::size_t k = 0; k < modes_j.size(); ++k) values(p, k) = zernike(modes_j[k], at);
@@ -115,45 +116,46 @@ Vec2 PieceMoments::falls_px(std::size_t piece, std::span<const Mode> modes) cons
 
 void PieceMoments::load(const SensorField& field, std::span<const Mode> modes,
                         std::span<const int> pieces) {
-  const std::vector<SensorField::Run>& runs = field.runs();
+  const std::vector<CellRun>& runs = field.cells().runs;
   for (const int piece : pieces) {
     Patch& patch = patches_[piece];
-    const int side = int(2.0 * pieces_[piece].radius_px + 2.0) / patch.block + 1;
-    patch.cells.setZero(side, side);
+    const int side = int(2.0 * pieces_[piece].radius_px / bin_px_ + 2.0) / patch.block + 1;
+    patch.blocks.setZero(side, side);
     patch.carrier_cpp = slope_cpp(std::size_t(piece), modes);
-    const Vec2 f = patch.carrier_cpp;
+    const Vec2 f = bin_px_ * patch.carrier_cpp;
     const std::complex<double> next = unit_phasor(-f.x);
+    const Vec2 first{first_px_.x / bin_px_, first_px_.y / bin_px_};
     auto run = std::lower_bound(runs.begin(), runs.end(), piece,
-                                [](const SensorField::Run& r, int p) { return r.piece < p; });
+                                [](const CellRun& r, int p) { return r.piece < p; });
     for (; run != runs.end() && run->piece == piece; ++run) {
-      std::complex<double> back = unit_phasor(-f.x * (run->begin - pupil_centre_px_.x) -
-                                              f.y * (run->y - pupil_centre_px_.y));
-      const std::complex<float>* row = field.pupil().row(run->y);
-      auto cells = patch.cells.row((run->y - patch.y) / patch.block);
+      std::complex<double> back =
+          unit_phasor(-f.x * (first.x + run->begin) - f.y * (first.y + run->y));
+      const std::complex<float>* value = field.pupil().data() + run->first;
+      auto blocks = patch.blocks.row((run->y - patch.y) / patch.block);
       for (int x = run->begin; x < run->end; ++x, back = product(back, next)) {
-        cells((x - patch.x) / patch.block) += product(row[x], std::complex<float>(back));
+        blocks((x - patch.x) / patch.block) += product(*value++, std::complex<float>(back));
       }
     }
   }
 }
 
-const Eigen::MatrixXcf& PieceMoments::at(int piece, const PixelBox& box) {
+const Eigen::MatrixXcf& PieceMoments::at(int piece, const FarPoints& points) {
   const Patch& patch = patches_[piece];
-  const SensorField::Piece& p = pieces_[piece];
-  const auto side = int(patch.cells.rows());
-  const auto places = [&](int first, double centre) {
-    const double middle = first + 0.5 * (patch.block - 1) - centre;
-    return Eigen::VectorXd(
-        Eigen::VectorXd::LinSpaced(side, middle, middle + double(patch.block) * (side - 1)));
+  const PupilPiece& p = pieces_[piece];
+  const auto side = int(patch.blocks.rows());
+  const auto places = [&](int first, double first_px) {
+    const double middle = first_px + bin_px_ * (first + 0.5 * (patch.block - 1));
+    const double last = middle + double(bin_px_) * patch.block * (side - 1);
+    return Eigen::VectorXd(Eigen::VectorXd::LinSpaced(side, middle, last));
   };
-  fill_kernel({box.x, box.width, window_.origin_cpp.x, window_.step_cpp, patch.carrier_cpp.x},
-              places(patch.x, pupil_centre_px_.x), p.centre_px.x, p.radius_px, patch.block,
-              along_x_);
-  fill_kernel({box.y, box.height, window_.origin_cpp.y, window_.step_cpp, patch.carrier_cpp.y},
-              places(patch.y, pupil_centre_px_.y), p.centre_px.y, p.radius_px, patch.block,
-              along_y_);
-  const Eigen::Index width = box.width, height = box.height;
-  half_.noalias() = along_x_ * patch.cells.transpose();  // `width` rows for each power of xi
+  const double step_cpp = window_.step_cpp * points.step_px;
+  const Vec2 from_cpp = window_.origin_cpp + window_.step_cpp * points.first_px - patch.carrier_cpp;
+  fill_kernel({from_cpp.x, step_cpp, points.width, double(bin_px_), patch.block},
+              places(patch.x, first_px_.x), p.centre_px.x, p.radius_px, along_x_);
+  fill_kernel({from_cpp.y, step_cpp, points.height, double(bin_px_), patch.block},
+              places(patch.y, first_px_.y), p.centre_px.y, p.radius_px, along_y_);
+  const Eigen::Index width = points.width, height = points.height;
+  half_.noalias() = along_x_ * patch.blocks.transpose();  // `width` rows for each power of xi
   moments_.resize(width * height, kCount);
   Eigen::Index column = 0;
   for (int a = 0; a <= kDegree; ++a) {

@@ -19,11 +19,25 @@ struct PixelBox {
   int height = 0;
 };
 
-/// M_ab(u, v) = sum over the piece's pixels of A xi^a eta^b exp(-2 pi i (u x + v y)), where
+/// Points of the far field: (first_px + step_px * (column, row)), camera pixels.
+struct FarPoints {
+  Vec2 first_px;
+  int width = 0;
+  int height = 0;
+  double step_px = 1.0;
+
+  FarPoints(Vec2 first, int columns, int rows, double step)
+      : first_px(first), width(columns), height(rows), step_px(step) {}
+  /// The pixels of a box.
+  FarPoints(const PixelBox& box)  // NOLINT(google-explicit-constructor)
+      : first_px{double(box.x), double(box.y)}, width(box.width), height(box.height) {}
+};
+
+/// M_ab(u, v) = sum over the piece's cells of A xi^a eta^b exp(-2 pi i (u x + v y)), where
 /// (xi, eta) is the position from the piece's centre in units of its radius, and a + b <= kDegree.
 ///
 /// Costs two small matrix products per box instead of a transform of the whole SLM. Without its
-/// grating and mean slope the field is smooth, so pixels are summed in square blocks; the
+/// grating and mean slope the field is smooth, so cells are summed in square blocks; the
 /// attenuation by a block (a Dirichlet kernel) is divided out. Agrees with FarField to 0.3 % of a
 /// spot's peak within 4 lambda/d, in some 2 ms per piece. One thread at a time.
 class PieceMoments {
@@ -39,29 +53,31 @@ class PieceMoments {
   /// Position of a piece's spot with these modes, camera pixels.
   Vec2 falls_px(std::size_t piece, std::span<const Mode> modes) const;
 
-  /// Moments of a loaded piece in a box of the window: row-major pixels x kCount, columns by rising
-  /// a, then b. Column 0 is the piece's far field. Valid until the next call.
-  const Eigen::MatrixXcf& at(int piece, const PixelBox& box);
+  /// Moments of a loaded piece: row-major points x kCount, columns by rising a, then b. Column 0 is
+  /// the piece's far field. Valid until the next call.
+  const Eigen::MatrixXcf& at(int piece, const FarPoints& points);
 
   /// Z x kCount: coefficients of each mode as a polynomial in xi^a eta^b over the piece, by a
   /// least-squares fit over its circle.
   const Eigen::MatrixXf& modes_over(int piece) const { return modes_[std::size_t(piece)]; }
 
  private:
-  /// Sums over blocks of pixels: cell (q, p) begins at SLM pixel (x + p block, y + q block).
+  /// Sums over blocks of cells: block (q, p) begins at the cell (x + p block, y + q block).
   struct Patch {
     int x = 0;
     int y = 0;
     int block = 1;
-    Vec2 carrier_cpp;  ///< carrier frequency, demodulated in the cells
-    Eigen::MatrixXcf cells;
+    Vec2 carrier_cpp;  ///< carrier frequency, demodulated in the blocks
+    Eigen::MatrixXcf blocks;
   };
   Vec2 slope_cpp(std::size_t piece, std::span<const Mode> modes) const;
 
   FarFieldWindow window_;
   Vec2 pupil_centre_px_;
   double pupil_radius_px_;
-  std::vector<SensorField::Piece> pieces_;
+  int bin_px_;
+  Vec2 first_px_;  ///< centre of the cell (0, 0), from the pupil's centre
+  std::vector<PupilPiece> pieces_;
   std::vector<Patch> patches_;
   std::vector<Eigen::MatrixXf> modes_;
   Eigen::MatrixXcf along_x_, along_y_, half_, moments_;

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "core/optics/circle_columns.hpp"
+#include "core/base/complex_product.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/phase_rows.hpp"
 #include "core/optics/wavefront_rows.hpp"
@@ -13,131 +14,120 @@ namespace ovws {
 namespace {
 
 constexpr double kMaxLogarithm = 2.0;  // of amplitudes: polynomials grow outside the pupil
-constexpr int kTilePx = 64;            // side of the pieces outside the subapertures
 
-const std::vector<std::complex<float>>& phasors() {
-  static const auto table = [] {
-    std::vector<std::complex<float>> made(65536);
-    for (std::size_t k = 0; k < made.size(); ++k) {
-      made[k] = std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * double(k) / 65536.0));
-    }
-    return made;
-  }();
-  return table;
+float amplitude(double logarithm) {
+  return float(std::exp(std::min(logarithm, kMaxLogarithm)));
 }
 
-constexpr int kFixed = -2;    // outside the pupil: modes are not applied
-constexpr int kUnowned = -1;  // in the pupil, outside the subapertures
-
-void assign_owner(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
-  for (int y = 0; y < owner.height; ++y) {
-    const Columns in = columns_in_circle(centre_px, diameter_px, y, owner.width);
-    std::fill_n(owner.row(y) + in.begin, in.end - in.begin, to);
-  }
+ChirpZ::Axis axis(int inputs, int outputs, double centre, double first_cpp, double step_cpp,
+                  int bin_px) {
+  return {inputs, outputs, centre, bin_px * first_cpp, bin_px * step_cpp};
 }
 
 }  // namespace
 
 Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeometry& slm,
                                       const OpticsConfig& optics, int cols, int rows) {
-  if (auto straight = check_straight(optics, slm); !straight) return fail(straight.error());
+  if (auto ok = check_straight(optics, slm); !ok) return fail(ok.error());
   HologramConfig hologram;
   hologram.slm = slm;
   hologram.sensor = sensor;
   const auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return fail(renderer.error());
-  SensorField field(slm, far_field_window(sensor, slm, optics, cols, rows));
-  field.pupil_centre_px_ = {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
-  field.pupil_radius_px_ = 0.5 * sensor.pupil_diameter_px;
-  field.split_into_pieces(renderer->lattice(), slm);
-  renderer->render(HologramKind::sensor, {}, field.grey_);
-  field.pupil_ = Image<std::complex<float>>(slm.width_px, slm.height_px);
-  return field;
+  Image<std::uint8_t> grey;
+  renderer->render(HologramKind::sensor, {}, grey);
+  const FarFieldWindow window = far_field_window(sensor, slm, optics, cols, rows);
+  return SensorField(slm, window,
+                     cut_pupil(renderer->lattice(), sensor.pupil_diameter_px, window, grey));
 }
 
-void SensorField::split_into_pieces(const Lattice& lattice, const SlmGeometry& slm) {
-  subapertures_ = int(lattice.subapertures.size());
-  for (const Subaperture& s : lattice.subapertures) {
-    pieces_.push_back({s.centre_px, 0.5 * lattice.diameter_px, s.frequency_cpp});
-  }
-  const int across = (slm.width_px + kTilePx - 1) / kTilePx;
-  const int down = (slm.height_px + kTilePx - 1) / kTilePx;
-  for (int k = 0; k < across * down; ++k) {
-    const double half = 0.5 * (kTilePx - 1);
-    const int left = k % across * kTilePx, top = k / across * kTilePx;
-    const Vec2 corner{double(left), double(top)};
-    pieces_.push_back({corner + Vec2{half, half} - pupil_centre_px_, std::sqrt(2.0) * half, {}});
-  }
-  Image<int> owner(slm.width_px, slm.height_px, kFixed);
-  assign_owner(owner, pupil_centre_px_, 2.0 * pupil_radius_px_, kUnowned);
-  for (int i = 0; i < subapertures_; ++i) {
-    assign_owner(owner, pupil_centre_px_ + pieces_[i].centre_px, 2.0 * pieces_[i].radius_px, i);
-  }
-  for (int y = 0; y < slm.height_px; ++y) {
-    int last = kFixed;
-    for (int x = 0; x < slm.width_px; ++x) {
-      int piece = owner.at(x, y);
-      if (piece == kUnowned) piece = subapertures_ + y / kTilePx * across + x / kTilePx;
-      if (piece != kFixed && piece != last) runs_.push_back({piece, y, x, x});
-      if (piece != kFixed) runs_.back().end = x + 1;
-      last = piece;
-    }
-  }
-  std::stable_sort(runs_.begin(), runs_.end(),
-                   [](const Run& a, const Run& b) { return a.piece < b.piece; });
-}
+SensorField::SensorField(SlmGeometry slm, FarFieldWindow window, PupilCells cells)
+    : slm_(slm),
+      window_(window),
+      cells_(std::move(cells)),
+      along_x_(axis(cells_.width, window.cols, cells_.at_cell(cells_.pupil_centre_px).x,
+                    window.origin_cpp.x, window.step_cpp, cells_.bin_px)),
+      along_y_(axis(cells_.height, window.rows, cells_.at_cell(cells_.pupil_centre_px).y,
+                    window.origin_cpp.y, window.step_cpp, cells_.bin_px)),
+      phasors_(cells_.width, cells_.height),
+      pupil_(cells_.light.size()),
+      sums_(cells_.width, cells_.height),
+      columns_(cells_.height, window.cols),
+      far_(window.cols, window.rows) {}
 
 void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
-  const std::vector<std::complex<float>>& table = phasors();
-  const WavefrontRows added(modes, pupil_centre_px_, 2.0 * pupil_radius_px_);
-  const WavefrontRows logarithm(light.ln_amplitude, pupil_centre_px_, 2.0 * pupil_radius_px_);
-  const std::span<const Vec2> slopes_cpp = light.slopes_cpp;
-  const std::span<const double> amplitudes = light.amplitudes;
-  std::vector<double> waves(pupil_.width), ln(pupil_.width);
-  if (!outside_lit_) std::fill(pupil_.pixels.begin(), pupil_.pixels.end(), 0.0F);
-  const auto attenuate = [&](int y, int begin, int end) {
-    if (light.ln_amplitude.empty()) return;
-    const std::span<double> factor(ln.data(), std::size_t(end - begin));
-    logarithm.waves(y, begin, factor);
-    std::complex<float>* out = pupil_.row(y) + begin;
-    for (std::size_t x = 0; x < factor.size(); ++x) {
-      out[x] *= float(std::exp(std::min(factor[x], kMaxLogarithm)));
-    }
-  };
-  const auto fill_fixed = [&](int y, int begin, int end) {
-    for (int x = begin; x < end; ++x) pupil_.at(x, y) = table[std::size_t(grey_.at(x, y)) << 8];
-    attenuate(y, begin, end);
-  };
-  const auto fill = [&](int y, int begin, int end, float amplitude, int piece) {
-    const std::span<double> phase(waves.data(), std::size_t(end - begin));
-    added.waves(y, begin, phase);
-    if (piece >= 0 && !slopes_cpp.empty()) {
-      const Vec2 slope = slopes_cpp[std::size_t(piece)];
-      const Vec2 centre = pupil_centre_px_ + pieces_[std::size_t(piece)].centre_px;
-      for (std::size_t x = 0; x < phase.size(); ++x) {
-        phase[x] += slope.x * (begin + double(x) - centre.x) + slope.y * (y - centre.y);
-      }
-    }
-    const std::uint8_t* grey = grey_.row(y) + begin;
-    std::complex<float>* out = pupil_.row(y) + begin;
-    for (std::size_t x = 0; x < phase.size(); ++x) {
-      out[x] = amplitude * table[std::uint16_t((grey[x] << 8) + phase16(phase[x]))];
-    }
-    attenuate(y, begin, end);
-  };
-  for (int y = 0; outside_lit_ && y < pupil_.height; ++y) {
-    const Columns in = columns_in_circle(pupil_centre_px_, 2.0 * pupil_radius_px_, y, pupil_.width);
-    fill_fixed(y, 0, in.begin);
-    fill(y, in.begin, in.end, 1.0F, -1);
-    fill_fixed(y, in.end, pupil_.width);
+  set_phasors(modes, light.ln_amplitude);
+  std::fill(sums_.pixels.begin(), sums_.pixels.end(), 0.0F);
+  for (const CellRun& run : cells_.runs) {
+    if (outside_lit_ || run.piece < cells_.subapertures) add_run(run, light);
   }
-  for (const Run& run : runs_) {
-    if (run.piece >= subapertures_) break;
-    if (outside_lit_ && amplitudes.empty() && slopes_cpp.empty()) break;
-    const float amplitude = amplitudes.empty() ? 1.0F : float(amplitudes[run.piece]);
-    fill(run.y, run.begin, run.end, amplitude, run.piece);
+  along_x_.transform(sums_.pixels.data(), sums_.height, columns_.pixels.data());
+  along_y_.transform(columns_.pixels.data(), far_.width, far_.pixels.data());
+  if (!outside_lit_) return;
+  const Image<std::complex<float>>& fixed = far_outside_pupil(light.ln_amplitude);
+  std::transform(far_.pixels.begin(), far_.pixels.end(), fixed.pixels.begin(), far_.pixels.begin(),
+                 std::plus<>());
+}
+
+void SensorField::set_phasors(std::span<const Mode> modes, std::span<const Mode> ln_amplitude) {
+  const Vec2 centre = cells_.at_cell(cells_.pupil_centre_px);
+  const double diameter = 2.0 * cells_.pupil_radius_px / cells_.bin_px;
+  const WavefrontRows added(modes, centre, diameter), logarithm(ln_amplitude, centre, diameter);
+  const std::vector<std::complex<float>>& table = unit_phasors();
+  std::vector<double> values(std::size_t(cells_.width));
+  for (int y = 0; y < cells_.height; ++y) {
+    std::complex<float>* const row = phasors_.row(y);
+    added.waves(y, 0, values);
+    std::transform(values.begin(), values.end(), row,
+                   [&](double waves) { return table[phase16(waves)]; });
+    if (ln_amplitude.empty()) continue;
+    logarithm.waves(y, 0, values);
+    std::transform(values.begin(), values.end(), row, row,
+                   [](double ln, std::complex<float> value) { return amplitude(ln) * value; });
   }
-  far_field_.propagate(pupil_, far_);
+}
+
+void SensorField::add_run(const CellRun& run, const Light& light) {
+  const auto piece = std::size_t(run.piece);
+  const bool own = run.piece < cells_.subapertures;
+  std::complex<float> factor = 1.0F, next = 1.0F;
+  if (own && !light.slopes_cpp.empty()) {
+    const Vec2 slope = light.slopes_cpp[piece];
+    const Vec2 off =
+        cells_.at_px(run.begin, run.y) - cells_.pupil_centre_px - cells_.pieces[piece].centre_px;
+    const auto phasor = [](double waves) {
+      return std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * waves));
+    };
+    factor = phasor(slope.x * off.x + slope.y * off.y);
+    next = phasor(slope.x * cells_.bin_px);
+  }
+  if (own && !light.amplitudes.empty()) factor *= float(light.amplitudes[piece]);
+  const std::complex<float>* const phasors = phasors_.row(run.y);
+  std::complex<float>* const sums = sums_.row(run.y);
+  const std::complex<float>* from = cells_.light.data() + run.first;
+  std::complex<float>* to = pupil_.data() + run.first;
+  for (int x = run.begin; x < run.end; ++x, factor = product(factor, next)) {
+    *to = product(product(*from++, phasors[x]), factor);
+    sums[x] += *to++;
+  }
+}
+
+const Image<std::complex<float>>& SensorField::far_outside_pupil(
+    std::span<const Mode> ln_amplitude) {
+  if (fixed_ln_amplitude_ && std::ranges::equal(*fixed_ln_amplitude_, ln_amplitude)) return fixed_;
+  Image<std::complex<float>> light = cells_.outside_pupil;
+  if (!ln_amplitude.empty()) {
+    const WavefrontRows logarithm(ln_amplitude, cells_.pupil_centre_px,
+                                  2.0 * cells_.pupil_radius_px);
+    std::vector<double> values(std::size_t(light.width));
+    for (int y = 0; y < light.height; ++y) {
+      logarithm.waves(y, 0, values);
+      for (int x = 0; x < light.width; ++x) light.at(x, y) *= amplitude(values[std::size_t(x)]);
+    }
+  }
+  FarField(slm_, window_).propagate(light, fixed_);
+  fixed_ln_amplitude_.emplace(ln_amplitude.begin(), ln_amplitude.end());
+  return fixed_;
 }
 
 }  // namespace ovws

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/complex_product.hpp"
 #include "core/spots/spot_sums.hpp"
 
 namespace ovws {
@@ -31,6 +32,27 @@ void bin_into(const SpotWindow& window, const Pixels& pixels, auto&& cells) {
     const Eigen::Index row = p / columns / window.bin, column = p % columns / window.bin;
     cells(row * window.side + column) += pixels(p);
   }
+}
+
+/// From values in the middle of each cell to sums over its pixels. For 2 x 2 pixels, the second
+/// derivative is that of three neighbouring cells.
+void sum_over_cells(const SpotWindow& window, Eigen::MatrixXf& columns) {
+  if (window.bin == 1) return;
+  const auto side = Eigen::Index(window.side);
+  const auto curve = float(window.bin * window.bin - 1) / float(24 * window.bin * window.bin);
+  Eigen::MatrixXf smooth(side, side);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    Eigen::Map<Eigen::MatrixXf> cells(columns.col(k).data(), side, side);
+    smooth = cells;
+    smooth.middleRows(1, side - 2) +=
+        curve * (cells.topRows(side - 2) - 2.0F * cells.middleRows(1, side - 2) +
+                 cells.bottomRows(side - 2));
+    cells = smooth;
+    cells.middleCols(1, side - 2) +=
+        curve * (smooth.leftCols(side - 2) - 2.0F * smooth.middleCols(1, side - 2) +
+                 smooth.rightCols(side - 2));
+  }
+  columns *= float(window.bin * window.bin);
 }
 
 /// Whether the spot is well inside its window, which stays inside the image.
@@ -112,11 +134,14 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     spot.per_px.setZero(spot.window.cells(), 2);
     if (!is_inside(spot)) continue;
     add_light(spot);
+    const Eigen::MatrixXcf far = field_of_cells(spot, field_.cells().pieces[i].centre_px);
     for (const int piece : pieces) {
       const bool own = piece == int(i);
       const double away = norm(rendered[std::size_t(piece)].place_px - spot.place_px);
-      if (own || away < reach_px_) add_derivatives(spot, piece, own);
+      if (own || away < reach_px_) add_derivatives(spot, far, piece, own);
     }
+    sum_over_cells(spot.window, spot.per_wave);
+    sum_over_cells(spot.window, spot.per_px);
   }
   return rendered;
 }
@@ -131,27 +156,48 @@ void SpotRenderer::add_light(RenderedSpot& spot) const {
   bin_into(spot.window, pixels, spot.light);
 }
 
-/// A phase change of p(xi, eta) waves over a piece changes the intensity by 2 Re(2 pi i conj(F) M),
-/// where M is the moment of p.
-void SpotRenderer::add_derivatives(RenderedSpot& spot, int piece, bool own) {
-  const PixelBox box = spot.window.pixels();
-  const Eigen::MatrixXcf& moments = moments_.at(piece, box);
-  const auto factor = float(-4.0 * std::numbers::pi * to_light_);
-  Eigen::ArrayXf pixels(moments.rows());
-  Eigen::MatrixXf cells = Eigen::MatrixXf::Zero(spot.window.cells(), moments.cols());
-  for (Eigen::Index k = 0; k < moments.cols(); ++k) {
-    for (int y = 0; y < box.height; ++y) {
-      const Eigen::Map<const Eigen::ArrayXcf> far(field_.far().row(box.y + y) + box.x, box.width);
-      const auto m = moments.col(k).segment(Eigen::Index(y) * box.width, box.width).array();
-      pixels.segment(Eigen::Index(y) * box.width, box.width) =
-          factor * (far.real() * m.imag() - far.imag() * m.real());
+/// The field in the middle of each cell, x along the rows. The light of the spot's own subaperture,
+/// at `centre_px` on the SLM from the pupil's centre, varies little within a cell but for a phase.
+Eigen::MatrixXcf SpotRenderer::field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const {
+  const SpotWindow& window = spot.window;
+  const PixelBox box = window.pixels();
+  Eigen::MatrixXcf cells = Eigen::MatrixXcf::Zero(window.side, window.side);
+  for (int k = 0; k < window.bin * window.bin; ++k) {
+    const int column = k % window.bin, row = k / window.bin;
+    const double middle = 0.5 * (window.bin - 1), step_cpp = field_.window().step_cpp;
+    const double cycles =
+        step_cpp * ((column - middle) * centre_px.x + (row - middle) * centre_px.y);
+    const auto back = std::complex<float>(
+        std::polar(1.0 / (window.bin * window.bin), 2.0 * std::numbers::pi * cycles));
+    for (int y = 0; y < window.side; ++y) {
+      const std::complex<float>* far = field_.far().row(box.y + row + y * window.bin) + box.x;
+      for (int x = 0; x < window.side; ++x) {
+        cells(x, y) += product(back, far[column + x * window.bin]);
+      }
     }
-    auto column = cells.col(k);
-    bin_into(spot.window, pixels, column);
+  }
+  return cells;
+}
+
+/// A phase change of p(xi, eta) waves over a piece changes the intensity by 2 Re(2 pi i conj(F) M),
+/// where M is the moment of p. Adds that in the middle of each cell.
+void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece,
+                                   bool own) {
+  const SpotWindow& window = spot.window;
+  const double middle = 0.5 * (window.bin - 1);
+  const Eigen::MatrixXcf& moments =
+      moments_.at(piece, {Vec2{window.left + middle, window.top + middle}, window.side, window.side,
+                          double(window.bin)});
+  const auto factor = float(-4.0 * std::numbers::pi * to_light_);
+  const Eigen::Map<const Eigen::ArrayXcf> field(far.data(), far.size());
+  const Eigen::ArrayXf re = factor * field.real(), im = factor * field.imag();
+  Eigen::MatrixXf cells(moments.rows(), moments.cols());
+  for (Eigen::Index k = 0; k < moments.cols(); ++k) {
+    cells.col(k) = re * moments.col(k).imag().array() - im * moments.col(k).real().array();
   }
   spot.per_wave.noalias() += cells * moments_.modes_over(piece).transpose();
   if (!own) return;
-  const double radius_px = field_.pieces()[std::size_t(piece)].radius_px;
+  const double radius_px = field_.cells().pieces[std::size_t(piece)].radius_px;
   const auto per_px = float(field_.window().step_cpp * radius_px);  // waves at the edge
   spot.per_px.col(0) = per_px * cells.col(kAlongX);
   spot.per_px.col(1) = per_px * cells.col(kAlongY);

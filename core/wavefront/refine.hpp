@@ -1,5 +1,5 @@
 /// Refinement: maximum-likelihood fit of the modes to every pixel of an image, by the diffraction
-/// model. More accurate than any linear estimate; takes about a second per frame.
+/// model. More accurate than any linear estimate; takes about half a second per frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,7 +51,7 @@ struct Refinement {
 
 /// Maximum-likelihood estimator for Gaussian noise of variance intensity + read_noise^2 (after
 /// Barrett, Dainty and Lara, JOSA A 24, 391, 2007): Fisher scoring with Levenberg-Marquardt
-/// damping. Takes 5 to 20 iterations of about 0.1 s on the default bench. Use it from one thread at
+/// damping. Takes 5 to 20 iterations of some 50 ms on the default bench. Use it from one thread at
 /// a time, off the frame path. Include the rounding to whole DN in read_noise_e.
 ///
 /// The model is the ideal sensor: positions, spot shapes and even illumination follow from the

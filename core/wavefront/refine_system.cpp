@@ -172,7 +172,7 @@ void RefineSystem::fill_columns(const RefineState& state) {
   const auto count = Eigen::Index(modes_j_.size());
   columns_.setZero(Eigen::Index(pixels_.size()), count + 2 + Eigen::Index(state.amplitudes.size()));
   const std::vector<Mode> modes = modes_of(state);
-  const int last = field_.outside() ? int(field_.pieces().size()) : field_.subapertures();
+  const int last = field_.outside() ? int(field_.cells().pieces.size()) : field_.subapertures();
   for (int piece = 0; piece < last; ++piece) {
     const PixelBox box = box_of(piece, modes);
     if (!has_used_pixels(box)) continue;

@@ -31,7 +31,7 @@ struct RefineSums {
 /// Use it from one thread at a time. Working memory is allocated once per geometry.
 ///
 /// The intensity is that of the whole SLM (SensorField). The derivatives are approximate: a
-/// piece of the pupil (SensorField::Piece) contributes only to pixels in a box around its spot, and
+/// piece of the pupil (PupilPiece) contributes only to pixels in a box around its spot, and
 /// every mode is a polynomial of degree 3 over the piece (PieceMoments). This may slow convergence
 /// but hardly moves the minimum.
 class RefineSystem {
@@ -51,7 +51,7 @@ class RefineSystem {
   /// ignored.
   void set_image(const Image<float>& electrons, double read_noise_e);
 
-  /// Computes the far field of `state`, which all methods below use. About 50 ms.
+  /// Computes the far field of `state`, which all methods below use. About 7 ms.
   void propagate(const RefineState& state);
   /// Selects the pixels, and fits scale and background to them by unweighted least squares.
   void fit_scale_and_background(RefineState& state);

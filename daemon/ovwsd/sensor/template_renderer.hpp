@@ -20,7 +20,7 @@ namespace ovws {
 
 /// Agent of the templates thread. When templates do not describe the frames, or the wavefront has
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
-/// spots, which takes some 0.1 s, or up to a few seconds for a frame that is not valid. Templates
+/// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
 /// about it go to the SensorKeeper.
 class TemplateRenderer : public Agent {
  public:
