@@ -34,10 +34,15 @@ RefineState moved(RefineState state, const Eigen::VectorXd& step) {
 }
 
 /// The scale and the mean amplitude are degenerate: penalises the sum of the log amplitudes.
-void pin_amplitudes(RefineSums& sums, Eigen::Index modes, Eigen::Index spots) {
-  if (spots == 0) return;
-  const auto which = Eigen::seqN(modes + 2, spots);
-  sums.fisher(which, which).array() += sums.fisher(modes, modes);
+void pin_amplitudes(RefineSums& sums, const RefineState& state) {
+  if (state.amplitudes.empty()) return;
+  const Eigen::Index modes = state.waves.size();
+  const auto which = Eigen::seqN(modes + 2, Eigen::Index(state.amplitudes.size()));
+  double logarithms = 0.0;
+  for (const double amplitude : state.amplitudes) logarithms += std::log(amplitude);
+  const double weight = sums.fisher(modes, modes);
+  sums.fisher(which, which).array() += weight;
+  sums.gradient(which).array() -= weight * logarithms;
 }
 
 std::optional<Eigen::VectorXd> step_of(const RefineSums& sums, double damping) {
@@ -162,7 +167,7 @@ Result<Refinement> Refiner::refine(const Image<float>& dn, const RefineCamera& c
 
 RefineSums Refiner::Impl::summed(const RefineState& state) {
   RefineSums sums = system.linearise(state);
-  pin_amplitudes(sums, state.waves.size(), Eigen::Index(state.amplitudes.size()));
+  pin_amplitudes(sums, state);
   return sums;
 }
 

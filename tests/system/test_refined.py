@@ -93,7 +93,7 @@ class UnevenLight(RefinedCase):
         chi2, error = {}, {}
         for fitted in (False, True):
             self.assertEqual(self.enable(rate_hz=5.0, spot_amplitudes=fitted)["spot_amplitudes"], fitted)
-            # The first may have started before the change. Not every fit of amplitudes converges.
+            # The first may have started before the change.
             found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
             chi2[fitted] = statistics.fmean(message["chi2_per_pixel"] for message in found)
             error[fitted] = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])
