@@ -70,14 +70,15 @@ void take_up_places(const SpotPass& pass, SpotDeviations& deviations) {
 
 }  // namespace
 
-/// Gauss-Newton until the image is near the rendering.
+/// Gauss-Newton until the image is near the rendering, which is `rendered` at first.
 Result<PointModel::Found> PointModel::approach(const ImageView& image, const PixelNoise& noise,
                                                std::vector<double> waves,
+                                               std::vector<RenderedSpot> rendered,
                                                std::span<const Mode> fixed, double near_waves,
                                                int renderings) {
   for (int k = 1;; ++k) {
     Found found;
-    found.rendered = renderer_.render(waves, fixed);
+    found.rendered = k == 1 ? std::move(rendered) : renderer_.render(waves, fixed);
     found.pass = fit_spots(image, found.rendered, noise, estimates_);
     found.waves = std::move(waves);
     const auto step = step_from(found.pass);
@@ -99,8 +100,9 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
   std::vector<double> waves(start_waves.begin(), start_waves.end());
   for (int round = 0;; ++round) {
     renderer_.set_deviations(deviations);
-    auto found =
-        approach(image, noise, std::move(waves), fixed, kReferenceWaves, kReferenceRenderings);
+    auto rendered = renderer_.render(waves, fixed);
+    auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed,
+                          kReferenceWaves, kReferenceRenderings);
     if (!found) return fail(found.error());
     waves = std::move(found->waves);
     reference_excess_ = found->pass.excess();
@@ -118,15 +120,17 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
   return fail(Errc::refused, "reference", "the model does not explain the reference's image");
 }
 
-Result<std::shared_ptr<const FrameFit>> PointModel::templates(const ImageView& image,
-                                                              const ImageView& noise_image,
+Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const ImageView> images,
                                                               std::span<const double> coefficients,
                                                               std::span<const Mode> fixed,
                                                               int renderings) {
   std::vector<double> waves(reference_waves_);
   for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += coefficients[k];
-  const PixelNoise noise = noise_between(image, noise_image, renderer_.render(waves, fixed));
-  auto found = approach(image, noise, std::move(waves), fixed, kNearWaves, renderings);
+  auto rendered = renderer_.render(waves, fixed);
+  const ImageView& image = images.back();
+  const PixelNoise noise = noise_of(images, rendered);
+  auto found =
+      approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves, renderings);
   if (!found) return fail(found.error());
   const double excess = found->pass.excess(), allowed = kMaxExcess + 2.0 * reference_excess_;
   if (!(excess < allowed) || found->away_waves > kFarWaves) {

@@ -30,12 +30,11 @@ class PointModel {
     return renderer_.render(waves);
   }
 
-  /// Templates about the wavefront of `image`, found from `coefficients`, which count from the
-  /// reference, in at most `renderings`. `noise_image`: another image of the same light, to measure
-  /// the noise. From a flat start, 8 renderings find 0.25 wave RMS always, and 0.8 wave three times
-  /// out of four (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
-  Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image,
-                                                    const ImageView& noise_image,
+  /// Templates about the wavefront of the last of `images`, found from `coefficients`, which count
+  /// from the reference, in at most `renderings`. The images before it tell the noise (noise_of).
+  /// From a flat start, 8 renderings find 0.25 wave RMS always, and 0.8 wave three times out of
+  /// four (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
+  Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     std::span<const double> coefficients,
                                                     std::span<const Mode> fixed, int renderings);
 
@@ -48,7 +47,8 @@ class PointModel {
     double away_waves = 0.0;  ///< its size
   };
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
-                         std::span<const Mode> fixed, double near_waves, int renderings);
+                         std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
+                         double near_waves, int renderings);
 
   SpotRenderer renderer_;
   int estimates_;

@@ -119,8 +119,15 @@ std::optional<WavefrontStep> step_from(const SpotPass& pass) {
                        solver.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()))};
 }
 
-PixelNoise noise_between(const ImageView& one, const ImageView& other,
-                         std::span<const RenderedSpot> rendered) {
+namespace {
+
+struct PairNoise {
+  PixelNoise noise;
+  double squares = 0.0;  ///< sum of the squared differences
+};
+
+PairNoise noise_between(const ImageView& one, const ImageView& other,
+                        std::span<const RenderedSpot> rendered) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, pixels = 1.0;
   for (const RenderedSpot& spot : rendered) {
     pixels = pixels_of(spot.window);
@@ -136,7 +143,18 @@ PixelNoise noise_between(const ImageView& one, const ImageView& other,
   noise.per_dn = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
   noise.constant_dn2 =
       n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), kRoundingDn2) : 1.0;
-  return noise;
+  return {noise, y};
+}
+
+}  // namespace
+
+PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered) {
+  PairNoise least = noise_between(images[0], images[1], rendered);
+  for (std::size_t k = 2; k < images.size(); ++k) {
+    const PairNoise next = noise_between(images[k - 1], images[k], rendered);
+    if (next.squares < least.squares) least = next;
+  }
+  return least.noise;
 }
 
 }  // namespace ovws

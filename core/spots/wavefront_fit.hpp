@@ -36,9 +36,9 @@ struct WavefrontStep {
 };
 std::optional<WavefrontStep> step_from(const SpotPass& pass);
 
-/// The noise of pixels, from two images of the same light: half the squared differences of cells
-/// as a straight line over their light. Shot noise needs `rendered` to be near the images.
-PixelNoise noise_between(const ImageView& one, const ImageView& other,
-                         std::span<const RenderedSpot> rendered);
+/// The noise of pixels, from two or more images in a row: half the squared differences of cells as
+/// a straight line over their light. Uses the two successive images that differ least, because the
+/// light may change between others. Shot noise needs `rendered` to be near the images.
+PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered);
 
 }  // namespace ovws

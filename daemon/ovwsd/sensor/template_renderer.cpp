@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
-constexpr int kWantedInARow = 2;
+constexpr int kFrames = 3;  // that tell the noise; the last is measured
 constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
 constexpr double kMaxResidual = 1.5;   // standard errors
 constexpr double kMoreResidual = 1.3;  // over that at the operating point
 constexpr int kEstimates = 8;
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
 constexpr std::int64_t kRestNs = 30'000'000;             // between renderings
-constexpr std::int64_t kFirstPauseNs = 100'000'000, kMaxPauseNs = 5'000'000'000;
+constexpr std::int64_t kFirstPauseNs = 50'000'000, kMaxPauseNs = 1'000'000'000;
 
 /// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
 /// the linear templates leave more than noise.
@@ -107,8 +107,7 @@ void TemplateRenderer::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
                       (!record.templates.credible || is_drifted(record));
-  wanted_in_a_row_ = wanted ? wanted_in_a_row_ + 1 : 0;
-  wanted_.store(wanted_in_a_row_ >= kWantedInARow, std::memory_order_relaxed);
+  wanted_.store(wanted, std::memory_order_relaxed);
 }
 
 bool TemplateRenderer::do_work() {
@@ -118,18 +117,19 @@ bool TemplateRenderer::do_work() {
     std::this_thread::sleep_for(kTurn);
     return false;
   }
-  const FrameCopy* const first = inbox_.next(kFramePatience);
-  if (first == nullptr) return false;
-  const FrameCopy other = copy_of(*first);  // two frames tell the noise of pixels
-  const FrameCopy* const frame = inbox_.next(kFramePatience);
-  if (frame == nullptr) return false;
+  std::vector<FrameCopy> frames;
+  while (frames.size() < kFrames) {
+    const FrameCopy* const frame = inbox_.next(kFramePatience);
+    if (frame == nullptr) return false;
+    frames.push_back(copy_of(*frame));
+  }
   const SensorView sensor = keeper_.snapshot();
   const auto is_of = [&](const FrameCopy& one) {
     return one.plan_id == sensor->plan_id && one.hologram_id == sensor->hologram_id;
   };
-  if (!is_of(*frame) || !is_of(other) || !sensor->reference) return false;
+  if (!std::all_of(frames.begin(), frames.end(), is_of) || !sensor->reference) return false;
   try {
-    report(render(*frame, other, *sensor));
+    report(render(frames, *sensor));
   } catch (const std::bad_alloc&) {
     model_.reset();
     report(
@@ -138,8 +138,11 @@ bool TemplateRenderer::do_work() {
   return true;
 }
 
-Result<void> TemplateRenderer::render(const FrameCopy& frame, const FrameCopy& other,
+Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
                                       const SensorSnapshot& sensor) {
+  const FrameCopy& frame = frames.back();
+  std::vector<ImageView> images;
+  for (const FrameCopy& one : frames) images.push_back(one.image);
   if (traits_of(frame.image.format).filter != ColourFilter::none) {
     return fail(Errc::refused, "pixel_format", "templates need a monochrome pixel format");
   }
@@ -147,7 +150,7 @@ Result<void> TemplateRenderer::render(const FrameCopy& frame, const FrameCopy& o
     model_.reset();
     const std::pair key{sensor.sensor_epoch, sensor.reference->t_taken_ns};
     if (unexplained_ == key) return fail(Errc::refused, "reference", failure_);
-    if (auto made = make_model(frame, other, sensor); !made) {
+    if (auto made = make_model(images, sensor); !made) {
       unexplained_ = key;  // the same reference would fail again
       return made;
     }
@@ -157,7 +160,7 @@ Result<void> TemplateRenderer::render(const FrameCopy& frame, const FrameCopy& o
   const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
   Result<void> last = {};
   for (const std::vector<double>& start : starts(frame)) {
-    auto fit = model_->points.templates(frame.image, other.image, start, fixed,
+    auto fit = model_->points.templates(images, start, fixed,
                                         frame.valid ? kFewRenderings : kManyRenderings);
     if (fit) {
       model_->last = coefficients_of((*fit)->point());
@@ -182,11 +185,11 @@ std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame
   return all;
 }
 
-Result<void> TemplateRenderer::make_model(const FrameCopy& frame, const FrameCopy& other,
+Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
                                           const SensorSnapshot& sensor) {
   const Reference& reference = *sensor.reference;
   if (!reference.picture) return fail(Errc::refused, "reference", kNoPicture);
-  const int cols = frame.image.width, rows = frame.image.height;
+  const int cols = images.back().width, rows = images.back().height;
   auto renderer =
       SpotRenderer::make(sensor.sensor, slm_, sensor.optics, cols, rows, sensor.modes_j, {});
   if (!renderer) return fail(renderer.error());
@@ -207,8 +210,7 @@ Result<void> TemplateRenderer::make_model(const FrameCopy& frame, const FrameCop
   PointModel points(std::move(*renderer), kEstimates);
   const std::vector<double> start_waves(start.begin(), start.end());
   const Scaled picture = in_16_bits(*reference.picture);
-  PixelNoise noise =
-      noise_between(frame.image, other.image, points.rendered(std::vector<double>(start.size())));
+  PixelNoise noise = noise_of(images, points.rendered(std::vector<double>(start.size())));
   const double frames = reference.picture->frames;
   noise.constant_dn2 *= picture.scale * picture.scale / frames;
   noise.per_dn *= picture.scale / frames;

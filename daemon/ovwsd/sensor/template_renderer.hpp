@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,9 +36,8 @@ class TemplateRenderer : public Agent {
 
  private:
   struct Model;
-  Result<void> make_model(const FrameCopy& frame, const FrameCopy& other,
-                          const SensorSnapshot& sensor);
-  Result<void> render(const FrameCopy& frame, const FrameCopy& other, const SensorSnapshot& sensor);
+  Result<void> make_model(std::span<const ImageView> images, const SensorSnapshot& sensor);
+  Result<void> render(std::span<const FrameCopy> frames, const SensorSnapshot& sensor);
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   void report(const Result<void>& rendered);
 
@@ -47,7 +47,6 @@ class TemplateRenderer : public Agent {
   FrameInbox inbox_;
   std::unique_ptr<Model> model_;
   std::atomic<bool> wanted_{false};
-  int wanted_in_a_row_ = 0;  ///< publish thread only
   // Templates thread only.
   std::int64_t next_ns_ = 0;  ///< not before; after a failure
   std::int64_t pause_ns_ = 0;

@@ -145,7 +145,7 @@ TEST_F(Templates, TheNoiseIsFoundFromTwoImages) {
   const auto rendered = renderer(1, 18).render(flat);
   const Image<float> electrons = light(1, flat);
   const auto a = exposed(electrons, kReadNoiseE, 1), b = exposed(electrons, kReadNoiseE, 2);
-  const PixelNoise noise = noise_between(view(a), view(b), rendered);
+  const PixelNoise noise = noise_of(std::vector{view(a), view(b)}, rendered);
   EXPECT_NEAR(noise.per_dn, 1.0, 0.1);
   EXPECT_NEAR(noise.constant_dn2, kReadNoiseE * kReadNoiseE, 4.0);
 }
@@ -163,7 +163,7 @@ TEST_F(Templates, FindTheWavefrontFromARoughStart) {
     const Image<float> electrons = light(1, truth, 2000.0);
     const auto image = exposed(electrons, kReadNoiseE, 1),
                other = exposed(electrons, kReadNoiseE, 2);
-    const auto fit = points.templates(view(image), view(other), start, {}, 4);
+    const auto fit = points.templates(std::vector{view(other), view(image)}, start, {}, 4);
     ASSERT_TRUE(fit) << rms << " wave: " << fit.error().reason;
     const Frame frame = measured(**fit, view(image));
     double claimed = 0.0;
@@ -184,7 +184,7 @@ TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   PointModel points(renderer(1, 18), 8);
   ASSERT_TRUE(points.use_reference(view(image), {25.0, 1.0}, flat, {}));
   const auto other = exposed(light(1, flat), kReadNoiseE, 2);
-  const auto fit = points.templates(view(image), view(other), flat, {}, 4);
+  const auto fit = points.templates(std::vector{view(other), view(image)}, flat, {}, 4);
   ASSERT_TRUE(fit) << fit.error().reason;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Waves truth = random(18, 0.5, seed);
