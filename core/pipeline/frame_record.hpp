@@ -83,8 +83,12 @@ struct FrameRecord {
   int mode_count = 0;
   /// How the plan's templates describe the frame; if `credible`, it is measured by them.
   FittedFrame templates;
+  /// Settled, and measured by templates, or its spots were followed from such a frame in small
+  /// steps (SpotHistory).
+  bool follows = false;
   Reconstruction reconstruction;
-  bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots
+  bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or
+                          ///< the plan has templates and the frame does not follow
   bool valid = false;     ///< settled, has a reference, modes determined, spots explained
 
   std::int64_t t_tracked_mono_ns = 0;

@@ -199,9 +199,9 @@ void Pipeline::release_recorded(FrameRecord* record) {
   impl_->tap.release(static_cast<Entry&>(*record));
 }
 
-void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
                       bool searched) {
-  impl_->track.resume(plan, starts, searched);
+  impl_->track.resume(plan, starts, follows, searched);
 }
 
 LatencyHistogram& Pipeline::arrived_latency() {

@@ -86,10 +86,11 @@ class Pipeline {
   /// Call it soon: the record may hold a camera buffer.
   void release_recorded(FrameRecord* record);
 
-  /// For a replay: sets the start positions of the next frame's spots, and whether its whole image
-  /// is searched. `plan` is the active plan; `starts` has one element per subaperture. Call it only
-  /// while no frame is in flight.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
+  /// For a replay: sets the start positions of the next frame's spots, whether the frame before it
+  /// `follows` (FrameRecord), and whether its whole image is searched. `plan` is the active plan;
+  /// `starts` has one element per subaperture. Call it only while no frame is in flight.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
+              bool searched);
 
   // One histogram per stage; the status thread reads and resets them.
   /// Delivery delay: from the frame's undelayed arrival time (ArrivalClock) to its arrival.

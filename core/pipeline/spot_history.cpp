@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxSearchOffset = 0.5;  // lambda/d: the wavefront moves spots by less
+constexpr double kMaxStep = 0.25;         // lambda/d, from frame to frame
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -22,6 +23,7 @@ bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
       plan.sensor_epoch == sensor_epoch_ && plan.subapertures() == count_ && plan.roi == roi_;
   if (!same) {
     live_ = false;
+    follows_ = false;
     sensor_epoch_ = plan.sensor_epoch;
     count_ = plan.subapertures();
     roi_ = plan.roi;
@@ -46,6 +48,7 @@ void SpotHistory::adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
       track = {found, plan.predicted_px[i]};
     } else if (!track.last.fresh || away_px > kMaxSearchOffset * plan.spots.lambda_d_px) {
       track.last = found;
+      follows_ = false;
     }
   }
   if (live_) return;
@@ -67,9 +70,10 @@ void SpotHistory::starts(const FrameRecord& record,
   }
 }
 
-void SpotHistory::resume(const MeasurementPlan& plan,
-                         std::span<const SpotStart> starts) OVWS_NONBLOCKING {
+void SpotHistory::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+                         bool follows) OVWS_NONBLOCKING {
   fit_to(plan);
+  follows_ = follows;
   live_ = false;
   hologram_id_ = plan.hologram_id;
   plan_id_ = plan.id;
@@ -79,6 +83,21 @@ void SpotHistory::resume(const MeasurementPlan& plan,
   }
 }
 
+bool SpotHistory::is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKING {
+  if (record.templates.credible) return true;
+  const MeasurementPlan& plan = *record.plan;
+  if (!follows_ || !plan.referenced()) return false;
+  for (int i = 0; i < count_; ++i) {
+    const SpotFix& fix = record.spots[i];
+    const SpotStart& start = record.starts[i];
+    if (std::isnan(plan.reference_px[std::size_t(i)].x)) continue;
+    if (!fix.found() || !start.fresh) return false;
+    const Vec2 step = Vec2{double(fix.x), double(fix.y)} - start.at_px;
+    if (!(norm(step) <= kMaxStep * plan.spots.lambda_d_px)) return false;
+  }
+  return true;
+}
+
 void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *record.plan;
   // A new plan may predict for the next hologram while the old one is still shown. Its predictions
@@ -86,6 +105,7 @@ void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   const bool plan_is_for_this = plan.hologram_id == record.hologram_id && plan.id != plan_id_;
   const bool new_prediction = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
   const bool was_live = live_;
+  follows_ = record.follows;
   live_ = false;
   for (int i = 0; i < count_; ++i) {
     Track& track = tracks_[i];

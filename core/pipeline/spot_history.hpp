@@ -11,6 +11,10 @@
 namespace ovws {
 
 /// Uses settled frames only. One thread at a time; only the constructor allocates.
+///
+/// It also judges whether positions can be trusted: a frame *follows* if templates describe it, or
+/// if every spot of the reference stands within lambda/d / 4 of where the previous frame had it,
+/// and that frame follows. After a sudden change spots may be lost or mistaken for each other.
 class SpotHistory {
  public:
   SpotHistory();
@@ -29,9 +33,14 @@ class SpotHistory {
 
   /// Sets the history for a replay: the next record with `plan` starts from `starts`, under the
   /// plan's hologram. All NaN: no history.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts) OVWS_NONBLOCKING;
+  /// `follows`: the frame before that record.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+              bool follows) OVWS_NONBLOCKING;
 
-  /// Updates the history with the spots of a settled frame.
+  /// Whether a settled frame with the starts of `starts()` follows.
+  bool is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKING;
+
+  /// Updates the history with the spots of a settled frame, and with `record.follows`.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;
 
  private:
@@ -46,6 +55,7 @@ class SpotHistory {
   std::vector<Track> tracks_;
   int count_ = 0;
   bool live_ = false;
+  bool follows_ = false;  ///< the last frame
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
   std::uint64_t seen_plan_id_ = 0;

@@ -34,8 +34,8 @@ void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
 }
 
 void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
-                        bool searched) {
-  history_.resume(plan, starts);
+                        bool follows, bool searched) {
+  history_.resume(plan, starts, follows);
   forced_search_ = searched;
 }
 
@@ -71,6 +71,7 @@ void TrackStage::fit(Entry& entry) OVWS_NONBLOCKING {
 
 void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
   entry.templates = {};
+  entry.follows = false;
   if (entry.plan->fit) fit(entry);
   if (history_.live() && !entry.templates.credible) {
     reject_implausible(entry);
@@ -78,6 +79,7 @@ void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
   }
   if (entry.settled) {
     if (!entry.templates.credible) search_if_needed(entry);
+    entry.follows = history_.is_followed_by(entry);
     history_.learn(entry);
   }
   summarise(entry);

@@ -44,7 +44,8 @@ class TrackStage {
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
   /// SpotHistory::resume; `searched` decides whether the next frame's whole image is searched.
-  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool searched);
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
+              bool searched);
 
   /// Number of spots that may be lost without a whole-image search.
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }

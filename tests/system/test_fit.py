@@ -5,7 +5,7 @@ import statistics
 import subprocess
 import time
 
-from case import BenchCase, main
+from case import BenchCase, Client, main
 
 
 def draw(rng, rms):
@@ -59,6 +59,26 @@ class Fit(BenchCase):
                 self.assertLess(sigma, 0.005)
                 self.assertEqual({frame["tracked"] for frame in late}, {19})
                 self.assertLess(max(error(frame, modes) for frame in before + frames), 0.15)
+
+    def test_after_a_sudden_wavefront_no_frame_is_valid_by_positions_only(self):
+        self.take_reference(50)
+        stream, rng, twin = self.stream("wavefront"), random.Random(5), Client("tcp://127.0.0.1:7790")
+        hologram_id = self.call("system.status")["slm"]["hologram_id"]
+        self.fitted(stream, 5, hologram_id)
+        for rms in (0.3, 0.6, 0.0):
+            with self.subTest(rms=rms):
+                modes = draw(rng, rms)
+                twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})
+                changed_ns = time.time_ns()
+                frames = []
+                while sum(map(is_fitted, frames)) < 20:
+                    frame = self.settled_frames(stream, 1, hologram_id, 20.0)[0]
+                    if frame["valid"] and frame["t_device_ns"] > changed_ns:
+                        frames.append(frame)
+                errors = [error(frame, modes) for frame in frames]
+                print(f"\n  {rms:.2f} wave: valid after {1e-9 * (frames[0]['t_device_ns'] - changed_ns):.2f} s; largest error {max(errors):.4f} wave")
+                self.assertTrue(all(map(is_fitted, frames)))
+                self.assertLess(max(errors), 0.03)
 
     def test_a_job_measures_positions_and_frames_are_fitted_again_after_it(self):
         self.take_reference(50)

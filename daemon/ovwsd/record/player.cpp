@@ -200,7 +200,8 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   for (const RecordedSpot& spot : *spots) {
     starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
   }
-  pipeline.resume(*plan, starts, frame.recorded.searched != 0);
+  // Only a frame that follows can be explained by positions, and only after one that does.
+  pipeline.resume(*plan, starts, frame.recorded.explained != 0, frame.recorded.searched != 0);
   set_conditions(frame.recorded);
   camera.give(frame.recorded);
   FrameRecord* const record = pipeline.next(kPatienceUs);

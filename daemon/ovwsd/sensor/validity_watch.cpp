@@ -23,6 +23,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   tracked_ = lack.tracked;
   spots_ = lack.spots;
   explained_ = lack.explained;
+  waits_ = lack.waits;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -34,7 +35,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
   const std::int64_t since_ns = since_ns_;
   if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
-  return Lack{since_ns, tracked_, spots_, explained_};
+  return Lack{since_ns, tracked_, spots_, explained_, waits_};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -43,7 +44,9 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
   StatusMessage::SensorPart::Invalid invalid;
   invalid.t_since_ns = utc_ns - (now_ns - lack.since_ns);
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
-                               lack.explained ? "" : ", but no wavefront explains their positions");
+                               lack.waits       ? ", but templates have not confirmed them yet"
+                               : lack.explained ? ""
+                                                : ", but no wavefront explains their positions");
   invalid.action = action_of(search, now_ns);
   invalid.searches = search.searches;
   if (!search.running)

@@ -25,6 +25,7 @@ class ValidityWatch {
     std::int64_t since_ns = 0;  ///< start of the invalid period, CLOCK_MONOTONIC
     int tracked = 0, spots = 0;
     bool explained = true;  ///< false: no wavefront explains the spots' positions
+    bool waits = false;     ///< the positions must be confirmed by templates first
   };
 
   void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
@@ -38,7 +39,7 @@ class ValidityWatch {
   std::atomic<std::int64_t> since_ns_{0};  ///< 0: the newest frame was valid
   std::atomic<std::int64_t> newest_ns_{0};
   std::atomic<int> tracked_{0}, spots_{0};
-  std::atomic<bool> explained_{true};
+  std::atomic<bool> explained_{true}, waits_{false};
 };
 
 /// Describes an invalid period for status and events. `now_ns` (CLOCK_MONOTONIC) and `utc_ns` are

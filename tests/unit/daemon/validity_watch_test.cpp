@@ -47,6 +47,8 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(running.reason, "7 of 19 spots are found");
   EXPECT_EQ(running.action, "the whole image is being searched for spots");
   EXPECT_FALSE(running.t_next_search_ns);
+  const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
+  EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
 }
 
 }  // namespace
