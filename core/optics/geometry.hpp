@@ -36,6 +36,11 @@ struct PxPerCycle {
     const double s = scale();
     return {(xx * camera.x + yx * camera.y) / s, (xy * camera.x + yy * camera.y) / s};
   }
+  /// Inverse of back(): where the camera sees a position on the SLM, in SLM pixels along its axes.
+  Vec2 seen(Vec2 slm) const {
+    const double s = scale(), d = determinant();
+    return {s * (yy * slm.x - yx * slm.y) / d, s * (xx * slm.y - xy * slm.x) / d};
+  }
   PxPerCycle operator/(double divisor) const {
     return {xx / divisor, xy / divisor, yx / divisor, yy / divisor};
   }

@@ -79,10 +79,9 @@ void monomials(Vec2 at, auto&& row) {
 
 PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_j)
     : window_(field.window()),
-      pupil_centre_px_(field.cells().pupil_centre_px),
       pupil_radius_px_(field.cells().pupil_radius_px),
-      bin_px_(field.cells().bin_px),
-      first_px_(field.cells().at_px(0.0, 0.0) - pupil_centre_px_),
+      turn_(field.cells().turn / field.cells().turn.scale()),
+      grid_(field.cells().grid),
       pieces_(field.cells().pieces),
       patches_(pieces_.size()) {
   const std::vector<Vec2> places = fit_places();
@@ -92,13 +91,13 @@ PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const PupilPiece& piece = pieces_[i];
     const Vec2 corner{piece.centre_px.x - piece.radius_px, piece.centre_px.y - piece.radius_px};
-    const Vec2 first = field.cells().at_cell(pupil_centre_px_ + corner);
-    const double across = 2.0 * piece.radius_px / bin_px_;
-    patches_[i].x = int(std::floor(first.x));
-    patches_[i].y = int(std::floor(first.y));
+    const Vec2 first = grid_.at_cell(corner);
+    const double across = 2.0 * piece.radius_px / grid_.bin_px;
+    patches_[i].x = int(std::floor(first.x)) - 2;
+    patches_[i].y = int(std::floor(first.y)) - 2;
     patches_[i].block = std::max(1, int(std::lround(across / kBlocksAcross)));
     for (std::size_t p = 0; p < places.size(); ++p) {
-      const Vec2 at = (1.0 / pupil_radius_px_) * (piece.centre_px + piece.radius_px * places[p]);
+      const Vec2 at = field.cells().in_pupil(piece.centre_px + piece.radius_px * places[p]);
       for (std::size_t k = 0; k < modes_j.size(); ++k) values(p, k) = zernike(modes_j[k], at);
     }
     modes_.push_back(fit.solve(values).transpose().cast<float>());
@@ -106,8 +105,9 @@ PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_
 }
 
 Vec2 PieceMoments::slope_cpp(std::size_t piece, std::span<const Mode> modes) const {
-  const Vec2 at = (1.0 / pupil_radius_px_) * pieces_[piece].centre_px;
-  return pieces_[piece].grating_cpp + (1.0 / pupil_radius_px_) * wavefront_gradient(modes, at);
+  const Vec2 at = (1.0 / pupil_radius_px_) * turn_.back(pieces_[piece].centre_px);
+  const Vec2 gradient = turn_ * wavefront_gradient(modes, at);
+  return pieces_[piece].grating_cpp + (1.0 / pupil_radius_px_) * gradient;
 }
 
 Vec2 PieceMoments::falls_px(std::size_t piece, std::span<const Mode> modes) const {
@@ -119,17 +119,17 @@ void PieceMoments::load(const SensorField& field, std::span<const Mode> modes,
   const std::vector<CellRun>& runs = field.cells().runs;
   for (const int piece : pieces) {
     Patch& patch = patches_[piece];
-    const int side = int(2.0 * pieces_[piece].radius_px / bin_px_ + 2.0) / patch.block + 1;
+    const int side = int(2.0 * pieces_[piece].radius_px / grid_.bin_px + 6.0) / patch.block + 1;
     patch.blocks.setZero(side, side);
     patch.carrier_cpp = slope_cpp(std::size_t(piece), modes);
-    const Vec2 f = bin_px_ * patch.carrier_cpp;
+    const Vec2 f = grid_.bin_px * patch.carrier_cpp;
     const std::complex<double> next = unit_phasor(-f.x);
-    const Vec2 first{first_px_.x / bin_px_, first_px_.y / bin_px_};
+    const Vec2 middle = grid_.middle();
     auto run = std::lower_bound(runs.begin(), runs.end(), piece,
                                 [](const CellRun& r, int p) { return r.piece < p; });
     for (; run != runs.end() && run->piece == piece; ++run) {
       std::complex<double> back =
-          unit_phasor(-f.x * (first.x + run->begin) - f.y * (first.y + run->y));
+          unit_phasor(-f.x * (run->begin - middle.x) - f.y * (run->y - middle.y));
       const std::complex<float>* value = field.pupil().data() + run->first;
       auto blocks = patch.blocks.row((run->y - patch.y) / patch.block);
       for (int x = run->begin; x < run->end; ++x, back = product(back, next)) {
@@ -143,17 +143,19 @@ const Eigen::MatrixXcf& PieceMoments::at(int piece, const FarPoints& points) {
   const Patch& patch = patches_[piece];
   const PupilPiece& p = pieces_[piece];
   const auto side = int(patch.blocks.rows());
+  const double bin_px = grid_.bin_px;
   const auto places = [&](int first, double first_px) {
-    const double middle = first_px + bin_px_ * (first + 0.5 * (patch.block - 1));
-    const double last = middle + double(bin_px_) * patch.block * (side - 1);
+    const double middle = first_px + bin_px * (first + 0.5 * (patch.block - 1));
+    const double last = middle + bin_px * patch.block * (side - 1);
     return Eigen::VectorXd(Eigen::VectorXd::LinSpaced(side, middle, last));
   };
+  const Vec2 first_px = grid_.at_px(0.0, 0.0);
   const double step_cpp = window_.step_cpp * points.step_px;
   const Vec2 from_cpp = window_.origin_cpp + window_.step_cpp * points.first_px - patch.carrier_cpp;
-  fill_kernel({from_cpp.x, step_cpp, points.width, double(bin_px_), patch.block},
-              places(patch.x, first_px_.x), p.centre_px.x, p.radius_px, along_x_);
-  fill_kernel({from_cpp.y, step_cpp, points.height, double(bin_px_), patch.block},
-              places(patch.y, first_px_.y), p.centre_px.y, p.radius_px, along_y_);
+  fill_kernel({from_cpp.x, step_cpp, points.width, bin_px, patch.block},
+              places(patch.x, first_px.x), p.centre_px.x, p.radius_px, along_x_);
+  fill_kernel({from_cpp.y, step_cpp, points.height, bin_px, patch.block},
+              places(patch.y, first_px.y), p.centre_px.y, p.radius_px, along_y_);
   const Eigen::Index width = points.width, height = points.height;
   half_.noalias() = along_x_ * patch.blocks.transpose();  // `width` rows for each power of xi
   moments_.resize(width * height, kCount);

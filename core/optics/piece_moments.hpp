@@ -73,10 +73,9 @@ class PieceMoments {
   Vec2 slope_cpp(std::size_t piece, std::span<const Mode> modes) const;
 
   FarFieldWindow window_;
-  Vec2 pupil_centre_px_;
   double pupil_radius_px_;
-  int bin_px_;
-  Vec2 first_px_;  ///< centre of the cell (0, 0), from the pupil's centre
+  PxPerCycle turn_;
+  CellGrid grid_;
   std::vector<PupilPiece> pieces_;
   std::vector<Patch> patches_;
   std::vector<Eigen::MatrixXf> modes_;

@@ -35,23 +35,40 @@ double carrier(double origin_cpp, double step_cpp, int count) {
   return origin_cpp <= 0.0 && last_cpp >= 0.0 ? 0.0 : 0.5 * (origin_cpp + last_cpp);
 }
 
+/// Cells over a box of this half width and height on the SLM, as the camera sees it.
+CellGrid grid_over(Vec2 half_px, bool round, const PxPerCycle& turn, int bin_px) {
+  const Vec2 x = turn.seen({half_px.x, 0.0}), y = turn.seen({0.0, half_px.y});
+  const auto half = [&](double by_x, double by_y) {
+    const double extent = round ? std::hypot(by_x, by_y) : std::abs(by_x) + std::abs(by_y);
+    return int(std::ceil(extent / bin_px - 1e-6));
+  };
+  return {bin_px, 2 * half(x.x, y.x), 2 * half(x.y, y.y)};
+}
+
+/// The largest scale of `turn` in any direction, over its mean: 1 for a camera with square pixels.
+double stretch(const PxPerCycle& turn) {
+  const PxPerCycle t = turn / turn.scale();
+  const double squares = t.xx * t.xx + t.xy * t.xy + t.yx * t.yx + t.yy * t.yy;
+  return std::sqrt(0.5 * (squares + std::sqrt(std::max(0.0, squares * squares - 4.0))));
+}
+
 /// The piece of every pixel, or kOutside. Appends the pieces.
 Image<int> owners(const Lattice& lattice, int width, int height, PupilCells& cells) {
-  cells.subapertures = int(lattice.subapertures.size());
+  const Vec2 centre_px{0.5 * (width - 1), 0.5 * (height - 1)};
+  const PxPerCycle direction = cells.turn / cells.turn.scale();
+  const double by = stretch(cells.turn);
+  Image<int> owner(width, height, kOutside);
+  assign_owner(owner, centre_px, 2.0 * cells.pupil_radius_px, kUnowned);
   for (const Subaperture& s : lattice.subapertures) {
-    cells.pieces.push_back({s.centre_px, 0.5 * lattice.diameter_px, s.frequency_cpp});
+    assign_owner(owner, centre_px + s.centre_px, lattice.diameter_px, cells.subapertures++);
+    cells.pieces.push_back({cells.turn.seen(s.centre_px), 0.5 * by * lattice.diameter_px,
+                            direction * s.frequency_cpp});
   }
   const int across = (width + kTilePx - 1) / kTilePx, down = (height + kTilePx - 1) / kTilePx;
   for (int k = 0; k < across * down; ++k) {
     const double half = 0.5 * (kTilePx - 1);
     const Vec2 middle{k % across * kTilePx + half, k / across * kTilePx + half};
-    cells.pieces.push_back({middle - cells.pupil_centre_px, std::sqrt(2.0) * half, {}});
-  }
-  Image<int> owner(width, height, kOutside);
-  assign_owner(owner, cells.pupil_centre_px, 2.0 * cells.pupil_radius_px, kUnowned);
-  for (int i = 0; i < cells.subapertures; ++i) {
-    const PupilPiece& piece = cells.pieces[std::size_t(i)];
-    assign_owner(owner, cells.pupil_centre_px + piece.centre_px, 2.0 * piece.radius_px, i);
+    cells.pieces.push_back({cells.turn.seen(middle - centre_px), by * std::sqrt(2.0) * half, {}});
   }
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -68,17 +85,46 @@ struct PieceBox {
   Image<std::complex<double>> sums;
 };
 
-PieceBox box_of(const PupilCells& cells, const PupilPiece& piece) {
-  const Vec2 middle = cells.pupil_centre_px + piece.centre_px;
-  const Vec2 first = cells.at_cell(middle - Vec2{piece.radius_px, piece.radius_px});
-  const Vec2 last = cells.at_cell(middle + Vec2{piece.radius_px, piece.radius_px});
+PieceBox box_of(const CellGrid& grid, const PupilPiece& piece) {
+  const Vec2 reach{piece.radius_px + 2.0 * grid.bin_px, piece.radius_px + 2.0 * grid.bin_px};
+  const Vec2 first = grid.at_cell(piece.centre_px - reach);
+  const Vec2 last = grid.at_cell(piece.centre_px + reach);
   PieceBox box;
-  box.left = std::clamp(int(std::floor(first.x)), 0, cells.width - 1);
-  box.top = std::clamp(int(std::floor(first.y)), 0, cells.height - 1);
-  box.right = std::clamp(int(std::ceil(last.x)), 0, cells.width - 1);
-  box.bottom = std::clamp(int(std::ceil(last.y)), 0, cells.height - 1);
+  box.left = std::clamp(int(std::floor(first.x)), 0, grid.width - 1);
+  box.top = std::clamp(int(std::floor(first.y)), 0, grid.height - 1);
+  box.right = std::clamp(int(std::ceil(last.x)), 0, grid.width - 1);
+  box.bottom = std::clamp(int(std::ceil(last.y)), 0, grid.height - 1);
   box.sums = Image<std::complex<double>>(box.right - box.left + 1, box.bottom - box.top + 1);
   return box;
+}
+
+void add_to(int x, int y, std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp,
+            const CellGrid& grid, PieceBox& box) {
+  const Vec2 off = at_px - grid.at_px(x, y);
+  const double cycles = carrier_cpp.x * off.x + carrier_cpp.y * off.y;
+  box.sums.at(x - box.left, y - box.top) +=
+      value * std::polar(1.0, -2.0 * std::numbers::pi * cycles);
+}
+
+/// Adds a pixel to the cell that holds it; for a turned camera to the four nearest, with bilinear
+/// weights, because cells that hold now one, now two pixels would scatter light.
+void add_pixel(std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp, const CellGrid& grid,
+               bool turned, PieceBox& box) {
+  const Vec2 cell = grid.at_cell(at_px);
+  const auto inside = [](int at, int size) { return std::clamp(at, 0, size - 1); };
+  if (!turned) {
+    return add_to(inside(int(std::lround(cell.x)), grid.width),
+                  inside(int(std::lround(cell.y)), grid.height), value, at_px, carrier_cpp, grid,
+                  box);
+  }
+  const double left = std::floor(cell.x), top = std::floor(cell.y);
+  for (int k = 0; k < 4; ++k) {
+    const bool right = k % 2 == 1, below = k / 2 == 1;
+    const double weight =
+        (right ? cell.x - left : 1.0 - cell.x + left) * (below ? cell.y - top : 1.0 - cell.y + top);
+    add_to(inside(int(left) + right, grid.width), inside(int(top) + below, grid.height),
+           weight * value, at_px, carrier_cpp, grid, box);
+  }
 }
 
 /// Appends the runs of a piece, from its first cell with light to its last in each row.
@@ -111,49 +157,39 @@ const std::vector<std::complex<float>>& unit_phasors() {
   return table;
 }
 
-PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const FarFieldWindow& window,
-                     const Image<std::uint8_t>& grey) {
+PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const PxPerCycle& turn,
+                     const FarFieldWindow& window, const Image<std::uint8_t>& grey) {
   PupilCells cells;
-  cells.bin_px = bin_for(window, lattice.diameter_px);
-  cells.pupil_centre_px = {0.5 * (grey.width - 1), 0.5 * (grey.height - 1)};
-  cells.pupil_radius_px = 0.5 * pupil_diameter_px;
-  const auto first = [&](double centre_px) {
-    return std::max(0, int(std::floor(centre_px - cells.pupil_radius_px)));
-  };
-  const auto across = [&](int size, int first_px) {
-    const int last_px = std::min(size, size - first_px);  // the pupil is centred on the SLM
-    return (last_px - first_px + cells.bin_px - 1) / cells.bin_px;
-  };
-  cells.first_x_px = first(cells.pupil_centre_px.x);
-  cells.first_y_px = first(cells.pupil_centre_px.y);
-  cells.width = across(grey.width, cells.first_x_px);
-  cells.height = across(grey.height, cells.first_y_px);
+  const int bin_px = bin_for(window, lattice.diameter_px);
+  const double radius_px = 0.5 * pupil_diameter_px;
+  cells.turn = turn;
+  cells.pupil_radius_px = radius_px;
+  cells.grid = grid_over({radius_px, radius_px}, true, turn, bin_px);
+  cells.outside_grid = grid_over({0.5 * grey.width, 0.5 * grey.height}, false, turn, bin_px);
   const Image<int> owner = owners(lattice, grey.width, grey.height, cells);
+  const bool turned = turn != PxPerCycle(turn.scale());
   const Vec2 stray_cpp{carrier(window.origin_cpp.x, window.step_cpp, window.cols),
                        carrier(window.origin_cpp.y, window.step_cpp, window.rows)};
   std::vector<PieceBox> boxes;
-  for (const PupilPiece& piece : cells.pieces) boxes.push_back(box_of(cells, piece));
-  cells.outside_pupil = Image<std::complex<float>>(grey.width, grey.height);
+  for (const PupilPiece& piece : cells.pieces) boxes.push_back(box_of(cells.grid, piece));
+  PieceBox outside{.sums = {cells.outside_grid.width, cells.outside_grid.height}};
+  const Vec2 centre_px{0.5 * (grey.width - 1), 0.5 * (grey.height - 1)};
   for (int y = 0; y < grey.height; ++y) {
     for (int x = 0; x < grey.width; ++x) {
-      const std::complex<float> value = unit_phasors()[std::size_t(grey.at(x, y)) << 8];
+      const Vec2 at = turn.seen(Vec2{double(x), double(y)} - centre_px);
       const int piece = owner.at(x, y);
-      if (piece == kOutside) {
-        cells.outside_pupil.at(x, y) = value;
-        continue;
-      }
-      const int cx = (x - cells.first_x_px) / cells.bin_px;
-      const int cy = (y - cells.first_y_px) / cells.bin_px;
-      const Vec2 off = Vec2{double(x), double(y)} - cells.at_px(cx, cy);
-      const Vec2 f =
-          piece < cells.subapertures ? cells.pieces[std::size_t(piece)].grating_cpp : stray_cpp;
-      PieceBox& box = boxes[std::size_t(piece)];
-      box.sums.at(cx - box.left, cy - box.top) +=
-          std::complex<double>(value) *
-          std::polar(1.0, -2.0 * std::numbers::pi * (f.x * off.x + f.y * off.y));
+      const bool own = piece >= 0 && piece < cells.subapertures;
+      add_pixel(unit_phasors()[std::size_t(grey.at(x, y)) << 8], at,
+                own ? cells.pieces[std::size_t(piece)].grating_cpp : stray_cpp,
+                piece == kOutside ? cells.outside_grid : cells.grid, turned,
+                piece == kOutside ? outside : boxes[std::size_t(piece)]);
     }
   }
   for (std::size_t k = 0; k < boxes.size(); ++k) append(cells, int(k), boxes[k]);
+  cells.outside = Image<std::complex<float>>(outside.sums.width, outside.sums.height);
+  std::transform(outside.sums.pixels.begin(), outside.sums.pixels.end(),
+                 cells.outside.pixels.begin(),
+                 [](const auto& sum) { return std::complex<float>(sum); });
   return cells;
 }
 

@@ -9,7 +9,6 @@
 
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
-#include "core/optics/chirp_z.hpp"
 #include "core/optics/far_field.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/pupil_cells.hpp"
@@ -17,16 +16,18 @@
 
 namespace ovws {
 
-/// Differs from SensorModel in four ways: the field is summed in cells of some SLM pixels
-/// (PupilCells), which makes it three times as fast and wrong by 0.2 % of a spot's peak field RMS;
-/// the wavefront is not rounded to 8 bits, each subaperture may have its own amplitude, and stray
-/// light from outside the subapertures can be excluded. For one thread at a time.
+/// Differs from SensorModel in five ways: the camera may be turned or mirrored; the field is summed
+/// in cells of some SLM pixels (PupilCells), which makes it three times as fast and wrong by 0.2 %
+/// of a spot's peak field RMS; the wavefront is not rounded to 8 bits, each subaperture may have
+/// its own amplitude, and stray light from outside the subapertures can be excluded. For one thread
+/// at a time.
 class SensorField {
  public:
-  /// Errors as of check_straight and HologramRenderer::make. `cols` x `rows`: the camera's image.
+  /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
   static Result<SensorField> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
 
+  /// Along the camera's axes.
   const FarFieldWindow& window() const { return window_; }
   const PupilCells& cells() const { return cells_; }
   int subapertures() const { return cells_.subapertures; }
@@ -51,22 +52,21 @@ class SensorField {
   const Image<std::complex<float>>& far() const { return far_; }
 
  private:
-  SensorField(SlmGeometry slm, FarFieldWindow window, PupilCells cells);
+  SensorField(FarFieldWindow window, PupilCells cells);
   void set_phasors(std::span<const Mode> modes, std::span<const Mode> ln_amplitude);
   void add_run(const CellRun& run, const Light& light);
   const Image<std::complex<float>>& far_outside_pupil(std::span<const Mode> ln_amplitude);
 
-  SlmGeometry slm_;
   FarFieldWindow window_;
   PupilCells cells_;
   bool outside_lit_ = true;
-  ChirpZ along_x_, along_y_;
+  FarField far_field_;                  ///< of sums_
   Image<std::complex<float>> phasors_;  ///< what modes and amplitude make of a cell
   std::vector<std::complex<float>> pupil_;
   Image<std::complex<float>> sums_;                      ///< of pupil_ over the pieces
   Image<std::complex<float>> columns_;                   ///< after the pass along x, transposed
   std::optional<std::vector<Mode>> fixed_ln_amplitude_;  ///< for which fixed_ was computed
-  Image<std::complex<float>> fixed_;  ///< far field of the light outside the pupil
+  Image<std::complex<float>> fixed_;                     ///< far field of light outside the pupil
   Image<std::complex<float>> far_;
 };
 

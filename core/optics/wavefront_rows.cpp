@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "core/optics/zernike_terms.hpp"
@@ -50,14 +51,44 @@ void add_mode(const ZernikeTerms& mode, double waves, std::vector<std::vector<do
   }
 }
 
+/// (p x + q y)^n by rising power of x.
+std::vector<double> power_of_sum(double p, double q, int n) {
+  std::vector<double> powers;
+  for (int k = 0; k <= n; ++k)
+    powers.push_back(binomial(n, k) * std::pow(p, k) * std::pow(q, n - k));
+  return powers;
+}
+
+/// The same polynomial in the coordinates of a camera that sees it through `turn`.
+std::vector<std::vector<double>> turned(const std::vector<std::vector<double>>& terms,
+                                        const PxPerCycle& turn) {
+  const Vec2 by_x = turn.back({1.0, 0.0}), by_y = turn.back({0.0, 1.0});
+  std::vector<std::vector<double>> out;
+  for (const auto& in_y : terms) out.emplace_back(in_y.size(), 0.0);
+  for (std::size_t a = 0; a < terms.size(); ++a) {
+    const auto x = power_of_sum(by_x.x, by_y.x, int(a));
+    for (std::size_t b = 0; b < terms[a].size(); ++b) {
+      const auto y = power_of_sum(by_x.y, by_y.y, int(b));
+      for (std::size_t i = 0; i <= a; ++i) {
+        for (std::size_t j = 0; j <= b; ++j) {
+          out[i + j][a + b - i - j] += terms[a][b] * x[i] * y[j];
+        }
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
-WavefrontRows::WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px)
+WavefrontRows::WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px,
+                             const PxPerCycle& turn)
     : centre_px_(centre_px), radius_px_(0.5 * diameter_px) {
   int degree = 0;
   for (const Mode& mode : modes) degree = std::max(degree, zernike_terms(mode.j).n);
   for (int a = 0; a <= degree; ++a) terms_.emplace_back(degree + 1 - a, 0.0);
   for (const Mode& mode : modes) add_mode(zernike_terms(mode.j), mode.waves, terms_);
+  if (turn != PxPerCycle(turn.scale())) terms_ = turned(terms_, turn);
 }
 
 WavefrontRows::Polynomial WavefrontRows::along_row(double y) const {

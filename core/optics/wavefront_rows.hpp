@@ -5,14 +5,17 @@
 #include <span>
 #include <vector>
 
+#include "core/optics/geometry.hpp"
 #include "core/optics/zernike.hpp"
 
 namespace ovws {
 
 class WavefrontRows {
  public:
-  /// Over a pupil of `diameter_px` centred on `centre_px`. Requires valid mode indices.
-  WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px);
+  /// Over a pupil of `diameter_px` centred on `centre_px`. Requires valid mode indices. Rows and
+  /// columns are those that a camera sees through `turn` (PxPerCycle::seen).
+  WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double diameter_px,
+                const PxPerCycle& turn = 1.0);
 
   /// Waves at the pixels (first_x + k, y), k = 0 .. out.size() - 1. Also valid outside the pupil,
   /// where the polynomial continues. This and all methods below are thread-safe.

@@ -36,8 +36,7 @@ class SpotRenderer {
   int spots() const { return field_.subapertures(); }
   /// Centre of a spot's subaperture, in pupil radii.
   Vec2 centre(int spot) const {
-    const PupilCells& cells = field_.cells();
-    return (1.0 / cells.pupil_radius_px) * cells.pieces[std::size_t(spot)].centre_px;
+    return field_.cells().in_pupil(field_.cells().pieces[std::size_t(spot)].centre_px);
   }
 
   void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }

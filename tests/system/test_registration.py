@@ -49,6 +49,26 @@ class Registration(BenchCase):
             self.assertAlmostEqual(modes[j], WAVES, delta=0.05 * WAVES + 0.003)
             self.assertLess(others, 0.02)
         self.call("aberration.clear")
+        self.check_all_pixels()
+
+    def check_all_pixels(self):
+        """The tracker `fit` and the refinement know the camera's geometry, too."""
+        self.call("sensor.set", {"tracker": "fit"})
+        self.take_reference(50)
+        modes = {j: 0.05 for j in MODES}
+        hologram = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in modes.items()]})["hologram_id"]
+        wait_for(lambda: self.settled_frames(self.wavefronts, 1, hologram)[0]["sigma"][0] is not None, 20.0)
+        fitted = self.settled_frames(self.wavefronts, 20, hologram)[-1]  # of templates about this wavefront
+        self.call("refine.set", {"enabled": True, "electrons_per_dn": 10000 / 255, "read_noise_e": 5.0, "black_level_dn": 2.0})
+        stream = self.stream("refined")
+        refined = wait_for(lambda: (found := stream.next(1.0)) and found["hologram_id"] == hologram and found["valid"] and found, 20.0)
+        self.call("refine.set", {"enabled": False})
+        for name, frame in (("fit", fitted), ("refined", refined)):
+            errors = {j: abs(value - modes.get(j, 0.0)) for j, value in zip(frame["j"], frame["coefficients"])}
+            print(f"    {name}: errors up to {max(errors.values()):.4f} wave")
+            self.assertLess(max(errors.values()), 0.005)
+        self.call("aberration.clear")
+        self.call("sensor.set", {"tracker": "lg"})
 
     def refused_while(self, spoil, why, progress=0.0):
         job = self.call("registration.run")["job"]

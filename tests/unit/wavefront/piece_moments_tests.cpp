@@ -49,7 +49,8 @@ TEST(SensorField, IsTheModelsLightAroundTheSpotsButForItsCells) {
   const float most = *std::max_element(intensity.pixels.begin(), intensity.pixels.end());
   double squares = 0.0, pixels = 0.0;
   for (std::size_t i = 0; i < 19; ++i) {
-    const PixelBox box = box_at(moments.falls_px(i, kModes));
+    const Vec2 at = moments.falls_px(i, kModes);
+    const PixelBox box{int(at.x) - 36, int(at.y) - 36, 72, 72};  // 3 lambda/d to each side
     for (int y = box.y; y < box.y + box.height; ++y) {
       for (int x = box.x; x < box.x + box.width; ++x) {
         const double off = double((std::norm(field.far().at(x, y)) - intensity.at(x, y)) / most);
@@ -127,7 +128,7 @@ TEST(SensorField, CellsHoldEveryPixelOfThePupilOnce) {
   std::complex<double> sum;  // almost all of it cancels
   for (int y = 0; y < grey.height; ++y) {
     for (int x = 0; x < grey.width; ++x) {
-      const Vec2 at = Vec2{double(x), double(y)} - cells.pupil_centre_px;
+      const Vec2 at{x - 0.5 * (grey.width - 1), y - 0.5 * (grey.height - 1)};
       const bool lit = std::none_of(
           cells.pieces.begin(), cells.pieces.begin() + cells.subapertures,
           [&](const PupilPiece& piece) { return norm(at - piece.centre_px) <= piece.radius_px; });
@@ -139,10 +140,66 @@ TEST(SensorField, CellsHoldEveryPixelOfThePupilOnce) {
   EXPECT_LT(std::abs(got - sum), 20.0) << got << sum;  // single precision
 }
 
+/// |F|^2 at a spatial frequency, by the sum over all pixels of the SLM.
+double direct_light(const Image<std::uint8_t>& grey, Vec2 f_cpp) {
+  std::complex<double> sum;
+  for (int y = 0; y < grey.height; ++y) {
+    for (int x = 0; x < grey.width; ++x) {
+      const Vec2 at{x - 0.5 * (grey.width - 1), y - 0.5 * (grey.height - 1)};
+      double waves = 0.0;
+      if (norm(at) <= 384.0) {
+        for (const Mode& mode : kModes) waves += mode.waves * zernike(mode.j, (1.0 / 384.0) * at);
+      }
+      const double cycles = grey.at(x, y) / 256.0 + waves - f_cpp.x * at.x - f_cpp.y * at.y;
+      sum += std::polar(1.0, 2.0 * std::numbers::pi * cycles);
+    }
+  }
+  return std::norm(sum);
+}
+
+class Turned : public testing::TestWithParam<PxPerCycle> {};
+
+TEST_P(Turned, CameraSeesWhatTheSumOverAllPixelsTells) {
+  OpticsConfig optics;
+  optics.registered = GetParam();
+  const PxPerCycle map = GetParam();
+  SensorField field = SensorField::make({}, {}, optics, 512, 512).value();
+  field.propagate(kModes, {});
+  const PieceMoments moments(field, std::vector<int>{1});
+  const HologramRenderer renderer = HologramRenderer::make(HologramConfig{}).value();
+  Image<std::uint8_t> grey;
+  renderer.render(HologramKind::sensor, {}, grey);
+  const Vec2 base_cpp{200.0 / 1280.0, 20.0 / 768.0}, base_px{255.5, 255.5};
+  float most = 0.0F;
+  for (std::size_t spot = 0; spot < 19; ++spot) {
+    const Vec2 at = moments.falls_px(spot, kModes);
+    for (int k = 0; k < 17 * 17; ++k) {
+      const int x = int(at.x) - 8 + k % 17, y = int(at.y) - 8 + k / 17;
+      most = std::max(most, std::norm(field.far().at(x, y)));
+    }
+  }
+  for (const std::size_t spot : {0, 9, 18}) {
+    const Vec2 at = moments.falls_px(spot, kModes);
+    for (const Vec2 off : {Vec2{0.0, 0.0}, Vec2{6.0, 0.0}, Vec2{-3.0, -7.0}}) {
+      const int x = int(std::lround(at.x + off.x)), y = int(std::lround(at.y + off.y));
+      const Vec2 px = Vec2{double(x), double(y)} - base_px;
+      const double d = map.determinant();
+      const Vec2 f{(map.yy * px.x - map.xy * px.y) / d, (map.xx * px.y - map.yx * px.x) / d};
+      EXPECT_NEAR(double(std::norm(field.far().at(x, y)) / most),
+                  direct_light(grey, base_cpp + f) / double(most), 0.015)
+          << spot << ' ' << off.x << ' ' << off.y;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Cameras, Turned,
+                         testing::Values(PxPerCycle(1926.0),
+                                         PxPerCycle(1923.4, -100.8, 100.8, 1923.4),
+                                         PxPerCycle(1100.0, 1580.0, 1600.0, -1090.0)));
+
 TEST(SensorField, RunsOfAPieceLieInIt) {
   const SensorField field = make_field(1);
   const PupilCells& cells = field.cells();
-  EXPECT_EQ(cells.bin_px, 2);
+  EXPECT_EQ(cells.grid.bin_px, 2);
   int last = 0;
   std::size_t next = 0;
   for (const CellRun& run : cells.runs) {
@@ -152,7 +209,7 @@ TEST(SensorField, RunsOfAPieceLieInIt) {
     next += std::size_t(run.end - run.begin);
     const PupilPiece& piece = cells.pieces[std::size_t(run.piece)];
     for (int x = run.begin; x < run.end; ++x) {
-      const Vec2 off = cells.at_px(x, run.y) - cells.pupil_centre_px - piece.centre_px;
+      const Vec2 off = cells.grid.at_px(x, run.y) - piece.centre_px;
       EXPECT_LE(norm(off), piece.radius_px + 1.0);
     }
   }

@@ -215,9 +215,22 @@ TEST_F(Refine, WhatCannotBeFittedIsAnErrorThatSaysSo) {
   EXPECT_EQ(field(dark, {0.0, 5.0}, flat), "camera");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {0, 1}).error().field, "modes");
   EXPECT_EQ(Refiner::make({}, {}, {}, 512, 512, {1}, {0.5}).error().field, "refine.box_half");
+}
+
+TEST_F(Refine, ATurnedCameraSeesTheSameWavefront) {
+  const Waves truth = random(0.3);
+  const Image<float> straight = bench().model.intensity(modes_of(truth)).value();
+  Image<float> seen(512, 512);
+  for (int y = 0; y < 512; ++y) {
+    for (int x = 0; x < 512; ++x) seen.at(511 - y, x) = straight.at(x, y) * 5e-6F;
+  }
+  const double scale = camera_px_per_cycle({}, {});
   OpticsConfig turned;
-  turned.registered = PxPerCycle(0.0, -1900.0, 1900.0, 0.0);
-  EXPECT_EQ(Refiner::make({}, {}, turned, 512, 512, {3}).error().field, "optics.px_per_cycle");
+  turned.registered = PxPerCycle(0.0, -scale, scale, 0.0);
+  Refiner refiner = Refiner::make({}, {}, turned, 512, 512, modes_18()).value();
+  const auto r = refiner.refine(seen, {}, Waves(18, 0.0));
+  ASSERT_TRUE(r) << r.error().reason;
+  EXPECT_LT(std::sqrt(squared_error(*r, truth)), 0.002);
 }
 
 TEST_F(Refine, EndsSoonWhenToldTo) {
