@@ -87,8 +87,10 @@ struct FrameRecord {
   /// steps (SpotHistory).
   bool follows = false;
   Reconstruction reconstruction;
-  bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or
-                          ///< the plan has templates and the frame does not follow
+  /// A wavefront explains the spots, but the plan has templates and the frame does not follow.
+  bool unconfirmed = false;
+  bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
+                          ///< frame is unconfirmed
   bool valid = false;     ///< settled, has a reference, modes determined, spots explained
 
   std::int64_t t_tracked_mono_ns = 0;

@@ -47,10 +47,11 @@ void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   entry.tracked = int(
       std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
   const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
-  const bool can_be_trusted = entry.follows || plan.fit == nullptr;
-  entry.explained =
-      !measured || entry.templates.credible ||
-      (can_be_trusted && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px));
+  const bool by_positions =
+      measured && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
+  entry.unconfirmed =
+      by_positions && plan.fit != nullptr && !entry.templates.credible && !entry.follows;
+  entry.explained = !measured || entry.templates.credible || (by_positions && !entry.unconfirmed);
   entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
   deps_.latency.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);

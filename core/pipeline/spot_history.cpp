@@ -48,7 +48,8 @@ void SpotHistory::adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
       track = {found, plan.predicted_px[i]};
     } else if (!track.last.fresh || away_px > kMaxSearchOffset * plan.spots.lambda_d_px) {
       track.last = found;
-      follows_ = false;
+      const bool counts = plan.referenced() && !std::isnan(plan.reference_px[std::size_t(i)].x);
+      follows_ = follows_ && !counts;
     }
   }
   if (live_) return;

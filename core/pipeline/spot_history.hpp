@@ -13,8 +13,8 @@ namespace ovws {
 /// Uses settled frames only. One thread at a time; only the constructor allocates.
 ///
 /// It also judges whether positions can be trusted: a frame *follows* if templates describe it, or
-/// if every spot of the reference stands within lambda/d / 4 of where the previous frame had it,
-/// and that frame follows. After a sudden change spots may be lost or mistaken for each other.
+/// if every spot of the reference stands within lambda/d / 4 of its start, and the previous frame
+/// follows. After a sudden change spots may be lost or mistaken for each other.
 class SpotHistory {
  public:
   SpotHistory();

@@ -101,8 +101,8 @@ void SpotSearch::on_frame(const FrameRecord& record) {
                                                               : Doubt::none;
   doubt_.store(doubt, std::memory_order_relaxed);
   if (!record.plan->referenced()) return;
-  const bool waits = record.plan->fit && !record.follows;
-  validity_.on_frame(record.valid, {0, record.tracked, record.spot_count, record.explained, waits},
+  validity_.on_frame(record.valid,
+                     {0, record.tracked, record.spot_count, record.explained, record.unconfirmed},
                      monotonic_ns());
 }
 

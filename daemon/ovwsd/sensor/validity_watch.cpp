@@ -47,9 +47,10 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action = action_of(search, now_ns);
+  invalid.action =
+      lack.waits ? "templates of this wavefront are being rendered" : action_of(search, now_ns);
   invalid.searches = search.searches;
-  if (!search.running)
+  if (!search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);
   return invalid;
 }
