@@ -1,4 +1,4 @@
-/// Decides when to search the whole image for lost spots.
+/// Decides when to search the whole image for lost spots, or to render templates, again.
 #pragma once
 
 #include <cstdint>

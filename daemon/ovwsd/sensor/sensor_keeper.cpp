@@ -151,8 +151,9 @@ void SensorKeeper::track_split_spots(std::uint64_t plan_id, std::optional<SplitS
 
 void SensorKeeper::use_templates(ActiveTemplates templates) {
   mailbox_.post([this, templates = std::move(templates)]() mutable {
-    const bool same_sensor = templates.sensor_epoch == state_.sensor_epoch;
-    if (hold_.by == Hold::By::job || !same_sensor) return;
+    const bool usable = !templates.fit || templates.sensor_epoch == state_.sensor_epoch;
+    const bool changes = templates.fit || state_.templates.fit;
+    if (hold_.by == Hold::By::job || !usable || !changes) return;
     SensorEdit edit = new_edit();
     edit.state.templates = std::move(templates);
     plan_again(std::move(edit));

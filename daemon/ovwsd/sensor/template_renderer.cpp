@@ -11,6 +11,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
 
 namespace ovws {
@@ -24,8 +25,10 @@ constexpr double kMaxResidual = 1.5;   // standard errors
 constexpr double kMoreResidual = 1.3;  // over that at the operating point
 constexpr int kEstimates = 8;
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
-constexpr std::int64_t kRestNs = 30'000'000;             // between renderings
-constexpr std::int64_t kFirstPauseNs = 50'000'000, kMaxPauseNs = 1'000'000'000;
+constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
+constexpr std::int64_t kGiveUpNs = 3'000'000'000;
+constexpr int kMinTracked = 4;  // one spot of so many: else it is dark
+constexpr double kCell = 0.5;   // lambda/d: images are compared after binning to this size
 
 /// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
 /// the linear templates leave more than noise.
@@ -41,7 +44,8 @@ bool is_drifted(const FrameRecord& record) {
 }
 
 bool can_be_rendered(const FrameRecord& record) {
-  return record.settled && record.settings_known && record.plan->referenced();
+  return record.settled && record.settings_known && record.plan->referenced() &&
+         kMinTracked * record.tracked >= record.spot_count;
 }
 
 /// Modes on the SLM that are not measured.
@@ -107,34 +111,62 @@ void TemplateRenderer::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
                       (!record.templates.credible || is_drifted(record));
+  described_.store(record.templates.credible, std::memory_order_relaxed);
   wanted_.store(wanted, std::memory_order_relaxed);
 }
 
 bool TemplateRenderer::do_work() {
   const bool wanted = wanted_.load(std::memory_order_relaxed) && !keeper_.is_held_by_job();
+  if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
+    frames_.clear();
     std::this_thread::sleep_for(kTurn);
     return false;
   }
-  std::vector<FrameCopy> frames;
-  while (frames.size() < kFrames) {
-    const FrameCopy* const frame = inbox_.next(kFramePatience);
-    if (frame == nullptr) return false;
-    frames.push_back(copy_of(*frame));
-  }
   const SensorView sensor = keeper_.snapshot();
-  const auto is_of = [&](const FrameCopy& one) {
-    return one.plan_id == sensor->plan_id && one.hologram_id == sensor->hologram_id;
-  };
-  if (!std::all_of(frames.begin(), frames.end(), is_of) || !sensor->reference) return false;
+  const std::int64_t began_ns = monotonic_ns();
   try {
-    report(render(frames, *sensor));
+    if (!take_frame(*sensor) || !begin_if_due(frames_.back(), *sensor)) return false;
+    report(render(frames_, *sensor), began_ns);
   } catch (const std::bad_alloc&) {
     model_.reset();
     report(
-        fail(Errc::refused, "camera.roi", "there is not enough memory for a model of this image"));
+        fail(Errc::refused, "camera.roi", "there is not enough memory for a model of this image"),
+        began_ns);
   }
+  frames_.clear();
+  return true;
+}
+
+/// Takes the next frame of the active plan and hologram. Returns whether there are enough of them.
+bool TemplateRenderer::take_frame(const SensorSnapshot& sensor) {
+  const FrameCopy* const frame = inbox_.next(kFramePatience);
+  if (frame == nullptr || !sensor.reference) return false;
+  const auto is_other = [&](const FrameCopy& one) {
+    return one.plan_id != sensor.plan_id || one.hologram_id != sensor.hologram_id;
+  };
+  frames_.push_back(copy_of(*frame));
+  if (std::any_of(frames_.begin(), frames_.end(), is_other)) frames_.clear();
+  return frames_.size() == kFrames;
+}
+
+/// Begins to try this frame, unless one failed that looks like it, and was measured by the same
+/// plan.
+bool TemplateRenderer::begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor) {
+  next_ns_ = monotonic_ns() + kRestNs;
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
+  const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
+  BinnedImage image = binned(frame.image, spots.lit.plane, bin);
+  const bool changed = !tried_ || frame.plan_id != tried_plan_id_ || is_other_image(*tried_, image);
+  const Doubt doubt = frame.valid ? Doubt::partial : Doubt::blind;
+  if (!policy_.is_due(doubt, changed, monotonic_ns())) {
+    frames_.clear();
+    return false;
+  }
+  policy_.begin(changed);
+  tried_ = std::move(image);
+  tried_plan_id_ = frame.plan_id;
   return true;
 }
 
@@ -222,20 +254,30 @@ Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
   return {};
 }
 
-/// Waits longer after each failure, and announces a new one.
-void TemplateRenderer::report(const Result<void>& rendered) {
-  if (rendered) {
-    next_ns_ = monotonic_ns() + kRestNs;
-    pause_ns_ = 0;
-    failure_.clear();
-    return;
-  }
-  pause_ns_ = std::clamp(2 * pause_ns_, kFirstPauseNs, kMaxPauseNs);
-  next_ns_ = monotonic_ns() + pause_ns_;
+/// Rests after a failure for as long as it took, because images of moving air never look alike, and
+/// announces a new one. When nothing has been found for some time, positions have to do.
+void TemplateRenderer::report(const Result<void>& rendered, std::int64_t began_ns) {
+  const std::int64_t now_ns = monotonic_ns();
+  if (rendered) return succeed();
+  next_ns_ = now_ns + std::max(kRestNs, now_ns - began_ns);
+  policy_.end(now_ns);
+  if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
+  if (now_ns - failing_since_ns_ > kGiveUpNs) keeper_.use_templates({});
   if (rendered.error().reason == failure_) return;
   failure_ = rendered.error().reason;
-  events_.emit("templates", Severity::warning, "frames are measured by positions only: " + failure_,
+  events_.emit("templates", Severity::warning, "templates do not describe the frames: " + failure_,
                {{"rendered", false}});
+}
+
+/// Frames are described by templates, by new ones or by those that there were.
+void TemplateRenderer::succeed() {
+  next_ns_ = monotonic_ns() + kRestNs;
+  policy_.reset();
+  failing_since_ns_ = 0;
+  if (failure_.empty()) return;
+  failure_.clear();
+  events_.emit("templates", Severity::info, "frames are measured from all pixels again",
+               {{"rendered", true}});
 }
 
 }  // namespace ovws

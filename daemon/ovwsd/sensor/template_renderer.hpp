@@ -13,8 +13,10 @@
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/agent.hpp"
 #include "core/spots/point_model.hpp"
+#include "core/tracking/binned_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
+#include "daemon/ovwsd/sensor/search_policy.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {
@@ -22,7 +24,8 @@ namespace ovws {
 /// Agent of the templates thread. When templates do not describe the frames, or the wavefront has
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
 /// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
-/// about it go to the SensorKeeper.
+/// about it go to the SensorKeeper. After a failure, SearchPolicy tells when to try again. When
+/// nothing has been found for three seconds, templates are withdrawn, and positions count.
 class TemplateRenderer : public Agent {
  public:
   TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -39,7 +42,10 @@ class TemplateRenderer : public Agent {
   Result<void> make_model(std::span<const ImageView> images, const SensorSnapshot& sensor);
   Result<void> render(std::span<const FrameCopy> frames, const SensorSnapshot& sensor);
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
-  void report(const Result<void>& rendered);
+  bool take_frame(const SensorSnapshot& sensor);
+  bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
+  void report(const Result<void>& rendered, std::int64_t began_ns);
+  void succeed();
 
   SlmGeometry slm_;
   SensorKeeper& keeper_;
@@ -47,9 +53,14 @@ class TemplateRenderer : public Agent {
   FrameInbox inbox_;
   std::unique_ptr<Model> model_;
   std::atomic<bool> wanted_{false};
+  std::atomic<bool> described_{false};  ///< the newest frame, by its plan's templates
   // Templates thread only.
-  std::int64_t next_ns_ = 0;  ///< not before; after a failure
-  std::int64_t pause_ns_ = 0;
+  std::int64_t next_ns_ = 0;       ///< not before
+  std::vector<FrameCopy> frames_;  ///< of one plan and hologram, in a row
+  SearchPolicy policy_;
+  std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
+  std::optional<BinnedImage> tried_;   ///< the image tried last
+  std::uint64_t tried_plan_id_ = 0;
   std::string failure_;  ///< announced
   /// Epoch and time of a reference whose image the model does not explain.
   std::optional<std::pair<std::uint64_t, std::int64_t>> unexplained_;

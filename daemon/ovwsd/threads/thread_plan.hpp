@@ -90,7 +90,7 @@ constexpr std::array<ThreadRow, 20> kThreadTable{{
     {ThreadRole::search, "search", 0, "the next frame with its pixels; a search takes a second",
      30.0, OnHang::report},
     {ThreadRole::templates, "templates", 0,
-     "the next frame with its pixels; renderings take up to some seconds", 30.0, OnHang::report, 5},
+     "the next frame with its pixels; renderings take up to a second", 30.0, OnHang::report, 5},
     {ThreadRole::refine, "refine", 0, "the next frame with its pixels; a fit takes seconds", 120.0,
      OnHang::report, 15},
     {ThreadRole::model, "model", 0, "a request; a diffractive matrix takes seconds", 300.0,
