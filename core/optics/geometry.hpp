@@ -84,8 +84,7 @@ struct SensorConfig {
 PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// Whether the camera is aligned with the SLM: the matrix is a positive multiple of the identity to
-/// 0.002 of its scale, which is half a pixel at 250 pixels. The diffraction models of whole images
-/// require it.
+/// 0.002 of its scale, which is half a pixel at 250 pixels. SensorModel requires it.
 bool is_straight(const PxPerCycle& map);
 /// Errc::refused (field "optics.px_per_cycle") unless is_straight.
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);

@@ -13,6 +13,7 @@ constexpr int kTilePx = 64;     // side of the pieces outside the subapertures
 constexpr int kMinAcross = 64;  // cells in the diameter of a subaperture
 constexpr int kMaxBinPx = 4;
 constexpr double kMaxBand = 0.6;  // of the frequencies that the cells tell apart
+constexpr double kTie = 1e-6;     // cells: pixels of an SLM of odd size lie between two cells
 constexpr int kOutside = -2;      // outside the pupil: modes are not applied
 constexpr int kUnowned = -1;      // in the pupil, outside the subapertures
 
@@ -113,9 +114,9 @@ void add_pixel(std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp, const C
   const Vec2 cell = grid.at_cell(at_px);
   const auto inside = [](int at, int size) { return std::clamp(at, 0, size - 1); };
   if (!turned) {
-    return add_to(inside(int(std::lround(cell.x)), grid.width),
-                  inside(int(std::lround(cell.y)), grid.height), value, at_px, carrier_cpp, grid,
-                  box);
+    const auto nearest = [](double at) { return int(std::floor(at + 0.5 + kTie)); };
+    return add_to(inside(nearest(cell.x), grid.width), inside(nearest(cell.y), grid.height), value,
+                  at_px, carrier_cpp, grid, box);
   }
   const double left = std::floor(cell.x), top = std::floor(cell.y);
   for (int k = 0; k < 4; ++k) {

@@ -64,7 +64,8 @@ struct PupilCells {
 };
 
 /// `grey`: the hologram without any wavefront. Cells are as large as the far field in `window`
-/// permits: at least 64 in the diameter of a subaperture. `window` is along the camera's axes.
+/// permits: at least 64 in the diameter of a subaperture, if that has as many pixels. `window` is
+/// along the camera's axes.
 PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const PxPerCycle& turn,
                      const FarFieldWindow& window, const Image<std::uint8_t>& grey);
 

@@ -64,7 +64,6 @@ class SensorField {
   Image<std::complex<float>> phasors_;  ///< what modes and amplitude make of a cell
   std::vector<std::complex<float>> pupil_;
   Image<std::complex<float>> sums_;                      ///< of pupil_ over the pieces
-  Image<std::complex<float>> columns_;                   ///< after the pass along x, transposed
   std::optional<std::vector<Mode>> fixed_ln_amplitude_;  ///< for which fixed_ was computed
   Image<std::complex<float>> fixed_;                     ///< far field of light outside the pupil
   Image<std::complex<float>> far_;

@@ -13,7 +13,7 @@
 namespace ovws {
 
 /// Of one sensor on one bench. Use it from one thread at a time, off the frame path: a rendering
-/// takes some 20 ms on the default bench, and a reference some ten of them.
+/// takes some 15 ms on the default bench, and a reference some ten of them.
 class PointModel {
  public:
   /// `estimates`: of each spot, 2 to kMaxSpotEstimates.

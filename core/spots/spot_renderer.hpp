@@ -17,7 +17,7 @@ namespace ovws {
 /// Renders with the diffraction model. The light is that of the whole SLM (SensorField). In the
 /// derivatives a subaperture contributes to its own window and to its neighbours', and every mode
 /// is a polynomial of degree 3 over a subaperture (PieceMoments). Use it from one thread at a
-/// time, off the frame path: a rendering takes some 20 ms on the default bench.
+/// time, off the frame path: a rendering takes some 15 ms on the default bench.
 class SpotRenderer {
  public:
   struct Options {
