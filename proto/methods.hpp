@@ -79,7 +79,9 @@ inline constexpr auto kCalibrationRun = method<CalibrationRun, JobNumber>(
     "calibration.run",
     "Measures the interaction (poke) matrix: how far each mode moves each spot. Each mode is shown "
     "with both signs on top of the aberration that is shown. Returns at once; the job's result is "
-    "that of calibration.get, and the matrix is active from then on (operator measured).");
+    "that of calibration.get, and the matrix is active from then on (operator measured), unless "
+    "the "
+    "tracker is fit.");
 inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
     "camera.get", "Returns the camera's settings and its current limits.");
 inline constexpr auto kCameraSet = method<CameraSet, CameraSetReport>(

@@ -225,6 +225,8 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
         origin_of(edit, shown_modes(edit.state), edit.bench.grey.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
     schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
+    // It is a matrix of positions: the templates of `fit` measure better.
+    if (edit.state.tracking.tracker == TrackerKind::fit) return {};
     edit.state.tracking.mode_operator = OperatorKind::measured;
     if (edit.lease) edit.lease->tracking.mode_operator = OperatorKind::measured;
     return {};
