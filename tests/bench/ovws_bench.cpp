@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <random>
 
 #include "core/optics/hologram.hpp"
+#include "core/spots/frame_fit.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/tracking/lg_contour.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -35,6 +37,33 @@ void track(State& state, TrackerKind kind) {
     benchmark::DoNotOptimize(found);
   }
   if (found != int(field.middles_px.size())) state.SkipWithError("spots were lost");
+}
+
+/// A whole frame by templates: all spots and the modes.
+void fit(State& state) {
+  constexpr int kModes = 18;
+  const SpotField field(int(state.range(0)), int(state.range(1)), 1);
+  OperatingPoint point;
+  point.waves.assign(kModes, 0.0);
+  point.reference_waves.assign(kModes, 0.0);
+  point.noise.constant_dn2 = 1600.0;
+  point.lit = int(field.middles_px.size());
+  point.levels_dn.assign(field.middles_px.size(), kPeakDn);
+  point.ceiling_dn = 65000.0;
+  point.max_excess = 100.0;  // the spots stand elsewhere
+  std::vector<int> modes_j(kModes);
+  std::iota(modes_j.begin(), modes_j.end(), 1);
+  const FrameFit frame(point, rendered(field), modes_j);
+  SpotFit::Scratch pixels = frame.spots().make_scratch();
+  FrameFit::Scratch scratch = frame.make_scratch();
+  std::vector<SpotEstimates> found(field.middles_px.size());
+  std::vector<SpotFix> fixes(found.size());
+  std::vector<float> coefficients(kModes), sigma_waves(kModes);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < found.size(); ++i)
+      found[i] = frame.spots().fit(field.view(), i, pixels);
+    benchmark::DoNotOptimize(frame.solve(found, scratch, coefficients, sigma_waves, fixes));
+  }
 }
 
 /// Tracks noise without spots, of the same level as beside the spots.
@@ -131,6 +160,7 @@ void screens(benchmark::internal::Benchmark* b) {
 BENCHMARK(mark)->Name("BM_CentroidMark")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg, TrackerKind::lg)->Name("BM_Lg")->Apply(regions);
 BENCHMARK_CAPTURE(track, matched, TrackerKind::matched)->Name("BM_Matched")->Apply(regions);
+BENCHMARK(fit)->Name("BM_Fit")->Apply(regions);
 BENCHMARK(track_lost)->Name("BM_MatchedLost")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg_contour, TrackerKind::lg_contour)->Name("BM_LgContour")->Apply(regions);
 BENCHMARK(acquire_cold)->Name("BM_AcquireCold")->Apply(regions);

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <random>
 
+#include "core/optics/zernike.hpp"
 #include "core/tracking/spot_shape.hpp"
 
 namespace ovws::bench {
 namespace {
 
 constexpr double kLambdaDPerRegion = 12.5 / 64.0;
-constexpr double kPeakDn = 2000.0, kBlackDn = 100.0, kNoiseDn = 40.0;
+constexpr double kBlackDn = 100.0, kNoiseDn = 40.0;
 constexpr double kOffPx = 3.0;
 
 void put_spot(Image<std::uint16_t>& picture, const ModelShape& shape, Vec2 at, int half_px,
@@ -45,27 +46,42 @@ SpotField::SpotField(int count, int region, int charge)
   }
 }
 
-double centroid_mark(const SpotField& field) {
-  constexpr int kThreshold = 300;
-  double all = 0.0;
+std::vector<RenderedSpot> rendered(const SpotField& field) {
+  constexpr double kStepPx = 0.1;
+  constexpr int kModes = 18;
+  const double window_px = 4.0 * field.spots.lambda_d_px;
+  const ModelShape shape(field.spots, 1.5 * field.region_px / field.spots.lambda_d_px);
+  std::vector<RenderedSpot> spots;
   for (const Vec2 middle : field.middles_px) {
-    const int x0 = int(middle.x) - field.region_px / 2, y0 = int(middle.y) - field.region_px / 2;
-    std::int64_t sum = 0, sum_x = 0, sum_y = 0;
-    for (int y = 0; y < field.region_px; ++y) {
-      const std::uint16_t* row = field.picture.row(y0 + y) + x0;
-      std::int32_t line = 0, line_x = 0;
-      for (int x = 0; x < field.region_px; ++x) {
-        const std::int32_t above = row[x] > kThreshold ? row[x] - kThreshold : 0;
-        line += above;
-        line_x += above * x;
+    RenderedSpot spot;
+    spot.window.bin = field.spots.lambda_d_px >= 10.0 ? 2 : 1;  // as SpotRenderer
+    spot.window.side = int(std::ceil(window_px / spot.window.bin));
+    spot.window.left = int(middle.x) - spot.window.side * spot.window.bin / 2;
+    spot.window.top = int(middle.y) - spot.window.side * spot.window.bin / 2;
+    spot.place_px = middle;
+    spot.light.resize(spot.window.cells());
+    spot.per_px.resize(spot.window.cells(), 2);
+    spot.per_wave.resize(spot.window.cells(), kModes);
+    const double pixels = spot.window.bin * spot.window.bin;
+    for (int c = 0; c < spot.window.cells(); ++c) {
+      const Vec2 off{spot.window.left + (c % spot.window.side + 0.5) * spot.window.bin - middle.x,
+                     spot.window.top + (c / spot.window.side + 0.5) * spot.window.bin - middle.y};
+      const auto light = [&](double x, double y) {
+        return float(pixels * shape.at({off.x - x, off.y - y}).value);
+      };
+      spot.light(c) = light(0.0, 0.0);
+      spot.per_px(c, 0) = (light(kStepPx, 0.0) - spot.light(c)) / float(kStepPx);
+      spot.per_px(c, 1) = (light(0.0, kStepPx) - spot.light(c)) / float(kStepPx);
+      const Vec2 at = (1.0 / window_px) * off, pupil = (1.0 / field.picture.width) * middle;
+      for (int k = 0; k < kModes; ++k) {
+        const double across = zernike(k + 1, {2.0 * pupil.x - 1.0, 2.0 * pupil.y - 1.0});
+        spot.per_wave(c, k) =
+            float(across) * (spot.per_px(c, k % 2) + float(at.x * at.y) * spot.light(c));
       }
-      sum += line;
-      sum_x += line_x;
-      sum_y += std::int64_t(line) * y;
     }
-    if (sum > 0) all += double(sum_x + sum_y) / double(sum);
+    spots.push_back(std::move(spot));
   }
-  return all;
+  return spots;
 }
 
 }  // namespace ovws::bench

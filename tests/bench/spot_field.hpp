@@ -6,6 +6,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/spots/rendered_spot.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws::bench {
@@ -21,9 +22,15 @@ struct SpotField {
   Image<std::uint16_t> picture;  ///< 12 significant bits
   ImageView view() const { return view_of(picture, PixelFormat::mono16); }
 };
+constexpr double kPeakDn = 2000.0;  ///< of a spot, above the background
 
-/// Reference for timing: one pass of a thresholded centroid over each region. Returns the sum of
-/// all positions, so that the compiler cannot remove the work.
+/// The spots as if rendered, in windows of 4 lambda/d, with derivatives for 18 modes that differ
+/// from spot to spot.
+std::vector<RenderedSpot> rendered(const SpotField& field);
+
+/// Reference for timing: one pass of a thresholded centroid over each region, a plain loop built
+/// with all that the compiler and this machine offer. Returns the sum of all positions, so that the
+/// compiler cannot remove the work.
 double centroid_mark(const SpotField& field);
 
 }  // namespace ovws::bench
