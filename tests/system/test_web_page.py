@@ -38,7 +38,7 @@ class Hostile(http.server.BaseHTTPRequestHandler):
 
 
 class Page(WebCase):
-    daemon_config = {"record": {"directory": "recordings"}}
+    daemon_config = {"record": {"directory": "recordings"}, "tracking": {"tracker": "fit"}}
 
     def setUp(self):
         if not PACKAGES_AT:
@@ -81,6 +81,7 @@ class Page(WebCase):
         self.open()
         shown = float(self.browser.wait_text("#figures dd .value", lambda text: text.startswith("0.31")))
         self.browser.wait_text("#mode-table", lambda text: "Z3oblique astigmatism" in text)
+        self.browser.wait_text("#modes-error", lambda text: "standard error 0.000" in text)
         true = self.settled_frames(self.stream("wavefront"), 1)[0]
         self.assertAlmostEqual(shown, true["rms_waves"], delta=0.01)
         rows = self.browser.run("return [...document.querySelectorAll('#mode-table tbody tr')].map((r) => [...r.cells].map((c) => c.textContent))")

@@ -37,6 +37,17 @@ double largest(const json& values) {
   return most;
 }
 
+/// The standard error of all modes together, RMS; empty if a frame was measured by positions.
+std::string error_of(const json& wavefront) {
+  double squares = 0.0;
+  const json sigma = wavefront.value("sigma", json::array());
+  for (const json& value : sigma) {
+    if (!value.is_number()) return "";
+    squares += value.get<double>() * value.get<double>();
+  }
+  return sigma.empty() ? "" : fmt::format(" ±{:.4f}", std::sqrt(squares));
+}
+
 int longest_name(const json& modes) {
   std::size_t longest = 0;
   for (const json& j : modes) longest = std::max(longest, zernike_name(j.get<int>()).size());
@@ -65,10 +76,11 @@ void draw_modes(Canvas& canvas, Rect rect, const View& view, int& first_mode) {
   const int rows = std::max(rect.height - 1, 0);
   first_mode = std::clamp(first_mode, 0, std::max(count - rows, 0));
   const double scale_waves = bar_scale_waves(largest(values));
-  canvas.text(rect.x, rect.y, rect.width,
-              fmt::format("modes {}-{} of {}, waves; bar ±{:g}", first_mode + 1,
-                          std::min(first_mode + rows, count), count, scale_waves),
-              Style::title);
+  canvas.text(
+      rect.x, rect.y, rect.width,
+      fmt::format("modes {}-{} of {}{}, waves; bar ±{:g}", first_mode + 1,
+                  std::min(first_mode + rows, count), count, error_of(view.wavefront), scale_waves),
+      Style::title);
   const int name_width =
       std::min(longest_name(modes), rect.width - kIndexWidth - kNumberWidth - kMinBarWidth);
   for (int row = 0; row < rows && first_mode + row < count; ++row) {

@@ -1,7 +1,7 @@
 // The coefficients: one signed bar per mode, and their history over the last minutes.
 import { begin, font } from "./canvas.js";
 import { colourOf, themed } from "./colour.js";
-import { byId, element, roundUp, setText, signed, tick } from "./format.js";
+import { byId, element, fixed, roundUp, setText, signed, tick } from "./format.js";
 import { bins, now, SPAN_S } from "./history.js";
 
 let names = new Map(); // j -> name
@@ -38,6 +38,13 @@ function scaleFor(most, now) {
   return scale.value;
 }
 
+/** What the message says about its errors: the standard error of all modes together, if it was measured from all pixels. */
+function errorOf({ valid, sigma }) {
+  if (!valid || !sigma) return "";
+  if (sigma.includes(null)) return ", from positions";
+  return `, standard error ${fixed(Math.hypot(...sigma), 4)} wave RMS`;
+}
+
 export function takeWavefront(message) {
   if (rows.length !== message.j.length || rows.some((row, i) => row.j !== message.j[i])) build(message.j);
   const most = Math.max(...message.coefficients.map((c) => Math.abs(c ?? 0)));
@@ -45,9 +52,11 @@ export function takeWavefront(message) {
   rows.forEach((row, i) => {
     const waves = message.coefficients[i];
     setText(row.value, signed(waves, 4));
+    row.value.title = message.sigma?.[i] == null ? "" : `standard error ${fixed(message.sigma[i], 5)} wave`;
     row.bar.style.transform = `scaleX(${(waves ?? 0) / limit})`;
     row.bar.dataset.sign = (waves ?? 0) < 0 ? "minus" : "plus";
   });
+  setText(byId("modes-error"), errorOf(message));
   setText(byId("axis-low"), tick(-limit));
   setText(byId("axis-high"), `+${tick(limit)}`);
 }

@@ -68,6 +68,14 @@ TEST(Page, TellsTheBench) {
   EXPECT_TRUE(has(text, "Strehl 0.000"));
 }
 
+TEST(Page, TellsTheStandardErrorOfFittedFrames) {
+  View view = bench();
+  view.wavefront["sigma"] = {0.0003, 0.0004};
+  EXPECT_TRUE(has(page(view), "±0.0005"));
+  view.wavefront["sigma"] = {nullptr, nullptr};
+  EXPECT_FALSE(has(page(view), "±0.0005"));
+}
+
 TEST(Page, SaysWhyThereAreNoNumbers) {
   View view = bench();
   view.wavefront["valid"] = false;
