@@ -97,7 +97,7 @@ class Measure(unittest.TestCase):
                                  (template, 19 if template == "reference" else 0, None))
                 self.assertLess(abs(found - waves), 0.05 * waves + 0.005)
         self.assertGreater(quality["reference"], quality["model"])
-        (line,) = self.measure(images[0], reference=flat, more=("--template", "reference"))
+        (line,) = self.measure(images[0], reference=flat, more=("--tracker", "lg", "--template", "reference"))
         self.assertIn("matched", line["template_reason"])
         (refused,) = self.ovws("measure", "--model-reference", "--template", "reference", images[0], status=2)
         self.assertIn("template", str(refused))
