@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <optional>
 #include <random>
@@ -18,6 +19,10 @@ namespace {
 
 class DisplayServerDeath : public testing::Test {
  protected:
+  static void SetUpTestSuite() {
+    std::signal(SIGPIPE, SIG_IGN);  // as ovwsd does: the server's end closes a socket
+  }
+
   void start() {
     server.reset();
     server.emplace(number);
