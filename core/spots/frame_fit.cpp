@@ -11,11 +11,11 @@
 namespace ovws {
 namespace {
 
-constexpr double kMinLevel = 0.25;      // of the level expected: less is no spot
-constexpr int kMaxLostShare = 6;        // at most one spot of so many may be lost
-constexpr double kOutlier = 5.0;        // of a spot's residual, RMS, over the others'
-constexpr double kMaxResidual = 3.0;    // RMS over all, standard errors; or, as positions,
-constexpr int kMaxPointLostShare = 12;  // where templates are exact, in dim light
+constexpr double kMinLevel = 0.25;     // of the level expected: less is no spot
+constexpr int kMaxLostShare = 6;       // at most one spot of so many may be lost
+constexpr double kOutlier = 5.0;       // of a spot's residual, RMS, over the others'
+constexpr double kMaxResidual = 3.0;   // RMS over all, standard errors; or, as positions,
+constexpr int kMaxPointLostShare = 8;  // where templates are exact
 constexpr double kMaxPointResidual = 1.3;
 constexpr double kMaxResidualShare = 0.005;  // of a window's width
 constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
@@ -83,10 +83,11 @@ const FittedFrame& FrameFit::check(const ImageView& image) {
   std::vector<float> coefficients(modes_j_.size()), sigma_waves(modes_j_.size());
   std::vector<SpotFix> fixes(rows_.size());
   at_point_ = solve(found, scratch, coefficients, sigma_waves, fixes);
-  // In dim light three spots fewer, or large errors, would hide that the wavefront is another.
-  const bool agree =
-      at_point_.residual < kMaxPointResidual && kMaxPointLostShare * at_point_.lost <= point_.lit;
-  at_point_.credible = at_point_.credible && (agree || at_point_.residual_px < max_residual_px_);
+  // Three spots fewer, or in dim light large errors, would hide that the wavefront is another.
+  const bool small =
+      at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px_;
+  const bool enough = kMaxPointLostShare * at_point_.lost <= point_.lit;
+  at_point_.credible = at_point_.credible && small && enough;
   return at_point_;
 }
 

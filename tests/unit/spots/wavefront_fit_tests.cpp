@@ -2,6 +2,7 @@
 /// claim.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -192,6 +193,25 @@ TEST_F(Templates, DoNotDescribeAnotherWavefront) {
     const Frame frame = measured(**fit, view(changed));
     EXPECT_FALSE(frame.fitted.credible) << "seed " << seed;
     EXPECT_EQ(frame.allocations, 0U);
+  }
+}
+
+/// In bright light, too: another wavefront may agree with 16 spots of 19.
+TEST_F(Templates, AreNotConfirmedByAFrameWithoutThreeSpotsOfNineteen) {
+  const Waves flat(18, 0.0);
+  const auto reference = exposed(light(1, flat, 2000.0), kReadNoiseE, 1);
+  PointModel points(renderer(1, 18), 8);
+  ASSERT_TRUE(points.use_reference(view(reference), {25.0, 1.0}, flat, {}));
+  auto image = exposed(light(1, flat, 2000.0), kReadNoiseE, 2);
+  const auto fit = points.templates(std::vector{view(reference), view(image)}, flat, {}, 4);
+  ASSERT_TRUE(fit) << fit.error().reason;
+  for (int lost = 1; lost <= 3; ++lost) {
+    const PixelBox box = (*fit)->spots().spots()[std::size_t(lost)].window.pixels();
+    for (int y = box.y; y < box.y + box.height; ++y) {
+      std::fill_n(&image.at(box.x, y), box.width, std::uint16_t(kBlackDn));
+    }
+    const auto again = points.templates(std::vector{view(reference), view(image)}, flat, {}, 4);
+    EXPECT_EQ(again.has_value(), lost <= 2) << lost << " spots lost";
   }
 }
 
