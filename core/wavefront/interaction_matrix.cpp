@@ -45,20 +45,6 @@ std::vector<std::size_t> resting_spots(const PushPullRun& run) {
   return spots;
 }
 
-void measure_drift(const PushPullRun& run, const std::vector<std::size_t>& spots,
-                   InteractionMatrix& matrix) {
-  double squares = 0.0, variance = 0.0;
-  for (const std::size_t i : spots) {
-    const Vec2 moved = run.after.at_px[i] - run.before.at_px[i];
-    const Vec2 &a = run.before.standard_error_px[i], &b = run.after.standard_error_px[i];
-    squares += moved.x * moved.x + moved.y * moved.y;
-    variance += a.x * a.x + a.y * a.y + b.x * b.x + b.y * b.y;
-  }
-  const double count = 2.0 * double(std::max<std::size_t>(1, spots.size()));
-  matrix.drift_px = std::sqrt(squares / count);
-  matrix.drift_noise_px = std::sqrt(variance / count);
-}
-
 /// One column in floats, as it is stored, so that a matrix read from a file is identical. (GCC 12
 /// omits the rounding of double(float(value)) where it vectorises neighbours.)
 struct Column {
@@ -139,10 +125,36 @@ std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting) {
   return lost;
 }
 
+SpotDrift drift_between(const SpotMeans& first, const SpotMeans& second) {
+  double squares = 0.0, variance = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < first.at_px.size(); ++i) {
+    if (!found(first, i) || !found(second, i)) continue;
+    const Vec2 moved = second.at_px[i] - first.at_px[i];
+    const Vec2 &a = first.standard_error_px[i], &b = second.standard_error_px[i];
+    squares += moved.x * moved.x + moved.y * moved.y;
+    variance += a.x * a.x + a.y * a.y + b.x * b.x + b.y * b.y;
+    count += 2.0;
+  }
+  if (count == 0.0) return {};
+  return {std::sqrt(squares / count), std::sqrt(variance / count)};
+}
+
+SpotMeans mean_of_both(const SpotMeans& first, const SpotMeans& second) {
+  SpotMeans mean = first;
+  for (std::size_t i = 0; i < mean.at_px.size(); ++i) {
+    const Vec2 &a = first.standard_error_px[i], &b = second.standard_error_px[i];
+    mean.at_px[i] = 0.5 * (first.at_px[i] + second.at_px[i]);
+    mean.standard_error_px[i] = {0.5 * std::hypot(a.x, b.x), 0.5 * std::hypot(a.y, b.y)};
+  }
+  return mean;
+}
+
 Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_drift_px) {
   InteractionMatrix matrix;
   const auto resting = resting_spots(run);
-  measure_drift(run, resting, matrix);
+  const SpotDrift drift = drift_between(run.before, run.after);
+  matrix.drift_px = drift.rms_px;
+  matrix.drift_noise_px = drift.noise_px;
   if (matrix.drift_px > max_drift_px) {
     return fail(Errc::refused, "",
                 "at rest the spots have moved by " + hundredths(matrix.drift_px) +

@@ -18,6 +18,15 @@ struct SpotMeans {
   std::vector<Vec2> standard_error_px;
 };
 
+/// Movement of the spots that both have; 0 without any.
+struct SpotDrift {
+  double rms_px = 0.0;    ///< over x and y
+  double noise_px = 0.0;  ///< expected from the standard errors alone
+};
+SpotDrift drift_between(const SpotMeans& first, const SpotMeans& second);
+/// Of two measurements of the same hologram; a spot that one of them lost is lost.
+SpotMeans mean_of_both(const SpotMeans& first, const SpotMeans& second);
+
 /// Push-pull poke of one mode, on top of whatever else is shown.
 struct PushPull {
   int j = 0;

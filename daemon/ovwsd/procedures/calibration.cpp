@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/procedures/calibration.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +14,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxDrift = 0.05;  // lambda/d, from the first average without a poke to the last
-constexpr int kMaxHalvings = 2;     // of the amplitude
+constexpr double kMaxDrift = 0.05;    // lambda/d, from the first average without a poke to the last
+constexpr double kMaxStep = 0.01;     // lambda/d, from a poke to its repetition, beyond noise
+constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
+constexpr int kMaxTries = 4;          // of a poke while the bench moves
+constexpr int kMinFrames = 2;
+constexpr int kMaxHalvings = 2;  // of the amplitude
 
 std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
   const auto at =
@@ -63,28 +69,72 @@ struct Poked {
   std::string reason;
 };
 
-Result<Poked> poke_mode(Bench& bench, const std::vector<Mode>& shown, int j, double amplitude_waves,
-                        int frames) {
-  Poked poked{PushPull{j, amplitude_waves, {}, {}}, ""};
+/// Which modes are shown, and how each poke is measured.
+struct Pokes {
+  std::vector<Mode> shown;
+  int frames = 0;  ///< of each of the two measurements
+  double max_step_px = 0.0;
+};
+
+Result<PushPull> push_and_pull_once(Bench& bench, const Pokes& pokes, int j,
+                                    double amplitude_waves) {
+  PushPull poked{j, amplitude_waves, {}, {}};
   for (const double sign : {1.0, -1.0}) {
-    auto spots = measure_spots(bench, with_poke(shown, j, sign * amplitude_waves), frames);
-    if (!spots) {
-      const Error& why = spots.error();
-      if (why.code != Errc::invalid || why.field != "modes") return fail(why);
-      return Poked{std::nullopt, "the SLM cannot show it: " + why.reason};
-    }
-    (sign > 0.0 ? poked.push_pull->plus : poked.push_pull->minus) = std::move(*spots);
+    auto spots =
+        measure_spots(bench, with_poke(pokes.shown, j, sign * amplitude_waves), pokes.frames);
+    if (!spots) return fail(spots.error());
+    (sign > 0.0 ? poked.plus : poked.minus) = std::move(*spots);
   }
   return poked;
 }
 
+/// How far the bench moved between two measurements of the same poke, px RMS beyond noise.
+double step_px(const PushPull& first, const PushPull& second) {
+  const SpotDrift plus = drift_between(first.plus, second.plus);
+  const SpotDrift minus = drift_between(first.minus, second.minus);
+  return std::max(plus.rms_px - kNoiseFactor * plus.noise_px,
+                  minus.rms_px - kNoiseFactor * minus.noise_px);
+}
+
+/// Measures + and - twice: a bench that moved in between would add its movement to the column.
+/// Errc::refused: two measurements in a row never agreed.
+Result<PushPull> push_and_pull(Bench& bench, const Pokes& pokes, int j, double amplitude_waves) {
+  auto last = push_and_pull_once(bench, pokes, j, amplitude_waves);
+  double step = 0.0;
+  for (int tries = 0; last && tries < kMaxTries; ++tries) {
+    auto next = push_and_pull_once(bench, pokes, j, amplitude_waves);
+    if (!next) return next;
+    step = step_px(*last, *next);
+    if (step <= pokes.max_step_px) {
+      return PushPull{j, amplitude_waves, mean_of_both(last->plus, next->plus),
+                      mean_of_both(last->minus, next->minus)};
+    }
+    last = std::move(next);
+  }
+  if (!last) return last;
+  return fail(
+      Errc::refused, "",
+      fmt::format("the bench moves: the spots of mode j = {} moved by {:.2f} px RMS from one "
+                  "measurement to the next, {} times in a row (limit {:.2f} px): let it "
+                  "settle, and measure again, or average more frames (frames)",
+                  j, step, kMaxTries, pokes.max_step_px));
+}
+
+Result<Poked> poke_mode(Bench& bench, const Pokes& pokes, int j, double amplitude_waves) {
+  auto push_pull = push_and_pull(bench, pokes, j, amplitude_waves);
+  if (push_pull) return Poked{std::move(*push_pull), ""};
+  const Error& why = push_pull.error();
+  if (why.code != Errc::invalid || why.field != "modes") return fail(why);
+  return Poked{std::nullopt, "the SLM cannot show it: " + why.reason};
+}
+
 /// Pokes a mode, and halves the amplitude up to kMaxHalvings times if the SLM cannot show it or
 /// spots are lost: a strong poke of a high mode may lose spots at the rim.
-Result<Poked> poke_gently(Bench& bench, const std::vector<Mode>& shown, int j,
-                          const CalibrationRun& run, const SpotMeans& resting) {
+Result<Poked> poke_gently(Bench& bench, const Pokes& pokes, int j, double amplitude_waves,
+                          const SpotMeans& resting) {
   Result<Poked> poked = fail(Errc::refused, "", "");
   for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
-    poked = poke_mode(bench, shown, j, std::ldexp(run.amplitude_waves, -halvings), run.frames);
+    poked = poke_mode(bench, pokes, j, std::ldexp(amplitude_waves, -halvings));
     if (!poked || (poked->push_pull && lost_by(*poked->push_pull, resting).empty())) return poked;
   }
   return poked;
@@ -108,17 +158,18 @@ Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
 
 Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& modes_j,
                                          const CalibrationRun& run, const ModeOperator& model,
-                                         double max_drift_px) {
-  const std::vector<Mode> shown = bench.sensor()->aberration;
+                                         double spot_px) {
+  const Pokes pokes{bench.sensor()->aberration, std::max(kMinFrames, (run.frames + 1) / 2),
+                    kMaxStep * spot_px};
   PushPullRun run_data;
   std::vector<DroppedMode> dropped;
   bool any_lost = false;
-  auto before = measure_spots(bench, shown, run.frames);
+  auto before = measure_spots(bench, pokes.shown, run.frames);
   if (!before) return fail(before.error());
   run_data.before = std::move(*before);
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
     bench.report_progress(double(k + 1) / double(modes_j.size() + 2));
-    auto poked = poke_gently(bench, shown, modes_j[k], run, run_data.before);
+    auto poked = poke_gently(bench, pokes, modes_j[k], run.amplitude_waves, run_data.before);
     if (!poked) return fail(poked.error());
     if (poked->push_pull) {
       const auto at = std::find(model.modes_j.begin(), model.modes_j.end(), modes_j[k]);
@@ -128,10 +179,10 @@ Result<InteractionMatrix> measure_matrix(Bench& bench, const std::vector<int>& m
     }
     if (!poked->push_pull) dropped.push_back({modes_j[k], poked->reason});
   }
-  auto after = measure_spots(bench, shown, run.frames);
+  auto after = measure_spots(bench, pokes.shown, run.frames);
   if (!after) return fail(after.error());
   run_data.after = std::move(*after);
-  auto matrix = interaction_matrix(run_data, max_drift_px);
+  auto matrix = interaction_matrix(run_data, kMaxDrift * spot_px);
   if (!matrix) return matrix;
   any_lost = any_lost || !matrix->lost_spots.empty();
   matrix->dropped.insert(matrix->dropped.begin(), dropped.begin(), dropped.end());
@@ -153,8 +204,8 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
       slope_operator(*lattice, now.sensor, now.tracking, px_per_cycle(now.optics, slm));
   const auto modes_j = modes_to_poke(run, model);
   if (!modes_j) return fail(modes_j.error());
-  auto matrix = measure_matrix(bench, *modes_j, run, model,
-                               kMaxDrift * lambda_d_px(now.optics, slm, now.sensor));
+  auto matrix =
+      measure_matrix(bench, *modes_j, run, model, lambda_d_px(now.optics, slm, now.sensor));
   if (!matrix) return fail(matrix.error());
   MeasuredCalibration measured;
   measured.amplitude_waves = run.amplitude_waves;

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "daemon/ovwsd/procedures/calibration.hpp"
 #include "daemon/ovwsd/procedures/lut.hpp"
@@ -161,6 +163,52 @@ TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
   ASSERT_EQ(found->matrix.dropped.size(), 1U);
   EXPECT_EQ(found->matrix.dropped[0].j, 9);
   EXPECT_NE(found->matrix.dropped[0].reason.find("the SLM cannot show it"), std::string::npos);
+}
+
+/// Moves the camera before the hologram that is `begin` changes away, and back before `end`.
+class Bump {
+ public:
+  Bump(SimulatedBench& bench, int begin, int end) : bench_(bench), begin_(begin), end_(end) {}
+  ~Bump() {
+    ended_ = true;
+    mover_.join();
+  }
+
+ private:
+  void watch() {
+    const twin::Truth resting = bench_.optics().truth();
+    std::uint64_t seen = bench_.sensor()->hologram_id;
+    for (int changes = 0; !ended_ && changes < end_; std::this_thread::yield()) {
+      const std::uint64_t now = bench_.sensor()->hologram_id;
+      if (std::exchange(seen, now) == now || ++changes != begin_) continue;
+      twin::Truth moved = resting;
+      moved.geometry.centre_px.x += 3.0;
+      bench_.optics().set_truth(moved);
+    }
+    bench_.optics().set_truth(resting);
+  }
+
+  SimulatedBench& bench_;
+  const int begin_, end_;
+  std::atomic<bool> ended_{false};
+  std::thread mover_{[this] { watch(); }};
+};
+
+/// A bump begins between the two images of one mode and ends between those of another.
+TEST(Procedures, ABumpOfTheBenchIsNotTakenForAModesResponse) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(take_reference_on(bench, 10));
+  const auto still = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
+  ASSERT_TRUE(still) << still.error().reason;
+  for (const int begin : {1, 2, 3, 4}) {
+    const Bump bump(bench, begin, begin + 6);
+    const auto found = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
+    ASSERT_TRUE(found) << found.error().reason;
+    ASSERT_EQ(found->matrix.modes_j, still->matrix.modes_j);
+    const double error = (found->matrix.slopes - still->matrix.slopes).norm();
+    EXPECT_LT(error, 0.02 * still->matrix.slopes.norm()) << "from change " << begin;
+  }
 }
 
 /// An SLM with the phase 2 pi depth (grey / 256)^gamma.
