@@ -15,9 +15,9 @@ constexpr const char* kRecordingSchema = "ovws.recording/1";
 /// Limit of one image: a reader allocates memory by the size stated in the file.
 constexpr std::size_t kMaxRecordedPictureBytes = 128 << 20;
 /// Limits that both the recorder and the reader enforce.
-constexpr std::uint64_t kMaxRecordedFrames = 1 << 24;  // nine hours at 500 a second
-constexpr std::uint64_t kMaxRecordedDocuments = 1 << 20;
-constexpr std::uint64_t kMaxRecordedTextBytes = 1 << 30;  // of all documents
+constexpr std::uint64_t kMaxRecordedFrames = 1 << 24;     // nine hours at 500 a second
+constexpr std::uint64_t kMaxRecordedDocuments = 1 << 20;  // 20 hours of a closed loop at 14 steps/s
+constexpr std::uint64_t kMaxRecordedTextBytes = std::uint64_t{4} << 30;  // of all documents
 
 /// One row of `frames`. Times in ns, `…_mono_ns` by CLOCK_MONOTONIC of the recording machine.
 struct RecordedFrame {

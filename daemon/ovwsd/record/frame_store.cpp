@@ -7,8 +7,6 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kFrames = 4096;
-
 RecordedFrame row_of(const FrameRecord& record) {
   RecordedFrame row;
   row.frame_id = record.frame.frame_id;
@@ -43,11 +41,11 @@ RecordedFrame row_of(const FrameRecord& record) {
 }  // namespace
 
 FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
-    : frames_(kFrames),
+    : frames_(kMaxFrames),
       pictures_(pictures),
       picture_bytes_(picture_bytes),
-      free_frames_(kFrames),
-      full_(kFrames),
+      free_frames_(kMaxFrames),
+      full_(kMaxFrames),
       free_pictures_(std::max<std::size_t>(pictures, 1)) {
   for (TakenFrame& frame : frames_) (void)free_frames_.try_push(&frame);
   for (std::size_t p = 0; p < pictures; ++p) {

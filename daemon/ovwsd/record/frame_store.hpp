@@ -27,8 +27,10 @@ struct TakenFrame {
 /// them.
 class FrameStore {
  public:
-  /// Allocates room for `pictures` images of `picture_bytes` each, and for 4096 frames without
-  /// their images. Throws std::bad_alloc.
+  static constexpr std::size_t kMaxFrames = 4096;  ///< without their images
+
+  /// Allocates room for `pictures` images of `picture_bytes` each, and for kMaxFrames frames.
+  /// Throws std::bad_alloc.
   FrameStore(std::size_t pictures, std::size_t picture_bytes);
 
   /// Taking thread, frames in the order of their numbers: copies a frame. Without room for it the

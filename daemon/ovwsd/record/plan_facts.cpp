@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/record/plan_facts.hpp"
 
+#include <utility>
+
 #include "daemon/ovwsd/record/point_document.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
@@ -95,7 +97,7 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       slopes(plan.reconstructor->slopes()),
       sensor(std::move(view)),
       nuisance(plan.reconstructor->nuisance()),
-      fit(plan.fit) {}
+      point(plan.fit ? std::optional(plan.fit->point()) : std::nullopt) {}
 
 Document make_document(std::string kind, const json& content) {
   // A camera's name may hold bytes that are not UTF-8.
@@ -131,9 +133,14 @@ std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
   refer("operator", operator_content(facts));
   if (now.calibration) refer("calibration", calibration_content(*now.calibration));
   if (now.slm) refer("slm", slm_content(*now.slm));
-  if (facts.fit) refer("operating_point", point_content(*facts.fit, now, facts.roi));
-  all.push_back(make_document("plan", plan));
   std::erase_if(all, [&](const Document& one) { return !given_.insert(one.sha256).second; });
+  if (facts.point) {
+    Document point = make_document("operating_point",
+                                   point_content(*facts.point, facts.modes_j, now, facts.roi));
+    plan[point.kind] = point.sha256;
+    if (std::exchange(point_sha256_, point.sha256) != point.sha256) all.push_back(std::move(point));
+  }
+  all.push_back(make_document("plan", plan));
   return all;
 }
 

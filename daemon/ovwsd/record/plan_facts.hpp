@@ -29,9 +29,9 @@ struct PlanFacts {
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;
   Eigen::MatrixXd slopes;
-  SensorView sensor;         ///< as it was when the plan was adopted
-  Eigen::MatrixXd nuisance;  ///< see Reconstructor
-  std::shared_ptr<const FrameFit> fit;
+  SensorView sensor;                    ///< as it was when the plan was adopted
+  Eigen::MatrixXd nuisance;             ///< see Reconstructor
+  std::optional<OperatingPoint> point;  ///< of the templates, which are large and not kept
 };
 
 struct Document {
@@ -46,14 +46,17 @@ class PlanDocuments {
  public:
   /// The documents that describe this plan: reference, operator, calibration and SLM as far as they
   /// exist, and last the plan, which names the others by their SHA-256. Those that an earlier call
-  /// returned are left out. A call with a new reference that has an image takes 0.1 s.
+  /// returned are left out; of operating points, which are one-off, only the last one. A call with
+  /// a new reference that has an image takes 0.1 s.
   std::vector<Document> of(const PlanFacts& facts);
 
  private:
   const std::string& reference_of(const std::shared_ptr<const Reference>& reference,
                                   std::vector<Document>& all);
 
+  /// SHA-256 of documents that rarely change: not of plans, ten a second in a closed loop.
   std::set<std::string> given_;
+  std::string point_sha256_;                    ///< of the operating point written last
   std::shared_ptr<const Reference> reference_;  ///< the reference written last
   std::string reference_sha256_;
 };

@@ -69,15 +69,15 @@ OperatingPoint point_from(const json& content) {
 
 }  // namespace
 
-json point_content(const FrameFit& fit, const SensorSnapshot& sensor, const Roi& roi) {
-  const OperatingPoint& point = fit.point();
+json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
+                   const SensorSnapshot& sensor, const Roi& roi) {
   return {{"model",
            {{"sensor", to_json(sensor.sensor)},
             {"slm", to_json(sensor.slm->hologram.slm)},
             {"optics", to_json(sensor.optics)},
             {"width", roi.width},
             {"height", roi.height},
-            {"j", fit.modes_j()}}},
+            {"j", modes_j}}},
           {"waves", point.waves},
           {"reference_waves", point.reference_waves},
           {"fixed", to_json(point.fixed)},

@@ -12,7 +12,8 @@
 namespace ovws {
 
 /// Sensor, optics and operating point: all that determines the templates.
-nlohmann::json point_content(const FrameFit& fit, const SensorSnapshot& sensor, const Roi& roi);
+nlohmann::json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
+                             const SensorSnapshot& sensor, const Roi& roi);
 
 /// Renders the templates of such a document again: the same, bit for bit, on the same kind of CPU.
 /// Keeps the last renderer. Throws exceptions of the JSON library. One thread at a time.

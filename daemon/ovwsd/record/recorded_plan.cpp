@@ -90,7 +90,8 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
       const bool numbered =
           plan.is_object() && plan.contains("plan_id") && plan["plan_id"].is_number_unsigned();
       if (!numbered) return unfit("has no number");
-      plans.plans_[plan["plan_id"].get<std::uint64_t>()] = one.text;
+      plans.plans_[plan["plan_id"].get<std::uint64_t>()] = std::move(one.text);
+      continue;
     }
     plans.documents_[one.sha256] = std::move(one.text);
   }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <utility>
 
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
@@ -23,9 +24,9 @@ constexpr int kTurnUs = 20'000;
 constexpr std::chrono::milliseconds kIdle{50};
 constexpr std::int64_t kFlushNs = 250'000'000;
 // Limits of remembered plans. Each may hold a reference's image, so while nothing is recorded only
-// plans of frames in flight are kept.
+// plans of frames in flight are kept; while recording, those of all frames that wait for the disk.
 constexpr std::size_t kIdleFacts = 4;
-constexpr std::size_t kMaxFacts = 256;  // while recording: more than the writer can be behind
+constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 constexpr std::uint64_t kMinFreeBytes = 64 << 20;  // free disk space that a recording leaves
 
 constexpr const char* kGone = "its file was removed or moved while it was written";
@@ -91,10 +92,11 @@ Result<void> add(RecordFile& file, const Document& document) {
   return file.add_document(document.kind, document.sha256, document.text);
 }
 
-Result<void> add_first_documents(RecordFile& file, const Recorder::Begin& begin) {
+Result<void> add_first_documents(RecordFile& file, const Recorder::Begin& begin,
+                                 const Document& camera) {
   const Document config{"configuration", begin.config, sha256_hex(begin.config)};
   if (auto added = add(file, config); !added) return added;
-  return add(file, make_document("camera", camera_content(begin.camera, begin.camera_info)));
+  return add(file, camera);
 }
 
 }  // namespace
@@ -123,6 +125,7 @@ struct Recorder::Running {
   PlanDocuments documents;
   /// Camera settings whose frames have not come yet, with the time of their change.
   std::deque<std::pair<std::int64_t, Document>> camera_documents;
+  std::string camera_sha256;  ///< of the newest camera settings
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
   std::uint64_t last_number = 0;   ///< 0: no frame yet
@@ -168,8 +171,10 @@ void Recorder::camera_changed(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
   mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
     if (!running_) return;
-    running_->camera_documents.emplace_back(
-        changed_ns, make_document("camera", camera_content(settings, info)));
+    Document now = make_document("camera", camera_content(settings, info));
+    // A camera that is looked for is announced every second.
+    if (std::exchange(running_->camera_sha256, now.sha256) == now.sha256) return;
+    running_->camera_documents.emplace_back(changed_ns, std::move(now));
   });
 }
 
@@ -234,7 +239,9 @@ Result<void> Recorder::begin(const Begin& begin) {
   auto file = RecordFile::create(*path, running->header);
   if (!file) return fail(file.error());
   running->file = std::move(*file);
-  if (auto added = add_first_documents(*running->file, begin); !added) {
+  const Document camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
+  running->camera_sha256 = camera.sha256;
+  if (auto added = add_first_documents(*running->file, begin, camera); !added) {
     running->file.reset();
     ::unlink(path->c_str());  // else its name would be taken at the next attempt
     return added;
