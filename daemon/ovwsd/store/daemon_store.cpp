@@ -135,6 +135,10 @@ void DaemonStore::queue(Item item) {
     }
     if (!refused || item.older == Older::set_aside) {
       displaced = take_out(item);
+      const bool only_delete = !item.text && item.older == Older::stays;
+      if (only_delete && !displaced.empty()) {
+        item.displaced = std::make_shared<const Item>(displaced.back());
+      }
       item.number = ++last_number_;
       items_.push_back(std::move(item));
     }
@@ -220,7 +224,7 @@ Result<std::string> DaemonStore::write(const Item& item) {
 }
 
 /// Removes an item that is done from the queue, or marks it for a retry. A drop is tried once: its
-/// caller undoes the change that it belongs to.
+/// caller undoes the change that it belongs to, and a write that waited before waits again.
 void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
   const auto now = std::find_if(items_.begin(), items_.end(),
                                 [&](const Item& one) { return one.number == item.number; });
@@ -233,7 +237,14 @@ void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
     now->why = done.error().reason;
     return;
   }
+  const auto displaced = done ? nullptr : now->displaced;
   items_.erase(now);
+  if (!displaced || !displaced->text) return;
+  items_.push_back(*displaced);
+  Item& again = items_.back();
+  again.due = false;
+  if (!again.why) ++refused_;
+  again.why = done.error().reason;
 }
 
 bool DaemonStore::any_due() const {

@@ -97,6 +97,8 @@ class DaemonStore {
     std::uint64_t number = 0;          ///< in the order of the requests
     bool due = true;                   ///< try it in the next turn
     std::optional<std::string> why{};  ///< why the last attempt failed
+    /// The write that this item took out of the queue; it waits again if nothing can be deleted.
+    std::shared_ptr<const Item> displaced{};
   };
   void queue(Item item);
   std::list<Item> take_out(const Item& newer);  // call with mutex_ locked

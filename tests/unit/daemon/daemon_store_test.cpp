@@ -131,15 +131,21 @@ TEST_F(Store, OnlyTheNewestOfANameIsWritten) {
   EXPECT_EQ(second.kept, 1);
 }
 
-TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
+TEST_F(Store, ADropThatFailsLosesNoWriteThatWaits) {
   Answers a;
   block("kind.a.json");
   put("a", 1, a);
   bool dropped = true;
   store_.drop("kind", "a", [&](const Result<void>& done) { dropped = done.has_value(); });
   EXPECT_FALSE(dropped) << "no unlink removes a folder";
-  EXPECT_EQ(store_.queued(), 0);
-  EXPECT_FALSE(store_.report().reason);
+  EXPECT_EQ(value("a"), 1) << "the caller goes on with it";
+  ASSERT_TRUE(store_.report().reason);
+  EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
+  unblock("kind.a.json");
+  store_.try_again_and_wait();
+  EXPECT_EQ(a.kept, 1);
+  EXPECT_EQ(value("a"), 1);
 }
 
 /// Not tested here: a read-only folder, which root can write to, and a full disk.
@@ -189,6 +195,22 @@ TEST_F(Store, AnOutdatedItemIsNotLoadedByARestart) {
   EXPECT_EQ(second.kept, 1);
   EXPECT_EQ(found_by_restart(), 2);
   EXPECT_FALSE(fs::exists(file("kind.a.json.outdated")));
+}
+
+TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
+  Answers a;
+  bool dropped = false;
+  {
+    const FileLimit limit(16);
+    put("a", 1, a);
+    ASSERT_EQ(a.refused, 1);
+    store_.drop("kind", "a", [&](const Result<void>& done) { dropped = done.has_value(); });
+  }
+  EXPECT_TRUE(dropped);
+  EXPECT_EQ(store_.queued(), 0);
+  EXPECT_FALSE(store_.report().reason);
+  store_.try_again_and_wait();
+  EXPECT_EQ(value("a"), json());
 }
 
 TEST_F(Store, MoreThanItsMemoryIsNotKept) {
