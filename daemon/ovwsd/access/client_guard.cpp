@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <exception>
+#include <string>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -179,7 +181,12 @@ void ClientGuard::check_file() {
     const std::lock_guard lock(check_mutex_);
     number = checks_requested_;
   }
-  reload_if_changed();
+  try {
+    reload_if_changed();
+  } catch (const std::exception& error) {  // the requests must be answered, else no more are made
+    events_.emit("client", Severity::error,
+                 std::string("the client list could not be checked: ") + error.what());
+  }
   {
     const std::lock_guard lock(check_mutex_);
     checks_done_ = number;
