@@ -75,7 +75,7 @@ constexpr std::array<ThreadRow, 20> kThreadTable{{
      "its ring buffer, the rebinding of its socket (a key was withdrawn)", 5.0, OnHang::restart},
     {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
     {ThreadRole::prepare, "prepare", 0, "its mailbox, the display presenting a hologram", 30.0,
-     OnHang::restart},
+     OnHang::restart, 0, OnException::restart},
     {ThreadRole::procedure, "procedure", 0, "frames, the other threads; a procedure takes minutes",
      86400.0, OnHang::report},
     {ThreadRole::loop, "loop", 0, "the next usable frame, the display presenting a hologram", 30.0,

@@ -120,9 +120,9 @@ TEST(ThreadPlan, AnExceptionIsReportedAndTheThreadGoesOn) {
   Failing agent;
   Failures failures;
   ThreadPlan plan(RealtimePolicy::ignore, {}, failures.sink());
-  ASSERT_TRUE(plan.start(ThreadRole::prepare, agent));
+  ASSERT_TRUE(plan.start(ThreadRole::loop, agent));
   wait_for([&] { return agent.turns > 2; });
-  EXPECT_EQ(failures.text(), "prepare: bad bug; ");
+  EXPECT_EQ(failures.text(), "loop: bad bug; ");
   EXPECT_EQ(plan.fatal_failure(), "");
   EXPECT_EQ(plan.stop_all(5.0), "");
   EXPECT_TRUE(agent.closed);
