@@ -238,7 +238,7 @@ class CommandLine(BenchCase):
         self.assertEqual(first, again)
         self.ovws("farfield", "--seed", -1, "-o", far, code=2)
         self.assertIn("too steep", self.ovws("hologram", "--modes", "2,-2:200", "-o", hologram, code=1))
-        self.assertIn("n,m:waves", self.ovws("hologram", "--modes", "2;-2", "-o", hologram, code=1))
+        self.assertIn("n,m:waves", self.ovws("hologram", "--modes", "2;-2", "-o", hologram, code=2))
 
 
 if __name__ == "__main__":

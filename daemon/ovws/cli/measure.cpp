@@ -56,12 +56,19 @@ class ImageMeasurer {
   ImageMeasurer(const MeasureOptions& options, const Config& config)
       : options_(options), config_(config) {}
 
+  /// Reads the image of the reference, if there is one; call it first.
+  Result<void> read_reference() {
+    if (options_.reference.empty()) return {};
+    auto read = read_picture(options_.reference);
+    if (!read) return fail(Errc::invalid, "reference", read.error().reason);
+    reference_ = std::move(*read);
+    return {};
+  }
+
   Result<json> line_of_file(const std::string& path) {
     const auto picture = read_picture(path);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
-    if (!options_.reference.empty() && !reference_) reference_ = read_picture(options_.reference);
-    if (reference_ && !*reference_) return fail(reference_->error());
     Instrument& instrument = instrument_for(image);
     if (!instrument.measurement) return fail(instrument.measurement.error());
     const Measured measured = instrument.measurement->measure(image);
@@ -73,7 +80,7 @@ class ImageMeasurer {
 
  private:
   std::optional<ImageView> reference_view() const {
-    return reference_ ? std::optional((*reference_)->view()) : std::nullopt;
+    return reference_ ? std::optional(reference_->view()) : std::nullopt;
   }
 
   Instrument& instrument_for(const ImageView& image) {
@@ -113,7 +120,7 @@ class ImageMeasurer {
 
   const MeasureOptions& options_;
   const Config& config_;
-  std::optional<Result<Picture>> reference_;
+  std::optional<Picture> reference_;
   std::deque<Instrument> instruments_;
 };
 
@@ -155,6 +162,7 @@ int measure_images(const Common& common, const MeasureOptions& options) {
   const auto config = config_of(options);
   if (!config) return report(common, config.error());
   ImageMeasurer measurer(options, *config);
+  if (auto read = measurer.read_reference(); !read) return report(common, read.error());
   int status = kOk;
   for (const std::string& path : options.images) {
     const auto line = measurer.line_of_file(path);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/pipeline/frame_rules.hpp"
@@ -91,6 +92,9 @@ ImageView Picture::view() const {
 }
 
 Result<Picture> read_picture(const std::string& path) {
+  if (std::error_code none; !std::filesystem::exists(path, none)) {
+    return fail(unreadable(path, "does not exist"));
+  }
   cv::Mat mat;
   try {
     mat = cv::imread(path, cv::IMREAD_UNCHANGED);

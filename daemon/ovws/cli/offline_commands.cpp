@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/modes_text.hpp"
 #include "daemon/ovws/study/studies.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
@@ -19,9 +20,13 @@ constexpr const char* kConfigHelp =
 
 void add_picture_options(CLI::App& command, PictureOptions& options) {
   command.add_option("--config,-c", options.config_path, kConfigHelp);
-  command.add_option(
-      "--modes", options.modes,
-      "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"");
+  command
+      .add_option("--modes", options.modes,
+                  "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"")
+      ->check([](const std::string& text) {
+        const auto modes = parse_modes(text, ZernikeNorm::rms);
+        return modes ? std::string() : modes.error().reason;
+      });
   command
       .add_option("--norm", options.norm,
                   "normalisation of modes: RMS over the pupil, or unit amplitude at its edge")
