@@ -73,12 +73,10 @@ class Scripts(BenchCase):
         shutil.copytree(SOURCE / "examples", folder / "proto" / "python" / "examples")
         (folder / "bin").mkdir()
         (folder / "bin" / "python3").symlink_to(sys.executable)
-        (folder / "bin" / "pip").write_text(f'#!/bin/sh\nexec {sys.executable} -m pip "$@"\n')
-        (folder / "bin" / "pip").chmod(0o755)
         commands = "set -e\n" + f'PATH="{folder}/bin:$PATH"\n' + "".join(blocks("sh"))
         self.assertIn("pip install", commands)
         self.assertEqual(commands.count("python3 proto/python/examples/"), len(list((SOURCE / "examples").glob("*.py"))))
-        self.assertIn("\nrunning\n", self.run_here(["sh", "-c", commands], path="", cwd=folder))
+        self.assertRegex(self.run_here(["sh", "-c", commands], path="", cwd=folder), r"(?m)^running$")
 
     def test_the_links(self):
         for link in re.findall(r"\]\(([^)#:]+)\)", README):
