@@ -11,13 +11,13 @@
 namespace ovws {
 namespace {
 
-constexpr double kMinLevel = 0.25;     // of the level expected: less is no spot
-constexpr int kMaxLostShare = 6;       // at most one spot of so many may be lost
-constexpr double kOutlier = 5.0;       // of a spot's residual, RMS, over the others'
-constexpr double kMaxResidual = 3.0;   // RMS over all, standard errors; or, as positions,
-constexpr int kMaxPointLostShare = 8;  // where templates are exact
-constexpr double kMaxPointResidual = 1.3;
+constexpr double kMinLevel = 0.25;           // of the level expected: less is no spot
+constexpr int kMaxLostShare = 6;             // at most one spot of so many may be lost
+constexpr double kOutlier = 5.0;             // of a spot's residual, RMS, over the others'
+constexpr double kMaxResidual = 3.0;         // RMS over all, standard errors; or, as positions,
 constexpr double kMaxResidualShare = 0.005;  // of a window's width
+constexpr int kMaxPointLostShare = 8;        // where templates are exact
+constexpr double kMaxPointResidual = 1.3;    // where templates are exact
 constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
 constexpr double kBentPerWave = 1.2;         // their error over the square of the drift, 1 / wave
 constexpr double kMaxOverCeiling = 1.1;
@@ -83,7 +83,7 @@ const FittedFrame& FrameFit::check(const ImageView& image) {
   std::vector<float> coefficients(modes_j_.size()), sigma_waves(modes_j_.size());
   std::vector<SpotFix> fixes(rows_.size());
   at_point_ = solve(found, scratch, coefficients, sigma_waves, fixes);
-  // Three spots fewer, or in dim light large errors, would hide that the wavefront is another.
+  // With three spots lost, or with large errors in dim light, a wrong wavefront can fit the rest.
   const bool small =
       at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px_;
   const bool enough = kMaxPointLostShare * at_point_.lost <= point_.lit;

@@ -10,10 +10,10 @@
 namespace ovws {
 
 /// The pixels y of a spot near its rendering are level * (light + per_wave * waves) + background.
-/// Level and background are fitted to each spot. Of the derivatives, weighted by the noise, what
-/// level and background do not make is decomposed into singular vectors; the leading ones are the
-/// estimates. They tell most about the modes for their number, are uncorrelated, and have an error
-/// of 1 in pixels of the assumed noise.
+/// Level and background are fitted to each spot. The derivatives, weighted by the noise, are
+/// projected orthogonally to level and background and decomposed into singular vectors; the leading
+/// ones are the estimates. They tell most about the modes for their number, are uncorrelated, and
+/// have an error of 1 in pixels of the assumed noise.
 ///
 /// Estimates = level * per_wave * waves, waves counted from the rendering.
 struct SpotTemplates {

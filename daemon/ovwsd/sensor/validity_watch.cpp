@@ -48,7 +48,7 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
   invalid.action =
-      lack.waits ? "templates of this wavefront are being rendered" : action_of(search, now_ns);
+      lack.waits ? "templates of this wavefront are awaited" : action_of(search, now_ns);
   invalid.searches = search.searches;
   if (!search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);

@@ -49,7 +49,7 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_FALSE(running.t_next_search_ns);
   const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
-  EXPECT_EQ(waits.action, "templates of this wavefront are being rendered");
+  EXPECT_EQ(waits.action, "templates of this wavefront are awaited");
   EXPECT_FALSE(waits.t_next_search_ns);
 }
 
