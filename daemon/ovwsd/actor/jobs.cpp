@@ -115,6 +115,13 @@ void Jobs::note_end(const JobReport& job) {
   failed_.push_back({job.job, job.kind, job.error->field, job.error->reason, utc_ns()});
 }
 
+bool Jobs::use_result(int id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
+  return found->second.result_in_use = true;
+}
+
 bool Jobs::runs(int id) const {
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
@@ -127,6 +134,7 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
+  if (state == JobState::cancelled && found->second.result_in_use) return false;
   JobReport& job = found->second.job;
   job.state = state;
   if (state == JobState::done) progress = 1.0;

@@ -29,8 +29,11 @@ class Jobs {
   void report_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
-  /// Errc::invalid if there is no such job. A job that has ended stays as it is.
+  /// Errc::invalid if there is no such job. A job that has ended, or whose result is in use, stays
+  /// as it is.
   Result<JobReport> cancel(int id);
+  /// The job's result is adopted now: from here on the job is not cancelled. False if it has ended.
+  bool use_result(int id);
   Result<JobReport> get(int id) const;
   /// The latest failure since the daemon's start, kept longer than the job itself. A job of the
   /// same kind that succeeds clears it.
@@ -43,6 +46,7 @@ class Jobs {
     std::function<void()> cancel;
     std::function<double()> progress;
     int reported_quarters = 0;
+    bool result_in_use = false;
   };
   // Call with mutex_ locked.
   void drop_oldest();

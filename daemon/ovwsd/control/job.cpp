@@ -14,7 +14,7 @@ void get(Services& services, const JobNumber& which, Reply<JobReport> reply) {
 void cancel(Services& services, const JobNumber& which, Reply<JobReport> reply) {
   const bool ran = services.jobs.runs(which.job);
   const auto cancelled = services.jobs.cancel(which.job);
-  if (!ran) return reply(cancelled);
+  if (!ran || services.jobs.runs(which.job)) return reply(cancelled);
   // Replies when the sensor is free again, so that the client can start the next job at once.
   services.procedures.when_free([&services, reply, cancelled] {
     services.keeper.after_changes([reply, cancelled] { reply(cancelled); });

@@ -119,7 +119,7 @@ Result<void> Bench::show(const Painter& paint) {
 Result<void> Bench::use(SensorChange change) {
   const auto used = edit([&jobs = deps_.jobs, job = job_,
                           change = std::move(change)](SensorEdit& edit) -> Result<void> {
-    if (!jobs.runs(job)) return fail(Errc::refused, "", "it was cancelled");
+    if (!jobs.use_result(job)) return fail(Errc::refused, "", "it was cancelled");
     return change(edit);
   });
   if (used) (void)files_->wait_for(kFilePatience);

@@ -50,6 +50,16 @@ TEST_F(JobsTest, AFinishedJobKeepsItsResult) {
   EXPECT_EQ(jobs_.get(id)->result["frames"], 100);
 }
 
+TEST_F(JobsTest, AJobWhoseResultIsInUseIsNotCancelled) {
+  const int id = begin();
+  EXPECT_TRUE(jobs_.use_result(id));
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::running);
+  EXPECT_EQ(cancelled_, 0);
+  jobs_.finish(id, {{"frames", 100}});
+  EXPECT_EQ(jobs_.get(id)->state, JobState::done);
+  EXPECT_FALSE(jobs_.use_result(id));
+}
+
 TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
   const int id = begin();
   EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
