@@ -65,20 +65,21 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
   return waves;
 }
 
-/// The mean image in 16 bits; a saturated pixel stays saturated. Returns the scale, too.
-struct Scaled {
-  Image<std::uint16_t> image;
-  double scale = 1.0;
-};
-Scaled in_16_bits(const ReferencePicture& picture) {
-  constexpr float kFull = 65535.0F;
-  Scaled scaled{{picture.mean_dn.width, picture.mean_dn.height},
-                double(kFull) / full_scale_dn(picture.format)};
+constexpr float kFull16 = 65535.0F;
+
+double to_16_bits(PixelFormat format) {
+  return double(kFull16) / full_scale_dn(format);
+}
+
+/// The mean image in 16 bits; a saturated pixel stays saturated.
+Image<std::uint16_t> in_16_bits(const ReferencePicture& picture) {
+  Image<std::uint16_t> scaled(picture.mean_dn.width, picture.mean_dn.height);
+  const auto scale = float(to_16_bits(picture.format));
   std::transform(picture.mean_dn.pixels.begin(), picture.mean_dn.pixels.end(),
-                 scaled.image.pixels.begin(), [&](float dn) {
-                   const float value = float(scaled.scale) * dn;
-                   return value < kFull ? std::uint16_t(std::max(0.0F, value) + 0.5F)
-                                        : std::uint16_t(kFull);
+                 scaled.pixels.begin(), [&](float dn) {
+                   const float value = scale * dn;
+                   return value < kFull16 ? std::uint16_t(std::max(0.0F, value) + 0.5F)
+                                          : std::uint16_t(kFull16);
                  });
   return scaled;
 }
@@ -241,12 +242,14 @@ Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
   }
   PointModel points(std::move(*renderer), kEstimates);
   const std::vector<double> start_waves(start.begin(), start.end());
-  const Scaled picture = in_16_bits(*reference.picture);
+  const Image<std::uint16_t> picture = in_16_bits(*reference.picture);
   PixelNoise noise = noise_of(images, points.rendered(std::vector<double>(start.size())));
   const double frames = reference.picture->frames;
-  noise.constant_dn2 *= picture.scale * picture.scale / frames;
-  noise.per_dn *= picture.scale / frames;
-  auto used = points.use_reference(view_of(picture.image, PixelFormat::mono16), noise, start_waves,
+  // Of the present frames, whose format may be another than the reference's.
+  const double scale = to_16_bits(images.back().format);
+  noise.constant_dn2 *= scale * scale / frames;
+  noise.per_dn *= scale / frames;
+  auto used = points.use_reference(view_of(picture, PixelFormat::mono16), noise, start_waves,
                                    fixed_modes(reference.aberration, sensor.modes_j));
   if (!used) return used;
   model_ = std::make_unique<Model>(Model{sensor.sensor_epoch, cols, rows, sensor.modes_j,
