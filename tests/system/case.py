@@ -107,7 +107,17 @@ class BenchCase(unittest.TestCase):
     def stream(self, *topics, endpoint="tcp://127.0.0.1:7701"):
         stream = Stream(topics, endpoint)
         self.addCleanup(stream.close)
+        if "event" in topics:
+            self.subscribed(stream, topics)
         return stream
+
+    @staticmethod
+    def subscribed(stream, topics):
+        """Waits until the daemon knows the subscriptions: events are sent once, the status every second."""
+        stream._socket.subscribe("status")
+        wait_for(lambda: (message := stream.next(1.0)) and message["topic"] == "status", what="the subscription")
+        if "status" not in topics:
+            stream._socket.unsubscribe("status")
 
     def wait_until(self, state, timeout_s=20.0):
         return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
