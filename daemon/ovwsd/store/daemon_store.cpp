@@ -101,6 +101,16 @@ void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>
   }
 }
 
+/// The write of the same kind and name that is queued, being carried out, or displaced by a drop
+/// that is; null: none.
+std::shared_ptr<const DaemonStore::Item> DaemonStore::write_before(const Item& newer) const {
+  const auto last = std::find_if(items_.rbegin(), items_.rend(), [&](const Item& one) {
+    return one.kind == newer.kind && one.name == newer.name;
+  });
+  if (last == items_.rend()) return nullptr;
+  return last->text ? std::make_shared<const Item>(*last) : last->displaced;
+}
+
 /// Removes the queued items of the same kind and name, and returns them without the one that is
 /// being written, whose result turn() reports.
 std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
@@ -134,11 +144,8 @@ void DaemonStore::queue(Item item) {
       item.text = nullptr;
     }
     if (!refused || item.older == Older::set_aside) {
+      if (!item.text && item.older == Older::stays) item.displaced = write_before(item);
       displaced = take_out(item);
-      const bool only_delete = !item.text && item.older == Older::stays;
-      if (only_delete && !displaced.empty()) {
-        item.displaced = std::make_shared<const Item>(displaced.back());
-      }
       item.number = ++last_number_;
       items_.push_back(std::move(item));
     }
@@ -239,7 +246,7 @@ void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
   }
   const auto displaced = done ? nullptr : now->displaced;
   items_.erase(now);
-  if (!displaced || !displaced->text) return;
+  if (!displaced) return;
   items_.push_back(*displaced);
   Item& again = items_.back();
   again.due = false;

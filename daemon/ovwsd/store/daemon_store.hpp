@@ -101,7 +101,8 @@ class DaemonStore {
     std::shared_ptr<const Item> displaced{};
   };
   void queue(Item item);
-  std::list<Item> take_out(const Item& newer);  // call with mutex_ locked
+  std::list<Item> take_out(const Item& newer);                        // call with mutex_ locked
+  std::shared_ptr<const Item> write_before(const Item& newer) const;  // call with mutex_ locked
   Result<std::string> carry_out(const Item& item);
   Result<std::string> write(const Item& item);
   void settle(const Item& item, const Result<std::string>& done);  // call with mutex_ locked

@@ -240,6 +240,30 @@ TEST_F(Store, WhatIsOutdatedIsNotLoadedAlsoIfTheNewIsTooMuch) {
   EXPECT_TRUE(fs::exists(file("kind.a.json.outdated")));
 }
 
+TEST(Disk, TwoDropsThatFailLoseNoWriteThatWaits) {
+  const std::string folder = own_folder("two_drops");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  DaemonStore store({folder}, events, &disk);
+  disk.begin();  // without a thread: everything waits
+  fs::create_directories(fs::path(folder) / "kind.a.json" / "full");
+  store.put("kind", "a", {{"value", 1}}, DaemonStore::Older::stays,
+            [](const Result<std::string>&) {});
+  int failed = 0;
+  for (int k = 0; k < 2; ++k) {
+    store.drop("kind", "a", [&](const Result<void>& done) { failed += done ? 0 : 1; });
+  }
+  EXPECT_FALSE(store.find("kind", "a"));
+  while (store.turn()) {
+  }
+  EXPECT_EQ(failed, 2);
+  EXPECT_EQ(store.queued(), 1);
+  ASSERT_TRUE(store.find("kind", "a"));
+  EXPECT_EQ(store.find("kind", "a")->content["value"], 1);
+  fs::remove_all(folder);
+}
+
 /// The disk thread waits for a disk that does not answer until the test releases it.
 TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
   const std::string folder = own_folder("standing_disk");

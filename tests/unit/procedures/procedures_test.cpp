@@ -165,7 +165,7 @@ TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
   EXPECT_NE(found->matrix.dropped[0].reason.find("the SLM cannot show it"), std::string::npos);
 }
 
-/// Moves the camera before the hologram that is `begin` changes away, and back before `end`.
+/// Moves the camera when the hologram has changed `begin` times, and back after `end` times.
 class Bump {
  public:
   Bump(SimulatedBench& bench, int begin, int end) : bench_(bench), begin_(begin), end_(end) {}
