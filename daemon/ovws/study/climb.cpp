@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/wavefront/shaped_acquisition.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 namespace {
@@ -188,7 +188,6 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
 
 GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
                                const ClimbSteps& steps) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   constexpr double kPerWave = 100.0;
   const double margin_px = kMargin * measurer.lambda_d_px();
   GeometricLimit limit{kUnknown, kUnknown};

@@ -1,19 +1,18 @@
 #include "daemon/ovws/study/operator_bench.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/relinearise.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovws/study/refining.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 namespace {
 
 constexpr std::size_t kOwn = 2;  ///< index of the tracker's own slopes, the start of iterations
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 SensorConfig sensor_of(const OperatorTools& tools) {
   SensorConfig sensor = tools.geometry.sensor;

@@ -7,9 +7,11 @@
 
 namespace ovws::study {
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
 /// Mean of several values and its standard error.
 struct Mean {
-  double value = std::numeric_limits<double>::quiet_NaN();
+  double value = kUnknown;
   double standard_error = 0.0;
   std::size_t count = 0;
 };

@@ -30,13 +30,14 @@ Findings range(const Settings& settings);
 Findings acquisition(const Settings& settings);
 Findings oracle(const Settings& settings);
 Findings operators(const Settings& settings);
+Findings modes(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
   Findings (*run)(const Settings&);
 };
-constexpr std::array<Study, 8> kStudies{{
+constexpr std::array<Study, 9> kStudies{{
     {"localisation", "position error of one spot against read noise", localisation},
     {"wavefront", "residual phase variance against SNR for astigmatism and defocus", wavefront},
     {"trackers", "every tracker against the Cramer-Rao bound", trackers},
@@ -47,6 +48,7 @@ constexpr std::array<Study, 8> kStudies{{
     {"oracle", "lg against the paper's contour method, spot by spot", oracle},
     {"operators", "errors of every operator from displacements to modes, on the same images",
      operators},
+    {"modes", "error against the number of modes, by shapes and by positions of the spots", modes},
 }};
 
 }  // namespace ovws::study

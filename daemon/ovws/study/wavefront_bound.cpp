@@ -1,17 +1,16 @@
 #include "daemon/ovws/study/wavefront_bound.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
 #include "core/wavefront/refine.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
                             const Image<float>& light_e, double read_noise_e) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   SensorConfig sensor = geometry.sensor;
   sensor.charge = charge;
   std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
