@@ -6,6 +6,7 @@
 
 #include "core/wavefront/residual_variance.hpp"
 #include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/refining.hpp"
 #include "daemon/ovws/study/sensor.hpp"
@@ -16,8 +17,9 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kQuickRefinedSnr = 5.0;
+constexpr double kQuickSnr = 5.0;     ///< of what is slow
 constexpr int kRefinedShare = 5;      ///< refine one in five instances: each takes a second
+constexpr int kRenderings = 3;        ///< of templates: two refreshes
 constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the predicted positions
 
 struct Case {
@@ -30,11 +32,14 @@ struct Case {
 constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
                                       {"defocus", "defocus, 2 waves", 4, 2.0}}};
 
+/// What starts from the tracker's result.
+enum class Then { nothing, fit, refine };
+
 struct Bench {
   const Case* aberration;
   Light light;
   Method method;
-  bool refined = false;  ///< fit all pixels, starting from the tracker's result
+  Then then = Then::nothing;
   std::shared_ptr<Measurer> measurer;
   Image<float> light_e;
   std::vector<Vec2> at_px;
@@ -67,21 +72,26 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   std::mt19937_64 random(seed);
   const double reach = kStartWithin * bench.measurer->lambda_d_px();
   std::uniform_real_distribution<double> within(-reach, reach);
+  const int charge = bench.method.charge;
+  const std::vector<int>& modes_j = bench.measurer->modes_j();
+  const double read_noise_e = read_noise_of_snr(snr);
   std::optional<Refiner> refiner;
-  if (bench.refined) {
+  std::optional<SpotRenderer> renderer;
+  if (bench.then == Then::fit) renderer.emplace(renderer_of(thousand_px_bench(), charge, modes_j));
+  if (bench.then == Then::refine) {
     instances = std::max(16, instances / kRefinedShare);
-    refiner.emplace(
-        refiner_of(thousand_px_bench(), bench.method.charge, bench.measurer->modes_j()));
+    refiner.emplace(refiner_of(thousand_px_bench(), charge, modes_j));
   }
   for (int k = 0; k < instances; ++k) {
     std::vector<Vec2> starts = bench.at_px;
     for (Vec2& start : starts) start = start + Vec2{within(random), within(random)};
-    const Exposure exposure = expose(bench.light_e, read_noise_of_snr(snr), random());
+    const Exposure exposure = expose(bench.light_e, read_noise_e, random());
     const auto fixes = bench.measurer->track(exposure, starts);
     for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
     auto found = bench.measurer->modes(fixes);
-    if (refiner) {
-      found = refined_waves(*refiner, exposure, read_noise_of_snr(snr), std::move(found));
+    if (refiner) found = refined_waves(*refiner, exposure, read_noise_e, std::move(found));
+    if (renderer) {
+      found = fitted_waves(*renderer, exposure, read_noise_e, std::move(found), kRenderings);
     }
     if (std::isnan(found.front())) {
       ++outcome.undetermined;
@@ -93,12 +103,14 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   return outcome;
 }
 
-std::vector<std::pair<Method, bool>> methods(Light light) {
-  std::vector<std::pair<Method, bool>> all;
-  for (const Method& method : all_methods()) all.emplace_back(method, false);
+std::vector<std::pair<Method, Then>> methods(Light light) {
+  std::vector<std::pair<Method, Then>> all;
+  for (const Method& method : all_methods()) all.emplace_back(method, Then::nothing);
   if (light != Light::equal_peak) return all;
-  all.push_back({{"vortex, refined", 1, {TrackerKind::matched}}, true});
-  all.push_back({{"Shack-Hartmann, refined", 0, {TrackerKind::weighted}}, true});
+  all.push_back({{"vortex, fit", 1, {TrackerKind::matched}}, Then::fit});
+  all.push_back({{"Shack-Hartmann, fit", 0, {TrackerKind::weighted}}, Then::fit});
+  all.push_back({{"vortex, refined", 1, {TrackerKind::matched}}, Then::refine});
+  all.push_back({{"Shack-Hartmann, refined", 0, {TrackerKind::weighted}}, Then::refine});
   return all;
 }
 
@@ -109,15 +121,11 @@ std::vector<Bench> benches() {
   std::vector<Bench> all;
   for (const Case& aberration : kCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-      for (const auto& [method, refined] : methods(light)) {
+      for (const auto& [method, then] : methods(light)) {
         const auto model = method.charge == 0 ? bright : vortex;
-        Bench bench{&aberration,
-                    light,
-                    method,
-                    refined,
-                    std::make_shared<Measurer>(geometry, method, model),
-                    {},
-                    {}};
+        Bench bench{
+            &aberration, light, method, then, std::make_shared<Measurer>(geometry, method, model),
+            {},          {}};
         bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
         bench.at_px = bench.measurer->noise_free_px(
             bench.light_e, bench.measurer->predicted_px(aberration.modes()));
@@ -132,7 +140,7 @@ std::vector<Bench> benches() {
 
 /// Whether the bound of this charge is reported with this bench.
 bool bounded(const Bench& bench) {
-  return bench.method.tracking.tracker == TrackerKind::matched && !bench.refined;
+  return bench.method.tracking.tracker == TrackerKind::matched && bench.then == Then::nothing;
 }
 
 nlohmann::json value_if(bool present, double value) {
@@ -148,7 +156,7 @@ nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
           {"variance_rad2", variance.value},
           {"standard_error_rad2", variance.standard_error},
           {"instances", variance.count},
-          {"noise_free_rad2", value_if(!bench.refined, bench.noise_free_rad2)},
+          {"noise_free_rad2", value_if(bench.then == Then::nothing, bench.noise_free_rad2)},
           {"bound_rad2", value_if(bounded(bench), outcome.bound_rad2)},
           {"undetermined", outcome.undetermined},
           {"lost_spots", outcome.lost}};
@@ -166,7 +174,7 @@ Findings wavefront(const Settings& settings) {
   parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
     const Bench& bench = all[k / snrs.size()];
     const double snr = snrs[k % snrs.size()];
-    if (bench.refined && settings.quick && snr != kQuickRefinedSnr) return;
+    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return;
     outcomes[k] = measure(bench, snr, instances, settings.seed + 1000 * k);
     if (!bounded(bench)) return;
     outcomes[k].bound_rad2 =
