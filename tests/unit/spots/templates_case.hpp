@@ -36,7 +36,7 @@ inline SensorConfig sensor_of(int charge) {
 }
 
 class Templates : public testing::Test {
- protected:
+ public:
   static SensorModel& model(int charge) {
     static std::array<std::optional<SensorModel>, 3> made;
     auto& one = made.at(charge);
@@ -45,8 +45,10 @@ class Templates : public testing::Test {
     }
     return *one;
   }
-  static SpotRenderer renderer(int charge, int modes) {
-    return SpotRenderer::make(sensor_of(charge), {}, {}, kImagePx, kImagePx, first_modes(modes), {})
+  /// `half_width` of the windows, lambda/d.
+  static SpotRenderer renderer(int charge, int modes, double half_width = 2.0) {
+    return SpotRenderer::make(sensor_of(charge), {}, {}, kImagePx, kImagePx, first_modes(modes),
+                              {half_width})
         .value();
   }
   /// Electrons.

@@ -1,0 +1,253 @@
+/// Templates against the Cramer-Rao bound, and against images of other models.
+#include <Eigen/Core>
+#include <complex>
+#include <cstdio>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "core/wavefront/refine.hpp"
+#include "tests/unit/spots/templates_case.hpp"
+
+namespace ovws {
+namespace {
+
+double read_noise_of(double snr) {
+  return std::sqrt(std::max(0.0, kPeakE * kPeakE / (snr * snr) - kPeakE));
+}
+
+/// Gauss-Newton: every rendering is about what the last one found.
+Waves fitted(SpotRenderer& renderer, const ImageView& image, const PixelNoise& noise, Waves waves,
+             int renderings) {
+  for (int k = 0; k < renderings; ++k) {
+    const auto step = step_from(fit_spots(image, renderer.render(waves), noise, kMaxSpotEstimates));
+    if (!step) return Waves(waves.size(), NAN);
+    for (std::size_t j = 0; j < waves.size(); ++j) waves[j] += step->waves(Eigen::Index(j));
+  }
+  return waves;
+}
+
+/// The image without noise, in 16 bits.
+Image<std::uint16_t> bright(const Image<float>& light) {
+  constexpr double kBrightestDn = 50'000.0;
+  const float brightest = *std::max_element(light.pixels.begin(), light.pixels.end());
+  Image<std::uint16_t> dn(light.width, light.height);
+  for (std::size_t k = 0; k < dn.pixels.size(); ++k) {
+    const double share = double(light.pixels[k]) / double(brightest);
+    dn.pixels[k] = std::uint16_t(std::lround(kBrightestDn * share));
+  }
+  return dn;
+}
+
+class Accuracy : public Templates {
+ protected:
+  /// RMS over j >= 3 of the bound of all pixels at this wavefront.
+  static double bound(int charge, const Image<float>& light, double read_noise_e,
+                      const Waves& truth) {
+    auto refiner = Refiner::make(sensor_of(charge), {}, {}, kImagePx, kImagePx,
+                                 first_modes(int(truth.size())));
+    const auto found = refiner.value().refine(light, {1.0, read_noise_e}, truth);
+    return std::sqrt(found.value().covariance.diagonal().tail(truth.size() - 2).sum());
+  }
+};
+
+/// Camera of this peak SNR, one electron a DN.
+struct Noisy {
+  double read_noise_e, black_dn;
+  PixelNoise noise;
+  explicit Noisy(double snr)
+      : read_noise_e(read_noise_of(snr)),
+        black_dn(std::ceil(4.0 * read_noise_e)),
+        noise{read_noise_e * read_noise_e + 1.0 / 12.0, 1.0} {}
+};
+
+/// Standard deviation of each estimate over noisy images, RMS over all spots.
+Eigen::ArrayXd scatter_of_estimates(std::span<const RenderedSpot> rendered,
+                                    const Image<float>& electrons, const Noisy& camera) {
+  constexpr int kImages = 60;
+  std::vector<Eigen::MatrixXd> values(rendered.size(), Eigen::MatrixXd(kMaxSpotEstimates, kImages));
+  std::optional<SpotFit> fit;
+  for (int k = 0; k < kImages; ++k) {
+    const auto image =
+        Templates::exposed(electrons, camera.read_noise_e, unsigned(k) + 1, camera.black_dn);
+    const ImageView view = Templates::view(image);
+    if (!fit) fit.emplace(fit_spots(view, rendered, camera.noise, kMaxSpotEstimates).templates);
+    auto scratch = fit->make_scratch();
+    for (std::size_t i = 0; i < rendered.size(); ++i) {
+      const SpotEstimates found = fit->fit(view, i, scratch);
+      const SpotWindow& window = fit->spots()[i].window;
+      const Eigen::Map<const Eigen::VectorXf> unit(found.values.data(), kMaxSpotEstimates);
+      values[i].col(k) = double(found.level) * window.bin * window.bin * unit.cast<double>();
+    }
+  }
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(kMaxSpotEstimates);
+  for (const Eigen::MatrixXd& of_spot : values) {
+    const Eigen::VectorXd mean = of_spot.rowwise().mean();
+    squares += (of_spot.colwise() - mean).array().square().rowwise().sum();
+  }
+  return (squares / double((kImages - 1) * rendered.size())).sqrt();
+}
+
+/// Estimates are made to have an error of 1 in the assumed noise, which is their bound.
+TEST_F(Accuracy, AllEstimatesOfASpotReachTheirBound) {
+  const Waves flat(44, 0.0);
+  for (const int charge : {0, 1, 2}) {
+    const auto rendered = renderer(charge, 44).render(flat);
+    const Image<float> electrons = light(charge, flat);
+    for (const double snr : {3.0, 7.0, 22.0}) {
+      const Eigen::ArrayXd scatter = scatter_of_estimates(rendered, electrons, Noisy(snr));
+      std::printf("  charge %d, SNR %2.0f: estimates scatter by %.3f to %.3f of their bounds\n",
+                  charge, snr, scatter.minCoeff(), scatter.maxCoeff());
+      EXPECT_LT(scatter.maxCoeff(), 1.10);
+      EXPECT_GT(scatter.minCoeff(), 0.90);
+    }
+  }
+}
+
+/// A wavefront, and the error of the modes over the bound that it may have.
+struct Whole {
+  int modes;
+  double rms, snr;
+  double factor;
+};
+
+/// Flat, and at 0.3 wave after two refreshes from a start that is 0.04 wave off. 44 modes bend the
+/// spots over a wider window.
+TEST_F(Accuracy, TheWholeSensorIsNearTheBoundOfAllPixels) {
+  constexpr int kImages = 16;
+  for (const auto& [modes, rms, snr, factor] : {Whole{18, 0.0, 3.0, 1.15},
+                                                {18, 0.0, 22.0, 1.15},
+                                                {18, 0.3, 3.0, 1.15},
+                                                {18, 0.3, 22.0, 1.15},
+                                                {44, 0.0, 3.0, 1.25},
+                                                {44, 0.0, 22.0, 1.25}}) {
+    const Waves truth = rms > 0.0 ? random(modes, rms, 5) : Waves(modes, 0.0);
+    const Waves off = random(modes, rms > 0.0 ? 0.04 : 0.0001, 6);
+    Waves start = truth;
+    for (std::size_t k = 0; k < start.size(); ++k) start[k] += off[k];
+    const Image<float> electrons = light(1, truth);
+    SpotRenderer spots = renderer(1, modes, modes > 18 ? 2.3 : 2.0);
+    const Noisy camera(snr);
+    double squares = 0.0;
+    for (int k = 0; k < kImages; ++k) {
+      const auto image = exposed(electrons, camera.read_noise_e, unsigned(k) + 1, camera.black_dn);
+      const Waves found = fitted(spots, view(image), camera.noise, start, rms > 0.0 ? 3 : 1);
+      squares += std::pow(error(found, truth), 2) / kImages;
+    }
+    const double best = bound(1, electrons, camera.read_noise_e, truth);
+    std::printf("  %d modes, %.1f wave, SNR %2.0f: %.5f wave, %.2f of the bound\n", modes, rms, snr,
+                std::sqrt(squares), std::sqrt(squares) / best);
+    EXPECT_LT(std::sqrt(squares), factor * best)
+        << modes << " modes, " << rms << " wave, SNR " << snr;
+  }
+}
+
+TEST_F(Accuracy, EverySingleModeIsMeasuredAfterTwoRefreshes) {
+  double worst = 0.0;
+  for (const auto& [modes, waves] : {std::pair{18, 0.3}, {44, 0.1}}) {
+    SpotRenderer spots = renderer(1, modes);
+    for (int j = 3; j <= modes; j += modes == 18 ? 1 : 5) {
+      Waves truth(modes, 0.0), start(modes, 0.0);
+      truth[std::size_t(j - 1)] = waves;
+      start[std::size_t(j - 1)] = 0.9 * waves;  // positions err by less
+      const auto image = bright(light(1, truth));
+      const Waves found = fitted(spots, view(image), {100.0, 1.0}, start, 3);
+      worst = std::max(worst, error(found, truth));
+      EXPECT_LT(error(found, truth), 0.003) << "j = " << j << " of " << modes;
+    }
+  }
+  std::printf("  worst of 0.3 wave of j = 3 to 18, and 0.1 wave of some of 44: %.5f wave\n", worst);
+}
+
+/// The paper's equations 1 to 4, written down again: a phase for every SLM pixel, and its Fourier
+/// transform as sums in double precision.
+class Paper {
+ public:
+  static constexpr int kColumns = 1280, kRows = 768, kPupilPx = 768, kAcross = 5;
+
+  /// Light of every camera pixel.
+  static Image<float> image(int charge, const std::vector<double>& waves) {
+    const Eigen::MatrixXcd field = field_of(charge, waves);
+    const double px_per_cycle = 632e-9 * 0.2 / (19e-6 * 3.45e-6);
+    const auto kernel = [&](double grooves, int size) {
+      Eigen::MatrixXcd turn(kImagePx, size);
+      for (int c = 0; c < kImagePx; ++c) {
+        const double u = grooves / size + (c - 0.5 * (kImagePx - 1)) / px_per_cycle;
+        for (int x = 0; x < size; ++x) turn(c, x) = turned(-u * (x - 0.5 * (size - 1)));
+      }
+      return turn;
+    };
+    const Eigen::MatrixXcd far = kernel(20.0, kRows) * field * kernel(200.0, kColumns).transpose();
+    Image<float> light(kImagePx, kImagePx);
+    for (int r = 0; r < kImagePx; ++r) {
+      for (int c = 0; c < kImagePx; ++c) light.at(c, r) = float(std::norm(far(r, c)));
+    }
+    return light;
+  }
+
+ private:
+  static std::complex<double> turned(double cycles) {
+    return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
+  }
+
+  /// RMS-normalised Zernike polynomial, by its sum over powers of the radius.
+  static double polynomial(int j, double x, double y) {
+    int n = 0;
+    while ((n + 1) * (n + 2) / 2 <= j) ++n;
+    const int m = 2 * j - n * (n + 2), k = std::abs(m);
+    const double radius = std::hypot(x, y), angle = std::atan2(y, x);
+    double sum = 0.0;
+    for (int s = 0; s <= (n - k) / 2; ++s) {
+      const double sign = s % 2 == 0 ? 1.0 : -1.0;
+      sum += sign * std::tgamma(n - s + 1.0) * std::pow(radius, n - 2 * s) /
+             (std::tgamma(s + 1.0) * std::tgamma((n + k) / 2 - s + 1.0) *
+              std::tgamma((n - k) / 2 - s + 1.0));
+    }
+    const double norm = std::sqrt((m == 0 ? 1.0 : 2.0) * (n + 1));
+    return norm * sum * (m < 0 ? std::sin(k * angle) : std::cos(k * angle));
+  }
+
+  static Eigen::MatrixXcd field_of(int charge, const std::vector<double>& waves) {
+    constexpr double kD = double(kPupilPx) / kAcross, kSpacing = 0.25;
+    Eigen::MatrixXcd field = Eigen::MatrixXcd::Ones(kRows, kColumns);
+    for (int q = -2; q <= 2; ++q) {
+      for (int p = -2; p <= 2; ++p) {
+        if (std::abs(p + q) > 2) continue;
+        const double centre_x = kD * (p + 0.5 * q), centre_y = kD * q * std::sqrt(0.75);
+        for (int r = 0; r < kRows; ++r) {
+          for (int c = 0; c < kColumns; ++c) {
+            const double x = c - 0.5 * (kColumns - 1), y = r - 0.5 * (kRows - 1);
+            const double from_x = x - centre_x, from_y = y - centre_y;
+            if (std::hypot(from_x, from_y) > 0.5 * kD) continue;
+            double cycles = charge * std::atan2(from_y, from_x) / (2.0 * std::numbers::pi) +
+                            (200.0 + kSpacing * centre_x) / kColumns * x +
+                            (20.0 + kSpacing * centre_y) / kRows * y;
+            for (std::size_t k = 0; k < waves.size(); ++k) {
+              cycles += waves[k] * polynomial(int(k) + 1, 2.0 * x / kPupilPx, 2.0 * y / kPupilPx);
+            }
+            field(r, c) = turned(cycles);
+          }
+        }
+      }
+    }
+    return field;
+  }
+};
+
+TEST_F(Accuracy, AnImageByThePapersEquationsIsMeasuredAsWell) {
+  for (const auto& [modes, rms] : {std::pair{18, 0.3}, {44, 0.1}}) {
+    const Waves truth = random(modes, rms, 3), off = random(modes, 0.03, 4);
+    Waves start = truth;
+    for (std::size_t k = 0; k < start.size(); ++k) start[k] += off[k];
+    SpotRenderer spots = renderer(1, modes);
+    const auto own = bright(light(1, truth)), papers = bright(Paper::image(1, truth));
+    const double from_own = error(fitted(spots, view(own), {100.0, 1.0}, start, 3), truth);
+    const double from_papers = error(fitted(spots, view(papers), {100.0, 1.0}, start, 3), truth);
+    std::printf("  %d modes, %.1f wave: %.5f wave by the paper's equations, %.5f by our model\n",
+                modes, rms, from_papers, from_own);
+    EXPECT_LT(from_papers, 0.001);
+  }
+}
+
+}  // namespace
+}  // namespace ovws
