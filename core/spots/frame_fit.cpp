@@ -31,14 +31,12 @@ double cell_level(const SpotTemplates& spot, double level_dn) {
 
 std::vector<SpotTemplates> templates_of(const OperatingPoint& point,
                                         std::span<const RenderedSpot> rendered) {
-  std::vector<SpotTemplates> made;
+  std::vector<CellLevel> levels;
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     const double pixels = rendered[i].window.bin * rendered[i].window.bin;
-    made.push_back(make_templates(rendered[i],
-                                  {point.levels_dn[i] * pixels, point.ceiling_dn * pixels},
-                                  point.noise, point.estimates));
+    levels.push_back({point.levels_dn[i] * pixels, point.ceiling_dn * pixels});
   }
-  return made;
+  return make_templates(rendered, levels, point.noise, point.estimates);
 }
 
 }  // namespace

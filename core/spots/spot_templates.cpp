@@ -1,5 +1,6 @@
 #include "core/spots/spot_templates.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -48,23 +49,56 @@ Basis make_basis(const RenderedSpot& spot, const CellLevel& level, const PixelNo
   return basis;
 }
 
-}  // namespace
-
-SpotTemplates make_templates(const RenderedSpot& spot, const CellLevel& level,
-                             const PixelNoise& noise, int estimates) {
+/// A spot before its estimates are chosen.
+struct Weighted {
   SpotTemplates made;
-  made.window = spot.window;
-  made.place_px = spot.place_px;
-  if (!(spot.light.maxCoeff() > 0.0F)) return made;
-  const Basis basis = make_basis(spot, level, noise, made);
-  if (2 * made.used < spot.light.size()) return made;
-  const Eigen::MatrixXd modes = basis.free(spot.per_wave);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(modes.transpose() * modes);
+  Basis basis;
+  Eigen::MatrixXd modes;  ///< cells x Z, weighted and free; empty: the spot is not used
+};
+
+Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelNoise& noise) {
+  Weighted spot_of;
+  spot_of.made.window = spot.window;
+  spot_of.made.place_px = spot.place_px;
+  if (!(spot.light.maxCoeff() > 0.0F)) return spot_of;
+  spot_of.basis = make_basis(spot, level, noise, spot_of.made);
+  if (2 * spot_of.made.used < spot.light.size()) return spot_of;
+  spot_of.modes = spot_of.basis.free(spot.per_wave);
+  return spot_of;
+}
+
+/// The covariance of the modes from all pixels of all spots, but for a factor. If they do not
+/// determine all modes, what they leave open counts as a thousand times the best known.
+Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const CellLevel> levels) {
+  constexpr double kRidge = 1e-6;
+  Eigen::MatrixXd information;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const Eigen::MatrixXd& modes = spots[i].modes;
+    if (modes.size() == 0) continue;
+    if (information.size() == 0) information.setZero(modes.cols(), modes.cols());
+    information.noalias() += levels[i].light_dn * levels[i].light_dn * modes.transpose() * modes;
+  }
+  const double most = information.size() > 0 ? information.diagonal().maxCoeff() : 0.0;
+  if (!(most > 0.0)) return Eigen::MatrixXd::Identity(information.rows(), information.cols());
+  information.diagonal().array() += kRidge * most;
+  return information.llt().solve(most *
+                                 Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+}
+
+/// Chooses the estimates and makes the rows.
+void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int estimates,
+            Weighted& spot_of) {
+  const Basis& basis = spot_of.basis;
+  const Eigen::MatrixXd& modes = spot_of.modes;
+  SpotTemplates& made = spot_of.made;
+  const Eigen::MatrixXd worth = modes * covariance;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(worth.transpose() * worth);
   const Eigen::Index count = std::min<Eigen::Index>(estimates, modes.cols());
-  const Eigen::MatrixXd leading = eigen.eigenvectors().rightCols(count);
   const Eigen::VectorXd values = eigen.eigenvalues().tail(count).cwiseMax(0.0).cwiseSqrt();
-  if (!(values.minCoeff() > 0.0)) return made;
-  made.per_wave = values.asDiagonal() * leading.transpose();
+  if (!(values.minCoeff() > 0.0)) return;
+  const Eigen::MatrixXd leading =
+      worth * eigen.eigenvectors().rightCols(count) * values.cwiseInverse().asDiagonal();
+  made.per_wave = leading.transpose() * modes;
 
   const Eigen::MatrixXd moved = basis.free(spot.per_px);
   Eigen::MatrixXd rows(SpotTemplates::kFixed + count, spot.light.size());
@@ -73,13 +107,29 @@ SpotTemplates make_templates(const RenderedSpot& spot, const CellLevel& level,
   const Eigen::Matrix2d inverse = Eigen::Matrix2d(moved.transpose() * moved).inverse();
   rows.middleRows(SpotTemplates::kX, 2) = inverse * moved.transpose();
   made.px_error = std::sqrt(0.5 * inverse.trace());
-  rows.bottomRows(count) =
-      values.cwiseInverse().asDiagonal() * leading.transpose() * modes.transpose();
+  rows.bottomRows(count) = leading.transpose();
   const Eigen::Index cells = spot.light.size();
   made.rows.setZero(rows.rows(), padded(int(cells)));
   made.rows.leftCols(cells) = (rows * basis.root.asDiagonal()).cast<float>();
   made.weights.setZero(made.rows.cols());
   made.weights.head(cells) = basis.root.cwiseAbs2().cast<float>();
+}
+
+}  // namespace
+
+std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,
+                                          std::span<const CellLevel> levels,
+                                          const PixelNoise& noise, int estimates) {
+  std::vector<Weighted> all;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    all.push_back(weighted(spots[i], levels[i], noise));
+  }
+  const Eigen::MatrixXd covariance = covariance_of(all, levels);
+  std::vector<SpotTemplates> made;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (all[i].modes.size() > 0) finish(spots[i], covariance, estimates, all[i]);
+    made.push_back(std::move(all[i].made));
+  }
   return made;
 }
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "core/spots/pixel_noise.hpp"
 #include "core/spots/rendered_spot.hpp"
@@ -11,9 +13,10 @@ namespace ovws {
 
 /// The pixels y of a spot near its rendering are level * (light + per_wave * waves) + background.
 /// Level and background are fitted to each spot. The derivatives, weighted by the noise, are
-/// projected orthogonally to level and background and decomposed into singular vectors; the leading
-/// ones are the estimates. They tell most about the modes for their number, are uncorrelated, and
-/// have an error of 1 in pixels of the assumed noise.
+/// projected orthogonally to level and background. What they tell is weighed by what it is worth:
+/// by the covariance of the modes from all spots. The leading singular vectors of the product are
+/// the estimates: their number loses least of the modes' exactness. They are uncorrelated, and have
+/// an error of 1 in pixels of the assumed noise.
 ///
 /// Estimates = level * per_wave * waves, waves counted from the rendering.
 struct SpotTemplates {
@@ -43,9 +46,11 @@ struct CellLevel {
   double ceiling_dn = std::numeric_limits<double>::infinity();
 };
 
-/// `level` and `noise` give the weights. `estimates`: at least 1, at most the number of modes. A
-/// spot without light, or with too few cells below the ceiling, gets no rows.
-SpotTemplates make_templates(const RenderedSpot& spot, const CellLevel& level,
-                             const PixelNoise& noise, int estimates);
+/// Of all spots together. `levels` and `noise` give the weights; a spot of level 0 tells nothing.
+/// `estimates`: of each spot, at least 1, at most the number of modes. A spot without light, or
+/// with too few cells below the ceiling, gets no rows.
+std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,
+                                          std::span<const CellLevel> levels,
+                                          const PixelNoise& noise, int estimates);
 
 }  // namespace ovws

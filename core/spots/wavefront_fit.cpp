@@ -73,9 +73,9 @@ double SpotPass::excess() const {
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
                    const PixelNoise& noise, int estimates) {
   // First with equal weights, which needs no level.
-  std::vector<SpotTemplates> even, weighted;
-  for (const RenderedSpot& spot : rendered) even.push_back(make_templates(spot, {}, noise, 1));
-  const std::vector<SpotEstimates> first = fit_all(image, SpotFit(std::move(even)));
+  std::vector<CellLevel> levels(rendered.size());
+  const std::vector<SpotEstimates> first =
+      fit_all(image, SpotFit(make_templates(rendered, levels, noise, 1)));
   std::vector<double> lit, dark;
   for (const SpotEstimates& spot : first) {
     if (spot.level > 0.0F) lit.push_back(double(spot.level));
@@ -87,11 +87,10 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     const double level = first[i].level > 0.0F ? double(first[i].level) : usual;
     const int pixels = pixels_of(rendered[i].window);
-    weighted.push_back(
-        make_templates(rendered[i], {level * pixels, pass.ceiling_dn * pixels}, noise, estimates));
+    levels[i] = {level * pixels, pass.ceiling_dn * pixels};
   }
-  pass.templates = weighted;
-  pass.found = fit_all(image, SpotFit(std::move(weighted)));
+  pass.templates = make_templates(rendered, levels, noise, estimates);
+  pass.found = fit_all(image, SpotFit(pass.templates));
   return pass;
 }
 

@@ -112,15 +112,18 @@ struct Whole {
 };
 
 /// Flat, and at 0.3 wave after two refreshes from a start that is 0.04 wave off. 44 modes bend the
-/// spots over a wider window.
+/// spots over a wider window. At SNR 3 their bound at 0.3 wave, 0.037 wave, is beyond the range in
+/// which the light changes in proportion.
 TEST_F(Accuracy, TheWholeSensorIsNearTheBoundOfAllPixels) {
-  constexpr int kImages = 16;
+  constexpr int kImages = 10;
   for (const auto& [modes, rms, snr, factor] : {Whole{18, 0.0, 3.0, 1.15},
                                                 {18, 0.0, 22.0, 1.15},
                                                 {18, 0.3, 3.0, 1.15},
                                                 {18, 0.3, 22.0, 1.15},
                                                 {44, 0.0, 3.0, 1.25},
-                                                {44, 0.0, 22.0, 1.25}}) {
+                                                {44, 0.0, 22.0, 1.25},
+                                                {44, 0.3, 3.0, 1.4},
+                                                {44, 0.3, 22.0, 1.25}}) {
     const Waves truth = rms > 0.0 ? random(modes, rms, 5) : Waves(modes, 0.0);
     const Waves off = random(modes, rms > 0.0 ? 0.04 : 0.0001, 6);
     Waves start = truth;
