@@ -13,8 +13,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxOffCentre = 0.25;  // of a window's width
-constexpr double kMinBinnedPx = 10.0;   // lambda/d from which cells of 2 x 2 pixels lose nothing
+constexpr double kNarrow = 2.0, kWide = 2.3;  // half a window's width, lambda/d
+constexpr double kMaxOffCentre = 0.25;        // of a window's width
+constexpr double kMinBinnedPx = 10.0;  // lambda/d from which cells of 2 x 2 pixels lose nothing
 constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
 
 std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const double> waves,
@@ -70,9 +71,11 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
   auto field = SensorField::make(sensor, slm, optics, cols, rows);
   if (!field) return fail(field.error());
   const double spot_px = lambda_d_px(optics, slm, sensor);
+  const bool many = int(modes_j.size()) > optimal_mode_count(sensor.subapertures_across);
+  const double half_width = options.half_width > 0.0 ? options.half_width : many ? kWide : kNarrow;
   SpotWindow window;
   window.bin = spot_px >= kMinBinnedPx ? 2 : 1;
-  window.side = std::max(kMinSide, int(std::ceil(2.0 * options.half_width * spot_px / window.bin)));
+  window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * spot_px / window.bin)));
   if (window.side * window.bin > std::min(cols, rows)) {
     return fail(Errc::invalid, "optics",
                 "a window of " + std::to_string(window.side * window.bin) +

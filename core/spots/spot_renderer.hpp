@@ -21,7 +21,9 @@ namespace ovws {
 class SpotRenderer {
  public:
   struct Options {
-    double half_width = 2.0;    ///< of a window, units of lambda/d
+    /// Of a window, units of lambda/d. 0: 2.0, or 2.3 for more modes than positions tell, which
+    /// change the light farther out.
+    double half_width = 0.0;
     double reach = 6.0;         ///< distance up to which subapertures are neighbours, lambda/d
     bool light_outside = true;  ///< render the light outside the subapertures, too
   };

@@ -1,0 +1,39 @@
+/// How many modes the spots of a sensor tell.
+#pragma once
+
+#include "core/base/result.hpp"
+#include "core/optics/geometry.hpp"
+
+namespace ovws {
+
+/// A sensor on its bench, and how many estimates each spot gives.
+struct ModeBench {
+  const SensorConfig& sensor;
+  const SlmGeometry& slm;
+  const OpticsConfig& optics;
+  int cols = 0, rows = 0;  ///< of the camera's image
+  int estimates = 0;
+};
+
+/// Errors of the modes j = 1 to `modes`, flat wavefront, 500 electrons in the brightest pixel, read
+/// noise 5 electrons.
+struct ModeErrors {
+  int modes = 0;
+  double rms_waves = 0.0;    ///< root sum square of the standard errors without tilts
+  double worst_waves = 0.0;  ///< largest standard error of a mode
+  double tilt_waves = 0.0;   ///< standard error of a tilt if it were the only mode
+
+  /// Modes are told as long as none has more than twice that error. Beyond, the error
+  /// grows steeply: 19 vortices of charge 1 tell 47 modes, 19 bright spots 26.
+  bool are_told() const { return worst_waves <= 2.0 * tilt_waves; }
+};
+
+/// All errors infinite: the estimates do not determine the modes. Renders the spots, some 20 ms on
+/// the default bench. Errors: those of SpotRenderer::make.
+Result<ModeErrors> mode_errors(const ModeBench& bench, int modes);
+
+/// The largest number of modes that are told, at most `below`; some ten renderings. Errors: those
+/// of SpotRenderer::make.
+Result<ModeErrors> most_modes(const ModeBench& bench, int below);
+
+}  // namespace ovws
