@@ -40,6 +40,7 @@ constexpr Numbers kPupilDiameterPx{8.0, 16384.0};
 constexpr Numbers kGrooves{-8192.0, 8192.0};
 constexpr Numbers kSpacing{0.001, 16.0};
 constexpr Numbers kKernelRadius{0.1, 2.0};
+constexpr Integers kEstimates{2, 8};  ///< of each spot
 
 constexpr Numbers kModeWaves{-1000.0, 1000.0};
 constexpr Integers kReferenceFrames{1, 100000};

@@ -76,8 +76,8 @@ struct FrameRecord {
   int tracked = 0;
   bool searched = false;            ///< the whole image was searched for spots, too
   float saturated_fraction = 0.0F;  ///< fraction of the spots with a saturated pixel
-  std::vector<float>
-      coefficients;  ///< RMS-normalised waves, order of plan->reconstructor->modes_j()
+  /// RMS-normalised waves, order of plan->modes_j; NaN: neither positions nor templates tell it.
+  std::vector<float> coefficients;
   /// Standard errors of the coefficients, waves; NaN unless it is measured by templates.
   std::vector<float> sigma_waves;
   int mode_count = 0;
@@ -87,7 +87,8 @@ struct FrameRecord {
   /// steps (SpotHistory).
   bool follows = false;
   Reconstruction reconstruction;
-  /// A wavefront explains the spots, but the plan has templates and the frame does not follow.
+  /// A wavefront explains the spots, but the plan has templates and the frame does not follow, or
+  /// positions do not tell all modes.
   bool unconfirmed = false;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed

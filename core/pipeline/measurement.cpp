@@ -17,10 +17,13 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
   demand(plan.tracker != nullptr, "measurement plan without a tracker");
   demand(plan.reconstructor != nullptr, "measurement plan without a reconstructor");
   demand(plan.subapertures() <= kMaxSubapertures, "measurement plan with too many subapertures");
-  demand(!plan.fit || plan.fit->modes_j() == plan.reconstructor->modes_j(),
+  const std::vector<int>& leading = plan.reconstructor->modes_j();
+  demand(leading.size() <= plan.modes_j.size() &&
+             std::equal(leading.begin(), leading.end(), plan.modes_j.begin()),
+         "measurement plan whose positions tell other modes");
+  demand(!plan.fit || plan.fit->modes_j() == plan.modes_j,
          "measurement plan whose templates have other modes");
-  demand(plan.reconstructor->modes_j().size() <= std::size_t(kMaxModes),
-         "measurement plan with too many modes");
+  demand(plan.modes_j.size() <= std::size_t(kMaxModes), "measurement plan with too many modes");
   return plan;
 }
 

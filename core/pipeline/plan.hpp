@@ -36,9 +36,11 @@ struct MeasurementPlan {
   std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
   std::unique_ptr<const SpotTracker> tracker;
+  std::vector<int> modes_j;  ///< that frames are measured in
+  /// Of the leading modes that positions tell: of all of them, unless templates tell more.
   std::unique_ptr<const Reconstructor> reconstructor;
-  /// Templates about an operating point, with the same modes as `reconstructor`: measures a frame
-  /// near that point from all its pixels, without the tracker. Null: none yet.
+  /// Templates about an operating point, of `modes_j`: measures a frame near that point from all
+  /// its pixels, without the tracker. Null: none yet.
   std::shared_ptr<const FrameFit> fit;
 
   int subapertures() const { return int(predicted_px.size()); }
@@ -46,6 +48,8 @@ struct MeasurementPlan {
     return search_px.empty() ? predicted_px : search_px;
   }
   bool referenced() const { return !reference_px.empty(); }
+  /// Whether the spots' positions tell all modes.
+  bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }
   /// Whether frames are to be measured by templates. A measured operator is one of positions.
   bool wants_templates() const {
     return tracker_kind == TrackerKind::fit && mode_operator != OperatorKind::measured &&

@@ -33,24 +33,25 @@ Reconstruction reconstruction_of(const Entry& entry) {
 
 void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
-  entry.mode_count = int(plan.reconstructor->modes_j().size());
+  entry.mode_count = int(plan.modes_j.size());
   const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
   if (entry.templates.credible) {
     entry.reconstruction = reconstruction_of(entry);
   } else {
+    std::fill_n(entry.coefficients.begin(), entry.mode_count, NAN);
+    std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);
     entry.reconstruction = plan.reconstructor->solve_without_outliers(
         spots, entry.measurement->reconstruct_scratch,
-        std::span<float>{entry.coefficients.data(), std::size_t(entry.mode_count)},
+        std::span<float>{entry.coefficients.data(), plan.reconstructor->modes_j().size()},
         kCredibleResidual * plan.spots.lambda_d_px);
-    std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);
   }
   entry.tracked = int(
       std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
   const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
   const bool by_positions =
       measured && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
-  entry.unconfirmed =
-      by_positions && plan.fit != nullptr && !entry.templates.credible && !entry.follows;
+  const bool suffices = plan.positions_suffice() && (plan.fit == nullptr || entry.follows);
+  entry.unconfirmed = by_positions && !entry.templates.credible && !suffices;
   entry.explained = !measured || entry.templates.credible || (by_positions && !entry.unconfirmed);
   entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();

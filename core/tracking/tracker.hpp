@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -27,10 +28,18 @@ enum class OperatorKind : std::uint8_t {
   measured,      ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
-/// TrackingConfig plus the source of the templates and the operator that reconstructs modes.
+/// TrackingConfig plus the source of the templates and what reconstructs modes.
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
+  /// Modes to measure, j = 1 to this; none: as many as positions tell. Only templates tell more.
+  std::optional<int> mode_count = std::nullopt;
+  int estimates = 8;  ///< of each spot, tracker `fit`
+
+  /// Whether modes can be measured from all pixels of the spots, and not only from positions.
+  bool uses_shapes() const {
+    return tracker == TrackerKind::fit && mode_operator != OperatorKind::measured;
+  }
 
   friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
 };

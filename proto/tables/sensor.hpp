@@ -50,7 +50,16 @@ struct Table<TrackingSettings> {
                    "the tracker measures it; diffractive, from the diffraction model of each "
                    "mode, exact for aberrations up to about 0.1 wave, beyond which slopes is "
                    "better; relinearised, offline only and refused by the daemon; measured, "
-                   "the interaction (poke) matrix of calibration.run")};
+                   "the interaction (poke) matrix of calibration.run"),
+             field("mode_count", &TrackingSettings::mode_count,
+                   "number of modes, j = 1 to this; null: as many as the positions of the spots "
+                   "tell. The tracker fit measures more, as far as the spots tell them; frames are "
+                   "then valid only while templates describe them",
+                   {1, kMaxZernikeIndex}),
+             field("estimates", &TrackingSettings::estimates,
+                   "numbers that the tracker fit takes from each spot: 2 tell its position, 4 its "
+                   "astigmatism, too",
+                   limits::kEstimates)};
 };
 
 template <>

@@ -8,9 +8,9 @@ import time
 from case import BenchCase, Client, main
 
 
-def draw(rng, rms):
-    """Random modes of this RMS together: {j: waves}."""
-    modes = {j: rng.gauss(0.0, 1.0) for j in range(3, 19)}
+def draw(rng, rms, last=18):
+    """Random modes of this RMS together, j = 3 to `last`: {j: waves}."""
+    modes = {j: rng.gauss(0.0, 1.0) for j in range(3, last + 1)}
     scale = rms / sum(waves * waves for waves in modes.values()) ** 0.5
     return {j: scale * waves for j, waves in modes.items()}
 
@@ -60,6 +60,25 @@ class Fit(BenchCase):
                 self.assertEqual({frame["tracked"] for frame in late}, {19})
                 self.assertLess(max(error(frame, modes) for frame in before + frames), 0.15)
 
+    def test_spots_tell_more_modes_than_their_positions(self):
+        refusal = self.refused("sensor.set", {"mode_count": 65}).data
+        print(f"\n  {refusal['reason']}")
+        self.assertEqual(refusal["field"], "mode_count")
+        self.assertEqual(self.call("sensor.set", {"mode_count": 44})["applied"]["mode_count"], 44)
+        self.take_reference(50)
+        stream, rng = self.stream("wavefront"), random.Random(6)
+        self.assertEqual(self.call("sensor.get")["modes_j"], list(range(1, 45)))
+        for rms in (0.0, 0.1, 0.3):
+            with self.subTest(rms=rms):
+                modes = draw(rng, rms, 44)
+                frames, before = self.fitted(stream, 40, self.show(modes))
+                median = statistics.median(error(frame, modes) for frame in frames[20:])
+                print(f"\n  {rms:.2f} wave over 44 modes: error {median:.5f} wave")
+                self.assertEqual(before, [])  # positions do not tell them
+                self.assertLess(median, 0.015)
+        self.assert_replays_the_same("44", [draw(rng, 0.05, 44)])
+        self.call("sensor.set", {"mode_count": None})
+
     def test_after_a_sudden_wavefront_no_frame_is_valid_by_positions_only(self):
         self.take_reference(50)
         stream, rng, twin = self.stream("wavefront"), random.Random(5), Client("tcp://127.0.0.1:7790")
@@ -94,13 +113,17 @@ class Fit(BenchCase):
 
     def test_a_replay_gives_the_same_numbers(self):
         self.take_reference(50)
-        stream, rng = self.stream("wavefront"), random.Random(4)
+        rng = random.Random(4)
+        self.assert_replays_the_same("18", [draw(rng, 0.05), draw(rng, 0.3)])
+
+    def assert_replays_the_same(self, name, wavefronts):
+        stream = self.stream("wavefront")
         self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
-        self.call("record.start", {"name": "fit"})
-        for rms in (0.05, 0.3):
-            self.fitted(stream, 10, self.show(draw(rng, rms)))
+        self.call("record.start", {"name": name})
+        for modes in wavefronts:
+            self.fitted(stream, 10, self.show(modes))
         self.call("record.stop")
-        path = self.bench.directory / "recordings" / "fit.h5"
+        path = self.bench.directory / "recordings" / f"{name}.h5"
         done = subprocess.run([self.bench.programs / "ovws", "--json", "replay", path], capture_output=True, text=True, timeout=120)
         replayed = json.loads(done.stdout)
         print(f"\n  {replayed}")

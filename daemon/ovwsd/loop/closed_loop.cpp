@@ -103,9 +103,11 @@ void ClosedLoop::add(const FrameRecord& record) {
   {
     const std::lock_guard lock(mutex_);
     newest_.hologram_id = record.hologram_id;
-    newest_.modes_j = record.plan->reconstructor->modes_j();
+    // A frame of positions tells the leading modes only.
+    newest_.modes_j =
+        record.templates.credible ? record.plan->modes_j : record.plan->reconstructor->modes_j();
     newest_.residual_waves.assign(record.coefficients.begin(),
-                                  record.coefficients.begin() + record.mode_count);
+                                  record.coefficients.begin() + newest_.modes_j.size());
     has_sample_ = true;
   }
   filled_.notify_one();

@@ -198,6 +198,12 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
                                                 const CalibrationRun& run) {
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
+  if (now.modes_j.size() > now.position_modes_j.size()) {
+    return fail(Errc::refused, "mode_count",
+                fmt::format("a calibration measures positions, which tell {} modes and not {}: "
+                            "call sensor.set with \"mode_count\": null first",
+                            now.position_modes_j.size(), now.modes_j.size()));
+  }
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
   const ModeOperator model =

@@ -28,6 +28,7 @@ SensorSet sensor_of(const SweepArm& arm) {
   set.put(&TrackingSettings::tracker, arm.tracker.kind);
   set.put(&TrackingSettings::templates, TemplateKind::model);
   set.put(&TrackingSettings::mode_operator, OperatorKind::slopes);
+  set.put(&TrackingSettings::mode_count, std::optional<int>());
   return set;
 }
 

@@ -31,7 +31,7 @@ json rows_of(const Eigen::MatrixXd& matrix) {
 
 json operator_content(const PlanFacts& facts) {
   json content{{"operator", operator_name(facts.mode_operator)},
-               {"j", facts.modes_j},
+               {"j", facts.position_modes_j},
                {"px_per_wave", rows_of(facts.slopes)}};
   if (facts.nuisance.cols() > 0) content["nuisance_px"] = rows_of(facts.nuisance);
   return content;
@@ -69,6 +69,7 @@ json plan_content(const PlanFacts& facts) {
           {"search_px", to_json(facts.search_px)},
           {"reference_px", to_json(facts.reference_px)},
           {"reference_introduced_rms_waves", facts.reference_introduced_rms_waves},
+          {"modes_j", facts.modes_j},
           {"pattern", pattern_name(now.pattern)},
           {"sensor", to_json(now.sensor)},
           {"optics", to_json(now.optics)},
@@ -93,7 +94,8 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       reference_px(plan.reference_px),
       reference_introduced_rms_waves(plan.reference_introduced_rms_waves),
       mode_operator(plan.mode_operator),
-      modes_j(plan.reconstructor->modes_j()),
+      modes_j(plan.modes_j),
+      position_modes_j(plan.reconstructor->modes_j()),
       slopes(plan.reconstructor->slopes()),
       sensor(std::move(view)),
       nuisance(plan.reconstructor->nuisance()),

@@ -27,7 +27,8 @@ struct PlanFacts {
   std::vector<Vec2> predicted_px, search_px, reference_px;
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
-  std::vector<int> modes_j;
+  std::vector<int> modes_j;           ///< of the coefficients
+  std::vector<int> position_modes_j;  ///< the first of them, which `slopes` tells
   Eigen::MatrixXd slopes;
   SensorView sensor;                    ///< as it was when the plan was adopted
   Eigen::MatrixXd nuisance;             ///< see Reconstructor

@@ -212,7 +212,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   frame.replayed = true;
   frame.same = same(*record, frame.recorded, *spots, *coefficients);
   frame.valid = record->valid;
-  frame.modes_j = plan->reconstructor->modes_j();
+  frame.modes_j = plan->modes_j;
   frame.coefficients.assign(record->coefficients.begin(),
                             record->coefficients.begin() + record->mode_count);
   pipeline.release(record);

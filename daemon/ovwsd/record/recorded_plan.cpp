@@ -48,7 +48,8 @@ SpotModel spot_model(const json& plan) {
 }
 
 /// Checks that the parts are consistent, and within the limits that later code relies on.
-Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vector<int>& modes_j) {
+Result<void> check(const MeasurementPlan& plan, const json& rows,
+                   const std::vector<int>& position_modes_j) {
   const std::size_t spots = plan.predicted_px.size();
   const auto as_many = [&](const std::vector<Vec2>& all) {
     return all.empty() || all.size() == spots;
@@ -57,12 +58,17 @@ Result<void> check(const MeasurementPlan& plan, const json& rows, const std::vec
       !as_many(plan.reference_px) || rows.size() != 2 * spots) {
     return unfit("has parts with different numbers of spots");
   }
+  const std::vector<int>& modes_j = plan.modes_j;
   if (modes_j.empty() || modes_j.size() > std::size_t(kMaxZernikeIndex)) {
     return unfit("has too many modes, or none");
   }
   if (std::any_of(modes_j.begin(), modes_j.end(),
                   [](int j) { return j < 0 || j > kMaxZernikeIndex; })) {
     return unfit("has modes that do not exist");
+  }
+  if (position_modes_j.empty() || position_modes_j.size() > modes_j.size() ||
+      !std::equal(position_modes_j.begin(), position_modes_j.end(), modes_j.begin())) {
+    return unfit("has modes that are not those of its operator");
   }
   const ColourPlane& lit = plan.spots.lit.plane;
   if (plan.roi.width < 1 || plan.roi.width > kMaxSide || plan.roi.height < 1 ||
@@ -139,14 +145,17 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->reference_px = points(from.at("reference_px"));
   plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
   const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
-  const auto modes_j = op.at("j").get<std::vector<int>>();
-  if (auto fits = check(*plan, op.at("px_per_wave"), modes_j); !fits) return fail(fits.error());
+  const auto position_modes_j = op.at("j").get<std::vector<int>>();
+  plan->modes_j = from.value("modes_j", position_modes_j);
+  if (auto fits = check(*plan, op.at("px_per_wave"), position_modes_j); !fits) {
+    return fail(fits.error());
+  }
   const json nuisance = op.value("nuisance_px", json::array());
   if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
     return unfit("has different numbers of rows in nuisance_px and px_per_wave");
   }
   plan->reconstructor = std::make_unique<Reconstructor>(
-      matrix(op.at("px_per_wave"), modes_j.size()), modes_j, plan->reference_px,
+      matrix(op.at("px_per_wave"), position_modes_j.size()), position_modes_j, plan->reference_px,
       matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
   TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
   auto own = templates(from, tracking, plan->spots);
@@ -157,8 +166,9 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   const json point = from.value("operating_point", json());
   if (point.is_null()) return plan;
   const auto sha256 = point.get<std::string>();
-  if (sha256 != fit_sha256_ || !fit_ || fit_->modes_j() != modes_j || !(fit_roi_ == plan->roi)) {
-    auto fit = points_.read(json_of(documents_.at(sha256)), plan->roi, modes_j);
+  if (sha256 != fit_sha256_ || !fit_ || fit_->modes_j() != plan->modes_j ||
+      !(fit_roi_ == plan->roi)) {
+    auto fit = points_.read(json_of(documents_.at(sha256)), plan->roi, plan->modes_j);
     if (!fit) return fail(fit.error());
     fit_ = std::move(*fit);
     fit_sha256_ = sha256;

@@ -27,19 +27,21 @@ struct RefineModel::Bench {
   std::vector<int> modes_j;
   bool spot_amplitudes = false;
   Refiner refiner;
-  Reconstructor by_model;  ///< from spots to modes, absolute
+  Reconstructor by_model;  ///< from spots to the leading modes, absolute
   Reconstructor::Scratch scratch;
 
   bool is_for(const FrameCopy& frame, const SensorSnapshot& now,
               const RefineSetup& settings) const {
     return sensor == now.sensor && tracking == now.tracking && modes_j == now.modes_j &&
+           by_model.modes_j() == now.position_modes_j &&
            spot_amplitudes == settings.spot_amplitudes && cols == frame.image.width &&
            rows == frame.image.height && optics.registered == now.optics.registered &&
            optics.centre_px == now.optics.centre_px;
   }
   std::optional<std::vector<double>> start_of(std::span<const SpotFix> spots) {
     std::vector<float> waves(modes_j.size());
-    if (!by_model.solve(spots, scratch, waves).determined) return std::nullopt;
+    const auto leading = std::span(waves).first(by_model.modes_j().size());
+    if (!by_model.solve(spots, scratch, leading).determined) return std::nullopt;
     return std::vector<double>(waves.begin(), waves.end());
   }
 };
@@ -105,10 +107,10 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   if (!refiner) return fail(refiner.error());
   const auto lattice = make_lattice(sensor.sensor, slm_);
   if (!lattice) return fail(lattice.error());
-  Reconstructor by_model(slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+  Reconstructor by_model(slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
                                       slope_model(sensor.sensor.charge, sensor.tracking),
                                       camera_px_per_cycle(sensor.optics, slm_)),
-                         sensor.modes_j,
+                         sensor.position_modes_j,
                          model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
   auto scratch = by_model.make_scratch();
   bench_ = std::make_unique<Bench>(Bench{

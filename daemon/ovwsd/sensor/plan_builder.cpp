@@ -44,6 +44,14 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
   return spots;
 }
 
+/// Those of positions first, then those that only templates tell.
+std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOperator& positions) {
+  std::vector<int> modes_j = positions.modes_j;
+  const int last = tracking.uses_shapes() ? tracking.mode_count.value_or(0) : 0;
+  for (int j = modes_j.empty() ? 1 : modes_j.back() + 1; j <= last; ++j) modes_j.push_back(j);
+  return modes_j;
+}
+
 }  // namespace
 
 SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, const SlmGeometry& slm,
@@ -114,6 +122,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
                                   : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
                                                    px_per_cycle(inputs.optics, inputs.slm));
   plan->mode_operator = modes.kind;
+  plan->modes_j = measured_modes(inputs.tracking, modes);
   plan->reconstructor = std::make_unique<Reconstructor>(
       modes.slopes, modes.modes_j, plan->reference_px,
       rotation_column(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),

@@ -22,7 +22,7 @@ struct PlanInputs {
   std::uint64_t hologram_id = 0;  ///< the hologram that shows `aberration`
   const Lattice& lattice;
   const SensorConfig& sensor;
-  const TrackingConfig& tracking;
+  const TrackingSettings& tracking;
   const OpticsConfig& optics;
   const SlmGeometry& slm;
   const Roi& roi;

@@ -10,7 +10,8 @@ bool are_for(const ActiveTemplates& templates, const SensorState& state, const B
              const MeasurementPlan& plan) {
   return templates.fit && plan.wants_templates() && templates.sensor_epoch == state.sensor_epoch &&
          templates.reference_taken_ns == bound.reference->t_taken_ns &&
-         templates.fit->modes_j() == plan.reconstructor->modes_j();
+         templates.fit->modes_j() == plan.modes_j &&
+         templates.fit->point().estimates == state.tracking.estimates;
 }
 
 }  // namespace

@@ -9,6 +9,8 @@ ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& t
   ReferenceKey key{sensor, tracking, roi};
   if (tracking.tracker != TrackerKind::matched) key.tracking.templates = TemplateKind::model;
   key.tracking.mode_operator = OperatorKind::slopes;
+  key.tracking.mode_count.reset();
+  key.tracking.estimates = TrackingSettings{}.estimates;
   return key;
 }
 

@@ -28,7 +28,7 @@ SensorChange set_sensor(SensorSet change) {
     apply(change, edit.state);
     if (auto there = check_operator(change, edit); !there) return there;
     if (auto fast = check_daemon_tracker(edit.state.tracking); !fast) return fast;
-    return check_apart(edit.state, edit.bench.optics);
+    return check_spots(edit.state, edit.bench.optics);
   };
 }
 

@@ -57,8 +57,7 @@ void SensorEvents::publish_stale(const Reference* reference,
 
 const std::string& SensorEvents::layout_fault(const SensorState& state) {
   const OpticsConfig optics = optics_of(state, bench_);
-  LayoutKey key{state.sensor, state.tracking.tracker, optics.registered, optics.centre_px,
-                state.roi};
+  LayoutKey key{state.sensor, state.tracking, optics.registered, optics.centre_px, state.roi};
   if (layout_key_ == key) return layout_fault_;
   const bool first = !layout_key_;
   layout_key_ = std::move(key);

@@ -32,7 +32,7 @@ class SensorEvents {
  private:
   struct LayoutKey {
     SensorConfig sensor;
-    TrackerKind tracker = TrackerKind::lg;
+    TrackingSettings tracking;
     std::optional<PxPerCycle> registered;
     std::optional<Vec2> centre_px;
     Roi roi;

@@ -297,7 +297,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->registration = registration_of(state_, bench_.optics);
   now->plan_id = plan->id;
   now->subapertures = plan->subapertures();
-  now->modes_j = plan->reconstructor->modes_j();
+  now->modes_j = plan->modes_j;
+  now->position_modes_j = plan->reconstructor->modes_j();
   now->layout_fault = events_.layout_fault(state_);
   if (state_.split_spots) now->split = state_.split_spots->numbers();
   now->reference = bound.reference;

@@ -33,6 +33,7 @@ struct SensorSnapshot {
   std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
   int subapertures = 0;
   std::vector<int> modes_j;
+  std::vector<int> position_modes_j;  ///< the first of them, which positions alone tell
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;

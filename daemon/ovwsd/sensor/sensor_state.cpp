@@ -65,19 +65,20 @@ Result<void> check_sampling(const SensorState& state) {
   return state.renderer->check_sampling(shown_modes(state));
 }
 
-Result<void> check_apart(const SensorState& state, const BenchOptics& bench) {
+Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
   const auto lattice = make_lattice(state.sensor, bench.slm);
   if (!lattice) return fail(lattice.error());
-  return check_spots_apart(
-      {*lattice, state.sensor, state.tracking, optics_of(state, bench), bench.slm, state.roi});
+  const OpticsConfig optics = optics_of(state, bench);
+  const SpotBench spots{*lattice, state.sensor, state.tracking, optics, bench.slm, state.roi};
+  if (auto apart = check_spots_apart(spots); !apart) return apart;
+  return check_mode_count(spots);
 }
 
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench) {
+  if (auto told = check_spots(state, bench); !told) return told;
   const OpticsConfig optics = optics_of(state, bench);
-  const SpotBench spots{
-      state.renderer->lattice(), state.sensor, state.tracking, optics, bench.slm, state.roi};
-  if (auto apart = check_spots_apart(spots); !apart) return apart;
-  return check_spots_in_region(spots);
+  return check_spots_in_region(
+      {state.renderer->lattice(), state.sensor, state.tracking, optics, bench.slm, state.roi});
 }
 
 }  // namespace ovws

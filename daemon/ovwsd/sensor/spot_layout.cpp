@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/spots/mode_limit.hpp"
 #include "core/tracking/spot_geometry.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
@@ -176,6 +177,37 @@ Result<void> check_spots_apart(const SpotBench& bench) {
           "from {:.2f} lambda/d on: set {}",
           layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench.sensor.charge),
           minimum, wider_spacing(bench, layout)));
+}
+
+Result<void> check_mode_count(const SpotBench& bench) {
+  const TrackingSettings& tracking = bench.tracking;
+  if (!tracking.mode_count) return {};
+  const ModeOperator positions =
+      slope_operator(bench.lattice, bench.sensor, tracking, px_per_cycle(bench.optics, bench.slm));
+  const int requested = *tracking.mode_count, by_positions = int(positions.modes_j.size());
+  if (requested == by_positions) return {};
+  const auto refuse = [](const std::string& reason) {
+    return fail(Errc::invalid, "tracking.mode_count", reason);
+  };
+  if (requested < by_positions || !tracking.uses_shapes()) {
+    return refuse(fmt::format("positions of these spots tell {} modes: set null, or {}",
+                              by_positions,
+                              tracking.uses_shapes() ? "more"
+                                                     : "the tracker fit and another operator than "
+                                                       "measured, which tell more"));
+  }
+  const ModeBench modes{bench.sensor,    bench.slm,        bench.optics,
+                        bench.roi.width, bench.roi.height, tracking.estimates};
+  const auto errors = mode_errors(modes, requested);
+  if (!errors) return fail(errors.error());
+  if (errors->are_told()) return {};
+  const auto most = most_modes(modes, requested - 1);
+  if (!most) return fail(most.error());
+  return refuse(
+      fmt::format("{} {} with {} estimates each tell {} modes (their expected error together is "
+                  "{:.4f} wave at 500 electrons in the brightest pixel), not {} ({:.4f} wave)",
+                  bench.lattice.subapertures.size(), spot_name(bench.sensor.charge),
+                  tracking.estimates, most->modes, most->rms_waves, requested, errors->rms_waves));
 }
 
 Result<void> check_spots_in_region(const SpotBench& bench) {

@@ -24,7 +24,7 @@ double recommended_spot_distance(int charge);
 struct SpotBench {
   const Lattice& lattice;
   const SensorConfig& sensor;
-  const TrackingConfig& tracking;
+  const TrackingSettings& tracking;
   const OpticsConfig& optics;
   const SlmGeometry& slm;
   const Roi& roi;
@@ -33,6 +33,11 @@ struct SpotBench {
 /// Errc::invalid, field "sensor.spacing": neighbouring spots are closer than min_spot_distance.
 /// The message proposes values that work.
 Result<void> check_spots_apart(const SpotBench& bench);
+
+/// Errc::invalid, field "tracking.mode_count": not as many modes as requested are told, or fewer
+/// are requested than positions tell. The message says how many are told, with which error. Renders
+/// the spots if more are requested than positions tell.
+Result<void> check_mode_count(const SpotBench& bench);
 
 /// Errc::invalid, field "camera.roi": so many spots fall outside the camera's region, or across its
 /// edge, that the others do not determine the modes. The message proposes values that work.

@@ -240,24 +240,25 @@ bool SpotSearch::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor
   const bool same = bench_ && bench_->sensor == sensor.sensor &&
                     bench_->tracking == sensor.tracking && bench_->cols == cols &&
                     bench_->rows == rows && bench_->reference_px == reference_px &&
-                    bench_->px_per_cycle == map && bench_->spots == spots;
+                    bench_->px_per_cycle == map && bench_->spots == spots &&
+                    bench_->plain.modes_j() == sensor.position_modes_j;
   if (same) return true;
   bench_.reset();
   if (reference_px.size() > kMaxSpots || spots.lambda_d_px > kMaxSpotPx) return false;
   auto tracker = make_tracker(sensor.tracking, spots);
   if (!tracker) return false;
   const Eigen::MatrixXd slopes =
-      slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
                    slope_model(sensor.sensor.charge, sensor.tracking), map);
   TrackScratch scratch = (*tracker)->make_scratch();
   bench_ = std::make_unique<Bench>(
       Bench{sensor.sensor, sensor.tracking, cols, rows, map, reference_px, std::move(*tracker),
             std::move(scratch), spots,
-            ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.modes_j, slopes,
+            ShapedAcquisition(*lattice, sensor.sensor, spots, map, sensor.position_modes_j, slopes,
                               reference_px, cols, rows),
-            template_optics(*lattice, sensor.sensor, sensor.modes_j, map / spots.lit.plane.step,
-                            spots.on_plane()),
-            Reconstructor(slopes, sensor.modes_j,
+            template_optics(*lattice, sensor.sensor, sensor.position_modes_j,
+                            map / spots.lit.plane.step, spots.on_plane()),
+            Reconstructor(slopes, sensor.position_modes_j,
                           sensor.reference ? known_positions(*sensor.reference) : reference_px,
                           rotation_column(*lattice, sensor.sensor, map, sensor.reference.get()))});
   return true;

@@ -21,9 +21,8 @@ constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kFrames = 3;  // that tell the noise; the last is measured
 constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
-constexpr double kMaxResidual = 1.5;   // standard errors
-constexpr double kMoreResidual = 1.3;  // over that at the operating point
-constexpr int kEstimates = 8;
+constexpr double kMaxResidual = 1.5;                     // standard errors
+constexpr double kMoreResidual = 1.3;                    // over that at the operating point
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
 constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
@@ -91,14 +90,15 @@ struct TemplateRenderer::Model {
   std::uint64_t sensor_epoch = 0;
   int cols = 0, rows = 0;
   std::vector<int> modes_j;
+  int estimates = 0;  ///< of each spot
   std::int64_t reference_taken_ns = 0;
   PointModel points;
   std::vector<double> last{};  ///< coefficients of the last operating point
 
   bool is_for(const FrameCopy& frame, const SensorSnapshot& sensor) const {
     return sensor_epoch == sensor.sensor_epoch && modes_j == sensor.modes_j &&
-           cols == frame.image.width && rows == frame.image.height &&
-           reference_taken_ns == sensor.reference->t_taken_ns;
+           estimates == sensor.tracking.estimates && cols == frame.image.width &&
+           rows == frame.image.height && reference_taken_ns == sensor.reference->t_taken_ns;
   }
 };
 
@@ -205,13 +205,15 @@ Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
   return last;
 }
 
-/// Where to look for the wavefront of a frame: where it was measured; else, if it is not valid,
-/// where it was last, and at the reference.
+/// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
+/// positions do not tell; else, if it is not valid, where it was last, and at the reference.
 std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
-  const bool measured = std::all_of(frame.coefficients.begin(), frame.coefficients.end(),
-                                    [](float waves) { return std::isfinite(waves); });
-  if (measured) all.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
+  if (std::isfinite(frame.coefficients.front())) {
+    auto& measured = all.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
+    std::replace_if(
+        measured.begin(), measured.end(), [](double waves) { return !std::isfinite(waves); }, 0.0);
+  }
   if (frame.valid) return all;
   if (!model_->last.empty()) all.push_back(model_->last);
   all.emplace_back(frame.coefficients.size(), 0.0);
@@ -229,18 +231,20 @@ Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
   const auto lattice = make_lattice(sensor.sensor, slm_);
   if (!lattice) return fail(lattice.error());
   const Reconstructor by_model(
-      slope_matrix(*lattice, sensor.sensor, sensor.modes_j,
+      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
                    slope_model(sensor.sensor.charge, sensor.tracking),
                    px_per_cycle(sensor.optics, slm_)),
-      sensor.modes_j, model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
+      sensor.position_modes_j,
+      model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
   std::vector<SpotFix> spots;
   for (const Vec2 at : known_positions(reference)) spots.push_back({float(at.x), float(at.y)});
   auto scratch = by_model.make_scratch();
   std::vector<float> start(sensor.modes_j.size());
-  if (!by_model.solve(spots, scratch, start).determined) {
+  const std::span<float> leading = std::span(start).first(by_model.modes_j().size());
+  if (!by_model.solve(spots, scratch, leading).determined) {
     return fail(Errc::refused, "reference", "too few spots of the reference are known");
   }
-  PointModel points(std::move(*renderer), kEstimates);
+  PointModel points(std::move(*renderer), sensor.tracking.estimates);
   const std::vector<double> start_waves(start.begin(), start.end());
   const Image<std::uint16_t> picture = in_16_bits(*reference.picture);
   PixelNoise noise = noise_of(images, points.rendered(std::vector<double>(start.size())));
@@ -253,7 +257,8 @@ Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
                                    fixed_modes(reference.aberration, sensor.modes_j));
   if (!used) return used;
   model_ = std::make_unique<Model>(Model{sensor.sensor_epoch, cols, rows, sensor.modes_j,
-                                         reference.t_taken_ns, std::move(points)});
+                                         sensor.tracking.estimates, reference.t_taken_ns,
+                                         std::move(points)});
   return {};
 }
 

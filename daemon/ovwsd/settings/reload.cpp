@@ -18,7 +18,7 @@ namespace {
 /// section. For a saved value adds where it is kept, since a person would look in the configuration
 /// file.
 Error with_section(std::string section, Error error, const LoadedConfig& read) {
-  for (const char* key : {"tracker", "template", "operator"}) {
+  for (const char* key : {"tracker", "template", "operator", "mode_count", "estimates"}) {
     if (error.field == key) section = "tracking";
   }
   if (!error.field.empty() && !error.field.starts_with(section)) {

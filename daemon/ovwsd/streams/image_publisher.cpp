@@ -78,7 +78,7 @@ void ImagePublisher::send_image(const FrameRecord& record) {
 }
 
 void ImagePublisher::send_phase(const FrameRecord& record) {
-  const auto& modes_j = record.plan->reconstructor->modes_j();
+  const auto& modes_j = record.plan->modes_j;
   if (!phase_map_ || modes_j != phase_modes_j_) {
     phase_modes_j_ = modes_j;
     phase_map_ = std::make_unique<PhaseMap>(modes_j, config_.phase_size_px);

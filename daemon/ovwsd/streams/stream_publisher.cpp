@@ -74,7 +74,7 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   static_cast<FrameMessage&>(spots) = wavefront;
 
   wavefront.seq = wavefront_seq_++;
-  wavefront.j = record.plan->reconstructor->modes_j();
+  wavefront.j = record.plan->modes_j;
   wavefront.coefficients = std::span(record.coefficients).first(std::size_t(record.mode_count));
   wavefront.sigma = std::span(record.sigma_waves).first(std::size_t(record.mode_count));
   wavefront.fitted = record.templates.credible;

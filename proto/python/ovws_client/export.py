@@ -129,7 +129,7 @@ def _check(run, pictures):
     plans = [plan for plan in run.documents("plan") if plan["plan_id"] in used]
     stays = {
         "subapertures": lambda plan: len(plan["predicted_px"]), "charge": lambda plan: plan["charge"], "tracker": lambda plan: plan["tracker"],
-        "reference": lambda plan: plan["reference_px"], "modes": lambda plan: run.document("operator", plan["operator"])["j"]}
+        "reference": lambda plan: plan["reference_px"], "modes": run.modes_of}
     for what, of in stays.items():
         if any(of(plan) != of(plans[0]) for plan in plans):
             raise ValueError(f"{what}: changed during the recording, but AOT supports one constant sensor only")

@@ -93,7 +93,11 @@ class Recording:
 
     def modes(self, frame):
         """OSA/ANSI indices of a frame's coefficients."""
-        return self.document("operator", self.plan(frame)["operator"])["j"]
+        return self.modes_of(self.plan(frame))
+
+    def modes_of(self, plan):
+        """OSA/ANSI indices of the coefficients of frames of this plan; older files have them in the operator only."""
+        return plan["modes_j"] if "modes_j" in plan else self.document("operator", plan["operator"])["j"]
 
     def plan(self, frame):
         """Measurement plan of a frame: the settings that it was measured with."""

@@ -66,7 +66,7 @@ TEST(JudgeFrames, TellsWhatIsLeft) {
   const auto lattice = make_lattice(sensor, slm);
   ASSERT_TRUE(lattice);
   const ModeOperator model =
-      slope_operator(*lattice, sensor, TrackingConfig{}, px_per_cycle(OpticsConfig{}, slm));
+      slope_operator(*lattice, sensor, TrackingSettings{}, px_per_cycle(OpticsConfig{}, slm));
   const std::size_t spots = lattice->subapertures.size();
   const std::vector<Vec2> reference(spots, Vec2{100.0, 100.0});
   const Reconstructor reconstructor(model.slopes, model.modes_j, reference);

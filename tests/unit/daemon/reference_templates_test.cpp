@@ -127,7 +127,7 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
   const SpotModel spots;
   const Reference reference = reference_of(spots);
   const auto own = own_templates(kAsked, spots, &reference).banks;
-  const auto per_spot = [&](const TrackingConfig& tracking, const auto& templates) {
+  const auto per_spot = [&](const TrackingSettings& tracking, const auto& templates) {
     const auto plan = build_plan({1,
                                   1,
                                   1,

@@ -109,5 +109,45 @@ TEST(SpotLayout, AFewSpotsOutsideAreNoFaultIfTheOthersTellTheModes) {
   EXPECT_NE(refusal(config).find("optics.centre_px"), std::string::npos);
 }
 
+Config with_modes(int charge, int mode_count, int estimates = 8) {
+  Config config = bench(charge, TrackerKind::fit);
+  config.tracking.mode_count = mode_count;
+  config.tracking.estimates = estimates;
+  return config;
+}
+
+TEST(SpotLayout, AsManyModesAsTheSpotsTellAreAccepted) {
+  for (const Config& config :
+       {with_modes(1, 18), with_modes(1, 44), with_modes(2, 44), with_modes(0, 20)}) {
+    EXPECT_EQ(refusal(config), "");
+  }
+}
+
+TEST(SpotLayout, MoreModesThanTheSpotsTellAreRefusedWithTheNumberThatIsPossible) {
+  for (Config config :
+       {with_modes(1, 65), with_modes(0, 44), with_modes(1, 44, 2), with_modes(1, 230)}) {
+    const std::string reason = refusal(config);
+    SCOPED_TRACE(reason);
+    ASSERT_TRUE(reason.starts_with("tracking.mode_count: 19 "));
+    const int possible = int(number_after(reason, "each tell"));
+    ASSERT_GE(possible, 18);
+    EXPECT_GT(number_after(reason, "error together is"), 0.0);
+    config.tracking.mode_count = possible;
+    EXPECT_EQ(refusal(config), "");
+    config.tracking.mode_count = possible + 1;
+    EXPECT_NE(refusal(config), "");
+  }
+}
+
+TEST(SpotLayout, ModesThatOnlyShapesTellNeedTheTrackerFit) {
+  Config config = with_modes(1, 44);
+  config.tracking.tracker = TrackerKind::matched;
+  EXPECT_TRUE(refusal(config).starts_with("tracking.mode_count: positions")) << refusal(config);
+  config = with_modes(1, 44);
+  config.tracking.mode_operator = OperatorKind::measured;
+  EXPECT_NE(refusal(config), "");
+  EXPECT_NE(refusal(with_modes(1, 9)), "");
+}
+
 }  // namespace
 }  // namespace ovws

@@ -36,6 +36,22 @@ TEST(Pipeline, RecoversTheWavefrontThatItsSpotsWereDrawnWith) {
   EXPECT_LT(record->reconstruction.fit_residual_px, 0.2);
 }
 
+TEST(Pipeline, AFrameOfPositionsWaitsForTemplatesIfPositionsDoNotTellAllModes) {
+  PipelineRig rig;
+  auto plan = rig.bench.plan(1);
+  const std::size_t told = plan->modes_j.size();
+  plan->modes_j.push_back(plan->modes_j.back() + 1);
+  rig.use(std::move(plan));
+  ASSERT_TRUE(rig.attach());
+  Taken record(rig, rig.measure(1, SpotBench::draw(rig.bench.moved({{4, 0.3}}))));
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->mode_count, int(told) + 1);
+  EXPECT_NEAR(record->coefficients[3], 0.3F, 0.01F);
+  EXPECT_TRUE(std::isnan(record->coefficients[told]));
+  EXPECT_TRUE(record->unconfirmed);
+  EXPECT_FALSE(record->valid);
+}
+
 TEST(Pipeline, FramesComeOutInOrderAndNoneIsMissing) {
   Running rig;
   for (std::uint64_t id = 1; id <= 20; ++id) rig.send(id, rig.still);

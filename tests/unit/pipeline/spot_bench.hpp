@@ -120,6 +120,7 @@ class SpotBench {
     plan->predicted_px = model_px;
     plan->reference_px = model_px;
     plan->tracker = std::make_unique<BrightestPixelTracker>();
+    plan->modes_j = modes_j;
     plan->reconstructor = std::make_unique<Reconstructor>(slopes, modes_j, model_px);
     return plan;
   }
