@@ -73,7 +73,7 @@ FrameFit::Scratch FrameFit::make_scratch() const {
           Eigen::MatrixXd::Zero(modes, modes), std::vector<char>(point_.levels_dn.size())};
 }
 
-const FittedFrame& FrameFit::check(const ImageView& image) {
+const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_px) {
   SpotFit::Scratch pixels = spots_.make_scratch();
   std::vector<SpotEstimates> found;
   for (std::size_t i = 0; i < rows_.size(); ++i) found.push_back(spots_.fit(image, i, pixels));
@@ -83,7 +83,7 @@ const FittedFrame& FrameFit::check(const ImageView& image) {
   at_point_ = solve(found, scratch, coefficients, sigma_waves, fixes);
   // With three spots lost, or with large errors in dim light, a wrong wavefront can fit the rest.
   const bool small =
-      at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px_;
+      at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px;
   const bool enough = kMaxPointLostShare * at_point_.lost <= point_.lit;
   at_point_.credible = at_point_.credible && small && enough;
   return at_point_;

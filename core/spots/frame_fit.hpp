@@ -42,9 +42,10 @@ class FrameFit {
   const OperatingPoint& point() const { return point_; }
   Scratch make_scratch() const;
 
-  /// Fits the image that the templates were rendered for. Call before any other thread uses this
-  /// object.
-  const FittedFrame& check(const ImageView& image);
+  /// Fits the image that the templates were rendered for. It is credible only if the modes leave no
+  /// more than noise of the estimates, or less than `max_residual_px`. Call before any other thread
+  /// uses this object.
+  const FittedFrame& check(const ImageView& image, double max_residual_px);
   /// What `check` found; templates made again about the same wavefront leave as much.
   const FittedFrame& at_point() const { return at_point_; }
 

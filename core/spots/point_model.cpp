@@ -16,6 +16,8 @@ constexpr int kReferenceRenderings = 8, kReferenceRounds = 5, kBrightnessRounds 
 constexpr double kOffsetSigmas = 3.0;
 constexpr double kMaxExcess = 0.1;  // of the weighted light, beyond what the reference leaves
 constexpr double kMaxReferenceExcess = 0.15;
+// A false minimum leaves more: of a window's width, or over what the reference leaves.
+constexpr double kMaxResidual = 0.0005, kMaxOverReference = 2.0;
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
 constexpr double kAmplitudeRidge = 1e-3;
 
@@ -81,7 +83,7 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
     found.rendered = k == 1 ? std::move(rendered) : renderer_.render(waves, fixed);
     found.pass = fit_spots(image, found.rendered, noise, estimates_);
     found.waves = std::move(waves);
-    const auto step = step_from(found.pass);
+    const auto step = damped_step(found.pass);
     if (!step) return fail(Errc::refused, "image", "the spots do not determine the modes");
     found.step = step->waves;
     found.away_waves = step->waves.norm();
@@ -107,9 +109,12 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
     waves = std::move(found->waves);
     reference_excess_ = found->pass.excess();
     if (round == kReferenceRounds) {
+      reference_levels_ = found->pass.levels_dn();
+      reference_waves_ = std::vector<double>(waves.size());
+      found->waves = waves;
+      reference_residual_px_ = fit_at(*found, noise, fixed)->check(image, 0.0).residual_px;
       for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += found->step(Eigen::Index(k));
       reference_waves_ = std::move(waves);
-      reference_levels_ = found->pass.levels_dn();
       if (reference_excess_ > kMaxReferenceExcess || found->away_waves > kFarReferenceWaves) break;
       return {};
     }
@@ -132,30 +137,41 @@ Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const Im
   auto found =
       approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves, renderings);
   if (!found) return fail(found.error());
-  const double excess = found->pass.excess(), allowed = kMaxExcess + 2.0 * reference_excess_;
-  if (!(excess < allowed) || found->away_waves > kFarWaves) {
+  if (!(found->pass.excess() < allowed_excess()) || found->away_waves > kFarWaves) {
     return fail(Errc::refused, "image", "the spots do not look as rendered");
   }
+  auto fit = fit_at(*found, noise, fixed);
+  const SpotWindow& window = found->rendered.front().window;
+  const double allowed_px =
+      std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
+  if (!fit->check(image, allowed_px).credible) {
+    return fail(Errc::refused, "image", "too few spots look as rendered");
+  }
+  return fit;
+}
+
+double PointModel::allowed_excess() const {
+  return kMaxExcess + kMaxOverReference * reference_excess_;
+}
+
+std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found, const PixelNoise& noise,
+                                             std::span<const Mode> fixed) const {
   OperatingPoint point;
-  point.waves = std::move(found->waves);
+  point.waves = found.waves;
   point.reference_waves = reference_waves_;
   point.fixed.assign(fixed.begin(), fixed.end());
   point.deviations = renderer_.deviations();
   point.noise = noise;
-  point.levels_dn = found->pass.levels_dn();
+  point.levels_dn = found.pass.levels_dn();
   for (std::size_t i = 0; i < point.levels_dn.size(); ++i) {
     const bool lit = reference_levels_[i] > 0.0;
     if (!lit) point.levels_dn[i] = 0.0;
     point.lit += lit ? 1 : 0;
   }
-  point.ceiling_dn = found->pass.ceiling_dn;
+  point.ceiling_dn = found.pass.ceiling_dn;
   point.estimates = estimates_;
-  point.max_excess = allowed;
-  auto fit = std::make_shared<FrameFit>(std::move(point), found->rendered, renderer_.modes_j());
-  if (!fit->check(image).credible) {
-    return fail(Errc::refused, "image", "too few spots look as rendered");
-  }
-  return fit;
+  point.max_excess = allowed_excess();
+  return std::make_shared<FrameFit>(std::move(point), found.rendered, renderer_.modes_j());
 }
 
 }  // namespace ovws

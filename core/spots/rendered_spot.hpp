@@ -21,6 +21,15 @@ struct SpotWindow {
   friend bool operator==(const SpotWindow&, const SpotWindow&) = default;
 };
 
+/// A window for spots of this size, without its place. Cells are of 2 x 2 pixels where that loses
+/// nothing, from lambda/d of 10 pixels on. `half_width` in units of lambda/d.
+SpotWindow window_of(double lambda_d_px, double half_width);
+/// Half the width of windows for j = 1 to `modes`, units of lambda/d: 2.0, or 2.3 for more modes
+/// than positions tell, which change the light farther out.
+double window_half_width(int modes, int subapertures_across);
+/// The same window around `place_px`, inside an image of at least its size.
+SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows);
+
 /// Cells are row-major. A spot at the image's edge or beyond has no light. Light is relative: the
 /// brightest cell of all spots for a flat wavefront is 1.
 struct RenderedSpot {
@@ -30,5 +39,10 @@ struct RenderedSpot {
   Eigen::MatrixXf per_wave;  ///< cells x Z: derivative with respect to each mode
   Eigen::MatrixXf per_px;    ///< cells x 2: derivative with respect to its displacement in x and y
 };
+
+/// Whether the spot is well inside its window, which stays inside the image.
+bool is_inside(const RenderedSpot& spot);
+/// The level of the dark cells around a spot.
+double dark_level(Eigen::VectorXf cells);
 
 }  // namespace ovws

@@ -13,9 +13,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kNarrow = 2.0, kWide = 2.3;  // half a window's width, lambda/d
-constexpr double kMaxOffCentre = 0.25;        // of a window's width
-constexpr double kMinBinnedPx = 10.0;  // lambda/d from which cells of 2 x 2 pixels lose nothing
 constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
 
 std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const double> waves,
@@ -56,13 +53,6 @@ void sum_over_cells(const SpotWindow& window, Eigen::MatrixXf& columns) {
   columns *= float(window.bin * window.bin);
 }
 
-/// Whether the spot is well inside its window, which stays inside the image.
-bool is_inside(const RenderedSpot& spot) {
-  const double pixels = spot.window.side * spot.window.bin, middle = 0.5 * (pixels - 1.0);
-  const Vec2 off = spot.place_px - Vec2{spot.window.left + middle, spot.window.top + middle};
-  return std::max(std::abs(off.x), std::abs(off.y)) <= kMaxOffCentre * pixels;
-}
-
 }  // namespace
 
 Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeometry& slm,
@@ -71,11 +61,10 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
   auto field = SensorField::make(sensor, slm, optics, cols, rows);
   if (!field) return fail(field.error());
   const double spot_px = lambda_d_px(optics, slm, sensor);
-  const bool many = int(modes_j.size()) > optimal_mode_count(sensor.subapertures_across);
-  const double half_width = options.half_width > 0.0 ? options.half_width : many ? kWide : kNarrow;
-  SpotWindow window;
-  window.bin = spot_px >= kMinBinnedPx ? 2 : 1;
-  window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * spot_px / window.bin)));
+  const double half_width =
+      options.half_width > 0.0 ? options.half_width
+                               : window_half_width(int(modes_j.size()), sensor.subapertures_across);
+  const SpotWindow window = window_of(spot_px, half_width);
   if (window.side * window.bin > std::min(cols, rows)) {
     return fail(Errc::invalid, "optics",
                 "a window of " + std::to_string(window.side * window.bin) +
@@ -100,22 +89,11 @@ SpotRenderer::SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWind
   if (brightest > 0.0F) to_light_ = 1.0 / double(brightest);
 }
 
-SpotWindow SpotRenderer::window_at(Vec2 place_px) const {
-  const FarFieldWindow& image = field_.window();
-  const int pixels = window_.side * window_.bin;
-  const auto first = [&](double at, int size) {
-    return int(std::clamp(std::round(at - 0.5 * (pixels - 1)), 0.0, double(size - pixels)));
-  };
-  SpotWindow window = window_;
-  window.left = first(place_px.x, image.cols);
-  window.top = first(place_px.y, image.rows);
-  return window;
-}
-
 std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
                                                std::span<const Mode> fixed) {
   const std::vector<Mode> modes = modes_of(modes_j_, waves, fixed);
-  const double step_cpp = field_.window().step_cpp;
+  const FarFieldWindow& image = field_.window();
+  const double step_cpp = image.step_cpp;
   std::vector<Vec2> slopes_cpp;
   for (const Vec2 offset : deviations_.offsets_px) slopes_cpp.push_back(step_cpp * offset);
   field_.propagate(modes, {{}, deviations_.ln_amplitude, slopes_cpp});
@@ -131,7 +109,7 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
   }
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     RenderedSpot& spot = rendered[i];
-    spot.window = window_at(spot.place_px);
+    spot.window = moved_to(spot.place_px, window_, image.cols, image.rows);
     spot.light.setZero(spot.window.cells());
     spot.per_wave.setZero(spot.window.cells(), Eigen::Index(modes_j_.size()));
     spot.per_px.setZero(spot.window.cells(), 2);

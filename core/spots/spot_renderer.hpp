@@ -21,9 +21,7 @@ namespace ovws {
 class SpotRenderer {
  public:
   struct Options {
-    /// Of a window, units of lambda/d. 0: 2.0, or 2.3 for more modes than positions tell, which
-    /// change the light farther out.
-    double half_width = 0.0;
+    double half_width = 0.0;    ///< of a window, units of lambda/d; 0: window_half_width
     double reach = 6.0;         ///< distance up to which subapertures are neighbours, lambda/d
     bool light_outside = true;  ///< render the light outside the subapertures, too
   };
@@ -50,7 +48,6 @@ class SpotRenderer {
 
  private:
   SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window, double reach_px);
-  SpotWindow window_at(Vec2 place_px) const;
   void add_light(RenderedSpot& spot) const;
   Eigen::MatrixXcf field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const;
   void add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece, bool own);

@@ -13,6 +13,7 @@ namespace {
 constexpr double kRoundingDn2 = 1.0 / 12.0;  // rounding to whole DN
 constexpr double kUnsaturated = 0.9;  // of the full scale: a cell may hold one brighter pixel
 constexpr double kMinConditioning = 1e-12;
+constexpr double kUsualStepWaves = 0.014;  // of a mode, where spots do not look as rendered
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -32,13 +33,6 @@ std::vector<SpotEstimates> fit_all(const ImageView& image, const SpotFit& fit) {
     found.push_back(fit.fit(image, i, scratch));
   }
   return found;
-}
-
-/// The level of the dark cells around a spot.
-double dark_level(Eigen::VectorXd cells) {
-  const auto tenth = cells.begin() + cells.size() / 10;
-  std::nth_element(cells.begin(), tenth, cells.end());
-  return *tenth;
 }
 
 Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window) {
@@ -94,28 +88,58 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
   return pass;
 }
 
-std::optional<WavefrontStep> step_from(const SpotPass& pass) {
+namespace {
+
+/// Normal equations of the modes; the variances of a spot's estimates times its `factors`.
+struct ModeSums {
   Eigen::MatrixXd normal;
   Eigen::VectorXd right;
-  for (std::size_t i = 0; i < pass.found.size(); ++i) {
-    const SpotEstimates& found = pass.found[i];
-    const Eigen::MatrixXd& rows = pass.templates[i].per_wave;
-    if (!(found.level > 0.0F) || rows.rows() == 0) continue;
-    if (normal.size() == 0) {
-      normal.setZero(rows.cols(), rows.cols());
-      right.setZero(rows.cols());
+
+  ModeSums(const SpotPass& pass, std::span<const double> factors) {
+    for (std::size_t i = 0; i < pass.found.size(); ++i) {
+      const SpotEstimates& found = pass.found[i];
+      const Eigen::MatrixXd& rows = pass.templates[i].per_wave;
+      if (!(found.level > 0.0F) || rows.rows() == 0) continue;
+      if (normal.size() == 0) {
+        normal.setZero(rows.cols(), rows.cols());
+        right.setZero(rows.cols());
+      }
+      const double level = double(found.level) * pixels_of(pass.templates[i].window);
+      const double weight = level * level / factors[i];
+      const Eigen::VectorXd values =
+          Eigen::Map<const Eigen::VectorXf>(found.values.data(), rows.rows()).cast<double>();
+      normal += weight * rows.transpose() * rows;
+      right += weight * rows.transpose() * values;
     }
-    const double weight = std::pow(double(found.level) * pixels_of(pass.templates[i].window), 2);
-    const Eigen::VectorXd values =
-        Eigen::Map<const Eigen::VectorXf>(found.values.data(), rows.rows()).cast<double>();
-    normal += weight * rows.transpose() * rows;
-    right += weight * rows.transpose() * values;
   }
-  if (normal.size() == 0) return std::nullopt;
-  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-  if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return std::nullopt;
-  return WavefrontStep{solver.solve(right),
-                       solver.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()))};
+
+  std::optional<WavefrontStep> solved() const {
+    if (normal.size() == 0) return std::nullopt;
+    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+    if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) {
+      return std::nullopt;
+    }
+    return WavefrontStep{solver.solve(right),
+                         solver.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()))};
+  }
+};
+
+}  // namespace
+
+std::optional<WavefrontStep> step_from(const SpotPass& pass) {
+  return ModeSums(pass, std::vector<double>(pass.found.size(), 1.0)).solved();
+}
+
+std::optional<WavefrontStep> damped_step(const SpotPass& pass) {
+  std::vector<double> factors;
+  double described = 0.0;
+  for (const SpotEstimates& spot : pass.found) {
+    factors.push_back(std::max(1.0, double(spot.chi2_per_cell)));
+    described += 1.0 / factors.back() / double(pass.found.size());
+  }
+  ModeSums sums(pass, factors);
+  sums.normal.diagonal().array() += (1.0 - described) / (kUsualStepWaves * kUsualStepWaves);
+  return sums.solved();
 }
 
 namespace {
@@ -131,7 +155,7 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
   for (const RenderedSpot& spot : rendered) {
     pixels = pixels_of(spot.window);
     const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
-    const double floor = dark_level(0.5 * (a + b));
+    const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()));
     for (Eigen::Index c = 0; c < a.size(); ++c) {
       const double light = 0.5 * (a(c) + b(c)) - floor, square = 0.5 * std::pow(a(c) - b(c), 2);
       n += 1.0, x += light, y += square, xx += light * light, xy += light * square;

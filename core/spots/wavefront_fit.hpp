@@ -35,6 +35,10 @@ struct WavefrontStep {
   Eigen::MatrixXd covariance;
 };
 std::optional<WavefrontStep> step_from(const SpotPass& pass);
+/// The same for steps from far away, where some spots do not look as rendered: their variances
+/// grow with their chi-squared, and modes that the other spots hardly determine change little
+/// (Levenberg, 1944; Marquardt, 1963).
+std::optional<WavefrontStep> damped_step(const SpotPass& pass);
 
 /// The noise of pixels, from two or more images in a row: half the squared differences of cells as
 /// a straight line over their light. Uses the two successive images that differ least, because the

@@ -36,7 +36,7 @@ std::vector<double> fitted_waves(SpotRenderer& renderer, const Exposure& exposur
   if (std::isnan(waves.front())) return none;
   for (int k = 0; k < renderings; ++k) {
     const auto rendered = renderer.render(waves);
-    const auto step = step_from(fit_spots(exposure.view(), rendered, noise, kMaxSpotEstimates));
+    const auto step = damped_step(fit_spots(exposure.view(), rendered, noise, kMaxSpotEstimates));
     if (!step) return none;
     const double damping = std::min(1.0, kMaxStepWaves / step->waves.norm());
     for (std::size_t j = 0; j < waves.size(); ++j) {

@@ -72,6 +72,36 @@ TEST_F(Templates, FindTheWavefrontFromARoughStart) {
   }
 }
 
+/// Strong wavefronts split spots, and 44 modes have false minima.
+TEST_F(Templates, FindStrongWavefrontsFromAFlatStart) {
+  constexpr int kDraws = 12;
+  struct Case {
+    int charge, modes;
+    double rms;
+    int least_found;
+  };
+  for (const Case one : {Case{1, 18, 0.8, 11}, Case{0, 18, 0.8, 11}, Case{1, 44, 0.4, 9}}) {
+    const Waves flat(std::size_t(one.modes), 0.0);
+    PointModel points(renderer(one.charge, one.modes, 0.0), 8);
+    const auto reference = exposed(light(one.charge, flat, 2000.0), kReadNoiseE, 9);
+    ASSERT_TRUE(points.use_reference(view(reference), {25.0, 1.0}, flat, {}));
+    int found = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const Waves truth = random(one.modes, one.rms, unsigned(100 + draw));
+      const Image<float> electrons = light(one.charge, truth, 2000.0);
+      const auto image = exposed(electrons, kReadNoiseE, 1),
+                 other = exposed(electrons, kReadNoiseE, 2);
+      const auto fit = points.templates(std::vector{view(other), view(image)}, flat, {}, 12);
+      if (!fit) continue;
+      EXPECT_LT(error(measured(**fit, view(image)).waves, truth), 0.01) << "draw " << draw;
+      ++found;
+    }
+    std::printf("  charge %d, %d modes, %.1f wave: %d of %d found\n", one.charge, one.modes,
+                one.rms, found, kDraws);
+    EXPECT_GE(found, one.least_found);
+  }
+}
+
 TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   const Waves flat(18, 0.0);
   const auto image = exposed(light(1, flat), kReadNoiseE, 1);

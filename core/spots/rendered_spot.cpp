@@ -1,0 +1,51 @@
+#include "core/spots/rendered_spot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/optics/zernike.hpp"
+#include "core/spots/spot_sums.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMaxOffCentre = 0.25;   // of a window's width
+constexpr Eigen::Index kDarkShare = 10;  // one cell of so many around a spot is dark
+
+}  // namespace
+
+SpotWindow window_of(double lambda_d_px, double half_width) {
+  constexpr double kMinBinnedPx = 10.0;
+  SpotWindow window;
+  window.bin = lambda_d_px >= kMinBinnedPx ? 2 : 1;
+  window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * lambda_d_px / window.bin)));
+  return window;
+}
+
+double window_half_width(int modes, int subapertures_across) {
+  return modes > optimal_mode_count(subapertures_across) ? 2.3 : 2.0;
+}
+
+SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows) {
+  const int pixels = window.side * window.bin;
+  const auto first = [&](double at, int size) {
+    return int(std::clamp(std::round(at - 0.5 * (pixels - 1)), 0.0, double(size - pixels)));
+  };
+  window.left = first(place_px.x, cols);
+  window.top = first(place_px.y, rows);
+  return window;
+}
+
+bool is_inside(const RenderedSpot& spot) {
+  const double pixels = spot.window.side * spot.window.bin, middle = 0.5 * (pixels - 1.0);
+  const Vec2 off = spot.place_px - Vec2{spot.window.left + middle, spot.window.top + middle};
+  return std::max(std::abs(off.x), std::abs(off.y)) <= kMaxOffCentre * pixels;
+}
+
+double dark_level(Eigen::VectorXf cells) {
+  const auto dark = cells.begin() + cells.size() / kDarkShare;
+  std::nth_element(cells.begin(), dark, cells.end());
+  return double(*dark);
+}
+
+}  // namespace ovws
