@@ -28,7 +28,7 @@ struct ModeErrors {
   bool are_told() const { return worst_waves <= 2.0 * tilt_waves; }
 };
 
-/// All errors infinite: the estimates do not determine the modes. Renders the spots, some 20 ms on
+/// Estimates that do not determine the modes have infinite errors. Renders the spots, some 20 ms on
 /// the default bench. Errors: those of SpotRenderer::make.
 Result<ModeErrors> mode_errors(const ModeBench& bench, int modes);
 

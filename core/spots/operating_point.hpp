@@ -1,5 +1,5 @@
-/// The operating point: the wavefront that templates are rendered about, and all that determines
-/// them besides sensor and optics.
+/// The operating point: the wavefront that templates are exact for, and all that determines them
+/// besides sensor and optics, or besides the calibration that measured them.
 #pragma once
 
 #include <vector>
@@ -27,6 +27,7 @@ struct OperatingPoint {
   std::vector<double> levels_dn;  ///< of each spot: DN of a camera pixel of light 1; 0: not used
   double ceiling_dn = 0.0;        ///< of a camera pixel above the background: saturation is near
   int estimates = 8;              ///< of each spot
+  bool measured = false;          ///< templates are of a calibration; else they are rendered
   double max_excess = 0.1;        ///< fraction of a spot's weighted light that templates may leave
 };
 

@@ -1,0 +1,39 @@
+/// Templates of spots whose derivatives were measured on the bench.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "core/spots/frame_fit.hpp"
+
+namespace ovws {
+
+/// The operating point is the wavefront that the pokes were added to, and stays there: templates
+/// are most accurate near it. Use it from one thread at a time, off the frame path.
+class MeasuredModel {
+ public:
+  /// `spots`: see measured_spots, with derivatives for `modes_j`.
+  MeasuredModel(std::vector<RenderedSpot> spots, std::vector<int> modes_j, int estimates)
+      : spots_(std::move(spots)), modes_j_(std::move(modes_j)), estimates_(estimates) {}
+
+  std::span<const RenderedSpot> spots() const { return spots_; }
+
+  /// Coefficients count from the wavefront of this image. Errc::refused, field "reference": it is
+  /// too far from the wavefront of the calibration.
+  Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
+
+  /// Templates for the light of the last of `images`; those before it tell the noise (noise_of).
+  /// Errc::refused, field "image": the spots do not look as measured.
+  Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
+
+ private:
+  std::vector<RenderedSpot> spots_;
+  std::vector<int> modes_j_;
+  int estimates_;
+  std::vector<double> reference_waves_;
+  std::vector<double> reference_levels_;  ///< of its spots, DN; 0: not found
+};
+
+}  // namespace ovws

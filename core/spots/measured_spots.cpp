@@ -1,0 +1,91 @@
+#include "core/spots/measured_spots.hpp"
+
+#include <algorithm>
+
+namespace ovws {
+namespace {
+
+constexpr float kMinLight = 0.03F;  // of the brightest spot's: less is stray light
+
+bool is_known(const SpotCells& cells, Eigen::Index spot) {
+  return cells.col(spot).allFinite();
+}
+
+}  // namespace
+
+bool MeasuredShapes::are_inside(int cols, int rows) const {
+  return std::all_of(spots.begin(), spots.end(), [&](const RenderedSpot& spot) {
+    const PixelBox box = spot.window.pixels();
+    return box.x >= 0 && box.y >= 0 && box.x + box.width <= cols && box.y + box.height <= rows;
+  });
+}
+
+/// By differences of the neighbouring cells. Cells at the edge count as those next to them.
+Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window) {
+  const auto side = Eigen::Index(window.side);
+  const float by = 1.0F / float(2 * window.bin);
+  Eigen::MatrixXf change(light.size(), 2);
+  for (Eigen::Index c = 0; c < light.size(); ++c) {
+    const Eigen::Index row = c / side, column = c % side;
+    const Eigen::Index x = row * side + std::clamp<Eigen::Index>(column, 1, side - 2);
+    const Eigen::Index y = std::clamp<Eigen::Index>(row, 1, side - 2) * side + column;
+    change(c, 0) = by * (light(x - 1) - light(x + 1));
+    change(c, 1) = by * (light(y - side) - light(y + side));
+  }
+  return change;
+}
+
+SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows) {
+  SpotCells cells = SpotCells::Zero(windows.front().cells(), Eigen::Index(windows.size()));
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const PixelBox box = windows[i].pixels();
+    for (int y = 0; y < box.height; ++y) {
+      const float* const row = mean_dn.row(box.y + y) + box.x;
+      const int first = y / windows[i].bin * windows[i].side;
+      for (int x = 0; x < box.width; ++x) {
+        cells(first + x / windows[i].bin, Eigen::Index(i)) += row[x];
+      }
+    }
+  }
+  return cells;
+}
+
+std::vector<RenderedSpot> measured_spots(std::span<const SpotWindow> windows,
+                                         std::span<const Vec2> places_px, const SpotCells& resting,
+                                         std::span<const PokedSpots> pokes) {
+  std::vector<RenderedSpot> spots(windows.size());
+  float brightest = 0.0F;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const auto column = Eigen::Index(i);
+    RenderedSpot& spot = spots[i];
+    spot.window = windows[i];
+    spot.place_px = places_px[i];
+    spot.light.setZero(resting.rows());
+    spot.per_wave.setZero(resting.rows(), Eigen::Index(pokes.size()));
+    const bool known = is_known(resting, column) &&
+                       std::all_of(pokes.begin(), pokes.end(), [&](const PokedSpots& poke) {
+                         return is_known(poke.plus, column) && is_known(poke.minus, column);
+                       });
+    if (known && is_inside(spot)) {
+      spot.light = resting.col(column).array() - dark_level(resting.col(column));
+    }
+    for (std::size_t k = 0; known && k < pokes.size(); ++k) {
+      spot.per_wave.col(Eigen::Index(k)) =
+          (pokes[k].plus.col(column) - pokes[k].minus.col(column)) /
+          float(2.0 * pokes[k].amplitude_waves);
+    }
+    brightest = std::max(brightest, spot.light.maxCoeff());
+  }
+  for (RenderedSpot& spot : spots) {
+    if (!(spot.light.maxCoeff() > kMinLight * brightest)) {
+      spot.light.setZero();
+      spot.per_wave.setZero();
+    }
+    if (brightest > 0.0F) spot.light /= brightest, spot.per_wave /= brightest;
+    spot.per_px = change_by_shift(spot.light, spot.window);
+    if (pokes.empty()) spot.per_wave = spot.per_px;
+  }
+  return spots;
+}
+
+}  // namespace ovws
