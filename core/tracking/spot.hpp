@@ -38,7 +38,7 @@ enum class TrackerKind : std::uint8_t {
   lg_contour,
   lg,
   matched,
-  fit
+  fit,  ///< all pixels of the spots (core/spots); as positions, those of `lg`
 };
 
 /// In the order of the enumeration.
@@ -47,7 +47,7 @@ std::string_view tracker_name(TrackerKind kind);
 std::optional<TrackerKind> tracker_from_name(std::string_view name);
 
 struct TrackingConfig {
-  TrackerKind tracker = TrackerKind::lg;
+  TrackerKind tracker = TrackerKind::fit;
   double kernel_radius = 0.3;  ///< LG kernel's 1/e radius w in units of lambda/d on the camera
 
   friend bool operator==(const TrackingConfig&, const TrackingConfig&) = default;

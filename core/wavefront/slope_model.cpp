@@ -53,9 +53,9 @@ SlopeModel slope_model(int charge, const TrackingConfig& tracking) {
       return {SlopeKind::kernel_tilt, charge, WeightedTracker::kWindowRadius};
     case TrackerKind::lg_contour:
     case TrackerKind::lg:
+    case TrackerKind::fit:
       return {SlopeKind::kernel_tilt, charge, lg_kernel_radius(tracking, charge)};
     case TrackerKind::matched:
-    case TrackerKind::fit:
       return {SlopeKind::matched_tilt, charge, matched_window(charge)};
   }
   return slope_kind(charge);

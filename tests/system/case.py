@@ -131,6 +131,15 @@ class BenchCase(unittest.TestCase):
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 
+    def fitted_frames(self, stream, count, timeout_s=20.0):
+        """The next `count` settled and valid messages in a row that templates measured."""
+        frames, end = [], time.monotonic() + timeout_s
+        while len(frames) < count:
+            self.assertLess(time.monotonic(), end, f"only {len(frames)} of {count} frames were measured by templates in {timeout_s} s")
+            frame = self.settled_frames(stream, 1)[0]
+            frames = [*frames, frame] if frame["sigma"][0] is not None else []
+        return frames
+
     def settled_frames(self, stream, count, hologram_id=None, timeout_s=10.0):
         """The next `count` settled and valid messages, of hologram `hologram_id` if it is given."""
         frames = []

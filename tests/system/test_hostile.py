@@ -236,6 +236,7 @@ class Hostile(BenchCase):
         regions = [{"x": 0, "y": 0, "width": size, "height": size} for size in (480, 512)]
         changes = [("sensor.set", {"charge": charge, "tracker": tracker, "subapertures_across": across})
                    for charge, tracker, across in itertools.product((1, 0, 2), ("matched", "lg", "weighted"), (5, 3))]
+        self.fitted_frames(self.stream("wavefront"), 10)  # the templates' model is made
         before = self.allocator_mib()
         for number, change in enumerate(changes):
             for client, (method, params) in zip(clients, (change, ("camera.set", {"roi": regions[number % 2]}), ("system.describe", {}))):

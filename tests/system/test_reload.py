@@ -113,7 +113,7 @@ class Reload(BenchCase):
             event = self.reload(file)
             self.assertEqual((event["severity"], event["data"]["reloaded"], event["data"]["saved"]), ("warning", True, []), event)
             self.assertIn("renamed to state/config.json.rejected", event["text"])
-            self.assertEqual(self.call("config.get")["tracking"]["tracker"], "lg")
+            self.assertEqual(self.call("config.get")["tracking"]["tracker"], "fit")
         self.assertFalse(overlay.exists())
         # The camera refuses a saved value: the error says that it is a saved one.
         text = json.dumps({"file": str(self.bench.directory / "ovwsd.json"), "saved": {"camera.gain_db": {"value": 90.0, "instead_of": 0.0}}})

@@ -23,7 +23,7 @@ Result<Config> config_of(const MeasureOptions& options) {
   if (!config) return config;
   // Templates follow the wavefront from frame to frame; single images are measured by positions.
   TrackerKind& tracker = config->tracking.tracker;
-  if (tracker == TrackerKind::fit) tracker = TrackerKind::matched;
+  if (tracker == TrackerKind::fit) tracker = TrackerKind::lg;
   if (!options.tracker.empty()) tracker = *tracker_from_name(options.tracker);
   if (tracker == TrackerKind::fit) {
     return fail(Errc::invalid, "--tracker",

@@ -7,6 +7,7 @@ namespace ovws {
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi) {
   ReferenceKey key{sensor, tracking, roi};
+  if (tracking.tracker == TrackerKind::fit) key.tracking.tracker = TrackerKind::lg;
   if (tracking.tracker != TrackerKind::matched) key.tracking.templates = TemplateKind::model;
   key.tracking.mode_operator = OperatorKind::slopes;
   key.tracking.mode_count.reset();

@@ -157,8 +157,7 @@ double min_spot_distance(int charge, TrackerKind tracker) {
   const int l = std::abs(charge);
   constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
   const double by_charge = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
-  const bool by_template = tracker == TrackerKind::matched || tracker == TrackerKind::fit;
-  const double radii = by_template ? 1.48 : by_charge;
+  const double radii = tracker == TrackerKind::matched ? 1.48 : by_charge;
   return radii * spot_geometry(l).dark;
 }
 

@@ -181,6 +181,7 @@ TEST(ParseConfig, ReadsTheKeysThatTheWireDocumentPromises) {
   "control": { "endpoint": "tcp://127.0.0.1:7702" } })");
   ASSERT_TRUE(config) << config.error().field << ": " << config.error().reason;
   Config written;
+  written.tracking.tracker = TrackerKind::lg;
   written.tracking.kernel_radius = 0.4;
   expect_same(*config, written);
 }

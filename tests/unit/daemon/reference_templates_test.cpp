@@ -112,8 +112,15 @@ TEST(TemplateCache, KeepsThoseOfThePictureInUse) {
 TEST(ReferenceKey, HoldsTheTemplateOfATrackerThatHasOne) {
   TrackingSettings lg = kAsked;
   lg.tracker = TrackerKind::lg;
-  EXPECT_EQ(reference_key({}, lg, {}), reference_key({}, TrackingSettings{}, {}));
+  EXPECT_EQ(reference_key({}, lg, {}), reference_key({}, {{TrackerKind::lg}}, {}));
   EXPECT_EQ(reference_key({}, kAsked, {}).tracking, kAsked);
+}
+
+TEST(ReferenceKey, IsTheSameForTrackersThatFindTheSamePositions) {
+  TrackingSettings fit;
+  fit.mode_count = 44;
+  EXPECT_EQ(reference_key({}, fit, {}), reference_key({}, {{TrackerKind::lg}}, {}));
+  EXPECT_NE(reference_key({}, fit, {}), reference_key({}, {{TrackerKind::matched}}, {}));
 }
 
 TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
