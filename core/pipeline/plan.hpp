@@ -35,6 +35,7 @@ struct MeasurementPlan {
   std::vector<Vec2> search_px;
   std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
+  bool fits_shapes = false;                     ///< frames are to be measured by templates
   std::unique_ptr<const SpotTracker> tracker;
   std::vector<int> modes_j;  ///< that frames are measured in
   /// Of the leading modes that positions tell: of all of them, unless templates tell more.
@@ -50,11 +51,7 @@ struct MeasurementPlan {
   bool referenced() const { return !reference_px.empty(); }
   /// Whether the spots' positions tell all modes.
   bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }
-  /// Whether frames are to be measured by templates. A measured operator is one of positions.
-  bool wants_templates() const {
-    return tracker_kind == TrackerKind::fit && mode_operator != OperatorKind::measured &&
-           referenced();
-  }
+  bool wants_templates() const { return fits_shapes && referenced(); }
 };
 
 }  // namespace ovws

@@ -36,11 +36,6 @@ struct TrackingSettings : TrackingConfig {
   std::optional<int> mode_count = std::nullopt;
   int estimates = 8;  ///< of each spot, tracker `fit`
 
-  /// Whether modes can be measured from all pixels of the spots, and not only from positions.
-  bool uses_shapes() const {
-    return tracker == TrackerKind::fit && mode_operator != OperatorKind::measured;
-  }
-
   friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
 };
 

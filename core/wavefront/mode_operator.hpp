@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "core/base/vec2.hpp"
+#include "core/spots/measured_spots.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws {
@@ -18,6 +20,8 @@ struct ModeOperator {
   Eigen::MatrixXd slopes;
   /// Positions that the tracker finds for a flat wavefront; NaN: not found. Empty if not computed.
   std::vector<Vec2> flat_px{};
+  /// Kind `measured`, tracker `fit`: of `modes_j` first, and of further modes. Null: none.
+  std::shared_ptr<const MeasuredShapes> shapes{};
 };
 
 }  // namespace ovws

@@ -69,6 +69,7 @@ struct CalibrationReport {
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
+  std::vector<int> template_modes_j;
   std::string sha256;  ///< empty: not stored on disk
   JsonOf<Origin> origin;
 };
@@ -94,6 +95,9 @@ struct Table<CalibrationReport> {
           "without them",
           Bounds::at_least(0)),
       computed<C>("modes", calibrated_modes, "measured modes, one per column of the matrix"),
+      field("template_modes_j", &C::template_modes_j,
+            "modes for which the derivative of every pixel was measured, tracker fit; empty: none",
+            {1, kMaxZernikeIndex}),
       computed<C>(
           "dropped", [](const C& c) { return c.matrix.dropped; },
           "requested modes that are not reconstructed"),

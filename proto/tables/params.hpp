@@ -124,7 +124,7 @@ struct Table<SettleRun> {
 };
 
 struct CalibrationRun {
-  double amplitude_waves = 0.15;
+  std::optional<double> amplitude_waves;  ///< none: chosen by the tracker
   int frames = 20;
   std::vector<int> modes_j;  ///< empty: all that the lattice determines
 };
@@ -133,7 +133,9 @@ struct Table<CalibrationRun> {
   static constexpr const char* kName = "CalibrationRun";
   static constexpr auto kFields =
       Fields{field("amplitude_waves", &CalibrationRun::amplitude_waves,
-                   "poke amplitude, RMS-normalised waves", limits::kPokeWaves),
+                   "poke amplitude, RMS-normalised waves; null: 0.03 with the tracker fit, which "
+                   "measures every pixel, and 0.15 with trackers of positions",
+                   limits::kPokeWaves),
              field("frames", &CalibrationRun::frames,
                    "number of settled frames to average for each poke", limits::kPokeFrames),
              field("modes", &CalibrationRun::modes_j,

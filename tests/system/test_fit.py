@@ -99,17 +99,23 @@ class Fit(BenchCase):
                 self.assertTrue(all(map(is_fitted, frames)))
                 self.assertLess(max(errors), 0.03)
 
-    def test_a_job_measures_positions_and_frames_are_fitted_again_after_it(self):
+    def test_a_calibration_measures_the_templates(self):
         self.take_reference(50)
-        stream = self.stream("wavefront")
-        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
-        self.run_job("calibration.run", {"modes": [3, 4, 5]}, 60.0)
-        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
-        self.call("sensor.set", {"operator": "measured"})  # a matrix of positions
-        frames = self.settled_frames(self.stream("wavefront"), 3)
-        self.assertFalse(any(map(is_fitted, frames)))
+        found = self.run_job("calibration.run", {}, 120.0)["result"]
+        self.assertTrue(found["in_force"])
+        self.assertEqual(found["template_modes_j"], list(range(1, 19)))
+        self.assertEqual((found["disagreement"], found["disagreement_reason"], found["dropped"], found["lost_spots"]), ("none", None, [], []))
+        stream, rng = self.stream("wavefront"), random.Random(7)
+        for rms, most in ((0.0, 0.003), (0.015, 0.004), (0.3, 0.01)):  # the last is too far from the calibration, and rendered
+            with self.subTest(rms=rms):
+                modes = draw(rng, rms)
+                frames, _ = self.fitted(stream, 40, self.show(modes))
+                median = statistics.median(error(frame, modes) for frame in frames[20:])
+                print(f"\n  {rms:.3f} wave: error {median:.5f} wave")
+                self.assertLess(median, most)
+        self.show({})
+        self.assert_replays_the_same("measured", [draw(rng, 0.005)])
         self.call("sensor.set", {"operator": "slopes"})
-        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
 
     def test_a_replay_gives_the_same_numbers(self):
         self.take_reference(50)

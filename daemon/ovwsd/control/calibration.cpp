@@ -19,6 +19,7 @@ KnownCalibration report_of(const SensorSnapshot& sensor) {
                             c.t_taken_ns,
                             c.matrix,
                             c.comparison,
+                            c.shapes ? c.shapes->modes_j : std::vector<int>{},
                             c.sha256,
                             {*c.origin}}};
 }

@@ -122,6 +122,17 @@ const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Refer
   return reference_sha256_ = all.back().sha256;
 }
 
+/// The same for a calibration, whose shapes take megabytes.
+const std::string& PlanDocuments::calibration_of(
+    const std::shared_ptr<const Calibration>& calibration, std::vector<Document>& all) {
+  if (calibration_ && calibration_->t_taken_ns == calibration->t_taken_ns) {
+    return calibration_sha256_;
+  }
+  all.push_back(make_document("calibration", calibration_content(*calibration)));
+  calibration_ = calibration;
+  return calibration_sha256_ = all.back().sha256;
+}
+
 std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
   std::vector<Document> all;
   json plan = plan_content(facts);
@@ -133,7 +144,7 @@ std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
   plan["reference"] = plan["calibration"] = plan["slm"] = plan["operating_point"] = nullptr;
   if (now.reference) plan["reference"] = reference_of(now.reference, all);
   refer("operator", operator_content(facts));
-  if (now.calibration) refer("calibration", calibration_content(*now.calibration));
+  if (now.calibration) plan["calibration"] = calibration_of(now.calibration, all);
   if (now.slm) refer("slm", slm_content(*now.slm));
   std::erase_if(all, [&](const Document& one) { return !given_.insert(one.sha256).second; });
   if (facts.point) {

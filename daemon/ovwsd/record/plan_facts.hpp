@@ -54,12 +54,16 @@ class PlanDocuments {
  private:
   const std::string& reference_of(const std::shared_ptr<const Reference>& reference,
                                   std::vector<Document>& all);
+  const std::string& calibration_of(const std::shared_ptr<const Calibration>& calibration,
+                                    std::vector<Document>& all);
 
   /// SHA-256 of documents that rarely change: not of plans, ten a second in a closed loop.
   std::set<std::string> given_;
   std::string point_sha256_;                    ///< of the operating point written last
   std::shared_ptr<const Reference> reference_;  ///< the reference written last
   std::string reference_sha256_;
+  std::shared_ptr<const Calibration> calibration_;  ///< the same
+  std::string calibration_sha256_;
 };
 
 }  // namespace ovws

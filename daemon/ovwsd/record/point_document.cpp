@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/optics.hpp"
 #include "proto/tables/sensor.hpp"
@@ -64,6 +65,7 @@ OperatingPoint point_from(const json& content) {
   point.ceiling_dn = content.at("ceiling_dn").get<double>();
   point.estimates = content.at("estimates").get<int>();
   point.max_excess = content.at("max_excess").get<double>();
+  point.measured = content.value("measured", false);
   return point;
 }
 
@@ -71,13 +73,14 @@ OperatingPoint point_from(const json& content) {
 
 json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
                    const SensorSnapshot& sensor, const Roi& roi) {
-  return {{"model",
-           {{"sensor", to_json(sensor.sensor)},
-            {"slm", to_json(sensor.slm->hologram.slm)},
-            {"optics", to_json(sensor.optics)},
-            {"width", roi.width},
-            {"height", roi.height},
-            {"j", modes_j}}},
+  json model{{"sensor", to_json(sensor.sensor)},
+             {"slm", to_json(sensor.slm->hologram.slm)},
+             {"optics", to_json(sensor.optics)},
+             {"width", roi.width},
+             {"height", roi.height},
+             {"j", modes_j}};
+  return {{"model", std::move(model)},
+          {"measured", point.measured},
           {"waves", point.waves},
           {"reference_waves", point.reference_waves},
           {"fixed", to_json(point.fixed)},
@@ -93,7 +96,8 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
 }
 
 Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, const Roi& roi,
-                                                          const std::vector<int>& modes_j) {
+                                                          const std::vector<int>& modes_j,
+                                                          const json& calibration) {
   const json& model = content.at("model");
   const bool is_for = model.at("width").get<int>() == roi.width &&
                       model.at("height").get<int>() == roi.height &&
@@ -102,6 +106,7 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, c
     return fail(Errc::invalid, "path",
                 "the recording's operating point is for other images or modes");
   }
+  if (content.value("measured", false)) return from_shapes(content, roi, modes_j, calibration);
   if (std::string key = model.dump(); !renderer_ || key != renderer_key_) {
     renderer_.reset();
     const auto sensor = decode<SensorConfig>(model.at("sensor"));
@@ -123,6 +128,25 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, c
   renderer_->set_deviations(point.deviations);
   const auto rendered = renderer_->render(point.waves, point.fixed);
   return std::make_shared<const FrameFit>(std::move(point), rendered, modes_j);
+}
+
+Result<std::shared_ptr<const FrameFit>> PointReader::from_shapes(const json& content,
+                                                                 const Roi& roi,
+                                                                 const std::vector<int>& modes_j,
+                                                                 const json& calibration) {
+  const int spots = calibration.at("spots").get<int>();
+  const auto leading_j = calibration.at("modes_j").get<std::vector<int>>();
+  const auto shapes = shapes_from(calibration.at("shapes"), spots, leading_j);
+  if (!shapes)
+    return fail(Errc::invalid, "path", "the recording's calibration " + shapes.error().reason);
+  OperatingPoint point = point_from(content);
+  if (auto fits = check(point, modes_j.size(), std::size_t(spots)); !fits) {
+    return fail(fits.error());
+  }
+  if (shapes->modes_j != modes_j || !shapes->are_inside(roi.width, roi.height)) {
+    return fail(Errc::invalid, "path", "the recording's calibration is for other images or modes");
+  }
+  return std::make_shared<const FrameFit>(std::move(point), shapes->spots, modes_j);
 }
 
 }  // namespace ovws

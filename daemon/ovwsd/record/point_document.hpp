@@ -19,12 +19,18 @@ nlohmann::json point_content(const OperatingPoint& point, const std::vector<int>
 /// Keeps the last renderer. Throws exceptions of the JSON library. One thread at a time.
 class PointReader {
  public:
-  /// `roi` and `modes_j` (valid ones): of the plan. Errc::invalid, field "path": the document has
-  /// others, or parts that do not fit.
+  /// `roi`, `modes_j` (valid ones) and `calibration` (its document, or null): of the plan.
+  /// Errc::invalid, field "path": the document has others, or parts that do not fit.
   Result<std::shared_ptr<const FrameFit>> read(const nlohmann::json& content, const Roi& roi,
-                                               const std::vector<int>& modes_j);
+                                               const std::vector<int>& modes_j,
+                                               const nlohmann::json& calibration);
 
  private:
+  static Result<std::shared_ptr<const FrameFit>> from_shapes(const nlohmann::json& content,
+                                                             const Roi& roi,
+                                                             const std::vector<int>& modes_j,
+                                                             const nlohmann::json& calibration);
+
   std::unique_ptr<SpotRenderer> renderer_;
   std::string renderer_key_;
 };

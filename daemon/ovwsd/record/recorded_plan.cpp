@@ -163,22 +163,36 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   auto made = make_tracker(tracking, plan->spots, std::move(*own));
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
+  if (auto fit = read_templates(from, *plan); !fit) return fail(fit.error());
+  return plan;
+}
+
+/// The templates of the plan, if it has any.
+Result<void> RecordedPlans::read_templates(const json& from, MeasurementPlan& plan) {
   const json point = from.value("operating_point", json());
-  if (point.is_null()) return plan;
-  const auto sha256 = point.get<std::string>();
-  if (sha256 != fit_sha256_ || !fit_ || fit_->modes_j() != plan->modes_j ||
-      !(fit_roi_ == plan->roi)) {
-    auto fit = points_.read(json_of(documents_.at(sha256)), plan->roi, plan->modes_j);
+  if (point.is_null()) return {};
+  const json calibrated = from.value("calibration", json());
+  const std::string key = point.dump();
+  const bool of_other_shapes =
+      fit_ && fit_->point().measured && calibrated.dump() != fit_calibration_;
+  if (key != fit_key_ || of_other_shapes || !fit_ || fit_->modes_j() != plan.modes_j ||
+      !(fit_roi_ == plan.roi)) {
+    const json content = json_of(documents_.at(point.get<std::string>()));
+    const bool measured = content.value("measured", false);
+    const json calibration =
+        measured ? json_of(documents_.at(calibrated.get<std::string>())) : json();
+    auto fit = points_.read(content, plan.roi, plan.modes_j, calibration);
     if (!fit) return fail(fit.error());
     fit_ = std::move(*fit);
-    fit_sha256_ = sha256;
-    fit_roi_ = plan->roi;
+    fit_key_ = key;
+    fit_calibration_ = calibrated.dump();
+    fit_roi_ = plan.roi;
   }
-  if (int(fit_->point().levels_dn.size()) != plan->subapertures()) {
+  if (int(fit_->point().levels_dn.size()) != plan.subapertures()) {
     return unfit("has templates for other spots");
   }
-  plan->fit = fit_;
-  return plan;
+  plan.fit = fit_;
+  return {};
 }
 
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_id) {

@@ -30,6 +30,7 @@ class RecordedPlans {
 
  private:
   Result<std::unique_ptr<MeasurementPlan>> read(const nlohmann::json& from);
+  Result<void> read_templates(const nlohmann::json& from, MeasurementPlan& plan);
   Result<std::vector<std::shared_ptr<const TemplateBank>>> templates(const nlohmann::json& from,
                                                                      TrackingSettings& tracking,
                                                                      const SpotModel& spots);
@@ -41,7 +42,8 @@ class RecordedPlans {
   TemplateCache templates_;
   PointReader points_;
   std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
-  std::string fit_sha256_;
+  std::string fit_key_;                  ///< checksum of its operating point
+  std::string fit_calibration_;          ///< checksum of the calibration that was active then
   Roi fit_roi_;
 };
 

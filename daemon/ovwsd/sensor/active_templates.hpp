@@ -8,11 +8,12 @@
 
 namespace ovws {
 
-/// They stay right while the sensor's epoch and its reference stay: the wavefront may move away
-/// from their operating point, and frames tell by how much.
+/// They stay right while the sensor's epoch, its reference and the calibration in force stay: the
+/// wavefront may move away from their operating point, and frames tell by how much.
 struct ActiveTemplates {
   std::uint64_t sensor_epoch = 0;
   std::int64_t reference_taken_ns = 0;
+  std::int64_t calibration_taken_ns = 0;  ///< 0: no shapes are in force
   std::shared_ptr<const FrameFit> fit;
 };
 

@@ -41,6 +41,12 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
           nullptr};
 }
 
+ModeOperator mode_operator_of(const MeasuredCalibration& measured) {
+  ModeOperator made = mode_operator_of(measured.matrix);
+  made.shapes = measured.shapes;
+  return made;
+}
+
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b) {
   const SensorConfig &s = a.sensor.sensor, &t = b.sensor.sensor;
   const TrackingSettings &u = a.sensor.tracking, &v = b.sensor.tracking;
@@ -56,6 +62,7 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
       {"tracker", u.tracker != v.tracker},
       {"kernel_radius", u.kernel_radius != v.kernel_radius},
       {"template", u.templates != v.templates},
+      {"mode_count", u.mode_count != v.mode_count},
       {"roi", !(a.sensor.roi == b.sensor.roi)},
       {"registration", !same_registration(a, b)},
       {"camera", other_camera},

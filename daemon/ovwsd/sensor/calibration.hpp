@@ -45,7 +45,11 @@ struct MeasuredCalibration {
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
+  std::shared_ptr<const MeasuredShapes> shapes;  ///< tracker `fit`; else null
 };
+
+/// The operator of the calibration, kind `measured`.
+ModeOperator mode_operator_of(const MeasuredCalibration& measured);
 
 struct Calibration : MeasuredCalibration {
   CalibrationKey key;

@@ -7,6 +7,7 @@
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
@@ -56,6 +57,7 @@ Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& o
 struct EncodedMatrices {
   std::string slopes, standard_error;
   int spots = 0;
+  const json* shapes = nullptr;  ///< null: none
 };
 
 /// Reads all fields. Matrices stay base64 text, and the origin stays unparsed JSON.
@@ -89,6 +91,7 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
   r.number("drift_noise_px", matrix.drift_noise_px, 0.0, 1e6);
   r.string("slopes", encoded.slopes);
   r.string("standard_error", encoded.standard_error);
+  if (r.has("shapes")) encoded.shapes = r.raw("shapes");
   const json* const origin = r.raw("origin");
   if (auto read = r.finish(); !read) return fail(read.error());
   for (const Result<void>* const part : {&modes, &lost}) {
@@ -127,9 +130,18 @@ std::string CalibrationKind::obstacle(Calibration& calibration) const {
   if (!why.empty()) return why;
   const auto lattice = make_lattice(key.sensor, bench->config().slm.geometry);
   if (!lattice) return lattice.error().reason;
-  calibration.comparison =
-      compare(calibration.matrix,
-              slope_operator(*lattice, key.sensor, key.tracking, calibration.key.px_per_cycle));
+  ModeOperator model =
+      slope_operator(*lattice, key.sensor, key.tracking, calibration.key.px_per_cycle);
+  if (calibration.shapes) {
+    OpticsConfig optics = bench->config().optics;
+    optics.registered = calibration.key.px_per_cycle;
+    optics.centre_px = calibration.key.base_px - Vec2{double(key.roi.x), double(key.roi.y)};
+    auto made = displacement_operator(key.sensor, bench->config().slm.geometry, optics, key.roi,
+                                      model.modes_j);
+    if (!made) return made.error().reason;
+    model = std::move(*made);
+  }
+  calibration.comparison = compare(calibration.matrix, model);
   return {};
 }
 
@@ -152,6 +164,7 @@ json calibration_content(const Calibration& calibration) {
           {"drift_noise_px", matrix.drift_noise_px},
           {"slopes", matrix_text(matrix.slopes)},
           {"standard_error", matrix_text(matrix.standard_error)},
+          {"shapes", calibration.shapes ? shapes_content(*calibration.shapes) : json()},
           {"origin", *calibration.origin}};
 }
 
@@ -170,12 +183,17 @@ Result<Calibration> calibration_from(const json& content, const Config& config) 
   }
   matrix.slopes = std::move(*slopes);
   matrix.standard_error = std::move(*error);
+  if (encoded->shapes != nullptr && !encoded->shapes->is_null()) {
+    auto shapes = shapes_from(*encoded->shapes, encoded->spots, matrix.modes_j);
+    if (!shapes) return fail(shapes.error());
+    calibration.shapes = std::make_shared<const MeasuredShapes>(std::move(*shapes));
+  }
   const auto parsed = ReferenceBench::parse(*calibration.origin);
   if (!parsed) return fail(parsed.error());
-  calibration.key = calibration_key(parsed->key, config.optics, config.slm.geometry,
+  calibration.key = calibration_key(parsed->calibrated, config.optics, config.slm.geometry,
                                     parsed->registration, (*calibration.origin)["camera"]);
   calibration.key.slm = calibration.origin->value("slm", json());
-  calibration.mode_operator = mode_operator_of(matrix);
+  calibration.mode_operator = mode_operator_of(calibration);
   return calibration;
 }
 

@@ -97,7 +97,7 @@ std::shared_ptr<const Reference> find_reference(const SensorState& state,
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
                                const BenchOptics& bench) {
   CalibrationKey key =
-      calibration_key(reference_key(state.sensor, state.tracking, state.roi), bench.optics,
+      calibration_key(calibrated_sensor(state.sensor, state.tracking, state.roi), bench.optics,
                       bench.slm, registration_of(state, bench), camera_json(knowledge.camera));
   key.slm = state.slm->identity;
   return key;

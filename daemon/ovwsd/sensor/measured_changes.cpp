@@ -23,13 +23,14 @@ ReferenceKey key_of(const SensorState& state) {
   return reference_key(state.sensor, state.tracking, state.roi);
 }
 
-/// Provenance record of a measurement. `grey`: the hologram shown, whose checksum is recorded;
-/// null: none.
-nlohmann::json origin_of(const SensorEdit& edit, const std::vector<Mode>& shown,
-                         const Image<std::uint8_t>* grey, std::vector<Mode> introduced = {}) {
-  return edit.bench.origins.origin(
-      {key_of(edit.state), shown, edit.bench.camera, edit.knowledge.camera,
-       registration_of(edit.state, edit.bench.optics), grey, std::move(introduced)});
+/// Provenance record of a measurement for which `key` is the sensor. `grey`: the hologram shown,
+/// whose checksum is recorded; null: none.
+nlohmann::json origin_of(const SensorEdit& edit, const ReferenceKey& key,
+                         const std::vector<Mode>& shown, const Image<std::uint8_t>* grey,
+                         std::vector<Mode> introduced = {}) {
+  return edit.bench.origins.origin({key, shown, edit.bench.camera, edit.knowledge.camera,
+                                    registration_of(edit.state, edit.bench.optics), grey,
+                                    std::move(introduced)});
 }
 
 template <class Kind, class T>
@@ -82,8 +83,8 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   if (measured) reference.aberration = shown_modes(state);
   if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
   reference.origin = std::make_shared<const nlohmann::json>(
-      origin_of(edit, reference.aberration, measured ? edit.bench.grey.get() : nullptr,
-                reference.introduced));
+      origin_of(edit, key_of(edit.state), reference.aberration,
+                measured ? edit.bench.grey.get() : nullptr, reference.introduced));
   return reference;
 }
 
@@ -220,13 +221,11 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
     Calibration calibration{
         measured, calibration_key(edit.state, edit.knowledge, edit.bench.optics), {}, nullptr, ""};
-    calibration.mode_operator = mode_operator_of(calibration.matrix);
+    calibration.mode_operator = mode_operator_of(calibration);
     calibration.origin = std::make_shared<const nlohmann::json>(
-        origin_of(edit, shown_modes(edit.state), edit.bench.grey.get()));
+        origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.grey.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
     schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
-    // It is a matrix of positions: the templates of `fit` measure better.
-    if (edit.state.tracking.tracker == TrackerKind::fit) return {};
     edit.state.tracking.mode_operator = OperatorKind::measured;
     if (edit.lease) edit.lease->tracking.mode_operator = OperatorKind::measured;
     return {};
@@ -245,7 +244,7 @@ SensorChange forget_calibration() {
 SensorChange use_lut(MeasuredLut lut) {
   return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
     MeasuredLut measured = lut;
-    measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
+    measured.origin = origin_of(edit, key_of(edit.state), shown_modes(edit.state), nullptr);
     switch_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
     schedule_slm_write(edit.bench.luts, edit, std::move(measured), &ActiveSlm::lut);
     return {};
@@ -256,7 +255,7 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
   return [sensor_epoch, flatness = std::move(flatness)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
     MeasuredFlatness measured = flatness;
-    measured.origin = origin_of(edit, shown_modes(edit.state), nullptr);
+    measured.origin = origin_of(edit, key_of(edit.state), shown_modes(edit.state), nullptr);
     measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
     switch_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
     schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &ActiveSlm::flatness);

@@ -20,10 +20,20 @@ namespace ovws {
 /// fewer.
 std::vector<int> reconstructed_modes(const SensorConfig& sensor);
 
+/// These modes, which positions tell, and those up to `mode_count` that only shapes tell.
+std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> modes_j);
+
 /// Slope operator: the tilt of each mode over each subaperture, as the tracker weights it. Contains
 /// only modes that the lattice determines. Fast.
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map);
+
+/// How far the spots of a flat wavefront move by the model, as SpotMeter measures it in mean
+/// images: by least squares of their pixels, all weighed the same. Errors: those of
+/// SpotRenderer::make.
+Result<ModeOperator> displacement_operator(const SensorConfig& sensor, const SlmGeometry& slm,
+                                           const OpticsConfig& optics, const Roi& roi,
+                                           std::vector<int> modes_j);
 
 /// Everything that a diffractive operator depends on, except the SLM. Cache key.
 struct OperatorKey {

@@ -44,12 +44,19 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
   return spots;
 }
 
+/// Shapes come with displacements of whole spots, which are not the tracker's positions.
+Eigen::MatrixXd slopes_of_positions(const PlanInputs& inputs, const ModeOperator& modes) {
+  if (!modes.shapes) return modes.slopes;
+  return slope_matrix(inputs.lattice, inputs.sensor, modes.modes_j,
+                      slope_model(inputs.sensor.charge, inputs.tracking),
+                      px_per_cycle(inputs.optics, inputs.slm));
+}
+
 /// Those of positions first, then those that only templates tell.
 std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOperator& positions) {
-  std::vector<int> modes_j = positions.modes_j;
-  const int last = tracking.uses_shapes() ? tracking.mode_count.value_or(0) : 0;
-  for (int j = modes_j.empty() ? 1 : modes_j.back() + 1; j <= last; ++j) modes_j.push_back(j);
-  return modes_j;
+  if (positions.shapes) return positions.shapes->modes_j;
+  const bool measured = positions.kind == OperatorKind::measured;
+  return measured ? positions.modes_j : with_shapes(tracking, positions.modes_j);
 }
 
 }  // namespace
@@ -123,8 +130,10 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
                                                    px_per_cycle(inputs.optics, inputs.slm));
   plan->mode_operator = modes.kind;
   plan->modes_j = measured_modes(inputs.tracking, modes);
+  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
+                      (modes.kind != OperatorKind::measured || modes.shapes);
   plan->reconstructor = std::make_unique<Reconstructor>(
-      modes.slopes, modes.modes_j, plan->reference_px,
+      slopes_of_positions(inputs, modes), modes.modes_j, plan->reference_px,
       rotation_column(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
                       inputs.reference));
   return plan;

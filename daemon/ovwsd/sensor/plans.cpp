@@ -5,11 +5,18 @@
 namespace ovws {
 namespace {
 
+/// When the calibration was taken whose shapes are in force; 0: none.
+std::int64_t shapes_in_force(const Bound& bound) {
+  const bool shapes = bound.mode_operator && bound.mode_operator->shapes && bound.calibration;
+  return shapes ? bound.calibration->t_taken_ns : 0;
+}
+
 /// Whether a plan may measure by these templates.
 bool are_for(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
              const MeasurementPlan& plan) {
   return templates.fit && plan.wants_templates() && templates.sensor_epoch == state.sensor_epoch &&
          templates.reference_taken_ns == bound.reference->t_taken_ns &&
+         templates.calibration_taken_ns == shapes_in_force(bound) &&
          templates.fit->modes_j() == plan.modes_j &&
          templates.fit->point().estimates == state.tracking.estimates;
 }

@@ -15,6 +15,15 @@ ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& t
   return key;
 }
 
+ReferenceKey calibrated_sensor(const SensorConfig& sensor, const TrackingSettings& tracking,
+                               const Roi& roi) {
+  ReferenceKey key = reference_key(sensor, tracking, roi);
+  if (tracking.tracker != TrackerKind::fit) return key;
+  key.tracking.tracker = TrackerKind::fit;
+  key.tracking.mode_count = tracking.mode_count;
+  return key;
+}
+
 double rms_waves(const std::vector<Mode>& modes) {
   double square = 0.0;
   for (const Mode& mode : modes) square += mode.waves * mode.waves;

@@ -34,6 +34,10 @@ struct ReferenceKey {
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 
+/// The same for a calibration: that of `fit` measures shapes, too, of as many modes as requested.
+ReferenceKey calibrated_sensor(const SensorConfig& sensor, const TrackingSettings& tracking,
+                               const Roi& roi);
+
 enum class ReferenceSource {
   measured,  ///< averaged from frames
   model,     ///< computed positions: coefficients then contain the bench's misalignment

@@ -119,8 +119,10 @@ Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
   if (!introduced) return fail(introduced.error());
   auto registration = registration_from(origin["registration"]);
   if (!registration) return fail(registration.error());
-  return Parsed{reference_key(config->sensor, config->tracking, config->camera.settings.roi),
-                std::move(modes->modes), std::move(introduced->modes), *registration};
+  const Roi& roi = config->camera.settings.roi;
+  return Parsed{reference_key(config->sensor, config->tracking, roi),
+                calibrated_sensor(config->sensor, config->tracking, roi), std::move(modes->modes),
+                std::move(introduced->modes), *registration};
 }
 
 /// The origin with its LUT and flatness checksums replaced by this bench's.

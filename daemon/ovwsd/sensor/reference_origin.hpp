@@ -49,6 +49,7 @@ class ReferenceBench {
   /// configuration.
   struct Parsed {
     ReferenceKey key;
+    ReferenceKey calibrated;  ///< the key if it is of a calibration
     std::vector<Mode> aberration, introduced;
     std::optional<Registration> registration;  ///< base, map and time only
   };

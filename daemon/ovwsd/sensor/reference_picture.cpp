@@ -1,5 +1,6 @@
 #include "daemon/ovwsd/sensor/reference_picture.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,6 +8,8 @@
 
 namespace ovws {
 namespace {
+
+constexpr float kFull16 = 65535.0F;
 
 void add_to(const ImageView& image, ReferencePicture& picture) {
   const auto full = float(full_scale_dn(image.format));
@@ -29,6 +32,22 @@ ReferencePicture picture_of(const ImageView& image) {
   picture.mean_dn = Image<float>(image.width, image.height);
   add_to(image, picture);
   return picture;
+}
+
+double to_16_bits(PixelFormat format) {
+  return double(kFull16) / full_scale_dn(format);
+}
+
+Image<std::uint16_t> in_16_bits(const Image<float>& mean_dn, PixelFormat format) {
+  Image<std::uint16_t> scaled(mean_dn.width, mean_dn.height);
+  const auto scale = float(to_16_bits(format));
+  std::transform(mean_dn.pixels.begin(), mean_dn.pixels.end(), scaled.pixels.begin(),
+                 [scale](float dn) {
+                   const float value = scale * dn;
+                   return value < kFull16 ? std::uint16_t(std::max(0.0F, value) + 0.5F)
+                                          : std::uint16_t(kFull16);
+                 });
+  return scaled;
 }
 
 bool PictureMean::add(const FrameRecord& record) {

@@ -23,6 +23,12 @@ constexpr const char* kNoPicture =
 /// Makes a reference image from a single image of unknown gain.
 ReferencePicture picture_of(const ImageView& image);
 
+/// DN of 16 bits for a DN of this format.
+double to_16_bits(PixelFormat format);
+/// A mean image of frames of this format in 16 bits, which keep its fractions. A pixel that was
+/// saturated is saturated.
+Image<std::uint16_t> in_16_bits(const Image<float>& mean_dn, PixelFormat format);
+
 /// The mean image of frames.
 class PictureMean {
  public:

@@ -188,15 +188,16 @@ Result<void> check_mode_count(const SpotBench& bench) {
   const auto refuse = [](const std::string& reason) {
     return fail(Errc::invalid, "tracking.mode_count", reason);
   };
-  if (requested < by_positions || !tracking.uses_shapes()) {
-    return refuse(fmt::format("positions of these spots tell {} modes: set null, or {}",
-                              by_positions,
-                              tracking.uses_shapes() ? "more"
-                                                     : "the tracker fit and another operator than "
-                                                       "measured, which tell more"));
+  const bool by_shapes = tracking.tracker == TrackerKind::fit;
+  if (requested < by_positions || !by_shapes) {
+    return refuse(fmt::format("positions of these spots tell {} modes: set null{}", by_positions,
+                              by_shapes ? ", or more" : ", or use the tracker fit"));
   }
-  const ModeBench modes{bench.sensor,    bench.slm,        bench.optics,
-                        bench.roi.width, bench.roi.height, tracking.estimates};
+  OpticsConfig centred = bench.optics;  // wherever the region is, which may be moved next
+  centred.centre_px.reset();
+  const Vec2 region = region_for(layout_of(bench), 1.0);
+  const ModeBench modes{bench.sensor,  bench.slm,     centred,
+                        int(region.x), int(region.y), tracking.estimates};
   const auto errors = mode_errors(modes, requested);
   if (!errors) return fail(errors.error());
   if (errors->are_told()) return {};

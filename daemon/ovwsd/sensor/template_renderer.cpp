@@ -8,11 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
-#include "daemon/ovwsd/sensor/reference_spots.hpp"
+#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {
@@ -26,6 +24,7 @@ constexpr double kMoreResidual = 1.3;                    // over that at the ope
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
 constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
+constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr int kMinTracked = 4;  // one spot of so many: else it is dark
 constexpr double kCell = 0.5;   // lambda/d: images are compared after binning to this size
 
@@ -47,16 +46,6 @@ bool can_be_rendered(const FrameRecord& record) {
          kMinTracked * record.tracked >= record.spot_count;
 }
 
-/// Modes on the SLM that are not measured.
-std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured) {
-  std::vector<Mode> fixed;
-  for (const Mode& mode : shown) {
-    const bool is_measured = std::find(measured.begin(), measured.end(), mode.j) != measured.end();
-    if (!is_measured) fixed.push_back(mode);
-  }
-  return fixed;
-}
-
 /// What a frame at the operating point reads.
 std::vector<double> coefficients_of(const OperatingPoint& point) {
   std::vector<double> waves = point.waves;
@@ -64,42 +53,33 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
   return waves;
 }
 
-constexpr float kFull16 = 65535.0F;
-
-double to_16_bits(PixelFormat format) {
-  return double(kFull16) / full_scale_dn(format);
-}
-
-/// The mean image in 16 bits; a saturated pixel stays saturated.
-Image<std::uint16_t> in_16_bits(const ReferencePicture& picture) {
-  Image<std::uint16_t> scaled(picture.mean_dn.width, picture.mean_dn.height);
-  const auto scale = float(to_16_bits(picture.format));
-  std::transform(picture.mean_dn.pixels.begin(), picture.mean_dn.pixels.end(),
-                 scaled.pixels.begin(), [&](float dn) {
-                   const float value = scale * dn;
-                   return value < kFull16 ? std::uint16_t(std::max(0.0F, value) + 0.5F)
-                                          : std::uint16_t(kFull16);
-                 });
-  return scaled;
-}
-
 }  // namespace
 
-/// The model of one sensor and its reference.
-struct TemplateRenderer::Model {
+/// What a model depends on.
+struct TemplateRenderer::Key {
   std::uint64_t sensor_epoch = 0;
   int cols = 0, rows = 0;
   std::vector<int> modes_j;
   int estimates = 0;  ///< of each spot
   std::int64_t reference_taken_ns = 0;
-  PointModel points;
-  std::vector<double> last{};  ///< coefficients of the last operating point
+  std::int64_t calibration_taken_ns = 0;  ///< whose shapes are in force; 0: none
 
-  bool is_for(const FrameCopy& frame, const SensorSnapshot& sensor) const {
-    return sensor_epoch == sensor.sensor_epoch && modes_j == sensor.modes_j &&
-           estimates == sensor.tracking.estimates && cols == frame.image.width &&
-           rows == frame.image.height && reference_taken_ns == sensor.reference->t_taken_ns;
-  }
+  Key(const FrameCopy& frame, const SensorSnapshot& sensor)
+      : sensor_epoch(sensor.sensor_epoch),
+        cols(frame.image.width),
+        rows(frame.image.height),
+        modes_j(sensor.modes_j),
+        estimates(sensor.tracking.estimates),
+        reference_taken_ns(sensor.reference->t_taken_ns),
+        calibration_taken_ns(calibration_in_force(sensor)) {}
+  friend bool operator==(const Key&, const Key&) = default;
+};
+
+/// The model of one sensor and its reference.
+struct TemplateRenderer::Model {
+  Key key;
+  SpotsModel spots;
+  std::vector<double> last{};  ///< coefficients of the last operating point that was rendered
 };
 
 TemplateRenderer::TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames,
@@ -117,7 +97,8 @@ void TemplateRenderer::on_frame(const FrameRecord& record) {
 }
 
 bool TemplateRenderer::do_work() {
-  const bool wanted = wanted_.load(std::memory_order_relaxed) && !keeper_.is_held_by_job();
+  const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
+  const bool wanted = asked && !keeper_.is_held_by_job();
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
@@ -171,6 +152,13 @@ bool TemplateRenderer::begin_if_due(const FrameCopy& frame, const SensorSnapshot
   return true;
 }
 
+/// Frames that rendered templates describe may have come near the calibration, whose are better.
+bool TemplateRenderer::looks_for_calibration() const {
+  const bool described = described_.load(std::memory_order_relaxed);
+  return described && !measured_ && model_ && model_->spots.has_measured() &&
+         monotonic_ns() > look_again_ns_;
+}
+
 Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
                                       const SensorSnapshot& sensor) {
   const FrameCopy& frame = frames.back();
@@ -179,30 +167,40 @@ Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
   if (traits_of(frame.image.format).filter != ColourFilter::none) {
     return fail(Errc::refused, "pixel_format", "templates need a monochrome pixel format");
   }
-  if (!model_ || !model_->is_for(frame, sensor)) {
+  const Key key(frame, sensor);
+  if (!model_ || !(model_->key == key)) {
     model_.reset();
-    const std::pair key{sensor.sensor_epoch, sensor.reference->t_taken_ns};
-    if (unexplained_ == key) return fail(Errc::refused, "reference", failure_);
-    if (auto made = make_model(images, sensor); !made) {
-      unexplained_ = key;  // the same reference would fail again
+    if (unusable_ && *unusable_ == key) return fail(Errc::refused, "reference", failure_);
+    if (auto made = make_model(key, images, sensor); !made) {
+      unusable_ = std::make_unique<Key>(key);  // the same reference would fail again
       return made;
     }
   }
+  look_again_ns_ = monotonic_ns() + kLookAgainNs;
+  auto fit = found(images, frame, sensor);
+  if (!fit) return fail(fit.error());
+  if (*fit == nullptr) return {};
+  measured_ = (*fit)->point().measured;
+  if (!measured_) model_->last = coefficients_of((*fit)->point());
+  keeper_.use_templates(
+      {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, std::move(*fit)});
+  return {};
+}
+
+/// Null: the present ones do as well.
+Result<std::shared_ptr<const FrameFit>> TemplateRenderer::found(std::span<const ImageView> images,
+                                                                const FrameCopy& frame,
+                                                                const SensorSnapshot& sensor) {
+  if (!wanted_.load(std::memory_order_relaxed)) return model_->spots.measured_near(images);
   const std::vector<Mode> shown =
       shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
-  const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
-  Result<void> last = {};
-  for (const std::vector<double>& start : starts(frame)) {
-    auto fit = model_->points.templates(images, start, fixed,
-                                        frame.valid ? kFewRenderings : kManyRenderings);
-    if (fit) {
-      model_->last = coefficients_of((*fit)->point());
-      keeper_.use_templates({sensor.sensor_epoch, sensor.reference->t_taken_ns, std::move(*fit)});
-      return {};
-    }
-    last = fail(fit.error());
-  }
-  return last;
+  auto fit = model_->spots.templates(images, starts(frame), fixed_modes(shown, sensor.modes_j),
+                                     frame.valid ? kFewRenderings : kManyRenderings);
+  const bool described = described_.load(std::memory_order_relaxed);
+  const bool same = fit && (*fit)->point().measured && measured_ && described;
+  if (!same) return fit;
+  next_ns_ = monotonic_ns() + kLookAgainNs;  // far from the calibration, and nothing is rendered
+  return nullptr;
 }
 
 /// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
@@ -220,45 +218,17 @@ std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame
   return all;
 }
 
-Result<void> TemplateRenderer::make_model(std::span<const ImageView> images,
+Result<void> TemplateRenderer::make_model(const Key& key, std::span<const ImageView> images,
                                           const SensorSnapshot& sensor) {
-  const Reference& reference = *sensor.reference;
-  if (!reference.picture) return fail(Errc::refused, "reference", kNoPicture);
-  const int cols = images.back().width, rows = images.back().height;
-  auto renderer =
-      SpotRenderer::make(sensor.sensor, slm_, sensor.optics, cols, rows, sensor.modes_j, {});
-  if (!renderer) return fail(renderer.error());
-  const auto lattice = make_lattice(sensor.sensor, slm_);
-  if (!lattice) return fail(lattice.error());
-  const Reconstructor by_model(
-      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
-                   slope_model(sensor.sensor.charge, sensor.tracking),
-                   px_per_cycle(sensor.optics, slm_)),
-      sensor.position_modes_j,
-      model_spots_px(*lattice, sensor.sensor, slm_, sensor.optics, cols, rows));
-  std::vector<SpotFix> spots;
-  for (const Vec2 at : known_positions(reference)) spots.push_back({float(at.x), float(at.y)});
-  auto scratch = by_model.make_scratch();
-  std::vector<float> start(sensor.modes_j.size());
-  const std::span<float> leading = std::span(start).first(by_model.modes_j().size());
-  if (!by_model.solve(spots, scratch, leading).determined) {
-    return fail(Errc::refused, "reference", "too few spots of the reference are known");
+  measured_ = false;
+  auto spots = SpotsModel::make(sensor, slm_, images);
+  if (!spots) return fail(spots.error());
+  if (!spots->unmeasured().empty()) {
+    events_.emit("templates", Severity::warning,
+                 "templates of the calibration are not used: " + spots->unmeasured(),
+                 {{"rendered", true}});
   }
-  PointModel points(std::move(*renderer), sensor.tracking.estimates);
-  const std::vector<double> start_waves(start.begin(), start.end());
-  const Image<std::uint16_t> picture = in_16_bits(*reference.picture);
-  PixelNoise noise = noise_of(images, points.rendered(std::vector<double>(start.size())));
-  const double frames = reference.picture->frames;
-  // Of the present frames, whose format may be another than the reference's.
-  const double scale = to_16_bits(images.back().format);
-  noise.constant_dn2 *= scale * scale / frames;
-  noise.per_dn *= scale / frames;
-  auto used = points.use_reference(view_of(picture, PixelFormat::mono16), noise, start_waves,
-                                   fixed_modes(reference.aberration, sensor.modes_j));
-  if (!used) return used;
-  model_ = std::make_unique<Model>(Model{sensor.sensor_epoch, cols, rows, sensor.modes_j,
-                                         sensor.tracking.estimates, reference.t_taken_ns,
-                                         std::move(points)});
+  model_ = std::make_unique<Model>(Model{key, std::move(*spots)});
   return {};
 }
 
@@ -279,7 +249,7 @@ void TemplateRenderer::report(const Result<void>& rendered, std::int64_t began_n
 
 /// Frames are described by templates, by new ones or by those that there were.
 void TemplateRenderer::succeed() {
-  next_ns_ = monotonic_ns() + kRestNs;
+  next_ns_ = std::max(next_ns_, monotonic_ns() + kRestNs);
   policy_.reset();
   failing_since_ns_ = 0;
   if (failure_.empty()) return;

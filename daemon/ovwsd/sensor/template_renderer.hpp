@@ -12,7 +12,7 @@
 
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/agent.hpp"
-#include "core/spots/point_model.hpp"
+#include "core/spots/frame_fit.hpp"
 #include "core/tracking/binned_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
@@ -25,7 +25,8 @@ namespace ovws {
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
 /// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
 /// about it go to the SensorKeeper. After a failure, SearchPolicy tells when to try again. When
-/// nothing has been found for three seconds, templates are withdrawn, and positions count.
+/// nothing has been found for three seconds, templates are withdrawn: positions count, as far as
+/// they tell the modes. Near the wavefront of a calibration its templates are used.
 class TemplateRenderer : public Agent {
  public:
   TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -38,9 +39,15 @@ class TemplateRenderer : public Agent {
   void on_frame(const FrameRecord& record);
 
  private:
+  struct Key;
   struct Model;
-  Result<void> make_model(std::span<const ImageView> images, const SensorSnapshot& sensor);
+  Result<void> make_model(const Key& key, std::span<const ImageView> images,
+                          const SensorSnapshot& sensor);
   Result<void> render(std::span<const FrameCopy> frames, const SensorSnapshot& sensor);
+  Result<std::shared_ptr<const FrameFit>> found(std::span<const ImageView> images,
+                                                const FrameCopy& frame,
+                                                const SensorSnapshot& sensor);
+  bool looks_for_calibration() const;
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
   bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
@@ -61,9 +68,10 @@ class TemplateRenderer : public Agent {
   std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
   std::optional<BinnedImage> tried_;   ///< the image tried last
   std::uint64_t tried_plan_id_ = 0;
-  std::string failure_;  ///< announced
-  /// Epoch and time of a reference whose image the model does not explain.
-  std::optional<std::pair<std::uint64_t, std::int64_t>> unexplained_;
+  std::string failure_;             ///< announced
+  std::unique_ptr<Key> unusable_;   ///< a model of it could not be made
+  bool measured_ = false;           ///< the templates given last are of the calibration
+  std::int64_t look_again_ns_ = 0;  ///< whether frames are near the calibration: not before
 };
 
 }  // namespace ovws

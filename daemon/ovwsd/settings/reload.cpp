@@ -21,7 +21,9 @@ Error with_section(std::string section, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator", "mode_count", "estimates"}) {
     if (error.field == key) section = "tracking";
   }
-  if (!error.field.empty() && !error.field.starts_with(section)) {
+  const bool is_key =
+      error.field.starts_with(section + ".") || error.field.starts_with("tracking.");
+  if (!error.field.empty() && error.field != section && !is_key) {
     error.field = section + "." + error.field;
   }
   if (std::find(read.saved.begin(), read.saved.end(), error.field) != read.saved.end()) {

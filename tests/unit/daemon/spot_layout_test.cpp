@@ -143,9 +143,6 @@ TEST(SpotLayout, ModesThatOnlyShapesTellNeedTheTrackerFit) {
   Config config = with_modes(1, 44);
   config.tracking.tracker = TrackerKind::matched;
   EXPECT_TRUE(refusal(config).starts_with("tracking.mode_count: positions")) << refusal(config);
-  config = with_modes(1, 44);
-  config.tracking.mode_operator = OperatorKind::measured;
-  EXPECT_NE(refusal(config), "");
   EXPECT_NE(refusal(with_modes(1, 9)), "");
 }
 

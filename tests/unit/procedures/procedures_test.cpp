@@ -92,6 +92,32 @@ Result<MeasuredCalibration> calibrate_on(SimulatedBench& bench, double amplitude
   return found;
 }
 
+TEST(Calibration, OfFitMeasuresTemplatesThatAreKept) {
+  Config config = small_daemon_config();
+  config.tracking.tracker = TrackerKind::fit;
+  SimulatedBench bench(config, small_twin_config());
+  ASSERT_TRUE(bench.is_running());
+  EXPECT_TRUE(calibrate_on(bench, 0.03, {1, 2, 3}));  // without a reference
+  ASSERT_TRUE(take_reference_on(bench, 20));
+  const auto measured = calibrate_on(bench, 0.03, {});
+  ASSERT_TRUE(measured) << measured.error().reason;
+  ASSERT_TRUE(measured->shapes);
+  EXPECT_EQ(measured->shapes->modes_j, measured->matrix.modes_j);
+  EXPECT_EQ(measured->comparison.disagreement, Disagreement::none) << measured->comparison.words;
+  const auto kept = bench.sensor()->calibration;
+  ASSERT_TRUE(kept);
+  const auto read = calibration_from(calibration_content(*kept), bench.config());
+  ASSERT_TRUE(read) << read.error().reason;
+  EXPECT_TRUE(differences(read->key, kept->key).empty());
+  for (std::size_t i = 0; i < kept->shapes->spots.size(); ++i) {
+    EXPECT_EQ(read->shapes->spots[i].per_wave, kept->shapes->spots[i].per_wave);
+    EXPECT_EQ(read->shapes->spots[i].window, kept->shapes->spots[i].window);
+  }
+  auto damaged = calibration_content(*kept);
+  damaged["shapes"]["side"] = 17;
+  EXPECT_EQ(calibration_from(damaged, bench.config()).error().field, "shapes");
+}
+
 twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
                                Vec2 centre_px) {
   twin::CameraGeometry geometry;

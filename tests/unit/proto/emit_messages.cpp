@@ -183,12 +183,15 @@ void print_calibrations() {
   for (int kind = 0; kind <= int(Disagreement::unlike); ++kind) {
     comparison.disagreement = Disagreement(kind);
     if (kind > 0) comparison.words = "the axes x and y are exchanged";
-    print_result(
-        "calibration.get",
-        to_json(KnownCalibration{
-            kind > 0,
-            CalibrationReport{
-                0.1, 20, 1767225600000000000, matrix, comparison, "", {example.at("origin")}}}));
+    print_result("calibration.get",
+                 to_json(KnownCalibration{kind > 0, CalibrationReport{0.1,
+                                                                      20,
+                                                                      1767225600000000000,
+                                                                      matrix,
+                                                                      comparison,
+                                                                      {},
+                                                                      "",
+                                                                      {example.at("origin")}}}));
   }
   print_result("calibration.clear", to_json(KnownCalibration{}));
   print_result("calibration.run", to_json(JobNumber{4}));

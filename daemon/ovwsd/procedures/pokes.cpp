@@ -1,0 +1,225 @@
+#include "daemon/ovwsd/procedures/pokes.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/optics/lattice.hpp"
+#include "core/spots/wavefront_fit.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMaxStep = 0.01;     // lambda/d, from a poke to its repetition, beyond noise
+constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
+constexpr int kMaxTries = 4;          // of a poke while the bench moves
+constexpr int kMinFrames = 2;
+constexpr int kMaxHalvings = 2;     // of the amplitude
+constexpr double kMinLevel = 0.25;  // of a spot's light at rest: less is a lost spot
+
+std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
+  const auto at =
+      std::find_if(shown.begin(), shown.end(), [j](const Mode& mode) { return mode.j == j; });
+  if (at == shown.end()) {
+    shown.push_back({j, waves});
+  } else {
+    at->waves += waves;
+  }
+  return shown;
+}
+
+/// A spot that is found in fewer than half of the frames is lost.
+SpotMeans means_of(const SpotAverage& average) {
+  SpotMeans means{average.mean_px, average.standard_error_px};
+  for (std::size_t i = 0; i < average.found.size(); ++i) {
+    if (average.found[i] < 2 || 2 * average.found[i] < average.frames) {
+      means.at_px[i] = {NAN, NAN};
+    }
+  }
+  return means;
+}
+
+/// Mean light of the cells above the darkest, DN.
+double light_of(const SpotCells& cells) {
+  double sum = 0.0;
+  int known = 0;
+  for (Eigen::Index i = 0; i < cells.cols(); ++i) {
+    if (!cells.col(i).allFinite()) continue;
+    sum += double(cells.col(i).mean() - cells.col(i).minCoeff());
+    ++known;
+  }
+  return known > 0 ? sum / known : 0.0;
+}
+
+/// The same noise in all pixels, as large as on average: positions are then found as by
+/// displacement_operator, whatever the light.
+PixelNoise even(const PixelNoise& noise, double mean_dn) {
+  return {noise.constant_dn2 + noise.per_dn * mean_dn, 0.0};
+}
+
+/// How far the bench moved between two measurements of the same poke, px RMS beyond noise.
+double step_px(const Poke& first, const Poke& second) {
+  const SpotDrift plus = drift_between(first.places.plus, second.places.plus);
+  const SpotDrift minus = drift_between(first.places.minus, second.places.minus);
+  return std::max(plus.rms_px - kNoiseFactor * plus.noise_px,
+                  minus.rms_px - kNoiseFactor * minus.noise_px);
+}
+
+Poke mean_of_both(const Poke& first, const Poke& second) {
+  return {{first.places.j, first.places.amplitude_waves,
+           mean_of_both(first.places.plus, second.places.plus),
+           mean_of_both(first.places.minus, second.places.minus)},
+          {first.cells.amplitude_waves, 0.5F * (first.cells.plus + second.cells.plus),
+           0.5F * (first.cells.minus + second.cells.minus)}};
+}
+
+/// Those of the reference; without one, where frames show spots, and the model the others.
+Result<std::vector<Vec2>> places_of_spots(Bench& bench, const SlmGeometry& slm, int frames) {
+  const SensorView sensor = bench.sensor();
+  if (sensor->reference) return sensor->reference->positions_px;
+  const auto lattice = make_lattice(sensor->sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const auto average = bench.spots(frames);
+  if (!average) return fail(average.error());
+  const Roi roi = bench.camera().settings.roi;
+  std::vector<Vec2> places_px = means_of(*average).at_px;
+  const auto model_px =
+      model_spots_px(*lattice, sensor->sensor, slm, sensor->optics, roi.width, roi.height);
+  for (std::size_t i = 0; i < places_px.size(); ++i) {
+    if (std::isnan(places_px[i].x)) places_px[i] = model_px[i];
+  }
+  return places_px;
+}
+
+}  // namespace
+
+Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int frames) {
+  const SensorView sensor = bench.sensor();
+  SpotMeter meter;
+  meter.format_ = bench.camera().settings.pixel_format;
+  std::array<Image<float>, 2> pictures;
+  for (Image<float>& picture : pictures) {
+    auto mean = bench.picture(frames);
+    if (!mean) return fail(mean.error());
+    picture = std::move(*mean);
+  }
+  const int cols = pictures[0].width, rows = pictures[0].height;
+  const SpotWindow window =
+      window_of(lambda_d_px(sensor->optics, slm, sensor->sensor),
+                window_half_width(int(sensor->modes_j.size()), sensor->sensor.subapertures_across));
+  if (window.side * window.bin > std::min(cols, rows)) {
+    return fail(Errc::refused, "camera.roi", "is smaller than the window around a spot");
+  }
+  auto places_px = places_of_spots(bench, slm, frames);
+  if (!places_px) return fail(places_px.error());
+  meter.places_px_ = std::move(*places_px);
+  for (const Vec2 place_px : meter.places_px_) {
+    meter.windows_.push_back(moved_to(place_px, window, cols, rows));
+  }
+  const SpotCells resting =
+      0.5F * (cells_in(pictures[0], meter.windows_) + cells_in(pictures[1], meter.windows_));
+  meter.resting_ = measured_spots(meter.windows_, meter.places_px_, resting, {});
+  const auto first = in_16_bits(pictures[0], meter.format_),
+             second = in_16_bits(pictures[1], meter.format_);
+  const std::array views{view_of(first, PixelFormat::mono16), view_of(second, PixelFormat::mono16)};
+  const double mean_light =
+      to_16_bits(meter.format_) * light_of(resting) / (window.bin * window.bin);
+  meter.noise_ = even(noise_of(views, meter.resting_), mean_light);
+  return meter;
+}
+
+Result<ShownSpots> SpotMeter::measure(Bench& bench, int frames) const {
+  if (uses_images()) {
+    const auto picture = bench.picture(frames);
+    if (!picture) return fail(picture.error());
+    return measured_in(*picture);
+  }
+  const auto average = bench.spots(frames);
+  if (!average) return fail(average.error());
+  return ShownSpots{means_of(*average), {}};
+}
+
+ShownSpots SpotMeter::measured_in(const Image<float>& mean_dn) const {
+  const auto image = in_16_bits(mean_dn, format_);
+  const SpotPass pass = fit_spots(view_of(image, PixelFormat::mono16), resting_, noise_, 2);
+  ShownSpots shown{{}, cells_in(mean_dn, windows_)};
+  const std::vector<double> levels_dn = pass.levels_dn();
+  const double brightest = *std::max_element(levels_dn.begin(), levels_dn.end());
+  for (std::size_t i = 0; i < pass.found.size(); ++i) {
+    const SpotEstimates& found = pass.found[i];
+    const double pixels = windows_[i].bin * windows_[i].bin;
+    const bool lit = levels_dn[i] > kMinLevel * brightest;
+    const double error_px = pass.templates[i].px_error / (levels_dn[i] * pixels);
+    shown.places.at_px.push_back(lit ? Vec2{double(found.x), double(found.y)} : Vec2{NAN, NAN});
+    shown.places.standard_error_px.push_back({error_px, error_px});
+  }
+  return shown;
+}
+
+Pokes::Pokes(Bench& bench, SpotMeter meter, int frames, double lambda_d_px)
+    : bench_(bench),
+      meter_(std::move(meter)),
+      aberration_(bench.sensor()->aberration),
+      frames_(frames),
+      max_step_px_(kMaxStep * lambda_d_px) {}
+
+Result<ShownSpots> Pokes::rest() {
+  return shown(aberration_, frames_);
+}
+
+Result<ShownSpots> Pokes::shown(const std::vector<Mode>& aberration, int frames) {
+  if (auto shown = bench_.show(aberration); !shown) return fail(shown.error());
+  return meter_.measure(bench_, frames);
+}
+
+Result<Poke> Pokes::once(int j, double amplitude_waves) {
+  const int frames = std::max(kMinFrames, (frames_ + 1) / 2);
+  auto plus = shown(with_poke(aberration_, j, amplitude_waves), frames);
+  if (!plus) return fail(plus.error());
+  auto minus = shown(with_poke(aberration_, j, -amplitude_waves), frames);
+  if (!minus) return fail(minus.error());
+  return Poke{{j, amplitude_waves, std::move(plus->places), std::move(minus->places)},
+              {amplitude_waves, std::move(plus->cells), std::move(minus->cells)}};
+}
+
+/// A bench that moved in between would add its movement to the derivative.
+Result<Poke> Pokes::twice(int j, double amplitude_waves) {
+  auto last = once(j, amplitude_waves);
+  double step = 0.0;
+  for (int tries = 0; last && tries < kMaxTries; ++tries) {
+    auto next = once(j, amplitude_waves);
+    if (!next) return next;
+    step = step_px(*last, *next);
+    if (step <= max_step_px_) return mean_of_both(*last, *next);
+    last = std::move(next);
+  }
+  if (!last) return last;
+  return fail(
+      Errc::refused, "",
+      fmt::format("the bench moves: the spots of mode j = {} moved by {:.2f} px RMS from one "
+                  "measurement to the next, {} times in a row (limit {:.2f} px): let it "
+                  "settle, and measure again, or average more frames (frames)",
+                  j, step, kMaxTries, max_step_px_));
+}
+
+Result<Poked> Pokes::unless_refused(int j, double amplitude_waves) {
+  auto poke = twice(j, amplitude_waves);
+  if (poke) return Poked{std::move(*poke), ""};
+  const Error& why = poke.error();
+  if (why.code != Errc::invalid || why.field != "modes") return fail(why);
+  return Poked{std::nullopt, "the SLM cannot show it: " + why.reason};
+}
+
+Result<Poked> Pokes::poke(int j, double amplitude_waves, const SpotMeans& resting) {
+  Result<Poked> poked = fail(Errc::refused, "", "");
+  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
+    poked = unless_refused(j, std::ldexp(amplitude_waves, -halvings));
+    if (!poked || (poked->poke && lost_by(poked->poke->places, resting).empty())) return poked;
+  }
+  return poked;
+}
+
+}  // namespace ovws

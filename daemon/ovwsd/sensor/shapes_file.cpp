@@ -1,0 +1,95 @@
+#include "daemon/ovwsd/sensor/shapes_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "core/optics/zernike.hpp"
+#include "core/spots/spot_sums.hpp"
+#include "daemon/shared/encoding.hpp"
+
+namespace ovws {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMaxSide = 1024, kMaxPlace = 1 << 16;
+
+void demand(bool holds, const char* what) {
+  if (!holds) throw std::runtime_error(what);
+}
+
+std::string floats_text(const Eigen::MatrixXf& values) {
+  return base64_of({values.data(), std::size_t(values.size())});
+}
+
+Eigen::MatrixXf floats(const json& text, Eigen::Index rows, Eigen::Index cols) {
+  const auto values = floats_of(text.get<std::string>(), std::size_t(rows * cols));
+  demand(values.has_value(), "an array has the wrong length");
+  Eigen::MatrixXf out = Eigen::Map<const Eigen::MatrixXf>(values->data(), rows, cols);
+  demand(out.allFinite(), "an array holds a number that is not finite");
+  return out;
+}
+
+RenderedSpot spot_from(const json& one, int side, int bin, std::size_t modes) {
+  RenderedSpot spot;
+  spot.window = {one.at("left").get<int>(), one.at("top").get<int>(), side, bin};
+  spot.place_px = {one.at("x").get<double>(), one.at("y").get<double>()};
+  const auto inside = [](double at) { return at >= 0.0 && at < double(kMaxPlace); };
+  demand(inside(spot.window.left) && inside(spot.window.top) && std::isfinite(spot.place_px.x) &&
+             std::isfinite(spot.place_px.y),
+         "a spot has no place");
+  const Eigen::Index cells = spot.window.cells();
+  spot.light = floats(one.at("light"), cells, 1);
+  spot.per_wave = floats(one.at("per_wave"), cells, Eigen::Index(modes));
+  spot.per_px = floats(one.at("per_px"), cells, 2);
+  return spot;
+}
+
+}  // namespace
+
+json shapes_content(const MeasuredShapes& shapes) {
+  const SpotWindow& window = shapes.spots.front().window;
+  json spots = json::array();
+  for (const RenderedSpot& spot : shapes.spots) {
+    spots.push_back({{"left", spot.window.left},
+                     {"top", spot.window.top},
+                     {"x", spot.place_px.x},
+                     {"y", spot.place_px.y},
+                     {"light", floats_text(spot.light)},
+                     {"per_wave", floats_text(spot.per_wave)},
+                     {"per_px", floats_text(spot.per_px)}});
+  }
+  return {{"modes_j", shapes.modes_j},
+          {"side", window.side},
+          {"bin", window.bin},
+          {"spots", std::move(spots)}};
+}
+
+Result<MeasuredShapes> shapes_from(const json& content, int spots,
+                                   const std::vector<int>& leading_j) {
+  try {
+    MeasuredShapes shapes;
+    shapes.modes_j = content.at("modes_j").get<std::vector<int>>();
+    const auto& modes_j = shapes.modes_j;
+    const int side = content.at("side").get<int>(), bin = content.at("bin").get<int>();
+    demand(side >= kMinSide && side <= kMaxSide && (bin == 1 || bin == 2),
+           "its windows have an invalid size");
+    demand(modes_j.size() >= leading_j.size() && modes_j.size() <= std::size_t(kMaxZernikeIndex) &&
+               std::equal(leading_j.begin(), leading_j.end(), modes_j.begin()) &&
+               std::all_of(modes_j.begin(), modes_j.end(),
+                           [](int j) { return j >= 1 && j <= kMaxZernikeIndex; }),
+           "its modes are not those of the matrix");
+    demand(spots > 0 && content.at("spots").size() == std::size_t(spots),
+           "it has another number of spots");
+    for (const json& one : content.at("spots")) {
+      shapes.spots.push_back(spot_from(one, side, bin, modes_j.size()));
+    }
+    return shapes;
+  } catch (const std::exception& error) {  // of the JSON library, or of this file
+    return fail(Errc::invalid, "shapes", std::string("cannot be used: ") + error.what());
+  }
+}
+
+}  // namespace ovws

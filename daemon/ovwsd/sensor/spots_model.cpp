@@ -1,0 +1,143 @@
+#include "daemon/ovwsd/sensor/spots_model.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/optics/lattice.hpp"
+#include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kMeasuredReachWaves = 0.02;  // RMS from the wavefront of the calibration
+
+/// The mean image of a reference in 16 bits, and its noise by that of present frames, whose format
+/// may be another.
+struct MeanImage {
+  Image<std::uint16_t> dn;
+  PixelNoise noise;
+
+  MeanImage(const ReferencePicture& picture, std::span<const ImageView> images,
+            std::span<const RenderedSpot> spots)
+      : dn(in_16_bits(picture.mean_dn, picture.format)), noise(noise_of(images, spots)) {
+    const double scale = to_16_bits(images.back().format);
+    noise.constant_dn2 *= scale * scale / picture.frames;
+    noise.per_dn *= scale / picture.frames;
+  }
+  ImageView view() const { return view_of(dn, PixelFormat::mono16); }
+};
+
+/// The wavefront of the reference by its positions; 0 for modes that they do not tell.
+Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                     const ImageView& like) {
+  const auto lattice = make_lattice(sensor.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const Reconstructor by_model(
+      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
+                   slope_model(sensor.sensor.charge, sensor.tracking),
+                   px_per_cycle(sensor.optics, slm)),
+      sensor.position_modes_j,
+      model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, like.width, like.height));
+  std::vector<SpotFix> spots;
+  for (const Vec2 at : known_positions(*sensor.reference)) {
+    spots.push_back({float(at.x), float(at.y)});
+  }
+  auto scratch = by_model.make_scratch();
+  std::vector<float> leading(by_model.modes_j().size());
+  if (!by_model.solve(spots, scratch, leading).determined) {
+    return fail(Errc::refused, "reference", "too few spots of the reference are known");
+  }
+  std::vector<double> waves(leading.begin(), leading.end());
+  waves.resize(sensor.modes_j.size(), 0.0);
+  return waves;
+}
+
+Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                  std::span<const ImageView> images) {
+  const ImageView& like = images.back();
+  auto renderer = SpotRenderer::make(sensor.sensor, slm, sensor.optics, like.width, like.height,
+                                     sensor.modes_j, {});
+  if (!renderer) return fail(renderer.error());
+  const auto start = start_of(sensor, slm, like);
+  if (!start) return fail(start.error());
+  PointModel model(std::move(*renderer), sensor.tracking.estimates);
+  const auto flat = model.rendered(std::vector<double>(sensor.modes_j.size()));
+  const MeanImage mean(*sensor.reference->picture, images, flat);
+  auto used = model.use_reference(mean.view(), mean.noise, *start,
+                                  fixed_modes(sensor.reference->aberration, sensor.modes_j));
+  if (!used) return fail(used.error());
+  return model;
+}
+
+Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
+                                     std::span<const ImageView> images) {
+  const MeasuredShapes& shapes = *sensor.calibration->shapes;
+  if (!shapes.are_inside(images.back().width, images.back().height)) {
+    return fail(Errc::refused, "calibration", "its spots lie outside the image: calibrate again");
+  }
+  MeasuredModel model(shapes.spots, shapes.modes_j, sensor.tracking.estimates);
+  const MeanImage mean(*sensor.reference->picture, images, model.spots());
+  if (auto used = model.use_reference(mean.view(), mean.noise); !used) return fail(used.error());
+  return model;
+}
+
+}  // namespace
+
+std::int64_t calibration_in_force(const SensorSnapshot& sensor) {
+  const bool measured =
+      sensor.mode_operator.in_force == OperatorKind::measured && sensor.calibration;
+  return measured && sensor.calibration->shapes ? sensor.calibration->t_taken_ns : 0;
+}
+
+std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured) {
+  std::vector<Mode> fixed;
+  for (const Mode& mode : shown) {
+    const bool is_measured = std::find(measured.begin(), measured.end(), mode.j) != measured.end();
+    if (!is_measured) fixed.push_back(mode);
+  }
+  return fixed;
+}
+
+Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                    std::span<const ImageView> images) {
+  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
+  SpotsModel made;
+  if (calibration_in_force(sensor) != 0) {
+    auto measured = measured_model(sensor, images);
+    if (measured) {
+      made.measured_ = std::move(*measured);
+    } else {
+      made.unmeasured_ = measured.error().reason;
+    }
+  }
+  auto rendered = rendered_model(sensor, slm, images);
+  if (rendered) made.rendered_ = std::move(*rendered);
+  if (!rendered && !made.measured_) {
+    return fail(made.unmeasured_.empty()
+                    ? rendered.error()
+                    : Error{Errc::refused, "reference", std::move(made.unmeasured_)});
+  }
+  return made;
+}
+
+std::shared_ptr<const FrameFit> SpotsModel::measured_near(std::span<const ImageView> images) const {
+  if (!measured_) return nullptr;
+  auto fit = measured_->templates(images);
+  return fit && (*fit)->at_point().drift_waves < kMeasuredReachWaves ? std::move(*fit) : nullptr;
+}
+
+Result<std::shared_ptr<const FrameFit>> SpotsModel::templates(
+    std::span<const ImageView> images, std::span<const std::vector<double>> starts,
+    std::span<const Mode> fixed, int renderings) {
+  if (auto near = measured_near(images)) return near;
+  Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "");
+  for (const std::vector<double>& start : starts) {
+    if (!rendered_) break;
+    fit = rendered_->templates(images, start, fixed, renderings);
+    if (fit) return fit;
+  }
+  return measured_ ? measured_->templates(images) : fit;
+}
+
+}  // namespace ovws
