@@ -53,7 +53,7 @@ const std::vector<std::string>& template_names() {
 }
 
 const std::vector<std::string>& operator_names() {
-  static const std::vector<std::string> names{"slopes", "diffractive", "relinearised", "measured"};
+  static const std::vector<std::string> names{"slopes", "diffractive", "measured"};
   return names;
 }
 

@@ -47,7 +47,7 @@ struct StatusMessage {
     double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
     /// Why spots lie outside the camera's region or too close for the tracker; empty: null.
     std::string layout_fault;
-    std::vector<int> torn;  ///< split spots
+    std::vector<int> torn;  ///< kept for older clients: always empty
     /// Why no frame is valid although frames are settled and a reference is active.
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC

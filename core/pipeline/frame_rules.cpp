@@ -81,4 +81,18 @@ bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, d
   return found.fit_residual_px <= std::hypot(limit_px, noise_px);
 }
 
+Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
+                                 std::span<const float> coefficients) {
+  Reconstruction summary{.determined = true,
+                         .fit_residual_px = found.residual_px,
+                         .used = found.used,
+                         .lost = found.lost};
+  double squares = 0.0;
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (modes_j[k] > 2) squares += std::pow(double(coefficients[k]), 2);
+  }
+  summary.rms_waves = std::sqrt(squares);
+  return summary;
+}
+
 }  // namespace ovws

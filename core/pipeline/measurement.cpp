@@ -32,8 +32,8 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
 Measurement::Measurement(const MeasurementPlan& measured_plan, int workers)
     : plan(checked(measured_plan)),
       plan_id(plan.id),
-      acquisition(plan.spots, plan.places_px(), plan.roi.width, plan.roi.height),
-      neighbourhood(plan.places_px()),
+      acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height),
+      neighbourhood(plan.predicted_px),
       reconstruct_scratch(plan.reconstructor->make_scratch()) {
   for (int k = 0; k < std::max(workers, 1); ++k) {
     track_scratch.push_back(plan.tracker->make_scratch());

@@ -31,8 +31,6 @@ struct MeasurementPlan {
   PixelFormat format = PixelFormat::mono8;
   /// Expected spot positions: those of the reference (else model) plus the introduced aberration.
   std::vector<Vec2> predicted_px;
-  /// Start positions of spots without history; empty: predicted_px.
-  std::vector<Vec2> search_px;
   std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
   bool fits_shapes = false;                     ///< frames are to be measured by templates
@@ -45,9 +43,6 @@ struct MeasurementPlan {
   std::shared_ptr<const FrameFit> fit;
 
   int subapertures() const { return int(predicted_px.size()); }
-  const std::vector<Vec2>& places_px() const {
-    return search_px.empty() ? predicted_px : search_px;
-  }
   bool referenced() const { return !reference_px.empty(); }
   /// Whether the spots' positions tell all modes.
   bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }

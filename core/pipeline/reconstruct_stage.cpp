@@ -11,32 +11,14 @@
 
 namespace ovws {
 
-namespace {
-
-/// The summary of a frame whose modes the templates gave.
-Reconstruction reconstruction_of(const Entry& entry) {
-  const FittedFrame& found = entry.templates;
-  Reconstruction summary{.determined = true,
-                         .fit_residual_px = found.residual_px,
-                         .used = found.used,
-                         .lost = found.lost};
-  double squares = 0.0;
-  const std::vector<int>& modes_j = entry.plan->fit->modes_j();
-  for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    if (modes_j[k] > 2) squares += std::pow(double(entry.coefficients[k]), 2);
-  }
-  summary.rms_waves = std::sqrt(squares);
-  return summary;
-}
-
-}  // namespace
-
 void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.modes_j.size());
   const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
   if (entry.templates.credible) {
-    entry.reconstruction = reconstruction_of(entry);
+    const std::size_t modes = plan.modes_j.size();
+    entry.reconstruction =
+        reconstruction_of(entry.templates, plan.modes_j, {entry.coefficients.data(), modes});
   } else {
     std::fill_n(entry.coefficients.begin(), entry.mode_count, NAN);
     std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);

@@ -10,8 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMaxSearchOffset = 0.5;  // lambda/d: the wavefront moves spots by less
-constexpr double kMaxStep = 0.25;         // lambda/d, from frame to frame
+constexpr double kMaxStep = 0.25;  // lambda/d, from frame to frame
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -28,34 +27,7 @@ bool SpotHistory::fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING {
     count_ = plan.subapertures();
     roi_ = plan.roi;
   }
-  if (plan.id != seen_plan_id_) adopt_search(plan);
   return !same;
-}
-
-/// Takes over the positions of a new whole-image search. A track may be locked to a neighbour's
-/// spot and would find it there in every frame. Plans that only repeat an older search are ignored.
-void SpotHistory::adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING {
-  seen_plan_id_ = plan.id;
-  const Vec2 mark = plan.search_px.empty() ? Vec2{kNone, kNone} : plan.search_px.front();
-  const bool repeated = mark.x == search_mark_.x && mark.y == search_mark_.y;
-  search_mark_ = mark;
-  if (plan.search_px.empty() || repeated) return;
-  for (int i = 0; i < count_; ++i) {
-    Track& track = tracks_[i];
-    const SpotStart found{plan.search_px[std::size_t(i)], true};
-    const double away_px = norm(found.at_px - track.last.at_px);
-    if (!live_) {
-      track = {found, plan.predicted_px[i]};
-    } else if (!track.last.fresh || away_px > kMaxSearchOffset * plan.spots.lambda_d_px) {
-      track.last = found;
-      const bool counts = plan.referenced() && !std::isnan(plan.reference_px[std::size_t(i)].x);
-      follows_ = follows_ && !counts;
-    }
-  }
-  if (live_) return;
-  live_ = true;
-  hologram_id_ = plan.hologram_id;
-  plan_id_ = plan.id;
 }
 
 Vec2 SpotHistory::moved(const Track& track, int i, const FrameRecord& record) const {

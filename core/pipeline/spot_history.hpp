@@ -20,8 +20,7 @@ class SpotHistory {
   SpotHistory();
 
   /// Adapts to `plan`. Clears the history and returns true if the plan measures other spots (sensor
-  /// epoch, count or ROI) than the previous one. A spot that was lost, or is more than lambda/d / 2
-  /// away, moves to where a new whole-image search found it (search_px).
+  /// epoch, count or ROI) than the previous one.
   bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
   /// False: no spot has a history, a whole-image search is needed.
@@ -49,7 +48,6 @@ class SpotHistory {
     Vec2 expected_px;  ///< the plan's prediction for hologram_id_
   };
 
-  void adopt_search(const MeasurementPlan& plan) OVWS_NONBLOCKING;
   Vec2 moved(const Track& track, int i, const FrameRecord& record) const;
 
   std::vector<Track> tracks_;
@@ -58,8 +56,6 @@ class SpotHistory {
   bool follows_ = false;  ///< the last frame
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
-  std::uint64_t seen_plan_id_ = 0;
-  Vec2 search_mark_;  ///< identifies the last search: the first of its positions
   std::uint64_t sensor_epoch_ = 0;
   Roi roi_;
 };

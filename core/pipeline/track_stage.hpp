@@ -23,8 +23,6 @@ namespace ovws {
 ///
 /// The templates of a plan (MeasurementPlan::fit) are tried first. Where they describe the frame
 /// (FittedFrame::credible), its spots and modes come from them, and no tracker runs.
-///
-/// A plan with search_px gives start positions for lost or displaced spots (SpotHistory).
 class TrackStage {
  public:
   struct Config {

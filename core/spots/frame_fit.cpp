@@ -73,14 +73,21 @@ FrameFit::Scratch FrameFit::make_scratch() const {
           Eigen::MatrixXd::Zero(modes, modes), std::vector<char>(point_.levels_dn.size())};
 }
 
-const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_px) {
+FrameFit::Measured FrameFit::measure(const ImageView& image) const {
   SpotFit::Scratch pixels = spots_.make_scratch();
   std::vector<SpotEstimates> found;
   for (std::size_t i = 0; i < rows_.size(); ++i) found.push_back(spots_.fit(image, i, pixels));
   Scratch scratch = make_scratch();
-  std::vector<float> coefficients(modes_j_.size()), sigma_waves(modes_j_.size());
-  std::vector<SpotFix> fixes(rows_.size());
-  at_point_ = solve(found, scratch, coefficients, sigma_waves, fixes);
+  Measured all;
+  all.coefficients.resize(modes_j_.size());
+  all.sigma_waves.resize(modes_j_.size());
+  all.spots.resize(rows_.size());
+  all.frame = solve(found, scratch, all.coefficients, all.sigma_waves, all.spots);
+  return all;
+}
+
+const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_px) {
+  at_point_ = measure(image).frame;
   // With three spots lost, or with large errors in dim light, a wrong wavefront can fit the rest.
   const bool small =
       at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px;

@@ -46,6 +46,13 @@ class FrameFit {
   /// more than noise of the estimates, or less than `max_residual_px`. Call before any other thread
   /// uses this object.
   const FittedFrame& check(const ImageView& image, double max_residual_px);
+  /// What all spots of one image tell; allocates.
+  struct Measured {
+    FittedFrame frame;
+    std::vector<float> coefficients, sigma_waves;  ///< of modes_j, see `solve`
+    std::vector<SpotFix> spots;
+  };
+  Measured measure(const ImageView& image) const;
   /// What `check` found; templates made again about the same wavefront leave as much.
   const FittedFrame& at_point() const { return at_point_; }
 

@@ -125,23 +125,54 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
   return fail(Errc::refused, "reference", "the model does not explain the reference's image");
 }
 
+void PointModel::use_model() {
+  renderer_.set_deviations({});
+  reference_waves_.assign(renderer_.modes_j().size(), 0.0);
+  reference_levels_.assign(std::size_t(renderer_.spots()), 1.0);
+  reference_excess_ = reference_residual_px_ = 0.0;
+}
+
+std::vector<double> PointModel::from_reference(std::span<const double> coefficients) const {
+  std::vector<double> waves(reference_waves_);
+  for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += coefficients[k];
+  return waves;
+}
+
 Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const ImageView> images,
                                                               std::span<const double> coefficients,
                                                               std::span<const Mode> fixed,
                                                               int renderings) {
-  std::vector<double> waves(reference_waves_);
-  for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += coefficients[k];
+  std::vector<double> waves = from_reference(coefficients);
   auto rendered = renderer_.render(waves, fixed);
-  const ImageView& image = images.back();
   const PixelNoise noise = noise_of(images, rendered);
+  auto found = approach(images.back(), noise, std::move(waves), std::move(rendered), fixed,
+                        kNearWaves, renderings);
+  if (!found) return fail(found.error());
+  return accepted(*found, images.back(), noise, fixed);
+}
+
+Result<std::shared_ptr<const FrameFit>> PointModel::templates(const ImageView& image,
+                                                              const PixelNoise& noise,
+                                                              std::span<const double> coefficients,
+                                                              std::span<const Mode> fixed,
+                                                              int renderings) {
+  std::vector<double> waves = from_reference(coefficients);
+  auto rendered = renderer_.render(waves, fixed);
   auto found =
       approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves, renderings);
   if (!found) return fail(found.error());
-  if (!(found->pass.excess() < allowed_excess()) || found->away_waves > kFarWaves) {
+  return accepted(*found, image, noise, fixed);
+}
+
+Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
+                                                             const ImageView& image,
+                                                             const PixelNoise& noise,
+                                                             std::span<const Mode> fixed) const {
+  if (!(found.pass.excess() < allowed_excess()) || found.away_waves > kFarWaves) {
     return fail(Errc::refused, "image", "the spots do not look as rendered");
   }
-  auto fit = fit_at(*found, noise, fixed);
-  const SpotWindow& window = found->rendered.front().window;
+  auto fit = fit_at(found, noise, fixed);
+  const SpotWindow& window = found.rendered.front().window;
   const double allowed_px =
       std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
   if (!fit->check(image, allowed_px).credible) {

@@ -26,6 +26,8 @@ class PointModel {
   /// Errc::refused, field "reference": the model does not explain the image.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
+  /// Coefficients count from the model's flat wavefront, and the bench is as the model has it.
+  void use_model();
   std::vector<RenderedSpot> rendered(std::span<const double> waves) {
     return renderer_.render(waves);
   }
@@ -35,6 +37,10 @@ class PointModel {
   /// From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18).
   /// Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
+                                                    std::span<const double> coefficients,
+                                                    std::span<const Mode> fixed, int renderings);
+  /// The same for a single image whose noise is known.
+  Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, const PixelNoise& noise,
                                                     std::span<const double> coefficients,
                                                     std::span<const Mode> fixed, int renderings);
 
@@ -49,6 +55,10 @@ class PointModel {
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
                          std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
                          double near_waves, int renderings);
+  std::vector<double> from_reference(std::span<const double> coefficients) const;
+  Result<std::shared_ptr<const FrameFit>> accepted(const Found& found, const ImageView& image,
+                                                   const PixelNoise& noise,
+                                                   std::span<const Mode> fixed) const;
   double allowed_excess() const;
   std::shared_ptr<FrameFit> fit_at(const Found& found, const PixelNoise& noise,
                                    std::span<const Mode> fixed) const;

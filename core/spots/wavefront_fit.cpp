@@ -144,6 +144,24 @@ std::optional<WavefrontStep> damped_step(const SpotPass& pass) {
 
 namespace {
 
+/// Squares of what noise leaves, as a straight line over the light.
+struct NoiseSums {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+
+  void add(double light, double square) {
+    n += 1.0, x += light, y += square, xx += light * light, xy += light * square;
+  }
+  /// `pixels`: camera pixels that one square is the variance of.
+  PixelNoise line(double pixels) const {
+    const double spread = n * xx - x * x;
+    PixelNoise noise;
+    noise.per_dn = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
+    noise.constant_dn2 =
+        n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), kRoundingDn2) : 1.0;
+    return noise;
+  }
+};
+
 struct PairNoise {
   PixelNoise noise;
   double squares = 0.0;  ///< sum of the squared differences
@@ -151,22 +169,28 @@ struct PairNoise {
 
 PairNoise noise_between(const ImageView& one, const ImageView& other,
                         std::span<const RenderedSpot> rendered) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, pixels = 1.0;
+  NoiseSums sums;
+  double pixels = 1.0;
   for (const RenderedSpot& spot : rendered) {
     pixels = pixels_of(spot.window);
     const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
     const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()));
     for (Eigen::Index c = 0; c < a.size(); ++c) {
-      const double light = 0.5 * (a(c) + b(c)) - floor, square = 0.5 * std::pow(a(c) - b(c), 2);
-      n += 1.0, x += light, y += square, xx += light * light, xy += light * square;
+      sums.add(0.5 * (a(c) + b(c)) - floor, 0.5 * std::pow(a(c) - b(c), 2));
     }
   }
-  const double spread = n * xx - x * x;
-  PixelNoise noise;
-  noise.per_dn = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
-  noise.constant_dn2 =
-      n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), kRoundingDn2) : 1.0;
-  return {noise, y};
+  return {sums.line(pixels), sums.y};
+}
+
+/// The pixels of a window; a row for each line of the image.
+Eigen::MatrixXf pixels_in(const ImageView& image, const SpotWindow& window) {
+  const PixelBox box = window.pixels();
+  Eigen::MatrixXf all(box.height, box.width);
+  visit_rows(image, box.x, box.y, box.width, box.height,
+             [&](int x, int y, const auto* pixels, int run) {
+               for (int k = 0; k < run; ++k) all(y - box.y, x + k - box.x) = float(pixels[k]);
+             });
+  return all;
 }
 
 }  // namespace
@@ -178,6 +202,24 @@ PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedS
     if (next.squares < least.squares) least = next;
   }
   return least.noise;
+}
+
+PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered) {
+  Eigen::Matrix3f kernel;
+  kernel << 1, -2, 1, -2, 4, -2, 1, -2, 1;
+  NoiseSums sums;
+  for (const RenderedSpot& spot : rendered) {
+    const Eigen::MatrixXf all = pixels_in(image, spot.window);
+    const double floor = dark_level(all.reshaped());
+    for (Eigen::Index x = 1; x + 1 < all.cols(); ++x) {
+      for (Eigen::Index y = 1; y + 1 < all.rows(); ++y) {
+        const auto around = all.block<3, 3>(y - 1, x - 1);
+        const double left = double(around.cwiseProduct(kernel).sum());
+        sums.add(double(around.mean()) - floor, left * left / double(kernel.squaredNorm()));
+      }
+    }
+  }
+  return sums.line(1.0);
 }
 
 }  // namespace ovws

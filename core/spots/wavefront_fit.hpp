@@ -44,5 +44,9 @@ std::optional<WavefrontStep> damped_step(const SpotPass& pass);
 /// a straight line over their light. Uses the two successive images that differ least, because the
 /// light may change between others. Shot noise needs `rendered` to be near the images.
 PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered);
+/// The same from one image: what a kernel leaves that takes out all smooth light (Immerkaer, CVIU
+/// 64, 300, 1996). Too large where lambda/d is below some 8 pixels, which the kernel does not take
+/// out.
+PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered);
 
 }  // namespace ovws

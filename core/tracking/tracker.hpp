@@ -22,10 +22,9 @@ enum class TemplateKind : std::uint8_t { model, reference };
 
 /// The operator that reconstructs modes from spot displacements.
 enum class OperatorKind : std::uint8_t {
-  slopes,        ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
-  diffractive,   ///< each mode poked in the diffraction model and tracked (diffractive_matrix)
-  relinearised,  ///< slopes, then Gauss-Newton steps in the diffraction model (relinearise)
-  measured,      ///< each mode poked on the bench and tracked (interaction_matrix)
+  slopes,       ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
+  diffractive,  ///< each mode poked in the diffraction model and tracked (diffractive_matrix)
+  measured,     ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
 /// TrackingConfig plus the source of the templates and what reconstructs modes.

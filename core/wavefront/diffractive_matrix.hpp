@@ -32,7 +32,7 @@ constexpr double kDiffractiveStep = 0.05;
 /// It is exact for aberrations of about the step. For larger ones slope_matrix is better:
 /// aberration inside a subaperture changes the spot's shape, and with it the tracked position, by a
 /// term that is cubic in the waves. Isolated spots show the same. No linear matrix reads 0.3 wave
-/// of a mode of n >= 3 to 0.005 wave: see relinearise.
+/// of a mode of n >= 3 to 0.005 wave.
 ///
 /// Errors: as of SensorModel::light for too large a step; Errc::refused, field "tracking", if the
 /// tracker finds fewer than 3 spots, or if `stop` (may be null) becomes true.

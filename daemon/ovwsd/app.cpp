@@ -21,8 +21,7 @@
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/sensor/spot_search.hpp"
-#include "daemon/ovwsd/sensor/template_renderer.hpp"
+#include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
@@ -96,8 +95,7 @@ struct App::Parts {
   std::unique_ptr<SensorKeeper> keeper;
   std::unique_ptr<Procedures> procedures;
   std::unique_ptr<ClosedLoop> loop;
-  std::unique_ptr<SpotSearch> search;
-  std::unique_ptr<TemplateRenderer> templates;
+  std::unique_ptr<WavefrontSearch> search;
   std::unique_ptr<LiveRefiner> refiner;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
@@ -173,8 +171,7 @@ Result<void> App::Parts::make_sensor() {
                        state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
                      },
                      [this] { return search->found_ns(); }});
-  search = std::make_unique<SpotSearch>(config.slm.geometry, frames, *keeper, events);
-  templates = std::make_unique<TemplateRenderer>(config.slm.geometry, frames, *keeper, events);
+  search = std::make_unique<WavefrontSearch>(config.slm.geometry, frames, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
   return {};
@@ -195,8 +192,7 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, frames, *search, *templates, *loop, counters, queue,
-                          published_latency});
+      StreamPublisherDeps{pipeline, frames, *search, *loop, counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
@@ -242,13 +238,17 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // Started first, so joined last: a fit takes a fraction of a second to end.
-  std::vector<Start> starts{
-      {ThreadRole::refine, *refiner},      {ThreadRole::search, *search},
-      {ThreadRole::templates, *templates}, {ThreadRole::model, operators},
-      {ThreadRole::publish, *stream},      {ThreadRole::disk, disk},
-      {ThreadRole::write, recorder},       {ThreadRole::record, recorder.taker()},
-      {ThreadRole::images, *images},       {ThreadRole::control, *control},
-      {ThreadRole::prepare, *keeper},      {ThreadRole::status, *status}};
+  std::vector<Start> starts{{ThreadRole::refine, *refiner},
+                            {ThreadRole::search, *search},
+                            {ThreadRole::model, operators},
+                            {ThreadRole::publish, *stream},
+                            {ThreadRole::disk, disk},
+                            {ThreadRole::write, recorder},
+                            {ThreadRole::record, recorder.taker()},
+                            {ThreadRole::images, *images},
+                            {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *keeper},
+                            {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {

@@ -49,8 +49,7 @@ struct Table<TrackingSettings> {
                    "matrix from displacements to modes: slopes, from each mode's local tilt as "
                    "the tracker measures it; diffractive, from the diffraction model of each "
                    "mode, exact for aberrations up to about 0.1 wave, beyond which slopes is "
-                   "better; relinearised, offline only and refused by the daemon; measured, "
-                   "the interaction (poke) matrix of calibration.run"),
+                   "better; measured, the interaction (poke) matrix of calibration.run"),
              field("mode_count", &TrackingSettings::mode_count,
                    "number of modes, j = 1 to this; null: as many as the positions of the spots "
                    "tell. The tracker fit measures more, as far as the spots tell them; frames are "

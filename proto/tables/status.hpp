@@ -94,9 +94,7 @@ struct Table<StatusMessage::SensorPart> {
             "why spots lie outside the camera's region or too close for the tracker, with values "
             "that work; null: no fault")
           .or_null(),
-      field("torn", &P::torn,
-            "numbers of the split spots, which are tracked by templates of their expected shapes",
-            Bounds::at_least(0)),
+      field("torn", &P::torn, "kept for older clients: always empty", Bounds::at_least(0)),
       field("invalid", &P::invalid,
             "why no frame is valid although settled frames come and there is a reference; null: "
             "frames are valid, or another field says why not")};

@@ -17,12 +17,13 @@ class Acquisition(case.StudyCase):
         return refused, gross
 
     def test_spots_are_found_and_not_guessed(self):
-        for tracker in ("lg", "matched"):
+        """Positions alone lose spots that many modes split; fit does not."""
+        for tracker, most_split in (("fit", 0.01), ("lg", 0.2), ("matched", 0.2)):
             for snr, most_refused, most_gross in ((2.0, 0.2, 0.01), (5.0, 0.01, 0.0), (22.0, 0.01, 0.0)):
                 for random in (False, True):
                     with self.subTest(tracker=tracker, snr=snr, random=random):
                         refused, gross = self.shares(tracker, snr, random)
-                        self.assertLessEqual(refused, most_refused)
+                        self.assertLessEqual(refused, max(most_refused, most_split if random else 0.0))
                         self.assertLessEqual(gross, most_gross)
 
 

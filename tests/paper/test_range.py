@@ -12,13 +12,13 @@ class Range(case.StudyCase):
 
     def test_the_vortex_is_found_under_two_waves_of_defocus_and_astigmatism(self):
         for j in (3, 4):
-            for row in self.rows(light="equal peak", method="vortex, lg", j=j):
-                print(f"\n  {row['name']}, {row['sign']:+}: {row['unit_waves']:.2f} waves unit amplitude ({row['waves']:.2f} RMS), limited by {row['limited_by']}")
+            for row in [row for method in ("vortex, lg", "vortex, fit") for row in self.rows(light="equal peak", method=method, j=j)]:
+                print(f"\n  {row['method']}, {row['name']}, {row['sign']:+}: {row['unit_waves']:.2f} waves unit amplitude ({row['waves']:.2f} RMS), limited by {row['limited_by']}")
                 self.assertGreaterEqual(row["unit_waves"], 2.0, row)
 
     def test_both_lights_and_charges_are_told_with_their_end(self):
         for light in ("equal peak", "equal photons"):
-            for method in ("vortex, lg", "vortex, matched", "Shack-Hartmann, thresholded", "Shack-Hartmann, matched"):
+            for method in ("vortex, lg", "vortex, matched", "vortex, fit", "Shack-Hartmann, thresholded", "Shack-Hartmann, matched", "Shack-Hartmann, fit"):
                 for row in self.rows(light=light, method=method):
                     self.assertIn(row["limited_by"], REASONS)
                     self.assertEqual(row["limited_by"] == "nothing", row["waves"] >= self.summary["most_waves"] - 1e-9, row)

@@ -62,7 +62,7 @@ class Measure(unittest.TestCase):
             self.assertEqual(len(line["spots"]), 19)
             self.assertEqual(sorted(line["spots"][0]), ["i", "quality", "x", "y"])
 
-    def test_split_spots_are_found_and_reported(self):
+    def test_split_spots_are_measured(self):
         drawn = random.Random(2)
         waves = {j: drawn.gauss(0.0, 1.0) for j in range(3, 19)}
         scale = 0.5 / sum(v * v for v in waves.values()) ** 0.5
@@ -71,10 +71,10 @@ class Measure(unittest.TestCase):
         split = self.farfield("split.png", modes, 12, "--read-noise", 30)
         (line,) = self.measure(split)
         error = sum((value - scale * waves.get(j, 0.0)) ** 2 for j, value in zip(line["j"], line["coefficients"])) ** 0.5
-        print(f"\n  split: {line['torn']}, {line['tracked']} of 19 found, error of all modes {error:.3f} wave")
+        print(f"\n  split: {line['tracked']} of 19 found, error of all modes {error:.4f} wave")
         self.assertGreaterEqual(line["tracked"], 18)
-        self.assertTrue(line["torn"])
-        self.assertLess(error, 0.05)
+        self.assertIsNotNone(line["sigma"][0])
+        self.assertLess(error, 0.005)
         (line,) = self.ovws("measure", "--reference", split, self.farfield("flat.png"), status=1)
         self.assertIn("not found", json.dumps(line))
 
@@ -114,7 +114,7 @@ class Measure(unittest.TestCase):
         print(f"\n  {tracker}, {operator}: error of all modes at {waves} wave " + ", ".join(f"{error:.5f}" for error in errors))
         return errors
 
-    def test_the_diffractive_operator_reads_small_modes_better_and_steps_read_large_ones(self):
+    def test_the_diffractive_operator_reads_small_modes_better_and_fit_reads_large_ones(self):
         modes = {3: "2,-2", 4: "2,0", 7: "3,-1", 9: "3,3", 12: "4,0", 14: "4,4"}
         for tracker in ("lg", "matched"):
             slopes = self.operator_errors("slopes", 0.05, tracker, modes)
@@ -123,11 +123,8 @@ class Measure(unittest.TestCase):
                 self.assertLess(error, 0.003)
                 self.assertLess(error, before)
             self.assertLess(sum(diffractive), 0.6 * sum(slopes))
-            slopes = self.operator_errors("slopes", 0.3, tracker, modes)
-            relinearised = self.operator_errors("relinearised", 0.3, tracker, modes)
-            for error in relinearised:
-                self.assertLess(error, 0.003)
-            self.assertLess(sum(relinearised), 0.5 * sum(slopes))
+        for error in self.operator_errors("slopes", 0.3, "fit", modes):
+            self.assertLess(error, 0.001)
 
     def test_refined_it_is_right_to_a_few_thousandths(self):
         camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)

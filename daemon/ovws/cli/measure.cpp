@@ -21,15 +21,7 @@ Result<Config> config_of(const MeasureOptions& options) {
   auto config =
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
   if (!config) return config;
-  // Templates follow the wavefront from frame to frame; single images are measured by positions.
-  TrackerKind& tracker = config->tracking.tracker;
-  if (tracker == TrackerKind::fit) tracker = TrackerKind::lg;
-  if (!options.tracker.empty()) tracker = *tracker_from_name(options.tracker);
-  if (tracker == TrackerKind::fit) {
-    return fail(Errc::invalid, "--tracker",
-                "fit follows the wavefront from frame to frame, which needs the daemon: use "
-                "--refine, which fits all pixels of an image");
-  }
+  if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
   if (!options.templates.empty()) {
     config->tracking.templates =
         options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
@@ -102,7 +94,7 @@ class ImageMeasurer {
                   "the model does not support colour filters: measure without --refine, or set a "
                   "Mono camera.pixel_format in the configuration");
     }
-    const std::vector<int>& modes_j = instrument.measurement->plan().reconstructor->modes_j();
+    const std::vector<int>& modes_j = instrument.measurement->plan().modes_j;
     RefineCamera camera = options_.camera;
     const double full_scale_dn = ovws::full_scale_dn(image.format);
     camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);

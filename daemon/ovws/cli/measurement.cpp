@@ -9,13 +9,22 @@
 
 #include "core/pipeline/frame_rules.hpp"
 #include "core/tracking/patch.hpp"
-#include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/reference_templates.hpp"
 
 namespace ovws::cli {
 namespace {
+
+constexpr int kRenderings = 14;  // 12 find 0.8 wave RMS from a flat start
+
+/// Coefficients to start from; 0 where they are not known.
+std::vector<double> known(std::span<const float> coefficients) {
+  std::vector<double> waves(coefficients.begin(), coefficients.end());
+  std::replace_if(
+      waves.begin(), waves.end(), [](double one) { return !std::isfinite(one); }, 0.0);
+  return waves;
+}
 
 Error unreadable(const std::string& path, const std::string& why) {
   return {Errc::invalid, "image", path + " " + why};
@@ -36,10 +45,10 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   const std::vector<Mode> nothing_shown;
-  return build_plan(
-      {1, 1, 1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
-       like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-       nothing_shown, reference ? &*reference : nullptr, nullptr, own.banks, mode_operator});
+  return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
+                     config.slm.geometry, roi, like.format,
+                     lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
+                     nothing_shown, reference ? &*reference : nullptr, own.banks, mode_operator});
 }
 
 /// The configured operator for images of this size; null: the plan's slopes operator is used.
@@ -47,8 +56,7 @@ Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
   if (config.tracking.mode_operator == OperatorKind::measured) {
     return fail(Errc::refused, "operator",
-                "a measured matrix exists only in a running daemon: choose slopes, diffractive or "
-                "relinearised");
+                "a measured matrix exists only in a running daemon: choose slopes or diffractive");
   }
   if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
   const OperatorKey key =
@@ -58,30 +66,18 @@ Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
   return std::make_unique<const ModeOperator>(std::move(*made));
 }
 
-/// Requires what plan_for has accepted.
-ShapedAcquisition acquisition_for(const Config& config, const MeasurementPlan& plan) {
-  const Lattice lattice = *make_lattice(config.sensor, config.slm.geometry);
-  const PxPerCycle map = px_per_cycle(config.optics, config.slm.geometry);
-  const std::vector<int>& modes_j = plan.reconstructor->modes_j();
-  const Eigen::MatrixXd slopes = slope_matrix(
-      lattice, config.sensor, modes_j, slope_model(config.sensor.charge, config.tracking), map);
-  return {lattice,           config.sensor,  plan.spots,     map, modes_j, slopes,
-          plan.predicted_px, plan.roi.width, plan.roi.height};
-}
-
 std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
   std::vector<Vec2> positions;
   for (const SpotFix& spot : spots) positions.push_back({double(spot.x), double(spot.y)});
   return positions;
 }
 
-/// The numbers of spots without a usable reference position: not found, or split. Empty: none.
+/// The numbers of spots that are not found. Empty: none.
 std::string missing(const Measured& measured) {
-  std::vector<int> numbers = measured.split;
+  std::vector<int> numbers;
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
     if (!measured.spots[i].found()) numbers.push_back(int(i));
   }
-  std::sort(numbers.begin(), numbers.end());
   return fmt::format("{}", fmt::join(numbers, ", "));
 }
 
@@ -114,11 +110,10 @@ Result<Picture> read_picture(const std::string& path) {
   return picture;
 }
 
-Measurement::Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan,
-                         TemplateReport templates)
+Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport templates)
     : plan_(std::move(plan)),
       templates_(std::move(templates)),
-      acquisition_(acquisition_for(config, *plan_)),
+      acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height),
       track_scratch_(plan_->tracker->make_scratch()),
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
 
@@ -129,6 +124,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   const SpotModel spots = (*by_model)->spots;
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
+  std::vector<float> absolute((*by_model)->modes_j.size(), 0.0F);  // of the reference
   const auto mode_operator = operator_for(config, like);
   if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
@@ -136,7 +132,9 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
       return fail(Errc::invalid, "reference",
                   "the reference image differs in size from the image: both must be equal");
     }
-    Measurement first(config, std::move(*by_model));
+    auto from_model = plan_for(config, like, taken);
+    if (!from_model) return fail(from_model.error());
+    Measurement first(std::move(*from_model));
     const Measured measured = first.measure(*reference);
     if (const std::string which = missing(measured); !which.empty()) {
       return fail(Errc::invalid, "reference",
@@ -144,6 +142,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     }
     taken.positions_px = positions_of(measured.spots);
     taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
+    absolute = measured.coefficients;
   } else if (*mode_operator) {
     const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;
     for (std::size_t i = 0; i < flat_px.size(); ++i) {
@@ -153,56 +152,85 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   const OwnTemplates own = own_templates(config.tracking, spots, reference ? &taken : nullptr);
   auto plan = plan_for(config, like, taken, own, mode_operator->get());
   if (!plan) return fail(plan.error());
-  Measurement made(config, std::move(*plan), own.report);
-  if (config.tracking.mode_operator == OperatorKind::relinearised) {
-    auto relineariser = Relineariser::make(config, *made.plan_, reference.has_value());
-    if (!relineariser) return fail(relineariser.error());
-    made.relineariser_ = std::move(*relineariser);
+  Measurement made(std::move(*plan), own.report);
+  if (config.tracking.tracker != TrackerKind::fit) return made;
+  if (auto used = made.use_templates(config, like, reference, absolute); !used) {
+    return fail(used.error());
   }
   return made;
 }
 
-/// Refines the linear estimate by relinearised steps. If they fail, the linear estimate stays and
-/// `mode_operator.reason` says why.
-void Measurement::relinearise(Measured& measured) {
-  if (!measured.reconstruction.determined) {
-    measured.mode_operator.reason = "too few spots were found for a start";
+/// Makes the model that `fit` measures by. `start`: modes of the reference by its positions.
+Result<void> Measurement::use_templates(const Config& config, const ImageView& like,
+                                        const std::optional<ImageView>& reference,
+                                        std::span<const float> start) {
+  auto renderer = SpotRenderer::make(config.sensor, config.slm.geometry, config.optics, like.width,
+                                     like.height, plan_->modes_j, {});
+  if (!renderer && !reference) return {};  // an image too small for a spot
+  if (!renderer) return fail(renderer.error());
+  PointModel model(std::move(*renderer), config.tracking.estimates);
+  if (!reference) {
+    model.use_model();
+  } else {
+    const std::vector<double> waves = known(start);
+    const PixelNoise noise = noise_of(*reference, model.rendered(waves));
+    if (auto used = model.use_reference(*reference, noise, waves, {}); !used) {
+      Error error = used.error();
+      error.reason +=
+          ": check that optics, sensor and slm in the configuration match the bench, "
+          "or measure positions only (tracker lg)";
+      return fail(std::move(error));
+    }
+  }
+  model_.emplace(std::move(model));
+  return {};
+}
+
+/// Finds the wavefront from where positions put it, or else from the reference.
+void Measurement::fit(const ImageView& image, Measured& measured) {
+  const std::vector<double> flat(plan_->modes_j.size());
+  std::vector<std::vector<double>> starts{flat};
+  if (measured.reconstruction.determined)
+    starts.insert(starts.begin(), known(measured.coefficients));
+  for (const std::vector<double>& start : starts) {
+    const PixelNoise noise = noise_of(image, model_->rendered(start));
+    const auto found = model_->templates(image, noise, start, {}, kRenderings);
+    if (!found) continue;
+    FrameFit::Measured all = (*found)->measure(image);
+    measured.fitted = true;
+    measured.coefficients = std::move(all.coefficients);
+    measured.sigma_waves = std::move(all.sigma_waves);
+    measured.spots = std::move(all.spots);
+    measured.reconstruction = reconstruction_of(all.frame, plan_->modes_j, measured.coefficients);
     return;
   }
-  const auto found = relineariser_->measure(measured.spots, measured.split, measured.coefficients);
-  if (!found) {
-    measured.mode_operator.reason = found.error().reason;
-    return;
-  }
-  double squares = 0.0;
-  for (std::size_t k = 0; k < found->waves.size(); ++k) {
-    measured.coefficients[k] = float(found->waves[k]);
-    if (plan_->reconstructor->modes_j()[k] > 2) squares += found->waves[k] * found->waves[k];
-  }
-  measured.reconstruction.rms_waves = std::sqrt(squares);
-  measured.reconstruction.fit_residual_px = found->fit_residual_px;
-  measured.mode_operator.in_force = OperatorKind::relinearised;
+}
+
+/// Returns whether positions alone measure the image.
+bool Measurement::by_positions(Measured& measured) {
+  measured.reconstruction = plan_->reconstructor->solve_without_outliers(
+      measured.spots, solve_scratch_,
+      std::span(measured.coefficients).first(plan_->reconstructor->modes_j().size()),
+      kCredibleResidual * plan_->spots.lambda_d_px);
+  measured.explained =
+      !measured.reconstruction.determined ||
+      is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px);
+  return measured.reconstruction.determined && measured.explained && plan_->positions_suffice();
 }
 
 Measured Measurement::measure(const ImageView& image) {
   Measured measured;
   measured.spots.resize(std::size_t(plan_->subapertures()));
-  measured.coefficients.resize(plan_->reconstructor->modes_j().size(), NAN);
-  measured.tracked = acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
-  for (std::size_t i = 0; i < measured.spots.size(); ++i) {
-    if (acquisition_.split()[i]) measured.split.push_back(int(i));
-  }
-  measured.reconstruction = plan_->reconstructor->solve_without_outliers(
-      measured.spots, solve_scratch_, measured.coefficients,
-      kCredibleResidual * plan_->spots.lambda_d_px);
+  measured.coefficients.resize(plan_->modes_j.size(), NAN);
+  measured.sigma_waves.resize(plan_->modes_j.size(), NAN);
+  measured.mode_operator = {plan_->mode_operator, ""};
+  acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
+  measured.valid = by_positions(measured);
+  if (model_) fit(image, measured);
+  measured.valid = measured.valid || measured.fitted;
+  measured.explained = measured.explained || measured.fitted;
   measured.tracked = int(std::count_if(measured.spots.begin(), measured.spots.end(),
                                        [](const SpotFix& spot) { return spot.found(); }));
-  measured.mode_operator = {plan_->mode_operator, ""};
-  if (relineariser_) relinearise(measured);
-  measured.explained =
-      !measured.reconstruction.determined ||
-      is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px);
-  measured.valid = measured.reconstruction.determined && measured.explained;
   const int half_px = int(plan_->spots.lambda_d_px);
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
     SpotFix& spot = measured.spots[i];

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,8 @@
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
-#include "core/wavefront/shaped_acquisition.hpp"
-#include "daemon/ovws/cli/relineariser.hpp"
+#include "core/spots/point_model.hpp"
+#include "core/tracking/acquisition.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws::cli {
@@ -29,13 +30,14 @@ Result<Picture> read_picture(const std::string& path);
 /// The measurement of one image.
 struct Measured {
   std::vector<SpotFix> spots;  ///< one per subaperture
-  std::vector<int> split;      ///< split spots, placed by the shape that the wavefront gives them
   int tracked = 0;
   double saturated = 0.0;           ///< fraction of spots
-  std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not valid
+  std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not measured
+  std::vector<float> sigma_waves;   ///< standard errors; empty unless `fitted`
   Reconstruction reconstruction;
   bool explained = true;  ///< false: determined, but no wavefront explains the spots
   bool valid = false;
+  bool fitted = false;           ///< by all pixels of the spots (tracker `fit`), else by positions
   OperatorReport mode_operator;  ///< the operator that gave the coefficients
 };
 
@@ -45,24 +47,27 @@ class Measurement {
   /// `reference`: an image taken without aberration; none: positions and templates come from the
   /// model. Templates of kind `reference` are cut from this image.
   /// Errors: an unusable configuration; a reference image of another size or with missing spots
-  /// (named in the error); an operator that cannot be made.
+  /// (named in the error), or which `fit` cannot explain; an operator that cannot be made.
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference);
 
-  /// Searches every spot without history, split spots too (ShapedAcquisition). An image of another
-  /// size gives no spots.
+  /// Searches every spot without history (Acquisition); `fit` then finds the wavefront from all
+  /// pixels (PointModel). An image of another size gives no spots.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
   const TemplateReport& templates() const { return templates_; }
 
  private:
-  Measurement(const Config& config, std::unique_ptr<MeasurementPlan> plan,
-              TemplateReport templates = {});
-  void relinearise(Measured& measured);
+  Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport templates = {});
+  Result<void> use_templates(const Config& config, const ImageView& like,
+                             const std::optional<ImageView>& reference,
+                             std::span<const float> start);
+  void fit(const ImageView& image, Measured& measured);
+  bool by_positions(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   TemplateReport templates_;
-  std::optional<Relineariser> relineariser_;
-  ShapedAcquisition acquisition_;
+  std::optional<PointModel> model_;  ///< of the tracker `fit`
+  Acquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;
 };

@@ -44,8 +44,10 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
     message.fit_residual_px = measured.reconstruction.fit_residual_px;
   }
   message.saturated = measured.saturated;
-  message.j = measurement.plan().reconstructor->modes_j();
+  message.j = measurement.plan().modes_j;
   message.coefficients = measured.coefficients;
+  message.sigma = measured.sigma_waves;
+  message.fitted = measured.fitted;
   std::string text;
   encode(message, text);
   json line = json_of(text);
@@ -54,7 +56,7 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   }
   line["file"] = file;
   line["spots"] = spots_of(measured);
-  line["torn"] = measured.split;
+  line["torn"] = json::array();
   line["template"] = template_name(config.tracking.templates);
   put_fields(line, measurement.templates());
   line["operator"] = operator_name(config.tracking.mode_operator);

@@ -99,11 +99,9 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
                    "templates of the tracker matched, instead of the configuration's")
       ->check(CLI::IsMember(template_names()));
   command
-      ->add_option(
-          "--operator", options->mode_operator,
-          "operator from displacements to modes, instead of the configuration's: "
-          "diffractive is better up to about 0.1 wave; relinearised is better beyond, too, "
-          "but takes 0.1 s")
+      ->add_option("--operator", options->mode_operator,
+                   "operator from displacements to modes, instead of the configuration's: "
+                   "diffractive is better up to about 0.1 wave")
       ->check(CLI::IsMember(operator_names()));
   auto* refine = command->add_flag("--refine", options->refine,
                                    "fit every pixel to the diffraction model: takes seconds per "

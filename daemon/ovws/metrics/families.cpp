@@ -152,9 +152,6 @@ void add_states(Families& out, const json& status) {
                        text_at(status, "/sensor/tracker")));
   add_gauge(out, "ovws_loop_closed", "Whether the loop is closed.",
             text_at(status, "/loop") == "closed" ? 1.0 : 0.0);
-  const auto spots = array_at(status, "/sensor/torn");
-  add_gauge(out, "ovws_spots_torn", "Split spots, which are tracked by their split shapes.",
-            double(spots.size()));
 }
 
 void add_versions(Families& out, const json& status) {

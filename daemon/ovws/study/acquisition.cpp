@@ -6,9 +6,9 @@
 #include <random>
 
 #include "core/optics/random_modes.hpp"
-#include "core/wavefront/shaped_acquisition.hpp"
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/study/searcher.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
@@ -56,16 +56,10 @@ std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Me
 
 Counts acquire(const Measurer& measurer, const Scene& scene, double snr, std::uint64_t seed) {
   Counts counts;
-  const Geometry bench = default_bench();
-  ShapedAcquisition acquisition(measurer.lattice(), bench.sensor, {1, measurer.lambda_d_px()},
-                                camera_px_per_cycle(bench.optics, bench.slm), measurer.modes_j(),
-                                measurer.slopes(), measurer.reference_px(), scene.light_e.width,
-                                scene.light_e.height);
-  TrackScratch scratch = measurer.tracker().make_scratch();
-  std::vector<SpotFix> fixes(scene.at_px.size());
+  Searcher searcher(default_bench(), measurer);
   for (int k = 0; k < scene.images; ++k) {
     const Exposure exposure = expose(scene.light_e, read_noise_of_snr(snr), seed + unsigned(k));
-    acquisition.acquire(exposure.view(), measurer.tracker(), scratch, fixes);
+    const std::vector<SpotFix> fixes = searcher.find(exposure, read_noise_of_snr(snr));
     for (std::size_t i = 0; i < fixes.size(); ++i) {
       ++counts.spots;
       const Vec2 at{fixes[i].x, fixes[i].y};
@@ -98,7 +92,7 @@ Findings acquisition(const Settings& settings) {
                 false,
                 {}};
   const auto model = model_of(default_bench(), 1);
-  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched, TrackerKind::fit}) {
     const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
     const std::vector<Scene> all = scenes(settings, *model, measurer);
     std::vector<Counts> counts(all.size() * snrs.size());

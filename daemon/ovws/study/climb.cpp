@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "core/wavefront/shaped_acquisition.hpp"
+#include "daemon/ovws/study/searcher.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
@@ -35,33 +36,16 @@ struct Step {
   double to_equal_photons = 1.0;
 };
 
-ShapedAcquisition acquisition_of(const Geometry& geometry, const Measurer& measurer) {
-  SensorConfig sensor = geometry.sensor;
-  sensor.charge = measurer.method().charge;
-  return {measurer.lattice(),
-          sensor,
-          {sensor.charge, measurer.lambda_d_px()},
-          camera_px_per_cycle(geometry.optics, geometry.slm),
-          measurer.modes_j(),
-          measurer.slopes(),
-          measurer.reference_px(),
-          kImagePx,
-          kImagePx};
-}
-
 /// Acquires spots with one method and compares them with the positions predicted by the slopes.
 class Judge {
  public:
   Judge(const Geometry& geometry, const Method& method, std::shared_ptr<SensorModel> model)
-      : measurer_(geometry, method, std::move(model)),
-        acquisition_(acquisition_of(geometry, measurer_)),
-        scratch_(measurer_.tracker().make_scratch()) {}
+      : measurer_(geometry, method, std::move(model)), searcher_(geometry, measurer_) {}
 
   /// Classifies the failure of an acquisition; Limit::nothing: every spot was found at its place.
-  Limit judge(const Exposure& exposure, std::span<const Mode> modes) {
+  Limit judge(const Exposure& exposure, double read_noise_e, std::span<const Mode> modes) {
     const std::vector<Vec2> truth = measurer_.predicted_px(modes);
-    std::vector<SpotFix> fixes(truth.size());
-    acquisition_.acquire(exposure.view(), measurer_.tracker(), scratch_, fixes);
+    const std::vector<SpotFix> fixes = searcher_.find(exposure, read_noise_e);
     bool refused = false, wrong = false;
     for (std::size_t i = 0; i < fixes.size(); ++i) {
       const Vec2 off = Vec2{fixes[i].x, fixes[i].y} - truth[i];
@@ -77,14 +61,13 @@ class Judge {
 
  private:
   Measurer measurer_;
-  ShapedAcquisition acquisition_;
-  TrackScratch scratch_;
+  Searcher searcher_;
 };
 
 /// The state of one climber: which realisations have ended.
 struct ClimbState {
   Climber* climber;
-  Judge judge;
+  std::unique_ptr<Judge> judge;
   std::vector<bool> ended;
 
   void take(const Step& step, std::span<const Mode> modes, const ClimbSteps& steps,
@@ -94,8 +77,9 @@ struct ClimbState {
     for (std::size_t r = 0; r < ended.size(); ++r) {
       if (ended[r]) continue;
       Climb& reached = climber->climbs[r];
+      const double read_noise_e = read_noise_of_snr(steps.snr);
       reached.limited_by =
-          judge.judge(expose(light_e, read_noise_of_snr(steps.snr), seed + 1000 * r), modes);
+          judge->judge(expose(light_e, read_noise_e, seed + 1000 * r), read_noise_e, modes);
       ended[r] = reached.limited_by != Limit::nothing;
       if (!ended[r]) reached.waves = std::abs(modes.front().waves);
     }
@@ -145,9 +129,11 @@ std::vector<Climber> all_climbers() {
     if (light == Light::equal_peak) {
       all.push_back({{"vortex, lg", 1, {TrackerKind::lg}}, light});
       all.push_back({{"vortex, matched", 1, {TrackerKind::matched}}, light});
+      all.push_back({{"vortex, fit", 1, {TrackerKind::fit}}, light});
     }
     all.push_back({{"Shack-Hartmann, thresholded", 0, {TrackerKind::thresholded}}, light});
     all.push_back({{"Shack-Hartmann, matched", 0, {TrackerKind::matched}}, light});
+    all.push_back({{"Shack-Hartmann, fit", 0, {TrackerKind::fit}}, light});
   }
   return all;
 }
@@ -160,7 +146,8 @@ std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
   for (Climber& climber : climbers) {
     climber.climbs.assign(std::size_t(steps.realisations), {});
     states.push_back({&climber,
-                      Judge(geometry, climber.method, climber.method.charge == 0 ? bright : vortex),
+                      std::make_unique<Judge>(geometry, climber.method,
+                                              climber.method.charge == 0 ? bright : vortex),
                       std::vector<bool>(climber.climbs.size(), false)});
   }
   const int last = int(std::lround(steps.max_waves / steps.step_waves));

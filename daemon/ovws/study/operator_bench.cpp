@@ -4,14 +4,15 @@
 #include <stdexcept>
 
 #include "core/wavefront/diffractive_matrix.hpp"
-#include "core/wavefront/relinearise.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/refining.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 namespace {
 
+constexpr int kRenderings = 6;
 constexpr std::size_t kOwn = 2;  ///< index of the tracker's own slopes, the start of iterations
 
 SensorConfig sensor_of(const OperatorTools& tools) {
@@ -23,9 +24,8 @@ SensorConfig sensor_of(const OperatorTools& tools) {
 }  // namespace
 
 OperatorNames operator_names(int charge) {
-  return {"G-tilt",        charge == 0 ? "Z-tilt" : "V-tilt",
-          "tracker's own", "diffractive",
-          "relinearised",  "refined"};
+  return {"G-tilt", charge == 0 ? "Z-tilt" : "V-tilt", "tracker's own", "diffractive", "fit",
+          "refined"};
 }
 
 OperatorTools::OperatorTools(int l)
@@ -47,9 +47,9 @@ OperatorTools::OperatorTools(int l)
 
 OperatorBench::OperatorBench(const OperatorTools& tools)
     : tools_(tools),
-      sensor_(sensor_of(tools)),
       model_(model_of(tools.geometry, tools.charge)),
       vortex_(tools.charge == 1 ? model_ : model_of(tools.geometry, 1)),
+      renderer_(renderer_of(tools.geometry, tools.charge, tools.modes_j())),
       refiner_(refiner_of(tools.geometry, tools.charge, tools.modes_j())) {}
 
 Image<float> OperatorBench::light_e(std::span<const Mode> modes, Light light) {
@@ -65,7 +65,7 @@ Readings OperatorBench::read(const Image<float>& light_e, std::span<const Mode> 
   for (std::size_t k = 0; k < tools_.slopes.size(); ++k) {
     readings[k] = linear(tools_.slopes[k], fixes);
   }
-  readings[4] = relinearised(fixes, readings[kOwn]);
+  readings[4] = fitted_waves(renderer_, exposure, read_noise_e, readings[kOwn], kRenderings);
   readings[5] = refined(exposure, read_noise_e, readings[kOwn]);
   return readings;
 }
@@ -86,14 +86,6 @@ std::vector<double> OperatorBench::linear(const Eigen::MatrixXd& slopes,
   std::vector<float> waves(tools_.modes_j().size());
   reconstructor.solve(fixes, scratch, waves);
   return {waves.begin(), waves.end()};
-}
-
-std::vector<double> OperatorBench::relinearised(std::span<const SpotFix> fixes,
-                                                const std::vector<double>& start) {
-  const std::vector<float> from(start.begin(), start.end());
-  const auto done = relinearise(*model_, sensor_, tools_.measurer.tracker(), tools_.slopes[kOwn],
-                                tools_.modes_j(), fixes, from);
-  return done ? done->waves : std::vector<double>(start.size(), kUnknown);
 }
 
 std::vector<double> OperatorBench::refined(const Exposure& exposure, double read_noise_e,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/spots/spot_renderer.hpp"
 #include "core/wavefront/refine.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 
@@ -13,7 +14,7 @@ namespace ovws::study {
 
 constexpr std::size_t kOperatorCount = 6;
 /// Names in the order of Readings: two textbook tilts, the tracker's own slopes, diffractive,
-/// relinearised, refined.
+/// fit, refined.
 using OperatorNames = std::array<std::string, kOperatorCount>;
 OperatorNames operator_names(int charge);
 
@@ -50,14 +51,12 @@ class OperatorBench {
 
  private:
   std::vector<double> linear(const Eigen::MatrixXd& slopes, std::span<const SpotFix> fixes) const;
-  std::vector<double> relinearised(std::span<const SpotFix> fixes,
-                                   const std::vector<double>& start);
   std::vector<double> refined(const Exposure& exposure, double read_noise_e,
                               const std::vector<double>& start);
 
   const OperatorTools& tools_;
-  SensorConfig sensor_;
   std::shared_ptr<SensorModel> model_, vortex_;
+  SpotRenderer renderer_;
   Refiner refiner_;
 };
 

@@ -61,7 +61,6 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
     part.reference_introduced_rms_waves = rms_waves(sensor.reference->introduced);
   }
   part.layout_fault = sensor.layout_fault;
-  part.torn = sensor.split;
   return part;
 }
 

@@ -18,7 +18,7 @@
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/sensor/spot_search.hpp"
+#include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
@@ -33,7 +33,7 @@ struct StatusDeps {
   const CameraActor& camera;
   const SlmLoop& slm;
   const SensorKeeper& keeper;
-  const SpotSearch& search;
+  const WavefrontSearch& search;
   const ImagePublisher& images;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;

@@ -24,7 +24,7 @@ struct PlanFacts {
   SpotModel spots;
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
-  std::vector<Vec2> predicted_px, search_px, reference_px;
+  std::vector<Vec2> predicted_px, reference_px;
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;           ///< of the coefficients

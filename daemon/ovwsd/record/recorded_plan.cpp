@@ -54,8 +54,8 @@ Result<void> check(const MeasurementPlan& plan, const json& rows,
   const auto as_many = [&](const std::vector<Vec2>& all) {
     return all.empty() || all.size() == spots;
   };
-  if (spots == 0 || spots > std::size_t(kMaxSubapertures) || !as_many(plan.search_px) ||
-      !as_many(plan.reference_px) || rows.size() != 2 * spots) {
+  if (spots == 0 || spots > std::size_t(kMaxSubapertures) || !as_many(plan.reference_px) ||
+      rows.size() != 2 * spots) {
     return unfit("has parts with different numbers of spots");
   }
   const std::vector<int>& modes_j = plan.modes_j;
@@ -122,7 +122,7 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
 
 /// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
-  if (!from.at("torn").empty()) {
+  if (!from.value("torn", json::array()).empty()) {
     return fail(Errc::refused, "path", "templates of split spots are not in a recording");
   }
   auto plan = std::make_unique<MeasurementPlan>();
@@ -141,7 +141,6 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->tracker_kind = *tracker;
   plan->spots = spot_model(from);
   plan->predicted_px = points(from.at("predicted_px"));
-  plan->search_px = points(from.at("search_px"));
   plan->reference_px = points(from.at("reference_px"));
   plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
   const json op = json_of(documents_.at(from.at("operator").get<std::string>()));

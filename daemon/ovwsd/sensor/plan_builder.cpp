@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "core/tracking/mixed_tracker.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
@@ -89,12 +88,6 @@ Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
                 "lg_contour is too slow for the daemon and works offline only: use lg, which finds "
                 "the same positions");
   }
-  if (tracking.mode_operator == OperatorKind::relinearised) {
-    return fail(
-        Errc::invalid, "operator",
-        "relinearised is too slow for the daemon and works offline only: enable refine, which "
-        "is more accurate and has its own rate");
-  }
   return {};
 }
 
@@ -117,13 +110,6 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
-  if (inputs.split_spots != nullptr) {
-    plan->search_px = inputs.split_spots->at_px;
-    if (!inputs.split_spots->numbers().empty()) {
-      plan->tracker = std::make_unique<MixedTracker>(std::move(plan->tracker), plan->spots,
-                                                     inputs.split_spots->templates);
-    }
-  }
   const ModeOperator& modes = inputs.mode_operator != nullptr
                                   ? *inputs.mode_operator
                                   : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,

@@ -12,7 +12,6 @@
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/mode_operator.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/split_spots.hpp"
 
 namespace ovws {
 
@@ -27,10 +26,9 @@ struct PlanInputs {
   const SlmGeometry& slm;
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
-  LitPixels lit{};                          ///< pixels of a colour camera that see this wavelength
-  const std::vector<Mode>& aberration;      ///< shown on the SLM: introduced minus correction
-  const Reference* reference = nullptr;     ///< null: none
-  const SplitSpots* split_spots = nullptr;  ///< null: none
+  LitPixels lit{};                       ///< pixels of a colour camera that see this wavelength
+  const std::vector<Mode>& aberration;   ///< shown on the SLM: introduced minus correction
+  const Reference* reference = nullptr;  ///< null: none
   /// Templates by subaperture, see MatchedTracker. Empty: the model's for all.
   std::vector<std::shared_ptr<const TemplateBank>> templates{};
   const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
@@ -49,7 +47,7 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sensor,
                                 const PxPerCycle& map, const Reference* reference);
 
-/// Errc::invalid (field "tracker" or "operator"): too slow to run on every frame.
+/// Errc::invalid (field "tracker"): too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 
 /// Errors: those of make_tracker.

@@ -25,12 +25,11 @@ bool are_for(const ActiveTemplates& templates, const SensorState& state, const B
 
 Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, const Bound& bound,
                                                       std::uint64_t hologram_id) {
-  auto plan = build_plan({next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
-                          state.sensor, state.tracking, optics_of(state, bench_), bench_.slm,
-                          state.roi, state.format,
-                          lit_pixels(state.format, bench_.optics.wavelength_nm), shown_modes(state),
-                          bound.reference.get(), state.split_spots ? &*state.split_spots : nullptr,
-                          templates_of(state, bound).banks, bound.mode_operator.get()});
+  auto plan = build_plan(
+      {next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(), state.sensor,
+       state.tracking, optics_of(state, bench_), bench_.slm, state.roi, state.format,
+       lit_pixels(state.format, bench_.optics.wavelength_nm), shown_modes(state),
+       bound.reference.get(), templates_of(state, bound).banks, bound.mode_operator.get()});
   if (plan && are_for(state.templates, state, bound, **plan)) (*plan)->fit = state.templates.fit;
   return plan;
 }

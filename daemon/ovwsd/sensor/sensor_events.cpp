@@ -10,15 +10,6 @@
 namespace ovws {
 
 void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSnapshot& now) {
-  if (now.split != before.split) {
-    events_.emit("spots", Severity::info,
-                 now.split.empty()
-                     ? "no spot is split any more: all spots are tracked as usual"
-                     : fmt::format("the wavefront has split spots {}: they are tracked with "
-                                   "templates of their shapes",
-                                   fmt::join(now.split, ", ")),
-                 {{"torn", now.split}});
-  }
   const OperatorKind in_use = now.mode_operator.in_force;
   if (in_use == before.mode_operator.in_force) return;
   events_.emit("sensor", Severity::info,

@@ -17,7 +17,7 @@ class SensorEvents {
  public:
   SensorEvents(BenchOptics bench, Events& events) : bench_(std::move(bench)), events_(events) {}
 
-  /// Publishes changes of the set of split spots and of the active operator.
+  /// Publishes a change of the active operator.
   void publish_changes(const SensorSnapshot& before, const SensorSnapshot& now);
   /// Publishes why a reference that was active is not used in this state.
   void publish_unused(const Reference& reference, const SensorState& state,

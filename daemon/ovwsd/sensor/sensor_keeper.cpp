@@ -139,16 +139,6 @@ void SensorKeeper::restore_lease() {
   (void)activate(std::move(edit), Show::when_possible);
 }
 
-void SensorKeeper::track_split_spots(std::uint64_t plan_id, std::optional<SplitSpots> split) {
-  mailbox_.post([this, plan_id, split = std::move(split)]() mutable {
-    const bool of_a_job = hold_.by == Hold::By::job;
-    if (snapshot()->plan_id != plan_id || of_a_job || (!split && !state_.split_spots)) return;
-    SensorEdit edit = new_edit();
-    edit.state.split_spots = std::move(split);
-    plan_again(std::move(edit));
-  });
-}
-
 void SensorKeeper::use_templates(ActiveTemplates templates) {
   mailbox_.post([this, templates = std::move(templates)]() mutable {
     const bool usable = !templates.fit || templates.sensor_epoch == state_.sensor_epoch;
@@ -230,7 +220,6 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
     ++next.sensor_epoch;
   }
   if (auto sampled = check_sampling(next); !sampled) return sampled;
-  next.split_spots.reset();  // they belong to the previous plan
   const bool same = same_picture(next, state_);
   const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
   Bound bound = bind(next, edit.knowledge, bench_.optics);
@@ -300,7 +289,6 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->modes_j = plan->modes_j;
   now->position_modes_j = plan->reconstructor->modes_j();
   now->layout_fault = events_.layout_fault(state_);
-  if (state_.split_spots) now->split = state_.split_spots->numbers();
   now->reference = bound.reference;
   now->calibration = bound.calibration;
   now->slm = state_.slm;

@@ -68,11 +68,6 @@ class SensorKeeper : public Agent {
   /// Reports the camera's current settings and identity. If region or pixel format changed, a plan
   /// for the new image becomes active. Measurements of another camera are no longer used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
-  /// Tracks these split spots in frames of plan `plan_id`; none: tracks all spots as usual again.
-  /// Ignored if another plan is active by then, or while a job holds the sensor. Any change of the
-  /// sensor ends the tracking of split spots.
-  void track_split_spots(std::uint64_t plan_id, std::optional<SplitSpots> split);
-
   /// Measures frames by these templates. Ignored if the sensor has changed, or while a job holds
   /// it; not used if the reference has changed.
   void use_templates(ActiveTemplates templates);

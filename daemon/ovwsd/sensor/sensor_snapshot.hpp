@@ -37,7 +37,6 @@ struct SensorSnapshot {
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;
-  std::vector<int> split;  ///< split spots, which are tracked by templates of their shape
   std::shared_ptr<const Reference> reference;      ///< the active one; null: none
   std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none
   std::shared_ptr<const ActiveSlm> slm;            ///< LUT and flatness; never null

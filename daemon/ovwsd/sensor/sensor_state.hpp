@@ -13,7 +13,6 @@
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
-#include "daemon/ovwsd/sensor/split_spots.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
@@ -38,8 +37,7 @@ struct SensorState {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  std::optional<SplitSpots> split_spots;  ///< tracked by templates of their shape
-  ActiveTemplates templates;              ///< used where they belong to epoch and reference
+  ActiveTemplates templates;  ///< used where they belong to epoch and reference
 };
 
 /// Modes of the hologram shown, see shown_modes in core/optics/hologram.hpp.

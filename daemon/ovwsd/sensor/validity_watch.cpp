@@ -8,12 +8,13 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
+constexpr std::int64_t kAnnounceNs = 500'000'000;
 
 std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
-  if (search.running || search.searches == 0) return "the whole image is being searched for spots";
+  if (search.running || search.searches == 0) return "the image's wavefront is being searched";
   const double wait_s = 1e-9 * double(std::max<std::int64_t>(search.next_ns - now_ns, 0));
   return fmt::format(
-      "the whole image was searched {} for spots; again in {:.1f} s, or at once when it changes",
+      "the image's wavefront was searched {}; again in {:.1f} s, or at once when the image changes",
       search.searches == 1 ? "once" : fmt::format("{} times", search.searches), wait_s);
 }
 
@@ -24,6 +25,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   spots_ = lack.spots;
   explained_ = lack.explained;
   waits_ = lack.waits;
+  searched_ = lack.searched;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -35,7 +37,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
   const std::int64_t since_ns = since_ns_;
   if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
-  return Lack{since_ns, tracked_, spots_, explained_, waits_};
+  return Lack{since_ns, tracked_, spots_, explained_, waits_, searched_};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -47,12 +49,46 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action =
-      lack.waits ? "templates of this wavefront are awaited" : action_of(search, now_ns);
+  invalid.action = !lack.searched ? "select the tracker fit, which finds strong wavefronts, too"
+                   : lack.waits   ? "templates of this wavefront are awaited"
+                                  : action_of(search, now_ns);
   invalid.searches = search.searches;
-  if (!search.running && !lack.waits)
+  if (lack.searched && !search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);
   return invalid;
+}
+
+std::optional<StatusMessage::SensorPart::Invalid> ValidityWatch::why_invalid(
+    std::int64_t now_ns, std::int64_t utc_ns) const {
+  const auto now = lack(now_ns);
+  if (!now) return std::nullopt;
+  return invalid_in_words(*now, progress_.get(), now_ns, utc_ns);
+}
+
+void ValidityWatch::search_begins() {
+  progress_.change([](SearchProgress& now) { now.running = true; });
+}
+
+void ValidityWatch::search_failed(std::int64_t next_ns) {
+  progress_.change([&](SearchProgress& now) { now = {false, now.searches + 1, next_ns}; });
+}
+
+void ValidityWatch::announce(Events& events, std::int64_t now_ns) {
+  const auto now = lack(now_ns);
+  if (now && announced_ns_ == 0 && now_ns - now->since_ns >= kAnnounceNs) {
+    announced_ns_ = now->since_ns;
+    const auto why = invalid_in_words(*now, progress_.get(), now_ns, 0);
+    events.emit("spots", Severity::warning,
+                fmt::format("no frame has been valid for {:.1f} s: {}; {}",
+                            1e-9 * double(now_ns - now->since_ns), why.reason, why.action),
+                {{"valid", false}, {"tracked", now->tracked}, {"searches", why.searches}});
+  }
+  if (announced_ns_ == 0 || !is_valid()) return;
+  events.emit(
+      "spots", Severity::info,
+      fmt::format("frames are valid again, after {:.1f} s", 1e-9 * double(now_ns - announced_ns_)),
+      {{"valid", true}});
+  announced_ns_ = 0;
 }
 
 }  // namespace ovws

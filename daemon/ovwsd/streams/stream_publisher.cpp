@@ -52,7 +52,6 @@ bool StreamPublisher::do_work() {
     send_record(*record);
     deps_.frames.serve_numbers(*record);
     deps_.search.on_frame(*record);
-    deps_.templates.on_frame(*record);
     deps_.loop.add(*record);
   }
   send_queue();

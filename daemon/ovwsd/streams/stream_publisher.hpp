@@ -13,8 +13,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/sensor/spot_search.hpp"
-#include "daemon/ovwsd/sensor/template_renderer.hpp"
+#include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
 
@@ -23,8 +22,7 @@ namespace ovws {
 struct StreamPublisherDeps {
   Pipeline& pipeline;
   FrameBroker& frames;
-  SpotSearch& search;
-  TemplateRenderer& templates;
+  WavefrontSearch& search;
   ClosedLoop& loop;
   Counters& counters;
   StreamQueue& queue;

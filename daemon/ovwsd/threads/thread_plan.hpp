@@ -33,7 +33,6 @@ enum class ThreadRole {
   write,
   disk,
   search,
-  templates,
   refine,
   model,
   status,
@@ -64,7 +63,7 @@ struct ThreadRow {
   OnException on_exception = OnException::go_on;
 };
 
-constexpr std::array<ThreadRow, 20> kThreadTable{{
+constexpr std::array<ThreadRow, 19> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart, 0,
      OnException::restart},
     {ThreadRole::track, "track", 75, "its ring buffer", 2.0, OnHang::restart, 0,
@@ -87,9 +86,7 @@ constexpr std::array<ThreadRow, 20> kThreadTable{{
      5.0, OnHang::restart},
     {ThreadRole::write, "write", 0, "the disk", 60.0, OnHang::report, 5},
     {ThreadRole::disk, "disk", 0, "the disk", 5.0, OnHang::report},
-    {ThreadRole::search, "search", 0, "the next frame with its pixels; a search takes a second",
-     30.0, OnHang::report},
-    {ThreadRole::templates, "templates", 0,
+    {ThreadRole::search, "search", 0,
      "the next frame with its pixels; renderings take up to a second", 30.0, OnHang::report, 5},
     {ThreadRole::refine, "refine", 0, "the next frame with its pixels; a fit takes seconds", 120.0,
      OnHang::report, 15},

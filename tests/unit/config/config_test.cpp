@@ -84,7 +84,7 @@ Config random_config(unsigned seed) {
   c.tracking =
       TrackingSettings{{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
                        TemplateKind(dice.integer({0, 1})),
-                       OperatorKind(dice.integer({0, 3}))};
+                       OperatorKind(dice.integer({0, 2}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
   if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);

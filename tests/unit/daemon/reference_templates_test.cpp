@@ -148,7 +148,6 @@ TEST(BuildPlan, GivesTheTemplatesToTheTrackerThatTakesThem) {
                                   {},
                                   none,
                                   nullptr,
-                                  nullptr,
                                   templates});
     EXPECT_TRUE(plan);
     return (*plan)->tracker->per_spot();

@@ -173,8 +173,7 @@ TEST_F(SavedConfig, ABadOneIsSetAsideAndTheFileUsed) {
   expect_rejected(entry("camera.gian_db", "1", "1"), "camera.gian_db");
   expect_rejected(entry("sensor.~9", "1", "1"), "sensor.~9");
   expect_rejected(entry("security.clients", "\"/tmp/mine\"", "null"), "security.clients");
-  expect_rejected(entry("tracking.operator", "\"relinearised\"", "\"slopes\""),
-                  "tracking.operator");
+  expect_rejected(entry("tracking.operator", "\"none\"", "\"slopes\""), "tracking.operator");
   fs::create_directory(overlay_);
   EXPECT_NE(load().unused_reason.find("cannot be read"), std::string::npos);
 }

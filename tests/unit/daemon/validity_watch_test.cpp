@@ -40,17 +40,20 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(waiting.t_since_ns, 998 * kS);
   EXPECT_EQ(waiting.reason, "19 of 19 spots are found, but no wavefront explains their positions");
   EXPECT_EQ(waiting.action,
-            "the whole image was searched 3 times for spots; again in 1.0 s, or at once when it "
+            "the image's wavefront was searched 3 times; again in 1.0 s, or at once when the image "
             "changes");
   EXPECT_EQ(waiting.t_next_search_ns, 1001 * kS);
   const auto running = invalid_in_words({2 * kS, 7, 19, true}, {true, 3, 5 * kS}, 4 * kS, utc_ns);
   EXPECT_EQ(running.reason, "7 of 19 spots are found");
-  EXPECT_EQ(running.action, "the whole image is being searched for spots");
+  EXPECT_EQ(running.action, "the image's wavefront is being searched");
   EXPECT_FALSE(running.t_next_search_ns);
   const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
   EXPECT_EQ(waits.action, "templates of this wavefront are awaited");
   EXPECT_FALSE(waits.t_next_search_ns);
+  const auto plain = invalid_in_words({2 * kS, 7, 19, true, false, false}, {}, 4 * kS, utc_ns);
+  EXPECT_EQ(plain.action, "select the tracker fit, which finds strong wavefronts, too");
+  EXPECT_FALSE(plain.t_next_search_ns);
 }
 
 }  // namespace

@@ -70,17 +70,5 @@ TEST_F(Follows, NotAfterALostSpotUnlessTheReferenceLacksIt) {
   EXPECT_TRUE(next(false));
 }
 
-TEST_F(Follows, NotWhereASearchFoundASpotElsewhere) {
-  EXPECT_TRUE(next(true));
-  plan->id = 2;
-  plan->search_px = at_px;
-  EXPECT_TRUE(next(false));
-  plan->id = 3;
-  plan->search_px[0].y += 0.1;  // another search
-  at_px[7].x += 20.0;
-  plan->search_px[7] = at_px[7];
-  EXPECT_FALSE(next(false));
-}
-
 }  // namespace
 }  // namespace ovws::test

@@ -61,22 +61,6 @@ TEST(History, AStepOfTheHologramIsFollowedByWhatThePlanPredicts) {
   EXPECT_EQ(rig.count(Counter::acquisitions), 1U);
 }
 
-TEST(History, ASearchThatFoundSpotsElsewhereIsBelieved) {
-  Tracking rig;
-  auto next = rig.bench.plan(2);
-  next->search_px = rig.bench.model_px;
-  next->search_px[4] = rig.bench.model_px[4] + Vec2{20.0, 0.0};
-  const Vec2 searched = next->search_px[4];
-  rig.use(std::move(next));
-  // A spot at either place: what is at the first is another's.
-  std::vector<Vec2> light = rig.bench.model_px;
-  light.push_back(searched);
-  Taken record(rig, rig.measure(1, SpotBench::draw(light)));
-  ASSERT_TRUE(record);
-  EXPECT_NEAR(record->starts[4].at_px.x, searched.x, 1e-9);
-  EXPECT_NEAR(record->starts[5].at_px.x, rig.bench.model_px[5].x, 0.5);
-}
-
 TEST(History, APlanThatComesBeforeItsHologramDoesNotMoveTheTracks) {
   Tracking rig;
   const std::vector<Vec2> moved = rig.bench.moved({}, {35.0, 20.0});

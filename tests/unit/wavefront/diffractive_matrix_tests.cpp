@@ -1,4 +1,4 @@
-/// Diffractive matrices and relinearised reconstruction against the diffraction model.
+/// Diffractive matrices against the diffraction model.
 #include "core/wavefront/diffractive_matrix.hpp"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,6 @@
 #include <numeric>
 #include <vector>
 
-#include "core/wavefront/reconstructor.hpp"
-#include "core/wavefront/relinearise.hpp"
 #include "core/wavefront/slope_model.hpp"
 
 namespace ovws {
@@ -30,25 +28,6 @@ class Diffractive : public testing::Test {
 
   std::vector<SpotFix> fixes(Mode shown) {
     return model_fixes(model_, sensor_, *tracker_, {&shown, 1}).value();
-  }
-  static int lost(const std::vector<SpotFix>& fixes) {
-    return int(std::count_if(fixes.begin(), fixes.end(), [](auto& f) { return !f.found(); }));
-  }
-  static double error(const auto& waves, Mode truth) {
-    double sum = 0.0;
-    for (int j = 1; j <= int(waves.size()); ++j) {
-      const double off = double(waves[std::size_t(j) - 1]) - (j == truth.j ? truth.waves : 0.0);
-      sum += off * off;
-    }
-    return std::sqrt(sum);
-  }
-  std::vector<float> linear(const Eigen::MatrixXd& slopes, const std::vector<Vec2>& reference,
-                            const std::vector<SpotFix>& spots) const {
-    const Reconstructor reconstructor(slopes, modes_, reference);
-    auto scratch = reconstructor.make_scratch();
-    std::vector<float> waves(modes_.size());
-    reconstructor.solve(spots, scratch, waves);
-    return waves;
   }
 
   SensorConfig sensor_;
@@ -97,30 +76,6 @@ TEST_F(Diffractive, WithoutSpotsIsRefused) {
   const auto matrix = diffractive_matrix(tiny, sensor_, *tracker_, one);
   ASSERT_FALSE(matrix);
   EXPECT_EQ(matrix.error().field, "tracking");
-}
-
-TEST_F(Diffractive, TwoCorrectionsReadThreeTenthsOfAWaveWhereSpotsAreFound) {
-  std::vector<Vec2> reference;
-  for (const SpotFix& f : fixes({3, 0.0})) reference.push_back({double(f.x), double(f.y)});
-  for (const int j : {8, 11, 13}) {  // 11 and 13 are the worst of 3 .. 14
-    const Mode shown{j, 0.3};
-    const auto spots = fixes(shown);
-    const auto start = linear(geometric_, reference, spots);
-    const auto better =
-        relinearise(model_, sensor_, *tracker_, geometric_, modes_, spots, start).value();
-    std::printf("  j = %d: %d lost, linear off by %.4f, corrected twice %.4f wave\n", j,
-                lost(spots), error(start, shown), error(better.waves, shown));
-    if (lost(spots) > 0) continue;
-    EXPECT_LT(error(better.waves, shown), 0.005) << "j = " << j;
-  }
-}
-
-TEST_F(Diffractive, ACorrectionWithoutSpotsIsRefused) {
-  const std::vector<float> start(modes_.size(), 0.0F);
-  const auto none = relinearise(model_, sensor_, *tracker_, geometric_, modes_,
-                                std::vector<SpotFix>(19), start, 1);
-  ASSERT_FALSE(none);
-  EXPECT_EQ(none.error().field, "tracking");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Renders the templates of the tracker `fit` about the wavefront of the newest frames.
+/// Searches the wavefront of frames that are not measured well, and renders templates about it.
 #pragma once
 
 #include <atomic>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/pipeline/frame_record.hpp"
+#include "core/port/clock.hpp"
 #include "core/rt/agent.hpp"
 #include "core/spots/frame_fit.hpp"
 #include "core/tracking/binned_image.hpp"
@@ -18,25 +19,33 @@
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/sensor/search_policy.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/sensor/validity_watch.hpp"
 
 namespace ovws {
 
-/// Agent of the templates thread. When templates do not describe the frames, or the wavefront has
+/// Agent of the search thread. When templates do not describe the frames, or the wavefront has
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
 /// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
 /// about it go to the SensorKeeper. After a failure, SearchPolicy tells when to try again. When
 /// nothing has been found for three seconds, templates are withdrawn: positions count, as far as
-/// they tell the modes. Near the wavefront of a calibration its templates are used.
-class TemplateRenderer : public Agent {
+/// they tell the modes. Near the wavefront of a calibration its templates are used. With other
+/// trackers than `fit` it only watches whether frames are valid.
+class WavefrontSearch : public Agent {
  public:
-  TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
-                   Events& events);
-  ~TemplateRenderer() override;
+  WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
+                  Events& events);
+  ~WavefrontSearch() override;
 
   bool do_work() override;
 
   /// Publish thread: call for every frame.
   void on_frame(const FrameRecord& record);
+  /// Any thread: why no frame is valid; nothing if frames are.
+  std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const {
+    return validity_.why_invalid(monotonic_ns(), utc_ns());
+  }
+  /// Any thread: CLOCK_MONOTONIC time of the last successful search; 0: none.
+  std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }
 
  private:
   struct Key;
@@ -61,7 +70,9 @@ class TemplateRenderer : public Agent {
   std::unique_ptr<Model> model_;
   std::atomic<bool> wanted_{false};
   std::atomic<bool> described_{false};  ///< the newest frame, by its plan's templates
-  // Templates thread only.
+  std::atomic<std::int64_t> found_ns_{0};
+  ValidityWatch validity_;
+  // Search thread only.
   std::int64_t next_ns_ = 0;       ///< not before
   std::vector<FrameCopy> frames_;  ///< of one plan and hologram, in a row
   SearchPolicy policy_;

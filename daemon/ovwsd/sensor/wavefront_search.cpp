@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/template_renderer.hpp"
+#include "daemon/ovwsd/sensor/wavefront_search.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -25,8 +25,7 @@ constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, 
 constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
-constexpr int kMinTracked = 4;  // one spot of so many: else it is dark
-constexpr double kCell = 0.5;   // lambda/d: images are compared after binning to this size
+constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 /// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
 /// the linear templates leave more than noise.
@@ -42,8 +41,7 @@ bool is_drifted(const FrameRecord& record) {
 }
 
 bool can_be_rendered(const FrameRecord& record) {
-  return record.settled && record.settings_known && record.plan->referenced() &&
-         kMinTracked * record.tracked >= record.spot_count;
+  return record.settled && record.settings_known && record.plan->referenced();
 }
 
 /// What a frame at the operating point reads.
@@ -56,7 +54,7 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
 }  // namespace
 
 /// What a model depends on.
-struct TemplateRenderer::Key {
+struct WavefrontSearch::Key {
   std::uint64_t sensor_epoch = 0;
   int cols = 0, rows = 0;
   std::vector<int> modes_j;
@@ -76,27 +74,33 @@ struct TemplateRenderer::Key {
 };
 
 /// The model of one sensor and its reference.
-struct TemplateRenderer::Model {
+struct WavefrontSearch::Model {
   Key key;
   SpotsModel spots;
   std::vector<double> last{};  ///< coefficients of the last operating point that was rendered
 };
 
-TemplateRenderer::TemplateRenderer(const SlmGeometry& slm, FrameBroker& frames,
-                                   SensorKeeper& keeper, Events& events)
+WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
+                                 Events& events)
     : slm_(slm), keeper_(keeper), events_(events), inbox_(frames, can_be_rendered) {}
 
-TemplateRenderer::~TemplateRenderer() = default;
+WavefrontSearch::~WavefrontSearch() = default;
 
-void TemplateRenderer::on_frame(const FrameRecord& record) {
+void WavefrontSearch::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
                       (!record.templates.credible || is_drifted(record));
   described_.store(record.templates.credible, std::memory_order_relaxed);
   wanted_.store(wanted, std::memory_order_relaxed);
+  if (!record.plan->referenced()) return;
+  validity_.on_frame(record.valid,
+                     {0, record.tracked, record.spot_count, record.explained, record.unconfirmed,
+                      record.plan->wants_templates()},
+                     monotonic_ns());
 }
 
-bool TemplateRenderer::do_work() {
+bool WavefrontSearch::do_work() {
+  validity_.announce(events_, monotonic_ns());
   const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
   const bool wanted = asked && !keeper_.is_held_by_job();
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
@@ -122,7 +126,7 @@ bool TemplateRenderer::do_work() {
 }
 
 /// Takes the next frame of the active plan and hologram. Returns whether there are enough of them.
-bool TemplateRenderer::take_frame(const SensorSnapshot& sensor) {
+bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
   const FrameCopy* const frame = inbox_.next(kFramePatience);
   if (frame == nullptr || !sensor.reference) return false;
   const auto is_other = [&](const FrameCopy& one) {
@@ -135,7 +139,7 @@ bool TemplateRenderer::take_frame(const SensorSnapshot& sensor) {
 
 /// Begins to try this frame, unless one failed that looks like it, and was measured by the same
 /// plan.
-bool TemplateRenderer::begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor) {
+bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor) {
   next_ns_ = monotonic_ns() + kRestNs;
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
@@ -147,20 +151,21 @@ bool TemplateRenderer::begin_if_due(const FrameCopy& frame, const SensorSnapshot
     return false;
   }
   policy_.begin(changed);
+  validity_.search_begins();
   tried_ = std::move(image);
   tried_plan_id_ = frame.plan_id;
   return true;
 }
 
 /// Frames that rendered templates describe may have come near the calibration, whose are better.
-bool TemplateRenderer::looks_for_calibration() const {
+bool WavefrontSearch::looks_for_calibration() const {
   const bool described = described_.load(std::memory_order_relaxed);
   return described && !measured_ && model_ && model_->spots.has_measured() &&
          monotonic_ns() > look_again_ns_;
 }
 
-Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
-                                      const SensorSnapshot& sensor) {
+Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
+                                     const SensorSnapshot& sensor) {
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.image);
@@ -188,9 +193,9 @@ Result<void> TemplateRenderer::render(std::span<const FrameCopy> frames,
 }
 
 /// Null: the present ones do as well.
-Result<std::shared_ptr<const FrameFit>> TemplateRenderer::found(std::span<const ImageView> images,
-                                                                const FrameCopy& frame,
-                                                                const SensorSnapshot& sensor) {
+Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const ImageView> images,
+                                                               const FrameCopy& frame,
+                                                               const SensorSnapshot& sensor) {
   if (!wanted_.load(std::memory_order_relaxed)) return model_->spots.measured_near(images);
   const std::vector<Mode> shown =
       shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
@@ -205,7 +210,7 @@ Result<std::shared_ptr<const FrameFit>> TemplateRenderer::found(std::span<const 
 
 /// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
 /// positions do not tell; else, if it is not valid, where it was last, and at the reference.
-std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame) const {
+std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
   if (std::isfinite(frame.coefficients.front())) {
     auto& measured = all.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
@@ -218,8 +223,8 @@ std::vector<std::vector<double>> TemplateRenderer::starts(const FrameCopy& frame
   return all;
 }
 
-Result<void> TemplateRenderer::make_model(const Key& key, std::span<const ImageView> images,
-                                          const SensorSnapshot& sensor) {
+Result<void> WavefrontSearch::make_model(const Key& key, std::span<const ImageView> images,
+                                         const SensorSnapshot& sensor) {
   measured_ = false;
   auto spots = SpotsModel::make(sensor, slm_, images);
   if (!spots) return fail(spots.error());
@@ -234,11 +239,15 @@ Result<void> TemplateRenderer::make_model(const Key& key, std::span<const ImageV
 
 /// Rests after a failure for as long as it took, because images of moving air never look alike, and
 /// announces a new one. When nothing has been found for some time, positions have to do.
-void TemplateRenderer::report(const Result<void>& rendered, std::int64_t began_ns) {
+void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns) {
   const std::int64_t now_ns = monotonic_ns();
-  if (rendered) return succeed();
+  if (rendered) {
+    found_ns_.store(now_ns, std::memory_order_relaxed);
+    return succeed();
+  }
   next_ns_ = now_ns + std::max(kRestNs, now_ns - began_ns);
   policy_.end(now_ns);
+  validity_.search_failed(policy_.next_ns());
   if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
   if (now_ns - failing_since_ns_ > kGiveUpNs) keeper_.use_templates({});
   if (rendered.error().reason == failure_) return;
@@ -248,9 +257,10 @@ void TemplateRenderer::report(const Result<void>& rendered, std::int64_t began_n
 }
 
 /// Frames are described by templates, by new ones or by those that there were.
-void TemplateRenderer::succeed() {
+void WavefrontSearch::succeed() {
   next_ns_ = std::max(next_ns_, monotonic_ns() + kRestNs);
   policy_.reset();
+  validity_.search_succeeded();
   failing_since_ns_ = 0;
   if (failure_.empty()) return;
   failure_.clear();
