@@ -87,8 +87,8 @@ struct FrameRecord {
   /// steps (SpotHistory).
   bool follows = false;
   Reconstruction reconstruction;
-  /// A wavefront explains the spots, but the plan has templates and the frame does not follow, or
-  /// positions do not tell all modes.
+  /// A wavefront explains the spots, but the plan has or awaits templates and the frame does not
+  /// follow, or positions do not tell all modes.
   bool unconfirmed = false;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed

@@ -33,7 +33,9 @@ struct MeasurementPlan {
   std::vector<Vec2> predicted_px;
   std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
-  bool fits_shapes = false;                     ///< frames are to be measured by templates
+  /// Templates are to come: until then positions count only where they were followed.
+  bool awaits_templates = false;
+  bool fits_shapes = false;  ///< frames are to be measured by templates
   std::unique_ptr<const SpotTracker> tracker;
   std::vector<int> modes_j;  ///< that frames are measured in
   /// Of the leading modes that positions tell: of all of them, unless templates tell more.

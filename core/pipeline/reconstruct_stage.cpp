@@ -32,7 +32,8 @@ void ReconstructStage::run(Entry& entry) OVWS_NONBLOCKING {
   const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
   const bool by_positions =
       measured && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
-  const bool suffices = plan.positions_suffice() && (plan.fit == nullptr || entry.follows);
+  const bool by_templates = plan.fit != nullptr || plan.awaits_templates;
+  const bool suffices = plan.positions_suffice() && (!by_templates || entry.follows);
   entry.unconfirmed = by_positions && !entry.templates.credible && !suffices;
   entry.explained = !measured || entry.templates.credible || (by_positions && !entry.unconfirmed);
   entry.valid = measured && entry.explained;

@@ -56,10 +56,28 @@ void SpotHistory::resume(const MeasurementPlan& plan, std::span<const SpotStart>
   }
 }
 
+namespace {
+
+/// Whether every spot stands near its place in the reference: then none is mistaken for another.
+bool is_at_reference(const FrameRecord& record) OVWS_NONBLOCKING {
+  const MeasurementPlan& plan = *record.plan;
+  for (std::size_t i = 0; i < plan.reference_px.size(); ++i) {
+    if (std::isnan(plan.reference_px[i].x)) continue;
+    const SpotFix& fix = record.spots[i];
+    const Vec2 moved = Vec2{double(fix.x), double(fix.y)} - plan.reference_px[i];
+    if (!fix.found() || !(norm(moved) <= kMaxStep * plan.spots.lambda_d_px)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool SpotHistory::is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKING {
   if (record.templates.credible) return true;
   const MeasurementPlan& plan = *record.plan;
-  if (!follows_ || !plan.referenced()) return false;
+  if (!plan.referenced()) return false;
+  if (plan.awaits_templates && is_at_reference(record)) return true;
+  if (!follows_) return false;
   for (int i = 0; i < count_; ++i) {
     const SpotFix& fix = record.spots[i];
     const SpotStart& start = record.starts[i];

@@ -14,7 +14,8 @@ namespace ovws {
 ///
 /// It also judges whether positions can be trusted: a frame *follows* if templates describe it, or
 /// if every spot of the reference stands within lambda/d / 4 of its start, and the previous frame
-/// follows. After a sudden change spots may be lost or mistaken for each other.
+/// follows. While the first templates are awaited, it also follows if every spot stands as close to
+/// its place in the reference. After a sudden change spots may be lost or mistaken for each other.
 class SpotHistory {
  public:
   SpotHistory();

@@ -116,7 +116,7 @@ class Split(BenchCase):
         self.take_reference()
         events = self.stream("event")
         invalid = lambda: self.call("system.status")["sensor"]["invalid"]  # noqa: E731
-        self.assertIsNone(invalid())
+        wait_for(lambda: invalid() is None, 5.0)
         self.twin.call("twin.set", {"peak_electrons": 0})
         said = wait_for(lambda: (now := invalid()) is not None and now["searches"] > 0 and now, 10.0)
         self.assertEqual(said["reason"], "0 of 19 spots are found")

@@ -25,6 +25,7 @@ struct PlanFacts {
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
   std::vector<Vec2> predicted_px, reference_px;
+  bool awaits_templates = false;
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;           ///< of the coefficients

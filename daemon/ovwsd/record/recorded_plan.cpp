@@ -122,8 +122,10 @@ Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::template
 
 /// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
-  if (!from.value("torn", json::array()).empty()) {
-    return fail(Errc::refused, "path", "templates of split spots are not in a recording");
+  // Older versions searched spots beside the frame path.
+  const json none = json::array();
+  if (!from.value("torn", none).empty() || !from.value("search_px", none).empty()) {
+    return fail(Errc::refused, "path", "an older version's search for spots is not in a recording");
   }
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = from.at("plan_id").get<std::uint64_t>();
@@ -142,6 +144,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->spots = spot_model(from);
   plan->predicted_px = points(from.at("predicted_px"));
   plan->reference_px = points(from.at("reference_px"));
+  plan->awaits_templates = from.value("awaits_templates", false);
   plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
   const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
   const auto position_modes_j = op.at("j").get<std::vector<int>>();

@@ -15,6 +15,9 @@ struct ActiveTemplates {
   std::int64_t reference_taken_ns = 0;
   std::int64_t calibration_taken_ns = 0;  ///< 0: no shapes are in force
   std::shared_ptr<const FrameFit> fit;
+  bool given_up = false;  ///< none are to come soon: positions count
+
+  friend bool operator==(const ActiveTemplates&, const ActiveTemplates&) = default;
 };
 
 }  // namespace ovws

@@ -11,14 +11,24 @@ std::int64_t shapes_in_force(const Bound& bound) {
   return shapes ? bound.calibration->t_taken_ns : 0;
 }
 
-/// Whether a plan may measure by these templates.
-bool are_for(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
-             const MeasurementPlan& plan) {
-  return templates.fit && plan.wants_templates() && templates.sensor_epoch == state.sensor_epoch &&
+/// Whether they are of the plan's sensor, reference and calibration.
+bool are_of(const ActiveTemplates& templates, const SensorState& state, const Bound& bound) {
+  return templates.sensor_epoch == state.sensor_epoch &&
          templates.reference_taken_ns == bound.reference->t_taken_ns &&
-         templates.calibration_taken_ns == shapes_in_force(bound) &&
-         templates.fit->modes_j() == plan.modes_j &&
-         templates.fit->point().estimates == state.tracking.estimates;
+         templates.calibration_taken_ns == shapes_in_force(bound);
+}
+
+bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& plan) {
+  return fit.modes_j() == plan.modes_j && fit.point().estimates == state.tracking.estimates;
+}
+
+/// Gives a plan the templates, or lets it wait for some.
+void use(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
+         MeasurementPlan& plan) {
+  if (!plan.wants_templates() || state.by_positions) return;
+  const bool same = are_of(templates, state, bound);
+  if (same && templates.fit && fits(*templates.fit, state, plan)) plan.fit = templates.fit;
+  plan.awaits_templates = !plan.fit && !(same && templates.given_up);
 }
 
 }  // namespace
@@ -30,7 +40,7 @@ Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, 
        state.tracking, optics_of(state, bench_), bench_.slm, state.roi, state.format,
        lit_pixels(state.format, bench_.optics.wavelength_nm), shown_modes(state),
        bound.reference.get(), templates_of(state, bound).banks, bound.mode_operator.get()});
-  if (plan && are_for(state.templates, state, bound, **plan)) (*plan)->fit = state.templates.fit;
+  if (plan) ovws::use(state.templates, state, bound, **plan);
   return plan;
 }
 

@@ -107,10 +107,8 @@ void SensorKeeper::hold(Hold by) {
   held_by_job_.store(by.by == Hold::By::job);
   if (by.by != Hold::By::job) return;
   lease_ = Lease{state_.sensor, state_.tracking, state_.pattern, state_.aberration};
-  if (!state_.templates.fit) return;
-  SensorEdit edit = new_edit();
-  edit.state.templates = {};  // a job compares positions, which must all come from one tracker
-  plan_again(std::move(edit));
+  state_.by_positions = true;
+  if (state_.tracking.tracker == TrackerKind::fit) plan_again(new_edit());
 }
 
 /// Measures by a new plan; the hologram stays. Without a plan nothing changes.
@@ -124,6 +122,7 @@ void SensorKeeper::release(Hold by, std::function<void()> then) {
   mailbox_.post([this, by, then = std::move(then)] {
     if (hold_ == by) {
       if (lease_) restore_lease();
+      if (std::exchange(state_.by_positions, false)) plan_again(new_edit());
       hold_ = {};
       held_by_job_.store(false);
     }
@@ -142,7 +141,7 @@ void SensorKeeper::restore_lease() {
 void SensorKeeper::use_templates(ActiveTemplates templates) {
   mailbox_.post([this, templates = std::move(templates)]() mutable {
     const bool usable = !templates.fit || templates.sensor_epoch == state_.sensor_epoch;
-    const bool changes = templates.fit || state_.templates.fit;
+    const bool changes = !(templates == state_.templates);
     if (hold_.by == Hold::By::job || !usable || !changes) return;
     SensorEdit edit = new_edit();
     edit.state.templates = std::move(templates);

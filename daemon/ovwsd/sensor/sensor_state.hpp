@@ -37,6 +37,7 @@ struct SensorState {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
+  bool by_positions = false;  ///< a job measures: positions count, which come from one tracker
   ActiveTemplates templates;  ///< used where they belong to epoch and reference
 };
 

@@ -169,10 +169,12 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.image);
+  key_ = std::make_unique<Key>(frame, sensor);
+  const Key& key = *key_;
   if (traits_of(frame.image.format).filter != ColourFilter::none) {
+    unusable_ = std::make_unique<Key>(key);
     return fail(Errc::refused, "pixel_format", "templates need a monochrome pixel format");
   }
-  const Key key(frame, sensor);
   if (!model_ || !(model_->key == key)) {
     model_.reset();
     if (unusable_ && *unusable_ == key) return fail(Errc::refused, "reference", failure_);
@@ -249,7 +251,11 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   policy_.end(now_ns);
   validity_.search_failed(policy_.next_ns());
   if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
-  if (now_ns - failing_since_ns_ > kGiveUpNs) keeper_.use_templates({});
+  const bool hopeless = unusable_ && key_ && *unusable_ == *key_;
+  if (key_ && (hopeless || now_ns - failing_since_ns_ > kGiveUpNs)) {
+    keeper_.use_templates(
+        {key_->sensor_epoch, key_->reference_taken_ns, key_->calibration_taken_ns, nullptr, true});
+  }
   if (rendered.error().reason == failure_) return;
   failure_ = rendered.error().reason;
   events_.emit("templates", Severity::warning, "templates do not describe the frames: " + failure_,

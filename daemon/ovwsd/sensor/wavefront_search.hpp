@@ -27,9 +27,9 @@ namespace ovws {
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
 /// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
 /// about it go to the SensorKeeper. After a failure, SearchPolicy tells when to try again. When
-/// nothing has been found for three seconds, templates are withdrawn: positions count, as far as
-/// they tell the modes. Near the wavefront of a calibration its templates are used. With other
-/// trackers than `fit` it only watches whether frames are valid.
+/// nothing has been found for three seconds, or nothing can be, templates are given up: positions
+/// count, as far as they tell the modes. Near the wavefront of a calibration its templates are
+/// used. With other trackers than `fit` it only watches whether frames are valid.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -80,6 +80,7 @@ class WavefrontSearch : public Agent {
   std::optional<BinnedImage> tried_;   ///< the image tried last
   std::uint64_t tried_plan_id_ = 0;
   std::string failure_;             ///< announced
+  std::unique_ptr<Key> key_;        ///< of the frame tried last
   std::unique_ptr<Key> unusable_;   ///< a model of it could not be made
   bool measured_ = false;           ///< the templates given last are of the calibration
   std::int64_t look_again_ns_ = 0;  ///< whether frames are near the calibration: not before
