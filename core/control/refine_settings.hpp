@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,14 @@ struct RefineSettings {
   PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
 
   friend bool operator==(const RefineSettings&, const RefineSettings&) = default;
+};
+
+/// Conversion of electrons to camera pixel values.
+struct RefineCamera {
+  double electrons_per_dn = 1.0;
+  double read_noise_e = 5.0;  ///< RMS, with the rounding to whole DN
+  double black_dn = 0.0;
+  double saturated_dn = std::numeric_limits<double>::infinity();  ///< ignored from here on
 };
 
 /// Whether both describe the same camera: all but `enabled` and `rate_hz` are equal.

@@ -75,14 +75,15 @@ FrameFit::Scratch FrameFit::make_scratch() const {
 
 FrameFit::Measured FrameFit::measure(const ImageView& image) const {
   SpotFit::Scratch pixels = spots_.make_scratch();
-  std::vector<SpotEstimates> found;
-  for (std::size_t i = 0; i < rows_.size(); ++i) found.push_back(spots_.fit(image, i, pixels));
-  Scratch scratch = make_scratch();
   Measured all;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    all.estimates.push_back(spots_.fit(image, i, pixels));
+  }
+  Scratch scratch = make_scratch();
   all.coefficients.resize(modes_j_.size());
   all.sigma_waves.resize(modes_j_.size());
   all.spots.resize(rows_.size());
-  all.frame = solve(found, scratch, all.coefficients, all.sigma_waves, all.spots);
+  all.frame = solve(all.estimates, scratch, all.coefficients, all.sigma_waves, all.spots);
   return all;
 }
 

@@ -51,6 +51,7 @@ class FrameFit {
     FittedFrame frame;
     std::vector<float> coefficients, sigma_waves;  ///< of modes_j, see `solve`
     std::vector<SpotFix> spots;
+    std::vector<SpotEstimates> estimates;
   };
   Measured measure(const ImageView& image) const;
   /// What `check` found; templates made again about the same wavefront leave as much.

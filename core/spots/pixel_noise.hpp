@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <limits>
 
 namespace ovws {
 
@@ -11,6 +12,7 @@ namespace ovws {
 struct PixelNoise {
   double constant_dn2 = 1.0;  ///< of one camera pixel
   double per_dn = 0.0;        ///< DN of variance for each DN of light: DN per electron
+  double saturated_dn = std::numeric_limits<double>::infinity();  ///< pixels tell nothing from here
 
   /// Variance of a cell of `pixels` camera pixels that holds `light_dn` in all.
   double variance(double light_dn, int pixels) const {

@@ -80,6 +80,7 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
                                                int renderings) {
   for (int k = 1;; ++k) {
     Found found;
+    renderings_ = k;
     found.rendered = k == 1 ? std::move(rendered) : renderer_.render(waves, fixed);
     found.pass = fit_spots(image, found.rendered, noise, estimates_);
     found.waves = std::move(waves);
@@ -87,6 +88,9 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
     if (!step) return fail(Errc::refused, "image", "the spots do not determine the modes");
     found.step = step->waves;
     found.away_waves = step->waves.norm();
+    for (const double variance : step->covariance.diagonal()) {
+      found.sigma_waves.push_back(std::sqrt(variance));
+    }
     if (found.away_waves <= near_waves || k == renderings) return found;
     waves = std::move(found.waves);
     const double damping = std::min(1.0, kMaxStepWaves / found.away_waves);
@@ -115,6 +119,7 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
       reference_residual_px_ = fit_at(*found, noise, fixed)->check(image, 0.0).residual_px;
       for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += found->step(Eigen::Index(k));
       reference_waves_ = std::move(waves);
+      reference_sigma_waves_ = std::move(found->sigma_waves);
       if (reference_excess_ > kMaxReferenceExcess || found->away_waves > kFarReferenceWaves) break;
       return {};
     }
@@ -128,6 +133,7 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
 void PointModel::use_model() {
   renderer_.set_deviations({});
   reference_waves_.assign(renderer_.modes_j().size(), 0.0);
+  reference_sigma_waves_ = reference_waves_;
   reference_levels_.assign(std::size_t(renderer_.spots()), 1.0);
   reference_excess_ = reference_residual_px_ = 0.0;
 }
@@ -179,6 +185,14 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
     return fail(Errc::refused, "image", "too few spots look as rendered");
   }
   return fit;
+}
+
+double PointModel::amplitude(int spot) const {
+  double ln = 0.0;
+  for (const Mode& mode : renderer_.deviations().ln_amplitude) {
+    ln += mode.waves * zernike(mode.j, renderer_.centre(spot));
+  }
+  return std::exp(ln);
 }
 
 double PointModel::allowed_excess() const {

@@ -28,6 +28,12 @@ class PointModel {
                              std::span<const double> start_waves, std::span<const Mode> fixed);
   /// Coefficients count from the model's flat wavefront, and the bench is as the model has it.
   void use_model();
+  /// Standard errors of its wavefront, waves; 0 for the model's.
+  const std::vector<double>& reference_sigma_waves() const { return reference_sigma_waves_; }
+  /// Relative amplitude of a subaperture's field in the renderings; without a reference 1.
+  double amplitude(int spot) const;
+  /// Renderings that the last wavefront took.
+  int renderings() const { return renderings_; }
   std::vector<RenderedSpot> rendered(std::span<const double> waves) {
     return renderer_.render(waves);
   }
@@ -51,6 +57,7 @@ class PointModel {
     SpotPass pass;
     Eigen::VectorXd step;     ///< from the rendering to the image
     double away_waves = 0.0;  ///< its size
+    std::vector<double> sigma_waves;
   };
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
                          std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
@@ -65,7 +72,8 @@ class PointModel {
 
   SpotRenderer renderer_;
   int estimates_;
-  std::vector<double> reference_waves_;
+  int renderings_ = 0;
+  std::vector<double> reference_waves_, reference_sigma_waves_;
   std::vector<double> reference_levels_;  ///< of its spots, DN; 0: not found
   double reference_excess_ = 0.0, reference_residual_px_ = 0.0;
 };

@@ -77,7 +77,8 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
   }
   const double usual = median(std::move(lit));
   SpotPass pass;
-  pass.ceiling_dn = kUnsaturated * full_scale_dn(image.format) - median(std::move(dark));
+  const double full_dn = std::min(full_scale_dn(image.format), noise.saturated_dn);
+  pass.ceiling_dn = kUnsaturated * full_dn - median(std::move(dark));
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     const double level = first[i].level > 0.0F ? double(first[i].level) : usual;
     const int pixels = pixels_of(rendered[i].window);

@@ -28,7 +28,7 @@ struct Table<RefineSetup> {
             "format",
             limits::kSaturationDn),
       field("spot_amplitudes", &RefineSetup::spot_amplitudes,
-            "whether to fit the amplitude of each subaperture, too, for uneven illumination")};
+            "kept for older clients: the amplitude of each subaperture is always fitted")};
 };
 
 /// Result of `refine.get`. Numbers in DN are those of the pixel format stated with them.

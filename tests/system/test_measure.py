@@ -211,8 +211,8 @@ class Measure(unittest.TestCase):
 
     def assert_not_refined(self, path):
         done = subprocess.run([OVWS, "--json", "measure", "--model-reference", "--refine", path], capture_output=True, text=True, timeout=60)
-        line = json.loads(done.stdout)
-        self.assertFalse(line.get("valid", False), line)
+        for line in map(json.loads, done.stdout.splitlines()):
+            self.assertFalse(line.get("valid", False), line)
 
     def off(self, line, spot):
         """Distance of a spot from its position in the good image, px."""

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/wavefront/refine.hpp"
+#include "core/control/refine_settings.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {
@@ -77,8 +77,8 @@ struct MeasureOptions {
   std::string templates;
   std::string mode_operator;
   bool refine = false;
-  RefineCamera camera;
-  RefineOptions fit;
+  RefineCamera camera;  ///< of `refine`
+  bool spot_amplitudes = false;
   std::vector<std::string> images;
 };
 

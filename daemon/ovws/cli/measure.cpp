@@ -8,7 +8,6 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
 #include "daemon/ovws/cli/measurement_line.hpp"
-#include "daemon/ovws/cli/refined.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
@@ -22,6 +21,7 @@ Result<Config> config_of(const MeasureOptions& options) {
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
   if (!config) return config;
   if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
+  if (options.refine) config->tracking.tracker = TrackerKind::fit;
   if (!options.templates.empty()) {
     config->tracking.templates =
         options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
@@ -39,7 +39,6 @@ struct Instrument {
   int width = 0, height = 0;
   PixelFormat format = PixelFormat::mono8;
   Result<Measurement> measurement;
-  std::optional<Result<RefinedMeasurement>> refined{};  ///< made for the first refined image
 };
 
 /// Measures image files in sequence. The reference is measured once for each image size and depth.
@@ -65,8 +64,7 @@ class ImageMeasurer {
     if (!instrument.measurement) return fail(instrument.measurement.error());
     const Measured measured = instrument.measurement->measure(image);
     json line = line_of(path, config_, *instrument.measurement, measured);
-    if (!options_.refine) return line;
-    if (auto done = refine(line, instrument, measured, image); !done) return fail(done.error());
+    if (options_.refine) put_refined(line, measured, options_.spot_amplitudes);
     return line;
   }
 
@@ -83,31 +81,16 @@ class ImageMeasurer {
     }
     return instruments_.emplace_back(
         Instrument{image.width, image.height, image.format,
-                   Measurement::make(config_, image, reference_view())});
+                   Measurement::make(config_, image, reference_view(), camera_of(image))});
   }
 
-  /// Replaces the coefficients from spot positions by those of the fit to all pixels.
-  Result<void> refine(json& line, Instrument& instrument, const Measured& measured,
-                      const ImageView& image) {
-    if (traits_of(config_.camera.settings.pixel_format).filter != ColourFilter::none) {
-      return fail(Errc::refused, "refine",
-                  "the model does not support colour filters: measure without --refine, or set a "
-                  "Mono camera.pixel_format in the configuration");
-    }
-    const std::vector<int>& modes_j = instrument.measurement->plan().modes_j;
+  /// The camera that images are refined with; none: they are not refined.
+  std::optional<RefineCamera> camera_of(const ImageView& image) const {
+    if (!options_.refine) return std::nullopt;
     RefineCamera camera = options_.camera;
-    const double full_scale_dn = ovws::full_scale_dn(image.format);
-    camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn);
+    camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn(image.format));
     camera.read_noise_e = std::hypot(camera.read_noise_e, rounding_e(camera.electrons_per_dn));
-    if (!instrument.refined) {
-      instrument.refined =
-          RefinedMeasurement::make(config_, image, reference_view(), modes_j, camera, options_.fit);
-    }
-    if (!*instrument.refined) return fail(instrument.refined->error());
-    const auto found = (*instrument.refined)->measure(image, measured.coefficients);
-    if (!found) return fail(found.error());
-    put_refined(line, *found, modes_j, found->doubt(camera));
-    return {};
+    return camera;
   }
 
   const MeasureOptions& options_;
@@ -125,6 +108,10 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   if (options.templates == "reference" && options.reference.empty()) {
     return Error{Errc::invalid, "template",
                  "templates of the reference need an image: give --reference FILE"};
+  }
+  const bool other_tracker = !options.tracker.empty() && options.tracker != "fit";
+  if (options.refine && other_tracker) {
+    return Error{Errc::invalid, "--tracker", "--refine measures by the tracker fit"};
   }
   return std::nullopt;
 }

@@ -118,7 +118,8 @@ Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport t
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
 
 Result<Measurement> Measurement::make(const Config& config, const ImageView& like,
-                                      const std::optional<ImageView>& reference) {
+                                      const std::optional<ImageView>& reference,
+                                      const std::optional<RefineCamera>& camera) {
   auto by_model = plan_for(config, like, std::nullopt);
   if (!by_model) return fail(by_model.error());
   const SpotModel spots = (*by_model)->spots;
@@ -153,6 +154,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   auto plan = plan_for(config, like, taken, own, mode_operator->get());
   if (!plan) return fail(plan.error());
   Measurement made(std::move(*plan), own.report);
+  made.camera_ = camera;
   if (config.tracking.tracker != TrackerKind::fit) return made;
   if (auto used = made.use_templates(config, like, reference, absolute); !used) {
     return fail(used.error());
@@ -166,14 +168,15 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
                                         std::span<const float> start) {
   auto renderer = SpotRenderer::make(config.sensor, config.slm.geometry, config.optics, like.width,
                                      like.height, plan_->modes_j, {});
-  if (!renderer && !reference) return {};  // an image too small for a spot
+  if (!renderer && !reference && !camera_) return {};  // an image too small for a spot
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), config.tracking.estimates);
   if (!reference) {
     model.use_model();
   } else {
     const std::vector<double> waves = known(start);
-    const PixelNoise noise = noise_of(*reference, model.rendered(waves));
+    const PixelNoise noise =
+        camera_ ? pixel_noise(*camera_) : noise_of(*reference, model.rendered(waves));
     if (auto used = model.use_reference(*reference, noise, waves, {}); !used) {
       Error error = used.error();
       error.reason +=
@@ -186,24 +189,40 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
   return {};
 }
 
-/// Finds the wavefront from where positions put it, or else from the reference.
+/// Where to look for the wavefront: where positions put it, and at the reference.
+std::vector<std::vector<double>> Measurement::starts(const Measured& measured) const {
+  std::vector<std::vector<double>> all;
+  if (measured.reconstruction.determined) all.push_back(known(measured.coefficients));
+  all.emplace_back(plan_->modes_j.size());
+  return all;
+}
+
 void Measurement::fit(const ImageView& image, Measured& measured) {
-  const std::vector<double> flat(plan_->modes_j.size());
-  std::vector<std::vector<double>> starts{flat};
-  if (measured.reconstruction.determined)
-    starts.insert(starts.begin(), known(measured.coefficients));
-  for (const std::vector<double>& start : starts) {
+  for (const std::vector<double>& start : starts(measured)) {
     const PixelNoise noise = noise_of(image, model_->rendered(start));
     const auto found = model_->templates(image, noise, start, {}, kRenderings);
     if (!found) continue;
     FrameFit::Measured all = (*found)->measure(image);
-    measured.fitted = true;
+    measured.fitted = measured.valid = measured.explained = true;
     measured.coefficients = std::move(all.coefficients);
     measured.sigma_waves = std::move(all.sigma_waves);
     measured.spots = std::move(all.spots);
     measured.reconstruction = reconstruction_of(all.frame, plan_->modes_j, measured.coefficients);
     return;
   }
+}
+
+/// With the noise of a known camera; what is not explained is not measured.
+void Measurement::refine(const ImageView& image, Measured& measured) {
+  for (const std::vector<double>& start : starts(measured)) {
+    auto found = ovws::refine(*model_, image, *camera_, start, {});
+    measured.refused = found ? found->doubt(*camera_).value_or("") : found.error().reason;
+    if (!found) continue;
+    measured.fitted = true;
+    measured.refined = std::move(*found);
+    break;
+  }
+  measured.valid = measured.refused.empty();
 }
 
 /// Returns whether positions alone measure the image.
@@ -226,9 +245,8 @@ Measured Measurement::measure(const ImageView& image) {
   measured.mode_operator = {plan_->mode_operator, ""};
   acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
   measured.valid = by_positions(measured);
-  if (model_) fit(image, measured);
-  measured.valid = measured.valid || measured.fitted;
-  measured.explained = measured.explained || measured.fitted;
+  if (model_ && camera_) refine(image, measured);
+  if (model_ && !camera_) fit(image, measured);
   measured.tracked = int(std::count_if(measured.spots.begin(), measured.spots.end(),
                                        [](const SpotFix& spot) { return spot.found(); }));
   const int half_px = int(plan_->spots.lambda_d_px);

@@ -13,6 +13,7 @@
 #include "core/pipeline/plan.hpp"
 #include "core/spots/point_model.hpp"
 #include "core/tracking/acquisition.hpp"
+#include "daemon/ovwsd/sensor/refined_modes.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws::cli {
@@ -37,19 +38,23 @@ struct Measured {
   Reconstruction reconstruction;
   bool explained = true;  ///< false: determined, but no wavefront explains the spots
   bool valid = false;
-  bool fitted = false;           ///< by all pixels of the spots (tracker `fit`), else by positions
-  OperatorReport mode_operator;  ///< the operator that gave the coefficients
+  bool fitted = false;  ///< by all pixels of the spots (tracker `fit`), else by positions
+  std::optional<RefinedModes> refined{};  ///< with a known camera
+  std::string refused;                    ///< why a refined image is not valid; empty: it is
+  OperatorReport mode_operator;           ///< the operator that gave the coefficients
 };
 
 /// Measures images of one size. One thread at a time.
 class Measurement {
  public:
   /// `reference`: an image taken without aberration; none: positions and templates come from the
-  /// model. Templates of kind `reference` are cut from this image.
+  /// model. Templates of kind `reference` are cut from this image. With a `camera`, `fit` assumes
+  /// its noise, else that which the image shows; images are then refined, or not measured.
   /// Errors: an unusable configuration; a reference image of another size or with missing spots
   /// (named in the error), or which `fit` cannot explain; an operator that cannot be made.
   static Result<Measurement> make(const Config& config, const ImageView& like,
-                                  const std::optional<ImageView>& reference);
+                                  const std::optional<ImageView>& reference,
+                                  const std::optional<RefineCamera>& camera = std::nullopt);
 
   /// Searches every spot without history (Acquisition); `fit` then finds the wavefront from all
   /// pixels (PointModel). An image of another size gives no spots.
@@ -62,11 +67,14 @@ class Measurement {
   Result<void> use_templates(const Config& config, const ImageView& like,
                              const std::optional<ImageView>& reference,
                              std::span<const float> start);
+  std::vector<std::vector<double>> starts(const Measured& measured) const;
   void fit(const ImageView& image, Measured& measured);
+  void refine(const ImageView& image, Measured& measured);
   bool by_positions(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   TemplateReport templates_;
   std::optional<PointModel> model_;  ///< of the tracker `fit`
+  std::optional<RefineCamera> camera_;
   Acquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;

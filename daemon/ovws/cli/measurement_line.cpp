@@ -93,26 +93,28 @@ void print_table(const json& line) {
   if (line["fit_residual_px"].is_number()) {
     print(", fit residual {:.4f} px", line["fit_residual_px"].get<double>());
   }
-  if (line.contains("refined")) {
+  if (line.contains("refined") && line["refined"]["chi2_per_pixel"].is_number()) {
     print(", refined: chi2 per pixel {:.3f}", line["refined"]["chi2_per_pixel"].get<double>());
   }
   print("\n");
 }
 
-void put_refined(json& line, const RefinedModes& found, const std::vector<int>& modes_j,
-                 const std::optional<std::string>& doubt) {
-  const bool valid = !doubt;
+void put_refined(json& line, const Measured& measured, bool amplitudes) {
+  const std::vector<int> modes_j = line["j"];
+  const bool valid = measured.valid && measured.refined;
+  const RefinedModes found = measured.refined.value_or(RefinedModes{});
   double squares = 0.0;
-  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+  for (std::size_t k = 0; valid && k < modes_j.size(); ++k) {
     if (modes_j[k] > 2) squares += found.waves[k] * found.waves[k];
   }
   line["valid"] = valid;
   line["coefficients"] = valid ? json(found.waves) : json(std::vector<json>(modes_j.size()));
+  line["sigma"] = valid ? json(found.sigma_waves) : json(std::vector<json>(modes_j.size()));
   line["rms_waves"] = valid ? json(std::sqrt(squares)) : json();
   line["refined"] = {{"sigma_waves", found.sigma_waves},
-                     {"chi2_per_pixel", found.chi2_per_pixel},
-                     {"reason", doubt ? json(*doubt) : json()}};
-  if (!found.amplitudes.empty()) line["refined"]["amplitudes"] = found.amplitudes;
+                     {"chi2_per_pixel", measured.refined ? json(found.chi2_per_pixel) : json()},
+                     {"reason", valid ? json() : json(measured.refused)}};
+  if (amplitudes) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
 }  // namespace ovws::cli

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "daemon/ovws/cli/measurement.hpp"
-#include "daemon/ovws/cli/refined.hpp"
 
 namespace ovws::cli {
 
@@ -14,10 +13,9 @@ namespace ovws::cli {
 nlohmann::json line_of(const std::string& file, const Config& config,
                        const Measurement& measurement, const Measured& measured);
 
-/// Replaces the coefficients of spot positions by those of the fit to all pixels. With a `doubt`
-/// they are null, and `refined.reason` holds it.
-void put_refined(nlohmann::json& line, const RefinedModes& found, const std::vector<int>& modes_j,
-                 const std::optional<std::string>& doubt);
+/// Adds what a known camera tells. An image that is not explained has no coefficients, and
+/// `refined.reason` says why.
+void put_refined(nlohmann::json& line, const Measured& measured, bool amplitudes);
 
 /// Prints the measurement as a table on standard output.
 void print_table(const nlohmann::json& line);

@@ -103,9 +103,10 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
                    "operator from displacements to modes, instead of the configuration's: "
                    "diffractive is better up to about 0.1 wave")
       ->check(CLI::IsMember(operator_names()));
-  auto* refine = command->add_flag("--refine", options->refine,
-                                   "fit every pixel to the diffraction model: takes seconds per "
-                                   "image");
+  auto* refine =
+      command->add_flag("--refine", options->refine,
+                        "fit all pixels of the spots with this camera's noise, and tell how "
+                        "well the model explains them");
   command
       ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
                    "camera gain for --refine")
@@ -128,8 +129,8 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->needs(refine)
       ->capture_default_str();
   command
-      ->add_flag("--spot-amplitudes", options->fit.spot_amplitudes,
-                 "for --refine: also fit each subaperture's amplitude, for uneven illumination")
+      ->add_flag("--spot-amplitudes", options->spot_amplitudes,
+                 "for --refine: tell each subaperture's amplitude, too")
       ->needs(refine);
   command->add_option("images", options->images, "image files, each a camera frame")->required();
   command->callback([&common, &status, options] { status = measure_images(common, *options); });

@@ -12,8 +12,8 @@
 #include "core/optics/lattice.hpp"
 #include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/fitting.hpp"
-#include "daemon/ovws/study/refining.hpp"
 #include "daemon/ovws/study/sensor.hpp"
+#include "daemon/ovws/study/wavefront_bound.hpp"
 
 namespace ovws::study {
 namespace {
@@ -70,11 +70,8 @@ double without_tilts(const Eigen::MatrixXd& covariance) {
 
 double bound_of(const Geometry& geometry, const Image<float>& light_e,
                 const std::vector<int>& modes_j) {
-  Refiner refiner = refiner_of(geometry, geometry.sensor.charge, modes_j);
-  // Fit the noise-free image with the noisy image's weights: the covariance is then at the truth.
-  const std::vector<double> flat(modes_j.size(), 0.0);
-  const auto found = refiner.refine(light_e, {1.0, kModesReadNoiseE}, flat);
-  return found ? without_tilts(found->covariance) : kUnknown;
+  SpotRenderer renderer = bound_renderer_of(geometry, geometry.sensor.charge, modes_j);
+  return without_tilts(pixel_covariance(renderer, {}, light_e, kModesReadNoiseE));
 }
 
 /// What a wave of each mode does to the position that a spot's templates tell: 2 x modes.

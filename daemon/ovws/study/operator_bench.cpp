@@ -6,8 +6,8 @@
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovws/study/fitting.hpp"
-#include "daemon/ovws/study/refining.hpp"
 #include "daemon/ovws/study/statistics.hpp"
+#include "daemon/ovws/study/wavefront_bound.hpp"
 
 namespace ovws::study {
 namespace {
@@ -24,8 +24,7 @@ SensorConfig sensor_of(const OperatorTools& tools) {
 }  // namespace
 
 OperatorNames operator_names(int charge) {
-  return {"G-tilt", charge == 0 ? "Z-tilt" : "V-tilt", "tracker's own", "diffractive", "fit",
-          "refined"};
+  return {"G-tilt", charge == 0 ? "Z-tilt" : "V-tilt", "tracker's own", "diffractive", "fit"};
 }
 
 OperatorTools::OperatorTools(int l)
@@ -50,7 +49,7 @@ OperatorBench::OperatorBench(const OperatorTools& tools)
       model_(model_of(tools.geometry, tools.charge)),
       vortex_(tools.charge == 1 ? model_ : model_of(tools.geometry, 1)),
       renderer_(renderer_of(tools.geometry, tools.charge, tools.modes_j())),
-      refiner_(refiner_of(tools.geometry, tools.charge, tools.modes_j())) {}
+      bound_renderer_(bound_renderer_of(tools.geometry, tools.charge, tools.modes_j())) {}
 
 Image<float> OperatorBench::light_e(std::span<const Mode> modes, Light light) {
   return electrons(*model_, *vortex_, modes, light);
@@ -66,17 +65,12 @@ Readings OperatorBench::read(const Image<float>& light_e, std::span<const Mode> 
     readings[k] = linear(tools_.slopes[k], fixes);
   }
   readings[4] = fitted_waves(renderer_, exposure, read_noise_e, readings[kOwn], kRenderings);
-  readings[5] = refined(exposure, read_noise_e, readings[kOwn]);
   return readings;
 }
 
 double OperatorBench::bound_waves(const Image<float>& light_e, std::span<const Mode> modes,
                                   double read_noise_e) {
-  std::vector<double> truth(tools_.modes_j().size(), 0.0);
-  for (const Mode& mode : modes) truth[std::size_t(mode.j - 1)] = mode.waves;
-  // Fit the noise-free image with the noisy image's weights: the covariance is then at the truth.
-  const auto found = refiner_.refine(light_e, {1.0, read_noise_e}, truth);
-  return found ? std::sqrt(found->covariance.trace()) : kUnknown;
+  return std::sqrt(pixel_covariance(bound_renderer_, modes, light_e, read_noise_e).trace());
 }
 
 std::vector<double> OperatorBench::linear(const Eigen::MatrixXd& slopes,
@@ -86,11 +80,6 @@ std::vector<double> OperatorBench::linear(const Eigen::MatrixXd& slopes,
   std::vector<float> waves(tools_.modes_j().size());
   reconstructor.solve(fixes, scratch, waves);
   return {waves.begin(), waves.end()};
-}
-
-std::vector<double> OperatorBench::refined(const Exposure& exposure, double read_noise_e,
-                                           const std::vector<double>& start) {
-  return refined_waves(refiner_, exposure, read_noise_e, start);
 }
 
 }  // namespace ovws::study

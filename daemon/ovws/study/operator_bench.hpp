@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "core/spots/spot_renderer.hpp"
-#include "core/wavefront/refine.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 
 namespace ovws::study {
 
-constexpr std::size_t kOperatorCount = 6;
+constexpr std::size_t kOperatorCount = 5;
 /// Names in the order of Readings: two textbook tilts, the tracker's own slopes, diffractive,
-/// fit, refined.
+/// fit.
 using OperatorNames = std::array<std::string, kOperatorCount>;
 OperatorNames operator_names(int charge);
 
@@ -45,19 +44,15 @@ class OperatorBench {
   /// read noise also disables shot noise.
   Readings read(const Image<float>& light_e, std::span<const Mode> modes, double read_noise_e,
                 std::uint64_t seed);
-  /// The Cramer-Rao bound from all pixels: root sum square over all modes, waves. NaN: the fit
-  /// failed.
+  /// The Cramer-Rao bound from all pixels: root sum square over all modes, waves.
   double bound_waves(const Image<float>& light_e, std::span<const Mode> modes, double read_noise_e);
 
  private:
   std::vector<double> linear(const Eigen::MatrixXd& slopes, std::span<const SpotFix> fixes) const;
-  std::vector<double> refined(const Exposure& exposure, double read_noise_e,
-                              const std::vector<double>& start);
 
   const OperatorTools& tools_;
   std::shared_ptr<SensorModel> model_, vortex_;
-  SpotRenderer renderer_;
-  Refiner refiner_;
+  SpotRenderer renderer_, bound_renderer_;
 };
 
 }  // namespace ovws::study

@@ -8,7 +8,6 @@
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/parallel.hpp"
-#include "daemon/ovws/study/refining.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -18,7 +17,6 @@ namespace ovws::study {
 namespace {
 
 constexpr double kQuickSnr = 5.0;     ///< of what is slow
-constexpr int kRefinedShare = 5;      ///< refine one in five instances: each takes a second
 constexpr int kRenderings = 3;        ///< of templates: two refreshes
 constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the predicted positions
 
@@ -33,7 +31,7 @@ constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 wa
                                       {"defocus", "defocus, 2 waves", 4, 2.0}}};
 
 /// What starts from the tracker's result.
-enum class Then { nothing, fit, refine };
+enum class Then { nothing, fit };
 
 struct Bench {
   const Case* aberration;
@@ -75,13 +73,8 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   const int charge = bench.method.charge;
   const std::vector<int>& modes_j = bench.measurer->modes_j();
   const double read_noise_e = read_noise_of_snr(snr);
-  std::optional<Refiner> refiner;
   std::optional<SpotRenderer> renderer;
   if (bench.then == Then::fit) renderer.emplace(renderer_of(thousand_px_bench(), charge, modes_j));
-  if (bench.then == Then::refine) {
-    instances = std::max(16, instances / kRefinedShare);
-    refiner.emplace(refiner_of(thousand_px_bench(), charge, modes_j));
-  }
   for (int k = 0; k < instances; ++k) {
     std::vector<Vec2> starts = bench.at_px;
     for (Vec2& start : starts) start = start + Vec2{within(random), within(random)};
@@ -89,7 +82,6 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
     const auto fixes = bench.measurer->track(exposure, starts);
     for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
     auto found = bench.measurer->modes(fixes);
-    if (refiner) found = refined_waves(*refiner, exposure, read_noise_e, std::move(found));
     if (renderer) {
       found = fitted_waves(*renderer, exposure, read_noise_e, std::move(found), kRenderings);
     }
@@ -109,8 +101,6 @@ std::vector<std::pair<Method, Then>> methods(Light light) {
   if (light != Light::equal_peak) return all;
   all.push_back({{"vortex, fit", 1, {TrackerKind::matched}}, Then::fit});
   all.push_back({{"Shack-Hartmann, fit", 0, {TrackerKind::weighted}}, Then::fit});
-  all.push_back({{"vortex, refined", 1, {TrackerKind::matched}}, Then::refine});
-  all.push_back({{"Shack-Hartmann, refined", 0, {TrackerKind::weighted}}, Then::refine});
   return all;
 }
 

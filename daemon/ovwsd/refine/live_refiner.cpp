@@ -34,7 +34,7 @@ LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics
     : wavelength_nm_(optics.wavelength_nm),
       keeper_(keeper),
       queue_(queue),
-      model_(slm, ending_),
+      model_(slm),
       inbox_(frames, can_be_refined),
       settings_(settings) {}
 

@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-/// The refine thread's agent. A turn with a frame lasts as long as its fit: seconds. A result is
+/// The refine thread's agent. A turn with a frame lasts as long as its fit. A result is
 /// published with the hologram, sensor and reference that its frame was measured with, whatever
 /// changes meanwhile.
 class LiveRefiner : public Agent {
@@ -34,7 +34,7 @@ class LiveRefiner : public Agent {
   Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
   RefineSetup settings() const { return settings_.get(); }
   StatusMessage::RefinePart report() const { return report_.get(); }
-  /// Starts no more fits; the running one ends within an iteration or two.
+  /// Starts no more fits.
   void end_soon() { ending_.store(true); }
 
  private:
@@ -47,7 +47,7 @@ class LiveRefiner : public Agent {
   const SensorKeeper& keeper_;
   StreamQueue& queue_;
   std::atomic<bool> ending_{false};
-  RefineModel model_;  ///< declared after ending_, which stops it
+  RefineModel model_;
   FrameInbox inbox_;
   Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;

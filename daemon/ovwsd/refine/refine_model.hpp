@@ -1,9 +1,7 @@
-/// Maximum-likelihood refinement of live frames. Caches the refiner and the refined reference,
-/// which are expensive, and rebuilds them when sensor, image, reference or camera parameters
-/// change.
+/// Refinement of live frames: the spots of each are rendered again until they fit. Keeps the model
+/// and its reference, and makes them again when sensor, image, reference or camera change.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,28 +25,22 @@ struct RefinedFrame {
 /// One thread at a time.
 class RefineModel {
  public:
-  /// Once `stop` is true, a fit soon ends with a refusal; `stop` must outlive this object.
-  RefineModel(const SlmGeometry& slm, const std::atomic<bool>& stop);
+  explicit RefineModel(const SlmGeometry& slm);
   ~RefineModel();
 
   /// `sensor`: the one that the frame was measured with. `settings` must have electrons_per_dn.
-  /// Takes seconds, and longer for the first frame of a sensor or of a reference.
+  /// Takes tens of milliseconds, and some tenths of a second for the first frame of a sensor or of
+  /// a reference.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                       const RefineSetup& settings);
 
  private:
   struct Bench;
-  struct RefinedReference;
   Result<void> make_bench(const FrameCopy& frame, const SensorSnapshot& sensor,
                           const RefineSetup& settings);
-  const Result<RefinedModes>& refined_reference(const Reference& reference,
-                                                const RefineSetup& settings);
-  Result<RefinedModes> refine_picture(const Reference& reference, const RefineSetup& settings);
 
   SlmGeometry slm_;
-  const std::atomic<bool>& stop_;
   std::unique_ptr<Bench> bench_;
-  std::unique_ptr<RefinedReference> reference_;
 };
 
 }  // namespace ovws

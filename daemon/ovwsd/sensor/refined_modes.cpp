@@ -6,24 +6,44 @@
 #include <cmath>
 
 namespace ovws {
+namespace {
 
-RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db,
-                           int frames) {
+constexpr int kRenderings = 20;
+
+/// Of the subapertures' fields: a spot's level counts from its rendering, which has the amplitudes
+/// of the reference.
+std::vector<double> amplitudes_of(const PointModel& model,
+                                  const std::vector<SpotEstimates>& estimates) {
+  std::vector<double> amplitudes;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const double level = std::max(0.0, double(estimates[i].level));
+    amplitudes.push_back(std::sqrt(level) * model.amplitude(int(i)));
+    squares += amplitudes.back() * amplitudes.back() / double(estimates.size());
+  }
+  for (double& one : amplitudes) one /= std::sqrt(std::max(squares, 1e-30));
+  return amplitudes;
+}
+
+}  // namespace
+
+PixelNoise pixel_noise(const RefineCamera& camera) {
+  const double read_noise_dn = camera.read_noise_e / camera.electrons_per_dn;
+  return {read_noise_dn * read_noise_dn, 1.0 / camera.electrons_per_dn, camera.saturated_dn};
+}
+
+RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db) {
   const RefineSettings settings = in_format(stated, format);
-  const double electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
-  // The mean of N frames is their sum divided by N, so one DN of it stands for N times the
-  // electrons.
   RefineCamera camera;
-  camera.electrons_per_dn = electrons_per_dn * frames;
-  camera.read_noise_e =
-      std::hypot(settings.read_noise_e, rounding_e(electrons_per_dn)) * std::sqrt(double(frames));
+  camera.electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
+  camera.read_noise_e = std::hypot(settings.read_noise_e, rounding_e(camera.electrons_per_dn));
   camera.black_dn = settings.black_level_dn;
   const double full = full_scale_dn(format);
   camera.saturated_dn = std::min(settings.saturation_dn.value_or(full), full);
   return camera;
 }
 
-std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int frames) const {
+std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const {
   constexpr double kMinPeak = 1.0;  // times the read noise: the fit uses thousands of pixels
   constexpr double kMaxSigmaWaves = 0.1;
   constexpr double kMaxChi2 = 3.0;  // above 1: the configured noise may be somewhat off
@@ -42,7 +62,7 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int f
         "increase the exposure",
         max_sigma);
   }
-  if (!((chi2_per_pixel - 1.0) / frames + 1.0 < kMaxChi2)) {
+  if (!(chi2_per_pixel < kMaxChi2)) {
     return fmt::format(
         "the model does not explain the image (chi2 per pixel is {:.1f}): check the "
         "configured noise, the optics and the illumination",
@@ -51,24 +71,34 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera, int f
   return std::nullopt;
 }
 
-RefinedModes refined_modes(const Refinement& found) {
+Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
+                            std::span<const double> start, std::span<const Mode> fixed) {
+  const auto fit = model.templates(image, pixel_noise(camera), start, fixed, kRenderings);
+  if (!fit) return fail(fit.error());
+  const FrameFit::Measured all = (*fit)->measure(image);
   RefinedModes modes;
-  for (const Mode& mode : found.modes) modes.waves.push_back(mode.waves);
-  modes.sigma_waves = found.sigma_waves;
-  modes.chi2_per_pixel = found.chi2_per_pixel;
-  modes.peak_e = found.peak_e;
-  modes.background_e = found.background_e;
-  modes.iterations = found.iterations;
-  modes.amplitudes = found.amplitudes;
-  return modes;
-}
-
-RefinedModes minus(RefinedModes found, const RefinedModes& reference) {
-  for (std::size_t k = 0; k < found.waves.size(); ++k) {
-    found.waves[k] -= reference.waves[k];
-    found.sigma_waves[k] = std::hypot(found.sigma_waves[k], reference.sigma_waves[k]);
+  modes.waves.assign(all.coefficients.begin(), all.coefficients.end());
+  for (std::size_t k = 0; k < modes.waves.size(); ++k) {
+    modes.sigma_waves.push_back(
+        std::hypot(double(all.sigma_waves[k]), model.reference_sigma_waves()[k]));
   }
-  return found;
+  const std::vector<SpotTemplates>& spots = (*fit)->spots().spots();
+  double peak_dn = 0.0;
+  int lit = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const SpotEstimates& found = all.estimates[i];
+    if (!(found.level > 0.0F)) continue;
+    ++lit;
+    modes.chi2_per_pixel += double(found.chi2_per_cell);
+    modes.background_e += (double(found.background) - camera.black_dn) * camera.electrons_per_dn;
+    peak_dn = std::max(peak_dn, double(found.level) * spots[i].brightest_light);
+  }
+  modes.chi2_per_pixel /= std::max(lit, 1);
+  modes.background_e /= std::max(lit, 1);
+  modes.peak_e = peak_dn * camera.electrons_per_dn;
+  modes.iterations = model.renderings();
+  modes.amplitudes = amplitudes_of(model, all.estimates);
+  return modes;
 }
 
 }  // namespace ovws

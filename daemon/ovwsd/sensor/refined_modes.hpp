@@ -1,5 +1,5 @@
-/// Result of a refinement (maximum-likelihood fit), and whether it is credible. For image files and
-/// live frames.
+/// Result of a refinement, a fit of all pixels with a known camera, and whether it is credible. For
+/// image files and live frames.
 #pragma once
 
 #include <cmath>
@@ -8,14 +8,16 @@
 #include <vector>
 
 #include "core/control/refine_settings.hpp"
-#include "core/wavefront/refine.hpp"
+#include "core/spots/point_model.hpp"
 
 namespace ovws {
 
-/// Camera noise model for the mean of `frames` frames of this format and gain (amplitude gain
-/// 10^(gain_db/20)). Its read noise includes the rounding to whole DN. Requires electrons_per_dn.
-RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db,
-                           int frames);
+/// The noise of the camera's pixels, DN.
+PixelNoise pixel_noise(const RefineCamera& camera);
+
+/// Camera noise model for a frame of this format and gain (amplitude gain 10^(gain_db/20)).
+/// Requires electrons_per_dn.
+RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db);
 
 /// Noise of rounding to whole DN, electrons RMS.
 inline double rounding_e(double electrons_per_dn) {
@@ -29,17 +31,16 @@ struct RefinedModes {
   double peak_e = 0.0;              ///< of the model's brightest pixel above the background
   double background_e = 0.0;        ///< per pixel, above the black level
   int iterations = 0;
-  std::vector<double> amplitudes{};  ///< of each subaperture, see Refinement; empty: not fitted
+  std::vector<double> amplitudes{};  ///< of each subaperture's field, RMS 1; 0: no spot
 
   /// Why the result is not credible, as a message: no light, too few photons for the modes, or a
-  /// model that does not explain the image. None: it is credible. `frames`: how many frames the
-  /// image is the mean of; the limit on chi2 grows with it.
-  std::optional<std::string> doubt(const RefineCamera& camera, int frames = 1) const;
+  /// model that does not explain the image. None: it is credible.
+  std::optional<std::string> doubt(const RefineCamera& camera) const;
 };
 
-/// Converts the result of a fit; no reference is subtracted.
-RefinedModes refined_modes(const Refinement& found);
-/// Subtracts `reference`, which must have the same modes. Standard errors add in quadrature.
-RefinedModes minus(RefinedModes found, const RefinedModes& reference);
+/// Finds the modes from `start` by rendering all spots again and again, until the step is small;
+/// some 15 ms for each rendering on the default bench. Errors: those of PointModel::templates.
+Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
+                            std::span<const double> start, std::span<const Mode> fixed);
 
 }  // namespace ovws

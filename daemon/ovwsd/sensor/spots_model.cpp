@@ -12,25 +12,30 @@ namespace {
 
 constexpr double kMeasuredReachWaves = 0.02;  // RMS from the wavefront of the calibration
 
-/// The mean image of a reference in 16 bits, and its noise by that of present frames, whose format
-/// may be another.
+PixelNoise in_16_bits(PixelNoise noise, PixelFormat format) {
+  const double scale = to_16_bits(format);
+  noise.constant_dn2 *= scale * scale;
+  noise.per_dn *= scale;
+  noise.saturated_dn *= scale;
+  return noise;
+}
+
+/// The mean image of a reference in 16 bits. `noise`: of a single frame, in 16 bits.
 struct MeanImage {
   Image<std::uint16_t> dn;
   PixelNoise noise;
 
-  MeanImage(const ReferencePicture& picture, std::span<const ImageView> images,
-            std::span<const RenderedSpot> spots)
-      : dn(in_16_bits(picture.mean_dn, picture.format)), noise(noise_of(images, spots)) {
-    const double scale = to_16_bits(images.back().format);
-    noise.constant_dn2 *= scale * scale / picture.frames;
-    noise.per_dn *= scale / picture.frames;
+  MeanImage(const ReferencePicture& picture, const PixelNoise& of_frame)
+      : dn(in_16_bits(picture.mean_dn, picture.format)), noise(of_frame) {
+    noise.constant_dn2 /= picture.frames;
+    noise.per_dn /= picture.frames;
   }
   ImageView view() const { return view_of(dn, PixelFormat::mono16); }
 };
 
 /// The wavefront of the reference by its positions; 0 for modes that they do not tell.
-Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeometry& slm,
-                                     const ImageView& like) {
+Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
+                                     int rows) {
   const auto lattice = make_lattice(sensor.sensor, slm);
   if (!lattice) return fail(lattice.error());
   const Reconstructor by_model(
@@ -38,7 +43,7 @@ Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeom
                    slope_model(sensor.sensor.charge, sensor.tracking),
                    px_per_cycle(sensor.optics, slm)),
       sensor.position_modes_j,
-      model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, like.width, like.height));
+      model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, cols, rows));
   std::vector<SpotFix> spots;
   for (const Vec2 at : known_positions(*sensor.reference)) {
     spots.push_back({float(at.x), float(at.y)});
@@ -53,23 +58,6 @@ Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeom
   return waves;
 }
 
-Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm,
-                                  std::span<const ImageView> images) {
-  const ImageView& like = images.back();
-  auto renderer = SpotRenderer::make(sensor.sensor, slm, sensor.optics, like.width, like.height,
-                                     sensor.modes_j, {});
-  if (!renderer) return fail(renderer.error());
-  const auto start = start_of(sensor, slm, like);
-  if (!start) return fail(start.error());
-  PointModel model(std::move(*renderer), sensor.tracking.estimates);
-  const auto flat = model.rendered(std::vector<double>(sensor.modes_j.size()));
-  const MeanImage mean(*sensor.reference->picture, images, flat);
-  auto used = model.use_reference(mean.view(), mean.noise, *start,
-                                  fixed_modes(sensor.reference->aberration, sensor.modes_j));
-  if (!used) return fail(used.error());
-  return model;
-}
-
 Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
                                      std::span<const ImageView> images) {
   const MeasuredShapes& shapes = *sensor.calibration->shapes;
@@ -77,7 +65,8 @@ Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
     return fail(Errc::refused, "calibration", "its spots lie outside the image: calibrate again");
   }
   MeasuredModel model(shapes.spots, shapes.modes_j, sensor.tracking.estimates);
-  const MeanImage mean(*sensor.reference->picture, images, model.spots());
+  const MeanImage mean(*sensor.reference->picture,
+                       in_16_bits(noise_of(images, model.spots()), images.back().format));
   if (auto used = model.use_reference(mean.view(), mean.noise); !used) return fail(used.error());
   return model;
 }
@@ -99,6 +88,27 @@ std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<
   return fixed;
 }
 
+Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
+                                  int rows, const FrameNoise& frame_noise) {
+  auto renderer =
+      SpotRenderer::make(sensor.sensor, slm, sensor.optics, cols, rows, sensor.modes_j, {});
+  if (!renderer) return fail(renderer.error());
+  PointModel model(std::move(*renderer), sensor.tracking.estimates);
+  if (!sensor.reference || sensor.reference->source == ReferenceSource::model) {
+    model.use_model();
+    return model;
+  }
+  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
+  const auto start = start_of(sensor, slm, cols, rows);
+  if (!start) return fail(start.error());
+  const auto [noise, format] = frame_noise(model);
+  const MeanImage mean(*sensor.reference->picture, in_16_bits(noise, format));
+  auto used = model.use_reference(mean.view(), mean.noise, *start,
+                                  fixed_modes(sensor.reference->aberration, sensor.modes_j));
+  if (!used) return fail(used.error());
+  return model;
+}
+
 Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeometry& slm,
                                     std::span<const ImageView> images) {
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
@@ -111,7 +121,11 @@ Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeome
       made.unmeasured_ = measured.error().reason;
     }
   }
-  auto rendered = rendered_model(sensor, slm, images);
+  const ImageView& like = images.back();
+  auto rendered = rendered_model(sensor, slm, like.width, like.height, [&](PointModel& model) {
+    const std::vector<double> flat(sensor.modes_j.size());
+    return std::pair(noise_of(images, model.rendered(flat)), like.format);
+  });
   if (rendered) made.rendered_ = std::move(*rendered);
   if (!rendered && !made.measured_) {
     return fail(made.unmeasured_.empty()

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/spots/measured_model.hpp"
@@ -13,6 +15,15 @@
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 
 namespace ovws {
+
+/// The noise of a frame, DN of the format.
+using FrameNoise = std::function<std::pair<PixelNoise, PixelFormat>(PointModel&)>;
+
+/// The diffraction model of the sensor's spots, and of its reference. Errors: those of
+/// SpotRenderer::make and PointModel::use_reference; Errc::refused, field "reference": it has no
+/// mean image, or too few of its spots are known.
+Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
+                                  int rows, const FrameNoise& frame_noise);
 
 /// Templates of a calibration are exact for this bench, but only near the wavefront that it was
 /// measured at; rendered ones follow any wavefront, and are as exact as the model of the bench.

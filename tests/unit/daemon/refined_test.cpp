@@ -129,25 +129,19 @@ RefineSettings known_camera() {
 }
 
 TEST(RefineCamera, FollowsGainAndFormat) {
-  const RefineCamera plain = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 1);
+  const RefineCamera plain = refine_camera(known_camera(), PixelFormat::mono8, 0.0);
   EXPECT_EQ(plain.electrons_per_dn, 40.0);
   EXPECT_EQ(plain.black_dn, 2.0);
   EXPECT_EQ(plain.saturated_dn, 255.0);
   EXPECT_NEAR(plain.read_noise_e, std::hypot(3.0, 40.0 / std::sqrt(12.0)), 1e-9);
-  const RefineCamera gained = refine_camera(known_camera(), PixelFormat::mono8, 20.0, 1);
+  const RefineCamera gained = refine_camera(known_camera(), PixelFormat::mono8, 20.0);
   EXPECT_NEAR(gained.electrons_per_dn, 4.0, 1e-9);
-  const RefineCamera deep = refine_camera(known_camera(), PixelFormat::mono12, 0.0, 1);
+  const RefineCamera deep = refine_camera(known_camera(), PixelFormat::mono12, 0.0);
   EXPECT_EQ(deep.electrons_per_dn, 2.5);
   EXPECT_EQ(deep.black_dn, 32.0);
   EXPECT_EQ(deep.saturated_dn, 4095.0);
-}
-
-TEST(RefineCamera, AMeanOfFramesHoldsTheElectronsOfAll) {
-  const RefineCamera one = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 1);
-  const RefineCamera four = refine_camera(known_camera(), PixelFormat::mono8, 0.0, 4);
-  EXPECT_EQ(four.electrons_per_dn, 4.0 * one.electrons_per_dn);
-  EXPECT_NEAR(four.read_noise_e, 2.0 * one.read_noise_e, 1e-9);
-  EXPECT_EQ(four.saturated_dn, one.saturated_dn);
+  EXPECT_NEAR(pixel_noise(plain).constant_dn2, 9.0 / 1600.0 + 1.0 / 12.0, 1e-9);
+  EXPECT_NEAR(pixel_noise(plain).per_dn, 1.0 / 40.0, 1e-12);
 }
 
 TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
@@ -162,18 +156,8 @@ TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
   modes.sigma_waves = {0.001};
   modes.chi2_per_pixel = 9.0;
   EXPECT_NE(modes.doubt(camera)->find("9.0"), std::string::npos);
-  EXPECT_FALSE(modes.doubt(camera, 8));  // a mean of eight frames, each with 2.0
   modes.chi2_per_pixel = std::nan("");
   EXPECT_TRUE(modes.doubt(camera));
-}
-
-TEST(RefinedModes, CountFromTheReferenceWithBothErrors) {
-  const RefinedModes found{{0.5, 0.1}, {0.003, 0.001}, 1.0, 500.0, 0.0, 5};
-  const RefinedModes reference{{0.1, 0.1}, {0.004, 0.0}, 1.0, 500.0, 0.0, 5};
-  const RefinedModes difference = minus(found, reference);
-  EXPECT_NEAR(difference.waves[0], 0.4, 1e-12);
-  EXPECT_NEAR(difference.sigma_waves[0], 0.005, 1e-12);
-  EXPECT_NEAR(difference.waves[1], 0.0, 1e-12);
 }
 
 }  // namespace
