@@ -53,7 +53,7 @@ struct StatusMessage {
       std::int64_t t_since_ns = 0;  ///< UTC
       std::string reason;
       std::string action;                            ///< what is done about it, and when
-      int searches = 0;                              ///< whole-image searches since then
+      int searches = 0;                              ///< for the wavefront, since then
       std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
     };
     std::optional<Invalid> invalid;

@@ -61,7 +61,7 @@ SensorField::SensorField(FarFieldWindow window, PupilCells cells)
       sums_(cells_.grid.width, cells_.grid.height) {}
 
 void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
-  set_phasors(modes, light.ln_amplitude);
+  set_phasors(modes);
   std::fill(sums_.pixels.begin(), sums_.pixels.end(), 0.0F);
   for (const CellRun& run : cells_.runs) {
     if (outside_lit_ || run.piece < cells_.subapertures) add_run(run, light);
@@ -73,22 +73,16 @@ void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
                  std::plus<>());
 }
 
-void SensorField::set_phasors(std::span<const Mode> modes, std::span<const Mode> ln_amplitude) {
+void SensorField::set_phasors(std::span<const Mode> modes) {
   const CellGrid& grid = cells_.grid;
   const double diameter = 2.0 * cells_.pupil_radius_px / grid.bin_px;
   const WavefrontRows added(modes, grid.middle(), diameter, cells_.turn);
-  const WavefrontRows logarithm(ln_amplitude, grid.middle(), diameter, cells_.turn);
   const std::vector<std::complex<float>>& table = unit_phasors();
   std::vector<double> values(std::size_t(grid.width));
   for (int y = 0; y < grid.height; ++y) {
-    std::complex<float>* const row = phasors_.row(y);
     added.waves(y, 0, values);
-    std::transform(values.begin(), values.end(), row,
+    std::transform(values.begin(), values.end(), phasors_.row(y),
                    [&](double waves) { return table[phase16(waves)]; });
-    if (ln_amplitude.empty()) continue;
-    logarithm.waves(y, 0, values);
-    std::transform(values.begin(), values.end(), row, row,
-                   [](double ln, std::complex<float> value) { return amplitude(ln) * value; });
   }
 }
 
@@ -105,14 +99,44 @@ void SensorField::add_run(const CellRun& run, const Light& light) {
     factor = phasor(slope.x * off.x + slope.y * off.y);
     next = phasor(slope.x * cells_.grid.bin_px);
   }
-  if (own && !light.amplitudes.empty()) factor *= float(light.amplitudes[piece]);
+  if (!own && !light.ln_amplitude.empty()) {
+    const Vec2 middle = cells_.grid.at_px(0.5 * (run.begin + run.end - 1), run.y);
+    double ln = 0.0;
+    for (const Mode& mode : light.ln_amplitude) {
+      ln += mode.waves * zernike(mode.j, cells_.in_pupil(middle));
+    }
+    factor *= amplitude(ln);
+  }
   const std::complex<float>* const phasors = phasors_.row(run.y);
-  std::complex<float>* const sums = sums_.row(run.y);
   const std::complex<float>* from = cells_.light.data() + run.first;
   std::complex<float>* to = pupil_.data() + run.first;
   for (int x = run.begin; x < run.end; ++x, factor = product(factor, next)) {
-    *to = product(product(*from++, phasors[x]), factor);
-    sums[x] += *to++;
+    *to++ = product(product(*from++, phasors[x]), factor);
+  }
+  if (own && !light.fields.empty()) multiply(run, light.fields[piece]);
+  std::complex<float>* const sums = sums_.row(run.y);
+  const std::complex<float>* sum = pupil_.data() + run.first;
+  for (int x = run.begin; x < run.end; ++x) sums[x] += *sum++;
+}
+
+/// Multiplies the light of a run by 1 + the polynomial.
+void SensorField::multiply(const CellRun& run, const LocalField& field) {
+  const PupilPiece& piece = cells_.pieces[std::size_t(run.piece)];
+  const Vec2 first =
+      (1.0 / piece.radius_px) * (cells_.grid.at_px(run.begin, run.y) - piece.centre_px);
+  const double step = cells_.grid.bin_px / piece.radius_px, eta = first.y;
+  std::array<std::complex<double>, 4> along{};  // of the powers of xi at this eta
+  std::size_t k = 0;
+  for (std::size_t a = 0; a < along.size(); ++a) {
+    double power = 1.0;
+    for (std::size_t b = 0; a + b < along.size(); ++b, power *= eta) along[a] += power * field[k++];
+  }
+  along[0] += 1.0;
+  std::complex<float>* to = pupil_.data() + run.first;
+  for (int x = 0; x < run.end - run.begin; ++x) {
+    const double xi = first.x + x * step;
+    const std::complex<double> value = ((along[3] * xi + along[2]) * xi + along[1]) * xi + along[0];
+    to[x] = product(to[x], std::complex<float>(value));
   }
 }
 

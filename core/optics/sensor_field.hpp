@@ -2,6 +2,7 @@
 /// camera's window.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <optional>
 #include <span>
@@ -19,10 +20,14 @@ namespace ovws {
 /// Differs from SensorModel in five ways: the camera may be turned or mirrored; the field is summed
 /// in cells of some SLM pixels (PupilCells), which makes it three times as fast and wrong by 0.2 %
 /// of a spot's peak field RMS; the wavefront is not rounded to 8 bits, each subaperture may have
-/// its own amplitude, and stray light from outside the subapertures can be excluded. For one thread
+/// its own light, and stray light from outside the subapertures can be excluded. For one thread
 /// at a time.
 class SensorField {
  public:
+  /// A polynomial over a subaperture: coefficients of xi^a eta^b by rising a, then b, a + b <= 3,
+  /// where (xi, eta) is the position from its centre in units of its radius.
+  using LocalField = std::array<std::complex<double>, 10>;
+
   /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
   static Result<SensorField> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
@@ -37,9 +42,9 @@ class SensorField {
   bool outside() const { return outside_lit_; }
   /// What the light does besides the modes; empty: nothing.
   struct Light {
-    std::span<const double> amplitudes{};  ///< of the field over each subaperture
-    std::span<const Mode> ln_amplitude{};  ///< logarithm of the field's amplitude over the pupil
     std::span<const Vec2> slopes_cpp{};    ///< of the phase over each subaperture
+    std::span<const LocalField> fields{};  ///< added to 1, times the field of each subaperture
+    std::span<const Mode> ln_amplitude{};  ///< of the light outside the subapertures
   };
   /// Computes pupil() and far(), some 7 ms for the default bench. Requires finite modes of valid
   /// index.
@@ -53,7 +58,8 @@ class SensorField {
 
  private:
   SensorField(FarFieldWindow window, PupilCells cells);
-  void set_phasors(std::span<const Mode> modes, std::span<const Mode> ln_amplitude);
+  void set_phasors(std::span<const Mode> modes);
+  void multiply(const CellRun& run, const LocalField& field);
   void add_run(const CellRun& run, const Light& light);
   const Image<std::complex<float>>& far_outside_pupil(std::span<const Mode> ln_amplitude);
 
@@ -61,7 +67,7 @@ class SensorField {
   PupilCells cells_;
   bool outside_lit_ = true;
   FarField far_field_;                  ///< of sums_
-  Image<std::complex<float>> phasors_;  ///< what modes and amplitude make of a cell
+  Image<std::complex<float>> phasors_;  ///< what modes make of a cell
   std::vector<std::complex<float>> pupil_;
   Image<std::complex<float>> sums_;                      ///< of pupil_ over the pieces
   std::optional<std::vector<Mode>> fixed_ln_amplitude_;  ///< for which fixed_ was computed

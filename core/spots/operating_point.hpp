@@ -5,15 +5,17 @@
 #include <vector>
 
 #include "core/base/vec2.hpp"
+#include "core/optics/sensor_field.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/spots/pixel_noise.hpp"
 
 namespace ovws {
 
-/// What a real bench does differently from the model; empty: nothing.
+/// What a real bench does differently from the model, for each subaperture; empty: nothing. Uneven
+/// or cut light, and what aberrations the modes do not hold, change the field over a subaperture.
 struct SpotDeviations {
-  std::vector<Mode> ln_amplitude;  ///< logarithm of the field's amplitude over the pupil
-  std::vector<Vec2> offsets_px;    ///< of each spot, which no mode makes
+  std::vector<Vec2> offsets_px;                 ///< of its spot, which no mode makes
+  std::vector<SensorField::LocalField> fields;  ///< added to 1, times its field
 };
 
 /// Templates made again from it are the same.

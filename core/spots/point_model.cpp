@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "core/spots/local_fields.hpp"
 
 namespace ovws {
 namespace {
@@ -12,63 +15,12 @@ constexpr double kMaxStepWaves = 0.4;  // RMS: beyond, the derivatives say nothi
 constexpr double kNearWaves = 0.004;   // RMS: templates are exact enough from there
 constexpr double kFarWaves = 0.05;
 constexpr double kReferenceWaves = 0.002, kFarReferenceWaves = 0.01;
-constexpr int kReferenceRenderings = 8, kReferenceRounds = 5, kBrightnessRounds = 3;
-constexpr double kOffsetSigmas = 3.0;
+constexpr int kReferenceRenderings = 8, kReferenceRounds = 16;
+constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // of chi-squared per cell
 constexpr double kMaxExcess = 0.1;  // of the weighted light, beyond what the reference leaves
 constexpr double kMaxReferenceExcess = 0.15;
 // A false minimum leaves more: of a window's width, or over what the reference leaves.
 constexpr double kMaxResidual = 0.0005, kMaxOverReference = 2.0;
-constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
-constexpr double kAmplitudeRidge = 1e-3;
-
-/// Least squares of modes over the spots' centres; `values` NaN: not known.
-std::vector<Mode> smooth_over(const SpotRenderer& renderer, const std::vector<double>& values) {
-  const int count = renderer.spots() >= kManySpots ? kAmplitudeModes : kFewAmplitudeModes;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count + 1, count + 1) * kAmplitudeRidge;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count + 1), row(count + 1);
-  for (int i = 0; i < renderer.spots(); ++i) {
-    if (std::isnan(values[std::size_t(i)])) continue;
-    for (int j = 0; j <= count; ++j) row(j) = zernike(j, renderer.centre(i));
-    normal += row * row.transpose();
-    right += values[std::size_t(i)] * row;
-  }
-  const Eigen::VectorXd solved = normal.ldlt().solve(right);
-  std::vector<Mode> modes;
-  for (int j = 1; j <= count; ++j) modes.push_back({j, solved(j)});  // the mean is the level
-  return modes;
-}
-
-std::vector<Mode> sum(std::vector<Mode> modes, const std::vector<Mode>& more) {
-  if (modes.empty()) return more;
-  for (std::size_t k = 0; k < modes.size(); ++k) modes[k].waves += more[k].waves;
-  return modes;
-}
-
-/// Takes up what the rendering leaves of the brightness of each spot.
-void take_up_brightness(const SpotRenderer& renderer, const SpotPass& pass,
-                        SpotDeviations& deviations) {
-  std::vector<double> ln;
-  for (const SpotEstimates& found : pass.found) {
-    ln.push_back(found.level > 0.0F ? 0.5 * std::log(double(found.level)) : NAN);
-  }
-  deviations.ln_amplitude = sum(std::move(deviations.ln_amplitude), smooth_over(renderer, ln));
-}
-
-/// Takes up what the rendering leaves of the place of each spot, as far as it is more than noise.
-void take_up_places(const SpotPass& pass, SpotDeviations& deviations) {
-  deviations.offsets_px.resize(pass.found.size());
-  for (std::size_t i = 0; i < pass.found.size(); ++i) {
-    const SpotEstimates& found = pass.found[i];
-    const SpotTemplates& spot = pass.templates[i];
-    if (!(found.level > 0.0F)) continue;
-    const Vec2 left = Vec2{double(found.x), double(found.y)} - spot.place_px;
-    const double cells = double(found.level) * spot.window.bin * spot.window.bin;
-    const double noise = kOffsetSigmas * spot.px_error / cells, size = norm(left);
-    if (size <= noise) continue;
-    deviations.offsets_px[i] =
-        deviations.offsets_px[i] + (1.0 - (noise * noise) / (size * size)) * left;
-  }
-}
 
 }  // namespace
 
@@ -99,34 +51,57 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
   }
 }
 
+Result<PointModel::Found> PointModel::at_reference(const ImageView& image, const PixelNoise& noise,
+                                                   std::vector<double> waves,
+                                                   std::span<const Mode> fixed,
+                                                   const SpotDeviations& deviations) {
+  renderer_.set_deviations(deviations);
+  auto rendered = renderer_.render(waves, fixed);
+  return approach(image, noise, std::move(waves), std::move(rendered), fixed, kReferenceWaves,
+                  kReferenceRenderings);
+}
+
 Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise& noise,
                                        std::span<const double> start_waves,
                                        std::span<const Mode> fixed) {
-  SpotDeviations deviations;
-  std::vector<double> waves(start_waves.begin(), start_waves.end());
-  for (int round = 0;; ++round) {
-    renderer_.set_deviations(deviations);
-    auto rendered = renderer_.render(waves, fixed);
-    auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed,
-                          kReferenceWaves, kReferenceRenderings);
+  SpotDeviations deviations, best;
+  std::vector<double> waves(start_waves.begin(), start_waves.end()), best_waves, px_per_wave;
+  for (int i = 0; i < renderer_.spots(); ++i) px_per_wave.push_back(renderer_.px_per_wave(i));
+  double least_chi2 = std::numeric_limits<double>::infinity();
+  for (int round = 0; round <= kReferenceRounds; ++round) {
+    auto found = at_reference(image, noise, std::move(waves), fixed, deviations);
     if (!found) return fail(found.error());
-    waves = std::move(found->waves);
-    reference_excess_ = found->pass.excess();
-    if (round == kReferenceRounds) {
-      reference_levels_ = found->pass.levels_dn();
-      reference_waves_ = std::vector<double>(waves.size());
-      found->waves = waves;
-      reference_residual_px_ = fit_at(*found, noise, fixed)->check(image, 0.0).residual_px;
-      for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += found->step(Eigen::Index(k));
-      reference_waves_ = std::move(waves);
-      reference_sigma_waves_ = std::move(found->sigma_waves);
-      if (reference_excess_ > kMaxReferenceExcess || found->away_waves > kFarReferenceWaves) break;
-      return {};
-    }
-    // Uneven light moves spots as well, so that places come last.
-    if (round < kBrightnessRounds) take_up_brightness(renderer_, found->pass, deviations);
-    if (round >= kBrightnessRounds) take_up_places(found->pass, deviations);
+    const double chi2 = found->pass.chi2();
+    const bool stalled = chi2 > kStalled * least_chi2;
+    waves = found->waves;
+    if (chi2 < least_chi2) least_chi2 = chi2, best = deviations, best_waves = waves;
+    if (chi2 < kNoiseOnly || stalled) break;
+    take_up_fields(image, found->pass, found->rendered,
+                   renderer_.per_field(found->rendered, found->waves, fixed), noise, px_per_wave,
+                   deviations);
   }
+  if (best_waves.empty()) best_waves = std::move(waves);
+  auto found = at_reference(image, noise, std::move(best_waves), fixed, best);
+  if (!found) return fail(found.error());
+  return count_from(*found, image, noise, fixed);
+}
+
+/// Coefficients count from what frames measure in this image, so that what the model leaves is the
+/// same in both.
+Result<void> PointModel::count_from(const Found& found, const ImageView& image,
+                                    const PixelNoise& noise, std::span<const Mode> fixed) {
+  reference_excess_ = found.pass.excess();
+  reference_levels_ = found.pass.levels_dn();
+  reference_waves_ = std::vector<double>(found.waves.size());
+  const auto fit = fit_at(found, noise, fixed);
+  reference_residual_px_ = fit->check(image, 0.0).residual_px;
+  const std::vector<float> measured = fit->measure(image).coefficients;
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    const double step = found.waves[k] + found.step(Eigen::Index(k));
+    reference_waves_[k] = std::isfinite(measured[k]) ? double(measured[k]) : step;
+  }
+  reference_sigma_waves_ = found.sigma_waves;
+  if (reference_excess_ <= kMaxReferenceExcess && found.away_waves <= kFarReferenceWaves) return {};
   return fail(Errc::refused, "reference", "the model does not explain the reference's image");
 }
 
@@ -188,11 +163,8 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
 }
 
 double PointModel::amplitude(int spot) const {
-  double ln = 0.0;
-  for (const Mode& mode : renderer_.deviations().ln_amplitude) {
-    ln += mode.waves * zernike(mode.j, renderer_.centre(spot));
-  }
-  return std::exp(ln);
+  const auto& fields = renderer_.deviations().fields;
+  return fields.empty() ? 1.0 : std::abs(1.0 + fields[std::size_t(spot)][0]);
 }
 
 double PointModel::allowed_excess() const {

@@ -13,7 +13,8 @@
 namespace ovws {
 
 /// Of one sensor on one bench. Use it from one thread at a time, off the frame path: a rendering
-/// takes some 15 ms on the default bench, and a reference some ten of them.
+/// takes some 15 ms on the default bench, and a reference ten of them, or fifty on a bench that is
+/// very unlike the model.
 class PointModel {
  public:
   /// `estimates`: of each spot, 2 to kMaxSpotEstimates.
@@ -21,16 +22,17 @@ class PointModel {
       : renderer_(std::move(renderer)), estimates_(estimates) {}
 
   /// Fits the image of a reference: its wavefront, from which coefficients count, and what the
-  /// bench does differently from the model: amplitudes and displacements of spots that no mode
-  /// makes. `start_waves` is near its wavefront; `fixed`: modes shown that are not measured.
-  /// Errc::refused, field "reference": the model does not explain the image.
+  /// bench does differently from the model over each subaperture (SpotDeviations). `start_waves` is
+  /// near its wavefront; `fixed`: modes shown that are not measured. Errc::refused, field
+  /// "reference": the model does not explain the image.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
   /// Coefficients count from the model's flat wavefront, and the bench is as the model has it.
   void use_model();
-  /// Standard errors of its wavefront, waves; 0 for the model's.
+  /// Its wavefront, waves, and the standard errors; 0 for the model's.
+  const std::vector<double>& reference_waves() const { return reference_waves_; }
   const std::vector<double>& reference_sigma_waves() const { return reference_sigma_waves_; }
-  /// Relative amplitude of a subaperture's field in the renderings; without a reference 1.
+  /// Relative amplitude of the field at the centre of a subaperture; without a reference 1.
   double amplitude(int spot) const;
   /// Renderings that the last wavefront took.
   int renderings() const { return renderings_; }
@@ -62,6 +64,11 @@ class PointModel {
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
                          std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
                          double near_waves, int renderings);
+  Result<Found> at_reference(const ImageView& image, const PixelNoise& noise,
+                             std::vector<double> waves, std::span<const Mode> fixed,
+                             const SpotDeviations& deviations);
+  Result<void> count_from(const Found& found, const ImageView& image, const PixelNoise& noise,
+                          std::span<const Mode> fixed);
   std::vector<double> from_reference(std::span<const double> coefficients) const;
   Result<std::shared_ptr<const FrameFit>> accepted(const Found& found, const ImageView& image,
                                                    const PixelNoise& noise,

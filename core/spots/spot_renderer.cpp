@@ -1,5 +1,6 @@
 #include "core/spots/spot_renderer.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,6 +15,25 @@ namespace ovws {
 namespace {
 
 constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
+
+constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
+constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
+
+/// Least squares of modes over the spots' centres, for logarithms of amplitudes.
+std::vector<Mode> smooth_over(const SpotRenderer& renderer, const std::vector<double>& values) {
+  const int count = renderer.spots() >= kManySpots ? kAmplitudeModes : kFewAmplitudeModes;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count + 1, count + 1) * kAmplitudeRidge;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count + 1), row(count + 1);
+  for (int i = 0; i < renderer.spots(); ++i) {
+    for (int j = 0; j <= count; ++j) row(j) = zernike(j, renderer.centre(i));
+    normal += row * row.transpose();
+    right += values[std::size_t(i)] * row;
+  }
+  const Eigen::VectorXd solved = normal.ldlt().solve(right);
+  std::vector<Mode> modes;
+  for (int j = 0; j <= count; ++j) modes.push_back({j, solved(j)});
+  return modes;
+}
 
 std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const double> waves,
                            std::span<const Mode> fixed) {
@@ -93,10 +113,7 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
                                                std::span<const Mode> fixed) {
   const std::vector<Mode> modes = modes_of(modes_j_, waves, fixed);
   const FarFieldWindow& image = field_.window();
-  const double step_cpp = image.step_cpp;
-  std::vector<Vec2> slopes_cpp;
-  for (const Vec2 offset : deviations_.offsets_px) slopes_cpp.push_back(step_cpp * offset);
-  field_.propagate(modes, {{}, deviations_.ln_amplitude, slopes_cpp});
+  propagate(modes, deviations_.fields);
   std::vector<int> pieces(spots());
   std::iota(pieces.begin(), pieces.end(), 0);
   moments_.load(field_, modes, pieces);
@@ -125,6 +142,57 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     sum_over_cells(spot.window, spot.per_px);
   }
   return rendered;
+}
+
+/// The subapertures' light goes on outside of them.
+void SpotRenderer::propagate(std::span<const Mode> modes,
+                             std::span<const SensorField::LocalField> fields) {
+  std::vector<Vec2> slopes_cpp;
+  for (const Vec2 offset : deviations_.offsets_px) {
+    slopes_cpp.push_back(field_.window().step_cpp * offset);
+  }
+  std::vector<double> ln;
+  for (const SensorField::LocalField& field : deviations_.fields) {
+    ln.push_back(std::log(std::max(kLeastAmplitude, std::abs(1.0 + field[0]))));
+  }
+  const std::vector<Mode> outside = ln.empty() ? std::vector<Mode>{} : smooth_over(*this, ln);
+  field_.propagate(modes, {slopes_cpp, fields, outside});
+}
+
+std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpot> rendered,
+                                                     std::span<const double> waves,
+                                                     std::span<const Mode> fixed) {
+  constexpr auto kCount = Eigen::Index(PieceMoments::kCount);
+  std::vector<Eigen::MatrixXcf> far;
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    far.push_back(field_of_cells(rendered[i], field_.cells().pieces[i].centre_px));
+  }
+  const std::vector<Mode> modes = modes_of(modes_j_, waves, fixed);
+  propagate(modes, {});  // moments are those of the model's own field
+  std::vector<int> pieces(rendered.size());
+  std::iota(pieces.begin(), pieces.end(), 0);
+  moments_.load(field_, modes, pieces);
+  std::vector<Eigen::MatrixXf> all;
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    const SpotWindow& window = rendered[i].window;
+    const Eigen::MatrixXcf& moments = moments_.at(int(i), middles_of(window));
+    const Eigen::Map<const Eigen::ArrayXcf> field(far[i].data(), far[i].size());
+    Eigen::MatrixXf& change = all.emplace_back(window.cells(), 2 * kCount);
+    for (Eigen::Index k = 0; k < kCount; ++k) {
+      const Eigen::ArrayXcf both =
+          float(2.0 * to_light_) * field.conjugate() * moments.col(k).array();
+      change.col(k) = both.real();
+      change.col(kCount + k) = -both.imag();
+    }
+    sum_over_cells(window, change);
+  }
+  return all;
+}
+
+FarPoints SpotRenderer::middles_of(const SpotWindow& window) const {
+  const double middle = 0.5 * (window.bin - 1);
+  return {Vec2{window.left + middle, window.top + middle}, window.side, window.side,
+          double(window.bin)};
 }
 
 void SpotRenderer::add_light(RenderedSpot& spot) const {
@@ -165,10 +233,7 @@ Eigen::MatrixXcf SpotRenderer::field_of_cells(const RenderedSpot& spot, Vec2 cen
 void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece,
                                    bool own) {
   const SpotWindow& window = spot.window;
-  const double middle = 0.5 * (window.bin - 1);
-  const Eigen::MatrixXcf& moments =
-      moments_.at(piece, {Vec2{window.left + middle, window.top + middle}, window.side, window.side,
-                          double(window.bin)});
+  const Eigen::MatrixXcf& moments = moments_.at(piece, middles_of(window));
   const auto factor = float(-4.0 * std::numbers::pi * to_light_);
   const Eigen::Map<const Eigen::ArrayXcf> field(far.data(), far.size());
   const Eigen::ArrayXf re = factor * field.real(), im = factor * field.imag();

@@ -39,8 +39,20 @@ class SpotRenderer {
     return field_.cells().in_pupil(field_.cells().pieces[std::size_t(spot)].centre_px);
   }
 
+  /// By which one wave of tilt at the edge of a spot's subaperture moves it, camera pixels.
+  double px_per_wave(int spot) const {
+    return 1.0 / (field_.window().step_cpp * field_.cells().pieces[std::size_t(spot)].radius_px);
+  }
+
   void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }
   const SpotDeviations& deviations() const { return deviations_; }
+
+  /// How the light of each cell changes with the field over the spot's own subaperture: with the
+  /// real, then with the imaginary part of each coefficient of its LocalField. About `rendered`,
+  /// the last rendering, of `waves` and `fixed`.
+  std::vector<Eigen::MatrixXf> per_field(std::span<const RenderedSpot> rendered,
+                                         std::span<const double> waves,
+                                         std::span<const Mode> fixed);
 
   /// Renders every spot about the wavefront `waves` (RMS-normalised, one for each of modes_j) plus
   /// `fixed` (other modes that stay, such as those introduced). Windows stay inside the image.
@@ -48,6 +60,8 @@ class SpotRenderer {
 
  private:
   SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window, double reach_px);
+  void propagate(std::span<const Mode> modes, std::span<const SensorField::LocalField> fields);
+  FarPoints middles_of(const SpotWindow& window) const;
   void add_light(RenderedSpot& spot) const;
   Eigen::MatrixXcf field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const;
   void add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece, bool own);

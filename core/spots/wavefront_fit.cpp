@@ -35,6 +35,8 @@ std::vector<SpotEstimates> fit_all(const ImageView& image, const SpotFit& fit) {
   return found;
 }
 
+}  // namespace
+
 Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window) {
   Eigen::VectorXd cells = Eigen::VectorXd::Zero(window.cells());
   const PixelBox box = window.pixels();
@@ -48,12 +50,20 @@ Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window) {
   return cells;
 }
 
-}  // namespace
-
 std::vector<double> SpotPass::levels_dn() const {
   std::vector<double> levels;
   for (const SpotEstimates& spot : found) levels.push_back(double(spot.level));
   return levels;
+}
+
+double SpotPass::chi2() const {
+  double sum = 0.0;
+  int lit = 0;
+  for (const SpotEstimates& spot : found) {
+    if (!(spot.level > 0.0F)) continue;
+    sum += double(spot.chi2_per_cell), ++lit;
+  }
+  return sum / std::max(lit, 1);
 }
 
 double SpotPass::excess() const {

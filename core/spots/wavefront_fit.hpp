@@ -21,7 +21,12 @@ struct SpotPass {
   std::vector<double> levels_dn() const;
   /// Median over the spots of the weighted light that the templates leave beyond noise, relative.
   double excess() const;
+  /// Mean chi-squared per cell of the spots found.
+  double chi2() const;
 };
+
+/// The sum over the pixels of each cell, DN.
+Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window);
 
 /// Makes the templates for the levels that the spots have in the image. `noise` is the pixels'.
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,

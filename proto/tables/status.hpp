@@ -62,7 +62,7 @@ struct Table<StatusMessage::SensorPart::Invalid> {
                    "time of the first invalid frame, UNIX epoch UTC, nanoseconds"),
              field("reason", &P::reason, "why the frames are not valid"),
              field("action", &P::action, "what the daemon does about it, and when"),
-             field("searches", &P::searches, "number of whole-image searches since then",
+             field("searches", &P::searches, "number of searches for the wavefront since then",
                    Bounds::at_least(0)),
              field("t_next_search_ns", &P::t_next_search_ns,
                    "latest time of the next search, UNIX epoch UTC, nanoseconds; an image that "

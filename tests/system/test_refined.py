@@ -90,18 +90,16 @@ class UnevenLight(RefinedCase):
 
     def test_fitted_amplitudes_explain_it(self):
         hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
-        chi2, error = {}, {}
-        for fitted in (False, True):
-            self.assertEqual(self.enable(rate_hz=5.0, spot_amplitudes=fitted)["spot_amplitudes"], fitted)
-            # The first may have started before the change.
-            found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
-            chi2[fitted] = statistics.fmean(message["chi2_per_pixel"] for message in found)
-            error[fitted] = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])
-            print(f"\n  spot_amplitudes {fitted}: chi2 per pixel {chi2[fitted]:.2f}, all errors {error[fitted]:.4f} wave,"
-                  f" largest sigma {max(found[0]['sigma']):.5f}, {found[0]['iterations']} iterations, {found[0]['duration_ms']:.0f} ms")
+        self.assertTrue(self.enable(rate_hz=5.0, spot_amplitudes=True)["spot_amplitudes"])
+        # The first may have started before the change.
+        found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
+        chi2 = statistics.fmean(message["chi2_per_pixel"] for message in found)
+        error = root_sum_square([statistics.fmean(each) for each in zip(*map(errors, found))])
+        print(f"\n  chi2 per pixel {chi2:.2f}, all errors {error:.4f} wave, largest sigma {max(found[0]['sigma']):.5f},"
+              f" {found[0]['iterations']} iterations, {found[0]['duration_ms']:.0f} ms")
         print("  status:", self.call("system.status")["refine"])
-        self.assertLess(chi2[True], 0.7 * chi2[False])
-        self.assertLess(error[True], 0.003)
+        self.assertLess(chi2, 2.0)
+        self.assertLess(error, 0.003)
         self.call("config.save")
         self.assertTrue(self.call("config.get")["refine"]["spot_amplitudes"])
 

@@ -186,6 +186,7 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
     }
   }
   model_.emplace(std::move(model));
+  counts_from_image_ = reference.has_value();
   return {};
 }
 
@@ -215,7 +216,8 @@ void Measurement::fit(const ImageView& image, Measured& measured) {
 /// With the noise of a known camera; what is not explained is not measured.
 void Measurement::refine(const ImageView& image, Measured& measured) {
   for (const std::vector<double>& start : starts(measured)) {
-    auto found = ovws::refine(*model_, image, *camera_, start, {});
+    auto found = counts_from_image_ ? ovws::refine(*model_, image, *camera_, start, {})
+                                    : refine_absolute(*model_, image, *camera_, start, {});
     measured.refused = found ? found->doubt(*camera_).value_or("") : found.error().reason;
     if (!found) continue;
     measured.fitted = true;

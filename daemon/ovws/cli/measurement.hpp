@@ -34,7 +34,7 @@ struct Measured {
   int tracked = 0;
   double saturated = 0.0;           ///< fraction of spots
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not measured
-  std::vector<float> sigma_waves;   ///< standard errors; empty unless `fitted`
+  std::vector<float> sigma_waves;   ///< standard errors; NaN unless `fitted`
   Reconstruction reconstruction;
   bool explained = true;  ///< false: determined, but no wavefront explains the spots
   bool valid = false;
@@ -75,6 +75,7 @@ class Measurement {
   TemplateReport templates_;
   std::optional<PointModel> model_;  ///< of the tracker `fit`
   std::optional<RefineCamera> camera_;
+  bool counts_from_image_ = false;  ///< else from the model
   Acquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;

@@ -22,6 +22,19 @@ json pairs(const std::vector<Vec2>& points) {
   return all;
 }
 
+/// Real and imaginary part of each coefficient of each subaperture.
+json numbers(const std::vector<SensorField::LocalField>& fields) {
+  json all = json::array();
+  for (const SensorField::LocalField& field : fields) {
+    json& one = all.emplace_back(json::array());
+    for (const std::complex<double>& value : field) {
+      one.push_back(value.real());
+      one.push_back(value.imag());
+    }
+  }
+  return all;
+}
+
 /// Errc::invalid, field "path": a part does not fit the others.
 Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t spots) {
   const auto as_many = [spots](std::size_t count) { return count == 0 || count == spots; };
@@ -30,12 +43,11 @@ Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t s
     return mode.j >= 0 && mode.j <= kMaxZernikeIndex && moderate(mode.waves);
   };
   const bool fits = std::all_of(point.fixed.begin(), point.fixed.end(), known) &&
-                    std::all_of(point.deviations.ln_amplitude.begin(),
-                                point.deviations.ln_amplitude.end(), known) &&
                     std::all_of(point.waves.begin(), point.waves.end(), moderate) &&
                     point.waves.size() == modes && point.reference_waves.size() == modes &&
                     point.levels_dn.size() == spots &&
-                    as_many(point.deviations.offsets_px.size()) && point.estimates >= 1 &&
+                    as_many(point.deviations.offsets_px.size()) &&
+                    as_many(point.deviations.fields.size()) && point.estimates >= 1 &&
                     point.estimates <= kMaxSpotEstimates;
   if (fits) return {};
   return fail(Errc::invalid, "path", "the recording's operating point has parts that do not fit");
@@ -54,9 +66,14 @@ OperatingPoint point_from(const json& content) {
   point.waves = content.at("waves").get<std::vector<double>>();
   point.reference_waves = content.at("reference_waves").get<std::vector<double>>();
   point.fixed = modes_from(content.at("fixed"));
-  point.deviations.ln_amplitude = modes_from(content.at("ln_amplitude"));
   for (const json& offset : content.at("offsets_px")) {
     point.deviations.offsets_px.push_back({offset.at(0).get<double>(), offset.at(1).get<double>()});
+  }
+  for (const json& numbers : content.value("fields", json::array())) {
+    SensorField::LocalField& field = point.deviations.fields.emplace_back();
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      field[k] = {numbers.at(2 * k).get<double>(), numbers.at(2 * k + 1).get<double>()};
+    }
   }
   point.noise.constant_dn2 = content.at("noise_constant_dn2").get<double>();
   point.noise.per_dn = content.at("noise_per_dn").get<double>();
@@ -84,8 +101,8 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
           {"waves", point.waves},
           {"reference_waves", point.reference_waves},
           {"fixed", to_json(point.fixed)},
-          {"ln_amplitude", to_json(point.deviations.ln_amplitude)},
           {"offsets_px", pairs(point.deviations.offsets_px)},
+          {"fields", numbers(point.deviations.fields)},
           {"noise_constant_dn2", point.noise.constant_dn2},
           {"noise_per_dn", point.noise.per_dn},
           {"lit", point.lit},
@@ -107,6 +124,9 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, c
                 "the recording's operating point is for other images or modes");
   }
   if (content.value("measured", false)) return from_shapes(content, roi, modes_j, calibration);
+  if (!content.value("ln_amplitude", json::array()).empty()) {
+    return fail(Errc::refused, "path", "templates of an older version cannot be rendered again");
+  }
   if (std::string key = model.dump(); !renderer_ || key != renderer_key_) {
     renderer_.reset();
     const auto sensor = decode<SensorConfig>(model.at("sensor"));

@@ -103,7 +103,8 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   if (std::isnan(frame.gain_db)) return refused(kNoGainInDb);
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   if (!bench_->model) {
-    return refused("the reference cannot be refined: " + bench_->model.error().reason);
+    const char* const of = out.against_reference ? "the reference cannot be refined: " : "";
+    return refused(of + bench_->model.error().reason);
   }
   std::vector<double> start(frame.coefficients.begin(), frame.coefficients.end());
   if (!out.against_reference) {
@@ -115,8 +116,10 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   const std::vector<Mode> shown =
       shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
   const std::int64_t begun_ns = monotonic_ns();
-  auto found =
-      ovws::refine(*bench_->model, frame.image, camera, start, fixed_modes(shown, sensor.modes_j));
+  const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
+  auto found = out.against_reference
+                   ? ovws::refine(*bench_->model, frame.image, camera, start, fixed)
+                   : refine_absolute(*bench_->model, frame.image, camera, start, fixed);
   out.duration_ms = 1e-6 * double(monotonic_ns() - begun_ns);
   if (!found) return refused(found.error().reason);
   out.modes = std::move(*found);

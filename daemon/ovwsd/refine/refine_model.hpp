@@ -16,10 +16,11 @@
 namespace ovws {
 
 struct RefinedFrame {
-  std::optional<RefinedModes> modes;  ///< minus the reference's; none: the fit found no minimum
-  std::string refusal;                ///< why the result is not valid, for a person; empty: it is
-  bool against_reference = false;     ///< else relative to the model
-  double duration_ms = 0.0;           ///< of this frame's fit
+  std::optional<RefinedModes>
+      modes;            ///< minus the reference's; none: the spots do not look as rendered
+  std::string refusal;  ///< why the result is not valid, for a person; empty: it is
+  bool against_reference = false;  ///< else relative to the model
+  double duration_ms = 0.0;        ///< of this frame's fit
 };
 
 /// One thread at a time.

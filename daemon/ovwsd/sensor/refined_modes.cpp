@@ -25,6 +25,34 @@ std::vector<double> amplitudes_of(const PointModel& model,
   return amplitudes;
 }
 
+RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const ImageView& image,
+                      const RefineCamera& camera) {
+  const FrameFit::Measured all = fit.measure(image);
+  RefinedModes modes;
+  modes.waves.assign(all.coefficients.begin(), all.coefficients.end());
+  for (std::size_t k = 0; k < modes.waves.size(); ++k) {
+    modes.sigma_waves.push_back(
+        std::hypot(double(all.sigma_waves[k]), model.reference_sigma_waves()[k]));
+  }
+  const std::vector<SpotTemplates>& spots = fit.spots().spots();
+  double peak_dn = 0.0;
+  int lit = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const SpotEstimates& found = all.estimates[i];
+    if (!(found.level > 0.0F)) continue;
+    ++lit;
+    modes.chi2_per_pixel += double(found.chi2_per_cell);
+    modes.background_e += (double(found.background) - camera.black_dn) * camera.electrons_per_dn;
+    peak_dn = std::max(peak_dn, double(found.level) * spots[i].brightest_light);
+  }
+  modes.chi2_per_pixel /= std::max(lit, 1);
+  modes.background_e /= std::max(lit, 1);
+  modes.peak_e = peak_dn * camera.electrons_per_dn;
+  modes.iterations = model.renderings();
+  modes.amplitudes = amplitudes_of(model, all.estimates);
+  return modes;
+}
+
 }  // namespace
 
 PixelNoise pixel_noise(const RefineCamera& camera) {
@@ -75,29 +103,27 @@ Result<RefinedModes> refine(PointModel& model, const ImageView& image, const Ref
                             std::span<const double> start, std::span<const Mode> fixed) {
   const auto fit = model.templates(image, pixel_noise(camera), start, fixed, kRenderings);
   if (!fit) return fail(fit.error());
-  const FrameFit::Measured all = (*fit)->measure(image);
-  RefinedModes modes;
-  modes.waves.assign(all.coefficients.begin(), all.coefficients.end());
-  for (std::size_t k = 0; k < modes.waves.size(); ++k) {
-    modes.sigma_waves.push_back(
-        std::hypot(double(all.sigma_waves[k]), model.reference_sigma_waves()[k]));
+  return modes_of(model, **fit, image, camera);
+}
+
+Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
+                                     const RefineCamera& camera, std::span<const double> start,
+                                     std::span<const Mode> fixed) {
+  model.use_model();
+  const PixelNoise noise = pixel_noise(camera);
+  const auto near = model.templates(image, noise, start, fixed, kRenderings);
+  if (!near) return fail(near.error());
+  const std::vector<float> found = (*near)->measure(image).coefficients;
+  const std::vector<double> waves(found.begin(), found.end());
+  if (auto used = model.use_reference(image, noise, waves, fixed); !used) return fail(used.error());
+  const std::vector<double> none(waves.size());
+  const auto fit = model.templates(image, noise, none, fixed, kRenderings);
+  if (!fit) return fail(fit.error());
+  RefinedModes modes = modes_of(model, **fit, image, camera);
+  for (std::size_t k = 0; k < waves.size(); ++k) {
+    modes.waves[k] += model.reference_waves()[k];
+    modes.sigma_waves[k] = model.reference_sigma_waves()[k];
   }
-  const std::vector<SpotTemplates>& spots = (*fit)->spots().spots();
-  double peak_dn = 0.0;
-  int lit = 0;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const SpotEstimates& found = all.estimates[i];
-    if (!(found.level > 0.0F)) continue;
-    ++lit;
-    modes.chi2_per_pixel += double(found.chi2_per_cell);
-    modes.background_e += (double(found.background) - camera.black_dn) * camera.electrons_per_dn;
-    peak_dn = std::max(peak_dn, double(found.level) * spots[i].brightest_light);
-  }
-  modes.chi2_per_pixel /= std::max(lit, 1);
-  modes.background_e /= std::max(lit, 1);
-  modes.peak_e = peak_dn * camera.electrons_per_dn;
-  modes.iterations = model.renderings();
-  modes.amplitudes = amplitudes_of(model, all.estimates);
   return modes;
 }
 

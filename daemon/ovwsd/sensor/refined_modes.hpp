@@ -43,4 +43,11 @@ struct RefinedModes {
 Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
                             std::span<const double> start, std::span<const Mode> fixed);
 
+/// The same without a reference: the modes against the model, which first learns from the image
+/// what the bench does differently over each subaperture; some tenths of a second. Errors: those of
+/// PointModel::templates and PointModel::use_reference.
+Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
+                                     const RefineCamera& camera, std::span<const double> start,
+                                     std::span<const Mode> fixed);
+
 }  // namespace ovws

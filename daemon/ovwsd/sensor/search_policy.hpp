@@ -1,4 +1,4 @@
-/// Decides when to search the whole image for lost spots, or to render templates, again.
+/// Decides when to search the wavefront again.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@ namespace ovws {
 
 /// How well the newest frames are measured.
 enum class Doubt {
-  none,     ///< every spot is found, and a wavefront explains the positions
-  partial,  ///< frames are valid, but a spot is lost or the residual is high
+  none,     ///< templates describe them
+  partial,  ///< frames are valid, but templates would measure them better
   blind,    ///< no frame is valid
 };
 

@@ -49,9 +49,11 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action = !lack.searched ? "select the tracker fit, which finds strong wavefronts, too"
-                   : lack.waits   ? "templates of this wavefront are awaited"
-                                  : action_of(search, now_ns);
+  invalid.action =
+      !lack.searched
+          ? "use the tracker fit with a Mono pixel_format, which finds strong wavefronts, too"
+      : lack.waits ? "templates of this wavefront are awaited"
+                   : action_of(search, now_ns);
   invalid.searches = search.searches;
   if (lack.searched && !search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);
@@ -74,6 +76,7 @@ void ValidityWatch::search_failed(std::int64_t next_ns) {
 }
 
 void ValidityWatch::announce(Events& events, std::int64_t now_ns) {
+  if (is_valid()) progress_.change([](SearchProgress& progress) { progress.searches = 0; });
   const auto now = lack(now_ns);
   if (now && announced_ns_ == 0 && now_ns - now->since_ns >= kAnnounceNs) {
     announced_ns_ = now->since_ns;

@@ -52,7 +52,8 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(waits.action, "templates of this wavefront are awaited");
   EXPECT_FALSE(waits.t_next_search_ns);
   const auto plain = invalid_in_words({2 * kS, 7, 19, true, false, false}, {}, 4 * kS, utc_ns);
-  EXPECT_EQ(plain.action, "select the tracker fit, which finds strong wavefronts, too");
+  EXPECT_EQ(plain.action,
+            "use the tracker fit with a Mono pixel_format, which finds strong wavefronts, too");
   EXPECT_FALSE(plain.t_next_search_ns);
 }
 

@@ -62,6 +62,13 @@ TEST(SensorField, IsTheModelsLightAroundTheSpotsButForItsCells) {
   EXPECT_LT(std::sqrt(squares / pixels), 0.001);
 }
 
+/// Every subaperture with this amplitude.
+std::vector<SensorField::LocalField> amplitudes_of(double amplitude) {
+  SensorField::LocalField field{};
+  field[0] = amplitude - 1.0;
+  return std::vector<SensorField::LocalField>(19, field);
+}
+
 class Piece : public testing::TestWithParam<int> {};
 
 TEST_P(Piece, HasTheFieldThatGoesWhenItGoesDark) {
@@ -71,14 +78,34 @@ TEST_P(Piece, HasTheFieldThatGoesWhenItGoesDark) {
     field.propagate(kModes, {});
     const auto with = field.far();
     moments.load(field, kModes, {&i, 1});
-    std::vector<double> amplitudes(19, 1.0);
-    amplitudes[std::size_t(i)] = 0.0;
-    field.propagate(kModes, {.amplitudes = amplitudes});
+    auto dark = amplitudes_of(1.0);
+    dark[std::size_t(i)][0] = -1.0;
+    field.propagate(kModes, {.fields = dark});
     const PixelBox box = box_at(moments.falls_px(std::size_t(i), kModes));
     const auto& m = moments.at(i, box);
     const auto own = [&](int x, int y) { return with.at(x, y) - field.far().at(x, y); };
     EXPECT_LT(difference(box, own, [&](int k) { return m(k, 0); }), 0.003) << i;
   }
+}
+
+TEST_P(Piece, ChangesTheFieldByAPolynomialAsItsMomentsSay) {
+  SensorField field = make_field(GetParam());
+  PieceMoments moments(field, std::vector<int>{1});
+  const int piece = 9;
+  field.propagate(kModes, {});
+  const auto before = field.far();
+  moments.load(field, kModes, {&piece, 1});
+  auto fields = amplitudes_of(1.0);
+  Eigen::VectorXcf coefficients(PieceMoments::kCount);
+  for (std::size_t k = 0; k < PieceMoments::kCount; ++k) {
+    fields[piece][k] = {0.2 - 0.05 * double(k), 0.03 * double(k)};
+    coefficients(Eigen::Index(k)) = std::complex<float>(fields[piece][k]);
+  }
+  field.propagate(kModes, {.fields = fields});
+  const PixelBox box = box_at(moments.falls_px(std::size_t(piece), kModes));
+  const Eigen::VectorXcf expected = moments.at(piece, box) * coefficients;
+  const auto change = [&](int x, int y) { return field.far().at(x, y) - before.at(x, y); };
+  EXPECT_LT(difference(box, change, [&](int p) { return expected(p); }), 0.01);
 }
 INSTANTIATE_TEST_SUITE_P(Charges, Piece, testing::Values(0, 1, 2));
 
@@ -88,10 +115,10 @@ TEST(PieceMoments, TellHowAModeChangesTheField) {
   field.set_outside(false);
   const std::vector<int> modes_j{4, 12, 17};
   PieceMoments moments(field, modes_j);
-  std::vector<double> alone(19, 0.0);
-  alone[4] = 1.0;
+  auto alone = amplitudes_of(0.0);
+  alone[4][0] = 0.0;
   const int piece = 4;
-  field.propagate(kModes, {.amplitudes = alone});
+  field.propagate(kModes, {.fields = alone});
   moments.load(field, kModes, {&piece, 1});
   const PixelBox box = box_at(moments.falls_px(4, kModes));
   const auto& m = moments.at(piece, box);
@@ -100,9 +127,9 @@ TEST(PieceMoments, TellHowAModeChangesTheField) {
     std::vector<Mode> up = kModes, down = kModes;
     up.push_back({modes_j[k], kStep});
     down.push_back({modes_j[k], -kStep});
-    field.propagate(up, {.amplitudes = alone});
+    field.propagate(up, {.fields = alone});
     const auto above = field.far();
-    field.propagate(down, {.amplitudes = alone});
+    field.propagate(down, {.fields = alone});
     const auto change = [&](int x, int y) {
       return (above.at(x, y) - field.far().at(x, y)) / float(2.0 * kStep);
     };
@@ -116,8 +143,8 @@ TEST(SensorField, CellsHoldEveryPixelOfThePupilOnce) {
   // In the middle of the window the light from outside the subapertures is exact.
   constexpr int kSize = 513, kMiddle = 256;
   SensorField field = SensorField::make({}, {}, {}, kSize, kSize).value();
-  const std::vector<double> dark(19, 0.0);
-  field.propagate({}, {.amplitudes = dark});
+  const auto dark = amplitudes_of(0.0);
+  field.propagate({}, {.fields = dark});
   HologramConfig hologram;
   const HologramRenderer renderer = HologramRenderer::make(hologram).value();
   Image<std::uint8_t> grey;
